@@ -1,0 +1,130 @@
+//! Velocity and acceleration as differences of encoder counts (thesis 6.3.3, flags L(14), L(52), L(77)).
+//!
+//! ```text
+//! n_v[k] = n[k] - n[k - Wv]          counts per Wv samples
+//! n_a[k] = n_v[k] - n_v[k - Wa]      counts per Wv and Wa samples
+//! ```
+//!
+//! The thesis's "vary mode" is lost; EQUATIONS section 9 resolves it to these windows (5 and 3
+//! samples by default). One history of positions serves both: n_a needs n at k, k - Wv, k - Wa and
+//! k - Wv - Wa. Values are exact: no rounding, no overflow (34 bits at most, held in 64).
+
+/// Positions kept; the sum of both windows must be smaller.
+const HISTORY: usize = 128;
+
+/// Longest window, samples. Two of them and the present sample fit the history.
+pub const MAX_WINDOW_SAMPLES: u8 = 63;
+
+/// The windows, in samples, 1 to [`MAX_WINDOW_SAMPLES`] each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EstimatorConfig {
+    /// Wv, samples.
+    pub velocity_window: u8,
+    /// Wa, samples.
+    pub acceleration_window: u8,
+}
+
+/// Position and its differences at one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Motion {
+    /// n[k], counts.
+    pub position: i32,
+    /// n[k] - n[k-1], counts: what the supervisor judges the encoder by.
+    pub step: i64,
+    /// n_v[k], counts per velocity window.
+    pub velocity: i64,
+    /// n_a[k], counts per velocity window per acceleration window.
+    pub acceleration: i64,
+}
+
+/// The history of positions. Its first sample fills it, so a drive at rest has no velocity.
+#[derive(Clone, Debug)]
+pub struct Estimator {
+    positions: [i32; HISTORY],
+    newest: usize,
+    primed: bool,
+}
+
+impl Default for Estimator {
+    fn default() -> Self {
+        Estimator { positions: [0; HISTORY], newest: 0, primed: false }
+    }
+}
+
+impl Estimator {
+    /// Takes n[k] and tells the motion at k.
+    pub(crate) fn update(&mut self, config: &EstimatorConfig, position: i32) -> Motion {
+        if !self.primed {
+            self.positions = [position; HISTORY];
+            self.primed = true;
+        }
+        self.newest = (self.newest + 1) % HISTORY;
+        self.positions[self.newest] = position;
+
+        let v = usize::from(config.velocity_window);
+        let a = usize::from(config.acceleration_window);
+        let velocity = self.back(0) - self.back(v);
+        let velocity_before = self.back(a) - self.back(a + v);
+        Motion {
+            position,
+            step: self.back(0) - self.back(1),
+            velocity,
+            acceleration: velocity - velocity_before,
+        }
+    }
+
+    /// n[k - samples].
+    fn back(&self, samples: usize) -> i64 {
+        i64::from(self.positions[self.newest.wrapping_sub(samples) % HISTORY])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const THESIS: EstimatorConfig = EstimatorConfig { velocity_window: 5, acceleration_window: 3 };
+
+    #[test]
+    fn a_drive_at_rest_has_no_velocity_from_the_first_sample_on() {
+        let mut estimator = Estimator::default();
+        for _ in 0..20 {
+            let motion = estimator.update(&THESIS, 8192);
+            assert_eq!((motion.velocity, motion.acceleration, motion.step), (0, 0, 0));
+        }
+    }
+
+    #[test]
+    fn constant_speed_is_counts_per_window_without_acceleration() {
+        let mut estimator = Estimator::default();
+        let motion = (0..20).map(|k| estimator.update(&THESIS, 7 * k)).last().expect("samples");
+        assert_eq!((motion.velocity, motion.acceleration, motion.step), (35, 0, 7));
+    }
+
+    #[test]
+    fn constant_acceleration_is_the_product_of_the_windows() {
+        // n = k^2: n_v = 10 k - 25, n_a = 10 * 3.
+        let mut estimator = Estimator::default();
+        let motion = (0..20).map(|k| estimator.update(&THESIS, k * k)).last().expect("samples");
+        assert_eq!((motion.velocity, motion.acceleration), (10 * 19 - 25, 30));
+    }
+
+    #[test]
+    fn the_longest_windows_reach_back_exactly_so_far() {
+        let longest =
+            EstimatorConfig { velocity_window: MAX_WINDOW_SAMPLES, acceleration_window: MAX_WINDOW_SAMPLES };
+        let mut estimator = Estimator::default();
+        let motion = (0..300).map(|k| estimator.update(&longest, k * k)).last().expect("samples");
+        assert_eq!(motion.velocity, 299 * 299 - (299 - 63) * (299 - 63));
+        assert_eq!(motion.acceleration, 2 * 63 * 63);
+    }
+
+    #[test]
+    fn the_ends_of_the_count_range_do_not_overflow() {
+        let mut estimator = Estimator::default();
+        estimator.update(&THESIS, i32::MIN);
+        let motion = estimator.update(&THESIS, i32::MAX);
+        assert_eq!(motion.velocity, (1 << 32) - 1);
+        assert_eq!(motion.acceleration, (1 << 32) - 1);
+    }
+}

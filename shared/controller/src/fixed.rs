@@ -1,0 +1,49 @@
+//! Exact integer arithmetic that cannot panic: saturation and division toward zero.
+
+use core::num::NonZeroU32;
+
+/// `value` limited to the range of `i32`. The only saturation of the law's exact sums.
+pub(crate) fn saturate(value: i64) -> i32 {
+    value.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+}
+
+/// `value / divisor`, truncated toward zero; exact for every input, also for `i32::MIN`.
+///
+/// The magnitudes are divided, since an unsigned division by a `NonZeroU32` has no path that traps.
+/// EQUATIONS section 9: the thesis says "/" and "shifting"; toward zero keeps the law odd.
+pub(crate) fn divide_toward_zero(value: i32, divisor: NonZeroU32) -> i32 {
+    let magnitude = i64::from(value.unsigned_abs() / divisor);
+    saturate(if value < 0 { -magnitude } else { magnitude })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn divisor(value: u32) -> NonZeroU32 {
+        NonZeroU32::new(value).expect("not zero")
+    }
+
+    #[test]
+    fn saturation_keeps_what_fits_and_limits_what_does_not() {
+        let edges = [(0, 0), (-1, -1), (1 << 40, i32::MAX), (-(1 << 40), i32::MIN)];
+        for (value, expected) in edges {
+            assert_eq!(saturate(value), expected);
+        }
+        assert_eq!(saturate(i64::from(i32::MAX)), i32::MAX);
+        assert_eq!(saturate(i64::from(i32::MIN)), i32::MIN);
+        assert_eq!(saturate(i64::from(i32::MAX) + 1), i32::MAX);
+        assert_eq!(saturate(i64::from(i32::MIN) - 1), i32::MIN);
+    }
+
+    #[test]
+    fn division_truncates_toward_zero_on_both_sides() {
+        for (value, by, expected) in
+            [(255, 256, 0), (-255, 256, 0), (257, 256, 1), (-257, 256, -1), (-512, 256, -2)]
+        {
+            assert_eq!(divide_toward_zero(value, divisor(by)), expected);
+        }
+        assert_eq!(divide_toward_zero(i32::MIN, divisor(1)), i32::MIN);
+        assert_eq!(divide_toward_zero(i32::MAX, divisor(u32::MAX)), 0);
+    }
+}

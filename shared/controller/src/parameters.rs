@@ -1,0 +1,301 @@
+//! The one table of the controller's parameters.
+//!
+//! It serves `config get/set/export/import`, storage as (id, value) pairs, the header of TARGET
+//! files and help. Ids are stored and sent: they never change and are never used again. Values are
+//! `i32`, whatever the type they become in [`Config`](crate::Config).
+
+use crate::law::PROFILE_LEN;
+
+/// Ids of the parameters, in the order of the table.
+pub mod id {
+    #![allow(missing_docs)] // The table below says what each one means.
+    pub const PERIOD_US: u16 = 1;
+    pub const DELAY_US: u16 = 2;
+    pub const OPEN_LOOP: u16 = 3;
+    pub const LAW: u16 = 4;
+    pub const PROFILE_SPAN_COUNTS: u16 = 5;
+    pub const PROPORTIONAL_GAIN: u16 = 6;
+    pub const VELOCITY_GAIN: u16 = 7;
+    pub const ACCELERATION_GAIN: u16 = 8;
+    pub const VELOCITY_WINDOW_SAMPLES: u16 = 9;
+    pub const ACCELERATION_WINDOW_SAMPLES: u16 = 10;
+    pub const VELOCITY_DEAD_BAND: u16 = 11;
+    pub const DEAD_BAND_COUNTS: u16 = 12;
+    pub const SCALE: u16 = 13;
+    pub const NULL_OFFSET_COUNTS: u16 = 14;
+    pub const POSITION_MIN_COUNTS: u16 = 15;
+    pub const POSITION_MAX_COUNTS: u16 = 16;
+    pub const ENCODER_STEP_COUNTS: u16 = 17;
+    pub const LATE_SAMPLE_US: u16 = 18;
+    pub const HOST_SILENCE_MS: u16 = 19;
+    pub const NULL_CODE: u16 = 20;
+    pub const OUTPUT_INVERTED: u16 = 21;
+    pub const ENCODER_INVERTED: u16 = 22;
+    pub const ENCODER_PM_PER_COUNT: u16 = 23;
+    pub const SENSOR_BITS: u16 = 24;
+    pub const PRESSURE_MIN_PA: u16 = 25;
+    pub const PRESSURE_MAX_PA: u16 = 26;
+    pub const SPOOL_MIN_NM: u16 = 27;
+    pub const SPOOL_MAX_NM: u16 = 28;
+    /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
+    pub const GAIN_PROFILE: u16 = 256;
+}
+
+/// One line of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// What it is stored and sent under; an array has consecutive ids from here on.
+    pub id: u16,
+    /// Name as users type it.
+    pub name: &'static str,
+    /// Entries: 1, or the length of an array.
+    pub len: u16,
+    /// Unit, or "" for a plain number.
+    pub unit: &'static str,
+    /// Smallest allowed value.
+    pub min: i32,
+    /// Largest allowed value.
+    pub max: i32,
+    /// Value of a new controller (thesis Appendix VII where it has one).
+    pub default: i32,
+    /// What it does.
+    pub meaning: &'static str,
+    /// Name in the thesis, or "".
+    pub thesis: &'static str,
+}
+
+/// A scalar line, in the order the table is read in.
+macro_rules! scalar {
+    ($id:ident, $name:literal, $unit:literal, $min:expr, $max:expr, $default:expr, $thesis:literal, $meaning:literal) => {
+        Parameter {
+            id: id::$id,
+            name: $name,
+            len: 1,
+            unit: $unit,
+            min: $min,
+            max: $max,
+            default: $default,
+            meaning: $meaning,
+            thesis: $thesis,
+        }
+    };
+}
+
+const COUNT_MAX: i32 = i32::MAX;
+const GAIN_MAX: i32 = u16::MAX as i32;
+const WINDOW_MAX: i32 = crate::estimator::MAX_WINDOW_SAMPLES as i32;
+const COMMAND_MAX: i32 = crate::drive::MAX_COUNTS as i32;
+const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
+
+/// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
+#[rustfmt::skip]
+pub static TABLE: [Parameter; 29] = [
+    scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
+    scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
+    scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
+    scalar!(LAW, "law", "", 0, 1, 0, "L(8)", "0: gain profile. 1: proportional."),
+    scalar!(PROFILE_SPAN_COUNTS, "profile_span_counts", "counts", 1, 65_535, 4, "L(67)", "Range of error that one entry of the gain profile covers."),
+    scalar!(PROPORTIONAL_GAIN, "proportional_gain", "", 0, GAIN_MAX, 1, "C(21)", "Gain of the proportional law."),
+    scalar!(VELOCITY_GAIN, "velocity_gain", "", 0, GAIN_MAX, 1, "C(43)", "Gain on counts per velocity window."),
+    scalar!(ACCELERATION_GAIN, "acceleration_gain", "", 0, GAIN_MAX, 1, "C(44)", "Gain on counts per velocity and acceleration window."),
+    scalar!(VELOCITY_WINDOW_SAMPLES, "velocity_window_samples", "samples", 1, WINDOW_MAX, 5, "L(52)", "Samples over which the velocity is a difference of counts."),
+    scalar!(ACCELERATION_WINDOW_SAMPLES, "acceleration_window_samples", "samples", 1, WINDOW_MAX, 3, "L(77)", "Samples over which the acceleration is a difference of velocities."),
+    scalar!(VELOCITY_DEAD_BAND, "velocity_dead_band", "counts/window", 0, COUNT_MAX, 0, "C(45)", "Velocities below it count as standstill; 0: off."),
+    scalar!(DEAD_BAND_COUNTS, "dead_band_counts", "counts", 0, COUNT_MAX, 0, "C(27)", "Errors below it ask for nothing; 0: off."),
+    scalar!(SCALE, "scale", "", 1, COUNT_MAX, 256, "L(68)", "The law's sum is divided by it to give valve counts: 256 solenoid, 65536 stepper."),
+    scalar!(NULL_OFFSET_COUNTS, "null_offset_counts", "counts", -COMMAND_MAX, COMMAND_MAX, 0, "8.2.3", "Command at which the valve is at its null; added to the demand."),
+    scalar!(POSITION_MIN_COUNTS, "position_min_counts", "counts", -COUNT_MAX, COUNT_MAX, -249, "", "Below it the supervisor trips."),
+    scalar!(POSITION_MAX_COUNTS, "position_max_counts", "counts", -COUNT_MAX, COUNT_MAX, 25_145, "", "Above it the supervisor trips."),
+    scalar!(ENCODER_STEP_COUNTS, "encoder_step_counts", "counts", 1, COUNT_MAX, 540, "", "A longer step in one sample trips the supervisor."),
+    scalar!(LATE_SAMPLE_US, "late_sample_us", "us", 1, 100_000, 100, "", "A sample later than this trips the supervisor."),
+    scalar!(HOST_SILENCE_MS, "host_silence_ms", "ms", 0, 3_600_000, 500, "", "Silence of the host that trips a running move; 0: off."),
+    scalar!(NULL_CODE, "null_code", "", 0, CODE_MAX, 2048, "", "Code of the converter at which the valve is at its null."),
+    scalar!(OUTPUT_INVERTED, "output_inverted", "", 0, 1, 0, "", "1: a larger code retracts."),
+    scalar!(ENCODER_INVERTED, "encoder_inverted", "", 0, 1, 0, "", "1: the encoder counts down when the rod extends."),
+    scalar!(ENCODER_PM_PER_COUNT, "encoder_pm_per_count", "pm", 1, i32::MAX, 12_050_000, "C(42)", "Stroke per encoder count."),
+    scalar!(SENSOR_BITS, "sensor_bits", "bits", 8, 15, 12, "", "Width of the converter of the pressure and spool sensors."),
+    scalar!(PRESSURE_MIN_PA, "pressure_min_pa", "Pa", 0, i32::MAX, 0, "", "Absolute pressure at raw 0."),
+    scalar!(PRESSURE_MAX_PA, "pressure_max_pa", "Pa", 1, i32::MAX, 1_000_000, "", "Absolute pressure at full scale."),
+    scalar!(SPOOL_MIN_NM, "spool_min_nm", "nm", i32::MIN, i32::MAX, -1_250_000, "", "Spool displacement at raw 0."),
+    scalar!(SPOOL_MAX_NM, "spool_max_nm", "nm", i32::MIN, i32::MAX, 1_250_000, "", "Spool displacement at full scale."),
+    Parameter {
+        id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
+        default: 256, thesis: "Kp(0)..Kp(255)",
+        meaning: "Gain on the error; entry i holds from i to i + 1 spans, the last one beyond.",
+    },
+];
+
+/// Appendix IX: the first entries of the default gain profile; the rest is 256.
+const DEFAULT_PROFILE: [u16; 11] = [8192, 6144, 4096, 2048, 1280, 768, 512, 384, 320, 288, 256];
+
+const SCALARS: usize = TABLE.len() - 1;
+
+/// Why a value was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetError {
+    /// There is no parameter of this id.
+    UnknownId,
+    /// The value is outside the range in the table.
+    OutOfRange,
+}
+
+/// The line of the table that an id belongs to.
+#[must_use]
+pub fn lookup(id: u16) -> Option<&'static Parameter> {
+    TABLE.iter().find(|p| id.checked_sub(p.id).is_some_and(|entry| entry < p.len))
+}
+
+/// The line of the table with a name.
+#[must_use]
+pub fn by_name(name: &str) -> Option<&'static Parameter> {
+    TABLE.iter().find(|p| p.name == name)
+}
+
+/// The values of all parameters; each within its range, not yet checked against each other
+/// ([`Config::new`](crate::Config::new) does that).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Parameters {
+    scalars: [i32; SCALARS],
+    pub(crate) gain_profile: [u16; PROFILE_LEN],
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let mut scalars = [0; SCALARS];
+        for (value, parameter) in scalars.iter_mut().zip(&TABLE) {
+            *value = parameter.default;
+        }
+        let mut gain_profile = [256; PROFILE_LEN];
+        for (gain, default) in gain_profile.iter_mut().zip(DEFAULT_PROFILE) {
+            *gain = default;
+        }
+        Parameters { scalars, gain_profile }
+    }
+}
+
+/// Where the value of an id stands.
+enum Place {
+    Scalar(usize),
+    Profile(usize),
+}
+
+fn place(id: u16) -> Place {
+    match id.checked_sub(id::GAIN_PROFILE) {
+        Some(entry) => Place::Profile(usize::from(entry)),
+        None => Place::Scalar(usize::from(id).wrapping_sub(1)),
+    }
+}
+
+impl Parameters {
+    /// The value of a parameter.
+    #[must_use]
+    pub fn get(&self, id: u16) -> Option<i32> {
+        match place(id) {
+            Place::Scalar(index) => self.scalars.get(index).copied(),
+            Place::Profile(index) => self.gain_profile.get(index).map(|&gain| i32::from(gain)),
+        }
+    }
+
+    /// Changes a parameter.
+    ///
+    /// # Errors
+    /// For an unknown id, and for a value outside the range in the table; nothing is changed then.
+    pub fn set(&mut self, id: u16, value: i32) -> Result<(), SetError> {
+        let parameter = lookup(id).ok_or(SetError::UnknownId)?;
+        if value < parameter.min || value > parameter.max {
+            return Err(SetError::OutOfRange);
+        }
+        match place(id) {
+            Place::Scalar(index) => {
+                *self.scalars.get_mut(index).ok_or(SetError::UnknownId)? = value;
+            }
+            Place::Profile(index) => {
+                let gain = u16::try_from(value).map_err(|_| SetError::OutOfRange)?;
+                *self.gain_profile.get_mut(index).ok_or(SetError::UnknownId)? = gain;
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of a scalar the table holds: 0 for an id that it does not.
+    pub(crate) fn scalar(&self, id: u16) -> i32 {
+        self.get(id).unwrap_or(0)
+    }
+
+    /// All (id, value) pairs in the order of the table: the form in which they are stored.
+    pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> + '_ {
+        TABLE.iter().flat_map(|p| p.id..p.id + p.len).map(|id| (id, self.scalar(id)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_place_of_a_scalar_is_its_id_less_one() {
+        for (index, parameter) in TABLE[..SCALARS].iter().enumerate() {
+            assert_eq!(usize::from(parameter.id), index + 1, "{}", parameter.name);
+            assert_eq!(parameter.len, 1);
+        }
+        assert_eq!(TABLE[SCALARS].id, id::GAIN_PROFILE);
+    }
+
+    #[test]
+    fn names_are_unique_and_defaults_lie_in_their_ranges() {
+        for (index, parameter) in TABLE.iter().enumerate() {
+            assert!(TABLE[..index].iter().all(|other| other.name != parameter.name), "{}", parameter.name);
+            assert!((parameter.min..=parameter.max).contains(&parameter.default), "{}", parameter.name);
+            assert!(parameter.meaning.ends_with('.'), "{}", parameter.name);
+        }
+    }
+
+    #[test]
+    fn every_parameter_takes_the_ends_of_its_range_and_nothing_beyond() {
+        for parameter in &TABLE {
+            for id in [parameter.id, parameter.id + parameter.len - 1] {
+                let mut values = Parameters::default();
+                for value in [parameter.min, parameter.max] {
+                    assert_eq!(values.set(id, value), Ok(()), "{}", parameter.name);
+                    assert_eq!(values.get(id), Some(value), "{}", parameter.name);
+                }
+                for beyond in
+                    [parameter.min.checked_sub(1), parameter.max.checked_add(1)].into_iter().flatten()
+                {
+                    assert_eq!(values.set(id, beyond), Err(SetError::OutOfRange), "{}", parameter.name);
+                }
+                assert_eq!(values.get(id), Some(parameter.max), "a refused value changes nothing");
+            }
+        }
+    }
+
+    #[test]
+    fn ids_that_are_not_in_the_table_are_unknown() {
+        for id in [0, SCALARS as u16 + 1, 255, 512, u16::MAX] {
+            assert_eq!(lookup(id), None);
+            assert_eq!(Parameters::default().get(id), None);
+            assert_eq!(Parameters::default().set(id, 1), Err(SetError::UnknownId));
+        }
+    }
+
+    #[test]
+    fn the_default_profile_is_that_of_appendix_ix() {
+        let values = Parameters::default();
+        let first: [i32; 11] = core::array::from_fn(|i| values.scalar(id::GAIN_PROFILE + i as u16));
+        assert_eq!(first, [8192, 6144, 4096, 2048, 1280, 768, 512, 384, 320, 288, 256]);
+        assert_eq!(values.get(id::GAIN_PROFILE + 255), Some(256));
+    }
+
+    #[test]
+    fn pairs_come_in_the_order_of_the_table_and_make_the_same_values_again() {
+        let mut changed = Parameters::default();
+        changed.set(id::VELOCITY_GAIN, 1000).expect("in range");
+        changed.set(id::GAIN_PROFILE + 7, 99).expect("in range");
+        let mut copy = Parameters::default();
+        for (id, value) in changed.iter() {
+            copy.set(id, value).expect("a value it had");
+        }
+        assert_eq!(copy, changed);
+        assert_eq!(changed.iter().count(), SCALARS + PROFILE_LEN);
+    }
+}

@@ -1,0 +1,54 @@
+//! What goes into the controller and what comes out of it, in the raw units of the hardware.
+
+/// One reading of the sensors, latched at the sample instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sample {
+    /// Encoder count; positive means extension. Unit: counts.
+    pub position: i32,
+    /// Chamber 1 (blind side) pressure as converted, 0 to 2^bits - 1.
+    pub pressure_1: i16,
+    /// Chamber 2 (rod side) pressure as converted, 0 to 2^bits - 1.
+    pub pressure_2: i16,
+    /// Spool displacement as converted, 0 to 2^bits - 1.
+    pub spool: i16,
+}
+
+/// What the drive stage shall do from the output instant on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Command {
+    /// Valve command, -2048 to 2048 counts; positive means extension, 0 is the valve's null.
+    pub counts: i16,
+    /// The drive's enable line: gates the valve amplifier and, where there is one, the dump valve.
+    pub drive_enable: bool,
+}
+
+impl Command {
+    /// Null command, drive disabled: the safe output.
+    pub const OFF: Command = Command { counts: 0, drive_enable: false };
+}
+
+/// A sample and what the controller made of it. The recorder's six channels and the telemetry are
+/// taken from here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Observation {
+    /// k: the number of this sample since the start of the run (0 before one).
+    pub index: u32,
+    /// Encoder count.
+    pub position: i32,
+    /// Estimated velocity, counts per velocity window.
+    pub velocity: i64,
+    /// Estimated acceleration, counts per velocity window per acceleration window.
+    pub acceleration: i64,
+    /// The setpoint in force, counts (open loop: the command asked for).
+    pub setpoint: i32,
+    /// Setpoint less position, saturated to 32 bits; 0 in open loop, which has no error.
+    pub error: i32,
+    /// The command computed from this sample, -2048 to 2048 counts.
+    pub command: i16,
+    /// Chamber 1 pressure, raw.
+    pub pressure_1: i16,
+    /// Chamber 2 pressure, raw.
+    pub pressure_2: i16,
+    /// Spool displacement, raw.
+    pub spool: i16,
+}

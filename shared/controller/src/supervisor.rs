@@ -1,0 +1,230 @@
+//! Who may move the cylinder, and when not: modes, limits and the fault latch.
+//!
+//! ```text
+//! disarmed --arm--> armed --start--> running --end of the moves--> done
+//!     ^               |                 |                            |
+//!     |               +--------- trip: stop, limits, board ---------+--> fault --arm--> armed
+//!     +-- disarm from every mode but fault
+//! ```
+//!
+//! The supervisor has the last word on every command: [`Supervisor::permit`] is the only way from
+//! the law to the drive stage, and `output` asks it again. A trip acts at the output of the same
+//! sample. Only an explicit re-arm leaves the fault mode.
+//!
+//! This is not a safety-rated function: a machine needs a hardware emergency stop.
+
+use crate::estimator::Motion;
+use crate::law::{LawConfig, Loop};
+
+/// What the drive is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Drive disabled, valve at null. The mode after a reset.
+    #[default]
+    Disarmed,
+    /// Drive enabled, valve at null, ready to start.
+    Armed,
+    /// The law drives the valve.
+    Running,
+    /// The moves are over: a closed loop holds the last setpoint, an open loop is at null.
+    Done,
+    /// Tripped: drive disabled, valve at null, until re-armed.
+    Fault(Fault),
+}
+
+/// Why the supervisor tripped. The codes are stored and sent: they never change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Fault {
+    /// A stop was requested.
+    Stop = 1,
+    /// The position left the stroke by more than the margin.
+    PositionOutside = 2,
+    /// The encoder moved further in one sample than the drive can.
+    EncoderStep = 3,
+    /// A sample came later than allowed, or not at all.
+    LateSample = 4,
+    /// The host was silent for too long while a move ran.
+    HostSilent = 5,
+    /// A run was asked for while the drive was disarmed.
+    CommandWhileDisarmed = 6,
+}
+
+impl Fault {
+    /// Every fault, in the order of the codes.
+    pub const ALL: [Fault; 6] = [
+        Fault::Stop,
+        Fault::PositionOutside,
+        Fault::EncoderStep,
+        Fault::LateSample,
+        Fault::HostSilent,
+        Fault::CommandWhileDisarmed,
+    ];
+
+    /// The stored and sent code.
+    #[must_use]
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The fault with this code.
+    #[must_use]
+    pub fn from_code(code: u8) -> Option<Fault> {
+        Fault::ALL.into_iter().find(|fault| fault.code() == code)
+    }
+}
+
+/// Why a request was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Refusal {
+    /// Start: the drive is not armed.
+    NotArmed = 1,
+    /// The request must wait for the end of the run (or a stop).
+    Running = 2,
+    /// Closed loop: the axis has not been referenced.
+    NotReferenced = 3,
+    /// Only while disarmed: configuration and moves stay as they are under power.
+    NotDisarmed = 4,
+    /// There is no move to run.
+    NoMoves = 5,
+}
+
+impl Refusal {
+    /// Every refusal, in the order of the codes.
+    pub const ALL: [Refusal; 5] =
+        [Refusal::NotArmed, Refusal::Running, Refusal::NotReferenced, Refusal::NotDisarmed, Refusal::NoMoves];
+
+    /// The sent code.
+    #[must_use]
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The refusal with this code.
+    #[must_use]
+    pub fn from_code(code: u8) -> Option<Refusal> {
+        Refusal::ALL.into_iter().find(|refusal| refusal.code() == code)
+    }
+}
+
+/// What the axis may do before the supervisor trips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Lowest position, counts: the retracted end less the margin.
+    pub position_min: i32,
+    /// Highest position, counts: the extended end plus the margin.
+    pub position_max: i32,
+    /// Furthest step of the encoder in one sample, counts.
+    pub encoder_step: u32,
+}
+
+/// The mode, the reference flag and the fault latch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Supervisor {
+    mode: Mode,
+    referenced: bool,
+}
+
+impl Supervisor {
+    /// The present mode.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Whether counts mean positions.
+    #[must_use]
+    pub fn is_referenced(&self) -> bool {
+        self.referenced
+    }
+
+    /// Counts mean positions from now on (a reference run, or a simulated rig).
+    pub fn set_referenced(&mut self) {
+        self.referenced = true;
+    }
+
+    /// Whether the drive is enabled.
+    #[must_use]
+    pub fn drives(&self) -> bool {
+        matches!(self.mode, Mode::Armed | Mode::Running | Mode::Done)
+    }
+
+    /// Enables the drive with the valve at null; leaves the fault mode.
+    ///
+    /// # Errors
+    /// While a run is on, and in closed loop before the axis is referenced.
+    pub fn arm(&mut self, control_loop: Loop) -> Result<(), Refusal> {
+        match self.mode {
+            Mode::Running => Err(Refusal::Running),
+            _ if control_loop == Loop::Closed && !self.referenced => Err(Refusal::NotReferenced),
+            _ => {
+                self.mode = Mode::Armed;
+                Ok(())
+            }
+        }
+    }
+
+    /// Disables the drive. A fault stays latched.
+    pub fn disarm(&mut self) {
+        if !matches!(self.mode, Mode::Fault(_)) {
+            self.mode = Mode::Disarmed;
+        }
+    }
+
+    /// Lets the law drive from the next sample on.
+    ///
+    /// # Errors
+    /// When the drive is not armed. From the disarmed mode this also trips: something means to move
+    /// a cylinder that nobody has armed.
+    pub(crate) fn start(&mut self) -> Result<(), Refusal> {
+        match self.mode {
+            Mode::Armed => {
+                self.mode = Mode::Running;
+                Ok(())
+            }
+            Mode::Running => Err(Refusal::Running),
+            Mode::Disarmed => {
+                self.trip(Fault::CommandWhileDisarmed);
+                Err(Refusal::NotArmed)
+            }
+            Mode::Done | Mode::Fault(_) => Err(Refusal::NotArmed),
+        }
+    }
+
+    /// Disables the drive and latches the fault. The first fault stays.
+    pub fn trip(&mut self, fault: Fault) {
+        if !matches!(self.mode, Mode::Fault(_)) {
+            self.mode = Mode::Fault(fault);
+        }
+    }
+
+    /// The moves are over.
+    pub(crate) fn finish(&mut self) {
+        if self.mode == Mode::Running {
+            self.mode = Mode::Done;
+        }
+    }
+
+    /// Trips when the motion is beyond the limits of an enabled drive. A disarmed axis may be
+    /// pushed by hand.
+    pub(crate) fn watch(&mut self, limits: &Limits, motion: &Motion) {
+        if !self.drives() {
+            return;
+        }
+        if motion.step.unsigned_abs() > u64::from(limits.encoder_step) {
+            self.trip(Fault::EncoderStep);
+        } else if motion.position < limits.position_min || motion.position > limits.position_max {
+            self.trip(Fault::PositionOutside);
+        }
+    }
+
+    /// The command that may go to the drive stage: the law's while running, and while a closed loop
+    /// holds its last setpoint; else null.
+    pub(crate) fn permit(&self, law: &LawConfig, command: i16) -> i16 {
+        match (self.mode, law.control_loop) {
+            (Mode::Running, _) | (Mode::Done, Loop::Closed) => command,
+            _ => 0,
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The integer law against an independent model of it in f64, over a grid with the edges of every
+//! range. All values stay below 2^53, so the oracle is exact and so is the comparison.
+
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Config, Move, Parameters, Sample, Sequence, State, output, sample};
+
+/// n_DAC2 of Appendix IX (a) to (d), in real numbers.
+fn oracle(parameters: &Parameters, setpoint: f64, positions: &[f64]) -> f64 {
+    let get = |id| f64::from(parameters.get(id).expect("known id"));
+    let n = |back: f64| {
+        let k = positions.len() as f64 - 1.0 - back;
+        positions[if k < 0.0 { 0 } else { k as usize }]
+    };
+    let (wv, wa) = (get(id::VELOCITY_WINDOW_SAMPLES), get(id::ACCELERATION_WINDOW_SAMPLES));
+    let n_p = setpoint - n(0.0);
+    let n_v = n(0.0) - n(wv);
+    let n_a = n_v - (n(wa) - n(wa + wv));
+    let index = (n_p.abs() / get(id::PROFILE_SPAN_COUNTS)).floor().min(255.0);
+    let gain = match get(id::LAW) {
+        0.0 => get(id::GAIN_PROFILE + index as u16),
+        _ => get(id::PROPORTIONAL_GAIN),
+    };
+    let n_v_used = if n_v.abs() < get(id::VELOCITY_DEAD_BAND) { 0.0 } else { n_v };
+    let raw = gain * n_p - get(id::VELOCITY_GAIN) * n_v_used - get(id::ACCELERATION_GAIN) * n_a;
+    let saturated = raw.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
+    let demand =
+        if n_p.abs() < get(id::DEAD_BAND_COUNTS) { 0.0 } else { (saturated / get(id::SCALE)).trunc() };
+    (demand + get(id::NULL_OFFSET_COUNTS)).clamp(-2048.0, 2048.0)
+}
+
+/// Runs the controller over the positions and compares every command with the oracle's.
+fn agree(changes: &[(u16, i32)], setpoint: i32, positions: &[i32]) {
+    let mut parameters = Parameters::default();
+    parameters.set(id::POSITION_MIN_COUNTS, -i32::MAX).expect("in range");
+    parameters.set(id::POSITION_MAX_COUNTS, i32::MAX).expect("in range");
+    parameters.set(id::ENCODER_STEP_COUNTS, i32::MAX).expect("in range");
+    for &(id, value) in changes {
+        parameters.set(id, value).expect("in range");
+    }
+    let config = Config::new(&parameters).expect("they go together");
+    let mut sequence = Sequence::new(1000);
+    sequence.push(Move { at_sample: 0, target: setpoint }).expect("room");
+    let mut state = State::default();
+    state.supervisor.set_referenced();
+    state.supervisor.arm(config.law.control_loop).expect("referenced");
+    state.start().expect("armed");
+
+    let mut history = Vec::new();
+    for &position in positions {
+        history.push(f64::from(position));
+        sample(&config, &sequence, &mut state, &Sample { position, ..Sample::default() });
+        let expected = oracle(&parameters, f64::from(setpoint), &history);
+        assert_eq!(
+            f64::from(output(&state).counts),
+            expected,
+            "{changes:?}, setpoint {setpoint}, positions {history:?}"
+        );
+    }
+}
+
+/// Errors around every edge of the profile, and far beyond it.
+fn errors() -> Vec<i32> {
+    let mut errors: Vec<i32> = (-60..=60).collect();
+    for edge in [255 * 4, 256 * 4, 2048, 65_536, 8_388_607, 500_000_000] {
+        errors.extend([edge - 1, edge, edge + 1, -edge - 1, -edge, -edge + 1]);
+    }
+    errors
+}
+
+#[test]
+fn the_gain_profile_law_is_appendix_ix_at_rest() {
+    for error in errors() {
+        agree(&[], 8192 + error, &[8192]);
+        agree(&[(id::SCALE, 65_536)], 8192 + error, &[8192]);
+    }
+}
+
+#[test]
+fn the_proportional_law_is_one_gain() {
+    for error in errors() {
+        for gain in [0, 1, 300, 65_535] {
+            agree(&[(id::LAW, 1), (id::PROPORTIONAL_GAIN, gain)], error, &[0]);
+        }
+    }
+}
+
+#[test]
+fn velocity_and_acceleration_are_fed_back_while_moving() {
+    let path: Vec<i32> = (0..40).map(|k: i32| 8192 + 3 * k + k * k - k * k * k / 50).collect();
+    for gains in [(0, 0), (1, 1), (1000, 0), (0, 1000), (65_535, 65_535)] {
+        for windows in [(5, 3), (1, 1), (63, 63), (2, 9)] {
+            agree(
+                &[
+                    (id::VELOCITY_GAIN, gains.0),
+                    (id::ACCELERATION_GAIN, gains.1),
+                    (id::VELOCITY_WINDOW_SAMPLES, windows.0),
+                    (id::ACCELERATION_WINDOW_SAMPLES, windows.1),
+                ],
+                9000,
+                &path,
+            );
+        }
+    }
+}
+
+#[test]
+fn dead_bands_and_the_null_offset_act_at_their_edges() {
+    for error in -12..=12 {
+        for offset in [-2048, -5, 0, 7, 2048] {
+            agree(&[(id::DEAD_BAND_COUNTS, 10), (id::NULL_OFFSET_COUNTS, offset)], error, &[0]);
+        }
+    }
+    let creeping: Vec<i32> = (0..30).collect();
+    for dead_band in [0, 4, 5, 6] {
+        agree(&[(id::VELOCITY_DEAD_BAND, dead_band), (id::VELOCITY_GAIN, 500)], 100, &creeping);
+    }
+}
+
+#[test]
+fn the_ends_of_every_range_saturate_and_do_not_overflow() {
+    let jumps = [0, i32::MAX, i32::MIN + 1, i32::MAX, 0, 1, -1, i32::MIN + 1];
+    for setpoint in [i32::MIN + 1, -1, 0, i32::MAX] {
+        for scale in [1, 256, i32::MAX] {
+            agree(
+                &[(id::LAW, 1), (id::PROPORTIONAL_GAIN, 1), (id::SCALE, scale)],
+                setpoint.clamp(-1_000_000_000, 1_000_000_000),
+                &jumps.map(|j| j / 4),
+            );
+        }
+    }
+}
