@@ -1,1 +1,44 @@
-//! .
+//! The twin of a servo-pneumatic drive.
+//!
+//! ```text
+//! rig file -> components -> assembly -> integrator -> trace
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`rig`] | rig files: the table of keys, reading, checking, explaining, the built-in rigs |
+//! | [`gas`] | the ideal gas and its flow through a restriction |
+//! | [`operator`], [`valve`], [`tubing`], [`actuator`], [`load`] | one physical part each, its equations on top |
+//! | [`friction`], [`stop`], [`play`] | what several parts share: stiction, mechanical stops, hysteresis |
+//! | [`network`] | the flows that valve, tubes and chambers agree on |
+//! | `assembly` | the parts put together as one event-driven system |
+//! | [`integrator`] | Runge-Kutta with dense output and located events |
+//! | [`sensors`], [`plant`] | what the controller sees: a command in, a sample out |
+//! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
+//!
+//! Everything is SI after loading. Transcendental functions come from `libm`, so that a run gives
+//! the same bits on every machine.
+
+pub mod actuator;
+mod assembly;
+pub mod friction;
+pub mod gas;
+pub mod integrator;
+pub mod load;
+pub mod network;
+pub mod operator;
+pub mod plant;
+pub mod play;
+pub mod rig;
+mod root;
+pub mod run;
+pub mod sensors;
+pub mod stop;
+pub mod trace;
+pub mod tubing;
+pub mod valve;
+
+pub use integrator::{IntegrationError, Method};
+pub use plant::{Accuracy, Plant};
+pub use rig::Rig;
+pub use run::{Run, run};

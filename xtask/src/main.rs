@@ -1,1 +1,48 @@
-fn main() {}
+//! `cargo xtask`: what a developer runs, and what CI runs.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use xtask::steps;
+use xtask::tally::Tally;
+
+/// What a developer runs. Every failure is told, then how many checks passed and failed.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Everything that CI runs: fmt --check, lint, test, docs
+    Ci,
+    /// All tests on the PC, the no_std crates built for the boards, and the probe
+    Test,
+    /// Format both workspaces
+    Fmt {
+        /// Only tell what is not formatted
+        #[arg(long)]
+        check: bool,
+    },
+    /// Clippy on both workspaces, warnings as errors
+    Lint,
+    /// Build the documentation, warnings as errors
+    Docs,
+    /// Build the image that links the controller; no panic, no float, no division routine may be in it
+    Probe,
+}
+
+fn main() -> ExitCode {
+    let mut tally = Tally::default();
+    match Arguments::parse().command {
+        Command::Ci => steps::ci(&mut tally),
+        Command::Test => steps::test(&mut tally),
+        Command::Fmt { check } => steps::fmt(&mut tally, check),
+        Command::Lint => steps::lint(&mut tally),
+        Command::Docs => steps::docs(&mut tally),
+        Command::Probe => steps::probe(&mut tally),
+    }
+    tally.report()
+}

@@ -1,0 +1,174 @@
+//! The cylinder: two chambers of air and the piston between them (thesis 6.1).
+//!
+//! ```text
+//! V_1 = A_1 y + V_R1,  V_2 = A_2 (L - y) + V_R2                          (6.21, 6.22)
+//! m' = mdot                                                              mass
+//! w'/w = (n-1) (R mdot T_in / (P V) - V'/V)                              energy: 6.15, 6.17 in w
+//! T = P V / (m R),   T_in: of the air that comes in, else T              (6.6)
+//! F_a = P_1 A_1 - P_2 A_2 - P_e A_R2                                     (6.25)
+//! ```
+//!
+//! The states are the mass m and the Exner pressure w = P^((n-1)/n): an integrator conserves the
+//! mass exactly, and a chamber with shut ports keeps w V^(n-1). The thesis's temperature equations
+//! 6.16 and 6.18 follow from these two; as printed they lose mass with leakage (EQUATIONS section 5).
+
+use std::f64::consts::PI;
+
+use crate::gas::Gas;
+use crate::network::Station;
+
+/// The dimensions of a cylinder, SI.
+#[derive(Clone, Copy, Debug)]
+pub struct Actuator {
+    /// L, m (C(14)).
+    pub stroke: f64,
+    /// A_1, m^2, the blind side.
+    pub area_1: f64,
+    /// A_2, m^2, the rod side.
+    pub area_2: f64,
+    /// A_R2, m^2: the rod, on which the surrounding air pushes.
+    pub rod_area: f64,
+    /// V_R1 and V_R2, m^3 (C(35), C(36)).
+    pub residual_volumes: [f64; 2],
+    /// P_e, Pa.
+    pub ambient_pressure: f64,
+}
+
+/// A chamber's volume and how fast it grows.
+#[derive(Clone, Copy, Debug)]
+pub struct Volume {
+    /// m^3.
+    pub volume: f64,
+    /// m^3/s.
+    pub rate: f64,
+}
+
+/// The air in a chamber.
+#[derive(Clone, Copy, Debug)]
+pub struct Air {
+    /// m, kg.
+    pub mass: f64,
+    /// w.
+    pub exner: f64,
+    /// P, Pa.
+    pub pressure: f64,
+    /// T, K.
+    pub temperature: f64,
+}
+
+impl Actuator {
+    /// Areas of a cylinder with a rod on one side; `rod_diameter` 0 for a rodless one. Lengths in m.
+    #[must_use]
+    pub fn areas(bore: f64, rod_diameter: f64) -> [f64; 3] {
+        let rod = PI / 4.0 * rod_diameter * rod_diameter;
+        let blind = PI / 4.0 * bore * bore;
+        [blind, blind - rod, rod]
+    }
+
+    /// Volumes of chambers 1 and 2 at a position (m) and velocity (m/s).
+    #[must_use]
+    pub fn volumes(&self, position: f64, velocity: f64) -> [Volume; 2] {
+        [
+            Volume {
+                volume: self.area_1 * position + self.residual_volumes[0],
+                rate: self.area_1 * velocity,
+            },
+            Volume {
+                volume: self.area_2 * (self.stroke - position) + self.residual_volumes[1],
+                rate: -self.area_2 * velocity,
+            },
+        ]
+    }
+
+    /// F_a, N, for the chamber pressures in Pa.
+    #[must_use]
+    pub fn force(&self, pressure_1: f64, pressure_2: f64) -> f64 {
+        pressure_1 * self.area_1 - pressure_2 * self.area_2 - self.ambient_pressure * self.rod_area
+    }
+
+    /// P_1 at which the cylinder delivers `force` N against `pressure_2`.
+    #[must_use]
+    pub fn balancing_pressure_1(&self, pressure_2: f64, force: f64) -> f64 {
+        (force + pressure_2 * self.area_2 + self.ambient_pressure * self.rod_area) / self.area_1
+    }
+}
+
+impl Air {
+    /// Air of a mass and an Exner pressure in a volume.
+    #[must_use]
+    pub fn of_state(gas: &Gas, mass: f64, exner: f64, volume: f64) -> Air {
+        let pressure = gas.pressure(exner);
+        Air { mass, exner, pressure, temperature: pressure * volume / (mass * gas.gas_constant) }
+    }
+
+    /// The mass (kg) and Exner pressure of air at `pressure` Pa and `temperature` K in a volume.
+    #[must_use]
+    pub fn state_of(gas: &Gas, pressure: f64, temperature: f64, volume: f64) -> [f64; 2] {
+        [pressure * volume / (gas.gas_constant * temperature), gas.exner(pressure)]
+    }
+
+    /// As a place in the network of flows.
+    #[must_use]
+    pub fn station(&self) -> Station {
+        Station { exner: self.exner, temperature: self.temperature }
+    }
+
+    /// m' and w' for a flow in kg/s into the chamber that carries the temperature `carried` K.
+    #[must_use]
+    pub fn derivative(&self, gas: &Gas, volume: Volume, flow: f64, carried: f64) -> [f64; 2] {
+        let filling = gas.gas_constant * flow * carried / (self.pressure * volume.volume);
+        let growth = volume.rate / volume.volume;
+        [flow, self.exner * (gas.heat_capacity_ratio - 1.0) * (filling - growth)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn thesis() -> Actuator {
+        let [area_1, area_2, rod_area] = Actuator::areas(0.05, 0.025);
+        Actuator {
+            stroke: 0.3,
+            area_1,
+            area_2,
+            rod_area,
+            residual_volumes: [2e-5; 2],
+            ambient_pressure: 101_300.0,
+        }
+    }
+
+    #[test]
+    fn the_starting_pressures_of_the_reference_are_in_equilibrium() {
+        assert!((thesis().balancing_pressure_1(400e3, 0.0) - 325_325.0).abs() < 1e-6);
+        assert!(thesis().force(325_325.0, 400e3).abs() < 1e-9);
+    }
+
+    /// 6.15 and 6.16 in pressure and temperature, as derived in EQUATIONS section 5 without leakage.
+    #[test]
+    fn the_states_change_as_the_thesis_says_in_pressure_and_temperature() {
+        let gas = Gas::new(1.4, 286.76);
+        let volume = Volume { volume: 2e-4, rate: 1e-4 };
+        let (p, t, flow, carried) = (3e5, 300.0, 2e-3, 280.0);
+        let [mass, exner] = Air::state_of(&gas, p, t, volume.volume);
+        let air = Air::of_state(&gas, mass, exner, volume.volume);
+        let [mass_rate, exner_rate] = air.derivative(&gas, volume, flow, carried);
+
+        let energy = 1.4 * 286.76 * carried * flow;
+        let p_rate = (energy - 1.4 * p * volume.rate) / volume.volume;
+        let t_rate = t / (p * volume.volume) * (energy - 286.76 * flow * t - 0.4 * p * volume.rate);
+        assert!((exner_rate / exner - 0.4 / 1.4 * p_rate / p).abs() < 1e-12);
+        let t_rate_of_states = t * (p_rate / p + volume.rate / volume.volume - mass_rate / mass);
+        assert!((t_rate_of_states - t_rate).abs() < 1e-9 * t_rate.abs());
+    }
+
+    #[test]
+    fn a_chamber_with_shut_ports_keeps_w_v_to_the_n_minus_1() {
+        let gas = Gas::new(1.4, 286.76);
+        let air = Air::of_state(&gas, 1e-3, 36.0, 3e-4);
+        let volume = Volume { volume: 3e-4, rate: 1e-4 };
+        let [mass_rate, exner_rate] = air.derivative(&gas, volume, 0.0, 294.0);
+        assert_eq!(mass_rate, 0.0);
+        assert!((exner_rate / 36.0 + 0.4 * volume.rate / volume.volume).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,186 @@
+//! The ideal gas, and its isentropic flow through a restriction.
+//!
+//! Pressure is carried as the Exner pressure `w = P^((n-1)/n)`: along an isentrope w is proportional
+//! to the temperature, and the flow function of the thesis (V.9) loses its powers:
+//!
+//! ```text
+//! (mdot / (Cd A))^2 = 2 n / ((n-1) R T_u) * w_u w_d^e (w_u - w_d),   e = 2/(n-1)
+//! choked: w_d -> w_u e/(e+1)                                        (V.10, r_crit = 0.5283 for n = 1.4)
+//! ```
+//!
+//! For air (n = 1.4) e is 5 and P = w^3.5, so that no power function is called. Any other ratio of
+//! heat capacities costs one power a restriction.
+
+/// Ratio of heat capacities and gas constant, with what follows from them.
+#[derive(Clone, Copy, Debug)]
+pub struct Gas {
+    /// n, ratio of heat capacities (thesis C(1)).
+    pub heat_capacity_ratio: f64,
+    /// R, J/(kg K) (thesis C(2)).
+    pub gas_constant: f64,
+    /// (n-1)/n.
+    exner_exponent: f64,
+    /// e = 2/(n-1).
+    flow_exponent: f64,
+    /// Whether n = 1.4, where all powers are whole or halves.
+    diatomic: bool,
+}
+
+/// w_u w_d^e (w_u - w_d) and its slopes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlowFunction {
+    pub value: f64,
+    pub by_upstream: f64,
+    pub by_downstream: f64,
+}
+
+impl Gas {
+    /// A gas with a ratio of heat capacities above 1 and a gas constant in J/(kg K).
+    #[must_use]
+    pub fn new(heat_capacity_ratio: f64, gas_constant: f64) -> Gas {
+        Gas {
+            heat_capacity_ratio,
+            gas_constant,
+            exner_exponent: (heat_capacity_ratio - 1.0) / heat_capacity_ratio,
+            flow_exponent: 2.0 / (heat_capacity_ratio - 1.0),
+            diatomic: heat_capacity_ratio == 1.4,
+        }
+    }
+
+    /// w = P^((n-1)/n) of a pressure in Pa.
+    #[must_use]
+    pub fn exner(&self, pressure_pa: f64) -> f64 {
+        libm::pow(pressure_pa, self.exner_exponent)
+    }
+
+    /// P in Pa of an Exner pressure.
+    #[must_use]
+    pub fn pressure(&self, exner: f64) -> f64 {
+        if self.diatomic {
+            exner * exner * exner * exner.sqrt()
+        } else {
+            libm::pow(exner, 1.0 / self.exner_exponent)
+        }
+    }
+
+    /// (n-1)/n: the slope of ln w over ln P.
+    pub(crate) fn exner_exponent(&self) -> f64 {
+        self.exner_exponent
+    }
+
+    /// 2 n / ((n-1) R): with (Cd A)^2 over the upstream temperature it makes the flow function a
+    /// squared mass flow.
+    pub(crate) fn flow_constant(&self) -> f64 {
+        2.0 * self.heat_capacity_ratio / ((self.heat_capacity_ratio - 1.0) * self.gas_constant)
+    }
+
+    /// The flow function from `upstream` to `downstream`, choked where it must be.
+    pub(crate) fn flow_function(&self, upstream: f64, downstream: f64) -> FlowFunction {
+        let e = self.flow_exponent;
+        let sonic = upstream * (e / (e + 1.0));
+        if downstream <= sonic {
+            let value = upstream * self.to_flow_exponent(sonic) * (upstream - sonic);
+            FlowFunction { value, by_upstream: (e + 2.0) * value / upstream, by_downstream: 0.0 }
+        } else {
+            let power = self.to_flow_exponent(downstream);
+            FlowFunction {
+                value: upstream * power * (upstream - downstream),
+                by_upstream: power * (2.0 * upstream - downstream),
+                by_downstream: upstream * power / downstream * (e * upstream - (e + 1.0) * downstream),
+            }
+        }
+    }
+
+    fn to_flow_exponent(&self, exner: f64) -> f64 {
+        if self.diatomic {
+            let square = exner * exner;
+            square * square * exner
+        } else {
+            libm::pow(exner, self.flow_exponent)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mass flow through an orifice from stagnation, thesis V.9 and V.11 as derived (EQUATIONS 1).
+    fn textbook_flow(area: f64, p_up: f64, t_up: f64, p_down: f64, n: f64, r: f64) -> f64 {
+        let critical = (2.0 / (n + 1.0)).powf(n / (n - 1.0));
+        let ratio = (p_down / p_up).max(critical);
+        area * p_up / t_up.sqrt()
+            * (n / r).sqrt()
+            * ratio.powf(1.0 / n)
+            * (2.0 / (n - 1.0) * (1.0 - ratio.powf((n - 1.0) / n))).sqrt()
+    }
+
+    fn flow(gas: &Gas, area: f64, p_up: f64, t_up: f64, p_down: f64) -> f64 {
+        let function = gas.flow_function(gas.exner(p_up), gas.exner(p_down));
+        (area * area * gas.flow_constant() / t_up * function.value).sqrt()
+    }
+
+    #[test]
+    fn exner_and_pressure_are_inverse() {
+        for n in [1.4, 1.3, 1.667] {
+            let gas = Gas::new(n, 286.76);
+            for pressure in [1e4, 101_300.0, 589_000.0, 2e6] {
+                let back = gas.pressure(gas.exner(pressure));
+                assert!((back / pressure - 1.0).abs() < 1e-13, "{n} {pressure} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_flow_function_is_that_of_the_textbook_choked_and_unchoked() {
+        for n in [1.4, 1.3, 1.667] {
+            let gas = Gas::new(n, 286.76);
+            for ratio in [0.1, 0.5, 0.5282, 0.5283, 0.6, 0.9, 0.999, 1.0] {
+                let (got, expected) = (
+                    flow(&gas, 8e-6, 589e3, 294.0, 589e3 * ratio),
+                    textbook_flow(8e-6, 589e3, 294.0, 589e3 * ratio, n, 286.76),
+                );
+                assert!((got - expected).abs() < 1e-12 * expected + 1e-12, "{n} {ratio}: {got} {expected}");
+            }
+        }
+    }
+
+    /// EQUATIONS section 1: 3.3 mm, 589 kPa, 294 K, Cd = 1 gives 11.880 g/s.
+    #[test]
+    fn a_choked_port_of_the_thesis_passes_11_88_grams_a_second() {
+        let area = std::f64::consts::PI / 4.0 * 0.0033 * 0.0033;
+        let got = flow(&Gas::new(1.4, 286.76), area, 589e3, 294.0, 101.3e3);
+        assert!((got - 11.880e-3).abs() < 5e-7, "{got}");
+    }
+
+    #[test]
+    fn flow_stops_growing_at_the_critical_pressure_ratio_of_0_5283() {
+        let gas = Gas::new(1.4, 286.76);
+        let at = |ratio: f64| flow(&gas, 1e-5, 1e5, 294.0, ratio * 1e5);
+        assert_eq!(at(0.52), at(0.3));
+        assert_eq!(at(0.52828), at(0.1));
+        assert!(at(0.5284) < at(0.5282));
+        let critical = gas.pressure(gas.exner(1.0) * 5.0 / 6.0);
+        assert!((critical - 0.528_281_787_717_174).abs() < 1e-14);
+    }
+
+    #[test]
+    fn slopes_are_those_of_the_value() {
+        for n in [1.4, 1.3] {
+            let gas = Gas::new(n, 286.76);
+            let up = gas.exner(589e3);
+            for ratio in [0.2, 0.5, 0.7, 0.95] {
+                let (down, d) = (gas.exner(589e3 * ratio), 1e-6 * up);
+                let f = gas.flow_function(up, down);
+                let central = |a: f64, b: f64| (a - b) / (2.0 * d);
+                let by_up =
+                    central(gas.flow_function(up + d, down).value, gas.flow_function(up - d, down).value);
+                let by_down =
+                    central(gas.flow_function(up, down + d).value, gas.flow_function(up, down - d).value);
+                let scale = f.value / up;
+                assert!((f.by_upstream - by_up).abs() < 1e-6 * scale, "{n} {ratio}");
+                assert!((f.by_downstream - by_down).abs() < 1e-6 * scale, "{n} {ratio}");
+            }
+        }
+    }
+}

@@ -1,0 +1,439 @@
+//! The event-driven integrator: explicit Runge-Kutta with dense output, discontinuities located
+//! exactly.
+//!
+//! A [`Hybrid`] system is smooth as long as its modes stay. What ends a smooth stretch is known in
+//! two ways: instants known beforehand ([`Hybrid::next_instant`]), at which a step is made to end,
+//! and guards ([`Hybrid::guards`]) that become negative when a mode no longer holds; their zero is
+//! located on the dense output of the step. Between a step's ends the state can be read at any time,
+//! so a sample costs no step.
+//!
+//! Methods: Dormand-Prince 5(4) with its interpolant of order 4 (Hairer, Norsett, Wanner, Solving
+//! Ordinary Differential Equations I, II.5 and II.6), and Merson 4(3), the thesis's, with cubic
+//! Hermite interpolation.
+
+mod tableau;
+
+use crate::root::bracketed_root;
+use tableau::{MOST_STAGES, Tableau};
+
+/// A method of integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Dormand-Prince 5(4): the default.
+    #[default]
+    DormandPrince,
+    /// Runge-Kutta-Merson 4(3), as in the thesis.
+    Merson,
+}
+
+/// A system of N states, smooth between events, with G guards read from the state alone and F that
+/// need its flows.
+pub trait Hybrid<const N: usize, const G: usize, const F: usize> {
+    /// dx/dt in the present modes; must be smooth a little beyond them.
+    fn derivative(&mut self, t: f64, x: &[f64; N]) -> [f64; N];
+    /// Not negative as long as the present modes hold; looked at inside a step as well.
+    fn guards(&self, t: f64, x: &[f64; N]) -> [f64; G];
+    /// The same for guards that are dear; looked at the ends of a step only.
+    fn flow_guards(&mut self, t: f64, x: &[f64; N]) -> [f64; F];
+    /// The next instant after `t` at which the system changes of itself.
+    fn next_instant(&self, t: f64) -> f64;
+    /// Changes modes (and state, where a velocity becomes zero) at an event.
+    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; N]);
+}
+
+/// What ended a smooth stretch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The instant of [`Hybrid::next_instant`].
+    Instant,
+    /// The guard of this number.
+    Guard(usize),
+    /// The flow guard of this number.
+    FlowGuard(usize),
+}
+
+/// Counts of the work done. A slower program shows here without a clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps taken again with a smaller size.
+    pub rejected: u64,
+    /// Evaluations of the right-hand side.
+    pub evaluations: u64,
+    /// Times the method began anew: after events and jumps of the command.
+    pub restarts: u64,
+    /// Events of all kinds.
+    pub events: u64,
+}
+
+/// Why a run cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum IntegrationError {
+    /// The state is no longer a number.
+    #[error(
+        "the state stopped being a number at t = {at_s} s: a parameter is far outside of what the equations hold for"
+    )]
+    NotANumber {
+        /// When.
+        at_s: f64,
+    },
+    /// The step size fell to nothing.
+    #[error(
+        "the step size fell below {step_s:.1e} s at t = {at_s} s: the rig is too stiff for these methods"
+    )]
+    StepTooSmall {
+        /// When.
+        at_s: f64,
+        /// The step that would have been needed.
+        step_s: f64,
+    },
+    /// Events follow each other without end.
+    #[error("events pile up at t = {at_s} s: two modes hand over to each other without end")]
+    EventsPileUp {
+        /// When.
+        at_s: f64,
+    },
+}
+
+/// Smallest step, s: below it rounding of the time is felt.
+const SMALLEST_STEP: f64 = 1e-13;
+
+/// Most events within [`SMALLEST_STEP`] of each other.
+const MOST_EVENTS_AT_ONCE: u32 = 64;
+
+/// Places inside a step at which guards are looked at, so that one that dips below zero and comes
+/// back is seen.
+const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+
+/// One step's dense output: `x(t0 + theta h)` as a polynomial in theta.
+#[derive(Clone, Debug)]
+struct Segment<const N: usize> {
+    start: f64,
+    width: f64,
+    coefficients: [[f64; N]; 5],
+}
+
+impl<const N: usize> Segment<N> {
+    fn at(&self, t: f64) -> [f64; N] {
+        self.at_part((t - self.start) / self.width)
+    }
+
+    fn at_part(&self, theta: f64) -> [f64; N] {
+        let [r1, r2, r3, r4, r5] = &self.coefficients;
+        let rest = 1.0 - theta;
+        std::array::from_fn(|i| r1[i] + theta * (r2[i] + rest * (r3[i] + theta * (r4[i] + rest * r5[i]))))
+    }
+}
+
+/// The state of an integration.
+#[derive(Clone, Debug)]
+pub struct Integrator<const N: usize, const G: usize, const F: usize> {
+    tableau: &'static Tableau,
+    /// Allowed error of a step, in each state's scale.
+    tolerance: f64,
+    /// What counts as large in each state.
+    scale: [f64; N],
+    t: f64,
+    x: [f64; N],
+    /// dx/dt at t, if it is known in the present modes.
+    slope: Option<[f64; N]>,
+    /// The step that led to t.
+    segment: Option<Segment<N>>,
+    /// What happens at t, if it has not been taken yet.
+    pending: Option<Event>,
+    /// The step size that the error asks for.
+    wanted: f64,
+    events_at_once: (u32, f64),
+    /// What it has cost so far.
+    pub work: Work,
+}
+
+impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
+    /// An integration from `x` at t = 0. A step's error may be `tolerance` times the larger of a
+    /// state and its `scale`.
+    #[must_use]
+    pub fn new(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
+        Integrator {
+            tableau: tableau::of(method),
+            tolerance,
+            scale,
+            t: 0.0,
+            x,
+            slope: None,
+            segment: None,
+            pending: None,
+            wanted: 1e-5,
+            events_at_once: (0, 0.0),
+            work: Work::default(),
+        }
+    }
+
+    /// The state at `t`, which must lie in the last step of [`Integrator::run_to`].
+    #[must_use]
+    pub fn state(&self, t: f64) -> [f64; N] {
+        match &self.segment {
+            Some(segment) if t < self.t => segment.at(t),
+            _ => self.x,
+        }
+    }
+
+    /// Integrates to `t`, or a little beyond it, but not beyond `horizon`; takes every event up to
+    /// and at `t`.
+    ///
+    /// # Errors
+    /// When the state is no longer a number, or steps or events pile up.
+    pub fn run_to(
+        &mut self,
+        system: &mut impl Hybrid<N, G, F>,
+        t: f64,
+        horizon: f64,
+    ) -> Result<(), IntegrationError> {
+        loop {
+            if self.t <= t
+                && let Some(event) = self.pending.take()
+            {
+                self.take(system, event)?;
+            } else if self.t < t {
+                self.step(system, horizon.max(t))?;
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Ends the last step at `t`, because the system is changed from outside there. `change` is
+    /// given the state.
+    pub fn cut(&mut self, t: f64, change: impl FnOnce(&mut [f64; N])) {
+        self.x = self.state(t);
+        if t < self.t {
+            self.pending = None;
+        }
+        self.t = t;
+        self.restart();
+        change(&mut self.x);
+    }
+
+    fn restart(&mut self) {
+        self.segment = None;
+        self.slope = None;
+        self.work.restarts += 1;
+    }
+
+    fn take(&mut self, system: &mut impl Hybrid<N, G, F>, event: Event) -> Result<(), IntegrationError> {
+        let (count, since) = self.events_at_once;
+        self.events_at_once = if self.t - since < SMALLEST_STEP { (count + 1, since) } else { (0, self.t) };
+        if self.events_at_once.0 > MOST_EVENTS_AT_ONCE {
+            return Err(IntegrationError::EventsPileUp { at_s: self.t });
+        }
+        system.cross(event, self.t, &mut self.x);
+        self.work.events += 1;
+        self.restart();
+        Ok(())
+    }
+
+    /// One accepted step, ended at the first event in it.
+    fn step(&mut self, system: &mut impl Hybrid<N, G, F>, horizon: f64) -> Result<(), IntegrationError> {
+        let instant = system.next_instant(self.t);
+        let limit = instant.min(horizon);
+        let slope = match self.slope {
+            Some(slope) => slope,
+            None => {
+                self.work.evaluations += 1;
+                system.derivative(self.t, &self.x)
+            }
+        };
+        let (segment, end, x, end_slope) = self.accepted(system, slope, limit)?;
+        self.work.steps += 1;
+        let event = self.first_event(system, &segment, end, &x);
+        match event {
+            Some((event, at)) => {
+                self.x = segment.at(at);
+                self.t = at;
+                self.slope = None;
+                self.pending = Some(event);
+            }
+            None => {
+                self.x = x;
+                self.t = end;
+                self.slope = end_slope;
+                self.pending = (end == instant).then_some(Event::Instant);
+            }
+        }
+        self.segment = Some(segment);
+        Ok(())
+    }
+
+    /// Tries steps until the error is small enough: dense output, end, state and slope there.
+    #[allow(clippy::type_complexity)]
+    fn accepted(
+        &mut self,
+        system: &mut impl Hybrid<N, G, F>,
+        slope: [f64; N],
+        limit: f64,
+    ) -> Result<(Segment<N>, f64, [f64; N], Option<[f64; N]>), IntegrationError> {
+        loop {
+            let room = limit - self.t;
+            // A remainder of less than a tenth of a step would cost as much as a whole one.
+            let limited = self.wanted >= 0.9 * room;
+            let h = if limited { room } else { self.wanted };
+            let end = if limited { limit } else { self.t + h };
+            let (stages, x) = self.stages(system, slope, h);
+            let error = self.error(&stages, &x, h);
+            if !error.is_finite() {
+                self.wanted = 0.1 * h;
+            } else {
+                let factor = 0.9 * error.max(1e-10).powf(-1.0 / self.tableau.error_order);
+                let next = h * factor.clamp(0.2, 5.0);
+                if error <= 1.0 {
+                    // A step cut short by an event says nothing of the wanted size.
+                    self.wanted = if limited { next.max(self.wanted) } else { next };
+                    let segment = self.segment_of(&stages, &x, h);
+                    return Ok((segment, end, x, Some(stages[self.tableau.last_stage()])));
+                }
+                self.wanted = next;
+            }
+            self.work.rejected += 1;
+            if self.wanted < SMALLEST_STEP {
+                return Err(if error.is_finite() {
+                    IntegrationError::StepTooSmall { at_s: self.t, step_s: self.wanted }
+                } else {
+                    IntegrationError::NotANumber { at_s: self.t }
+                });
+            }
+        }
+    }
+
+    /// The slopes of all stages and the state at the end; the last stage is the slope there.
+    fn stages(
+        &mut self,
+        system: &mut impl Hybrid<N, G, F>,
+        slope: [f64; N],
+        h: f64,
+    ) -> ([[f64; N]; MOST_STAGES], [f64; N]) {
+        let mut stages = [[0.0; N]; MOST_STAGES];
+        stages[0] = slope;
+        let mut x = self.x;
+        for (stage, weights) in self.tableau.weights.iter().enumerate() {
+            x = self.x;
+            for (&weight, earlier) in weights.iter().zip(&stages) {
+                if weight != 0.0 {
+                    for (value, slope) in x.iter_mut().zip(earlier) {
+                        *value += h * weight * slope;
+                    }
+                }
+            }
+            stages[stage + 1] = system.derivative(self.t + h * self.tableau.nodes[stage], &x);
+        }
+        self.work.evaluations += self.tableau.weights.len() as u64;
+        (stages, x)
+    }
+
+    /// The largest error of a state over what is allowed.
+    fn error(&self, stages: &[[f64; N]; MOST_STAGES], x: &[f64; N], h: f64) -> f64 {
+        let mut largest = 0.0_f64;
+        for i in 0..N {
+            let error: f64 = self.tableau.error.iter().zip(stages).map(|(&e, k)| e * k[i]).sum();
+            let allowed = self.tolerance * self.scale[i].max(x[i].abs());
+            let ratio = (h * error).abs() / allowed;
+            if !ratio.is_finite() {
+                return f64::INFINITY;
+            }
+            largest = largest.max(ratio);
+        }
+        largest
+    }
+
+    fn segment_of(&self, stages: &[[f64; N]; MOST_STAGES], x: &[f64; N], h: f64) -> Segment<N> {
+        let last = self.tableau.last_stage();
+        let mut coefficients = [[0.0; N]; 5];
+        for i in 0..N {
+            let rise = x[i] - self.x[i];
+            let bend = h * stages[0][i] - rise;
+            let quartic: f64 = self.tableau.dense.iter().zip(stages).map(|(&d, k)| d * k[i]).sum();
+            coefficients[0][i] = self.x[i];
+            coefficients[1][i] = rise;
+            coefficients[2][i] = bend;
+            coefficients[3][i] = rise - h * stages[last][i] - bend;
+            coefficients[4][i] = h * quartic;
+        }
+        Segment { start: self.t, width: h, coefficients }
+    }
+
+    /// The first guard in the step that becomes negative, and when.
+    fn first_event(
+        &self,
+        system: &mut impl Hybrid<N, G, F>,
+        segment: &Segment<N>,
+        end: f64,
+        x: &[f64; N],
+    ) -> Option<(Event, f64)> {
+        let mut first: Option<(Event, f64)> = None;
+        let mut note = |event, at: f64| {
+            if first.is_none_or(|(_, earliest)| at < earliest) {
+                first = Some((event, at));
+            }
+        };
+        let when = |theta: f64| if theta == 1.0 { end } else { segment.start + theta * segment.width };
+        let begin = system.guards(segment.start, &self.x);
+        let looks = LOOKS.map(|theta| match theta {
+            1.0 => system.guards(end, x),
+            _ => system.guards(when(theta), &segment.at_part(theta)),
+        });
+        for guard in 0..G {
+            let values = [begin[guard], looks[0][guard], looks[1][guard], looks[2][guard], looks[3][guard]];
+            let mut value_at = |theta: f64| system.guards(when(theta), &segment.at_part(theta))[guard];
+            if let Some(theta) = first_negative(&values, &mut value_at) {
+                note(Event::Guard(guard), when(theta));
+            }
+        }
+        let after = system.flow_guards(end, x);
+        for guard in 0..F {
+            if after[guard] < 0.0 {
+                let before = system.flow_guards(segment.start, &self.x);
+                let mut value_at =
+                    |theta: f64| system.flow_guards(when(theta), &segment.at_part(theta))[guard];
+                let ends = [(0.0, before[guard].max(0.0)), (1.0, after[guard])];
+                note(Event::FlowGuard(guard), when(bracketed_root(&mut value_at, ends, 1e-14)));
+            }
+        }
+        first
+    }
+}
+
+/// The first place in a step at which a guard with these values at 0 and [`LOOKS`] becomes negative.
+fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+    let place = |i: usize| if i == 0 { 0.0 } else { LOOKS[i - 1] };
+    for i in 1..values.len() {
+        let (before, here) = (values[i - 1], values[i]);
+        if here < 0.0 {
+            // A guard that begins at zero (a body that has just broken away) is not crossed there.
+            let bracket = [(place(i - 1), before.max(0.0)), (place(i), here)];
+            return Some(bracketed_root(value_at, bracket, 1e-14));
+        }
+        if i + 1 < values.len()
+            && let Some(dip) = dip_between(before, here, values[i + 1])
+        {
+            let theta = place(i) + dip * (LOOKS[1] - LOOKS[0]);
+            let value = value_at(theta);
+            if value < 0.0 {
+                let left = if dip < 0.0 { i - 1 } else { i };
+                return Some(bracketed_root(value_at, [(place(left), values[left]), (theta, value)], 1e-14));
+            }
+        }
+    }
+    None
+}
+
+/// Where a parabola through three evenly spaced values dips below zero between them, in spacings
+/// from the middle one, if it does.
+fn dip_between(before: f64, middle: f64, after: f64) -> Option<f64> {
+    let curvature = before - 2.0 * middle + after;
+    let slope = 0.5 * (after - before);
+    let dip = -slope / curvature;
+    let lowest = middle - 0.5 * slope * slope / curvature;
+    (curvature > 0.0 && dip.abs() < 1.0 && after >= 0.0 && lowest < 0.0).then_some(dip)
+}
+
+#[cfg(test)]
+mod tests;

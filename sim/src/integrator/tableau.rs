@@ -1,0 +1,83 @@
+//! The coefficients of the methods.
+
+use super::Method;
+
+/// Stages of the larger method, the slope at the end included.
+pub(super) const MOST_STAGES: usize = 7;
+
+/// An explicit method whose last stage is the slope at the end of the step.
+#[derive(Debug)]
+pub(super) struct Tableau {
+    /// Where stages 2.. are evaluated, in parts of the step.
+    pub nodes: &'static [f64],
+    /// Weights of the earlier slopes in stages 2..; those of the last stage make the step itself.
+    pub weights: &'static [&'static [f64]],
+    /// Weights of all slopes in the error estimate.
+    pub error: &'static [f64],
+    /// Weights of all slopes in the quartic term of the dense output; empty for the cubic one.
+    pub dense: &'static [f64],
+    /// The power of the step size that the error estimate goes with.
+    pub error_order: f64,
+}
+
+impl Tableau {
+    /// Which stage is the slope at the end.
+    pub fn last_stage(&self) -> usize {
+        self.weights.len()
+    }
+}
+
+pub(super) fn of(method: Method) -> &'static Tableau {
+    match method {
+        Method::DormandPrince => &DORMAND_PRINCE,
+        Method::Merson => &MERSON,
+    }
+}
+
+/// Hairer, Norsett, Wanner I, table II.5.2 and the interpolant of II.6.
+static DORMAND_PRINCE: Tableau = Tableau {
+    nodes: &[1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0],
+    weights: &[
+        &[1.0 / 5.0],
+        &[3.0 / 40.0, 9.0 / 40.0],
+        &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+        &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
+        &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
+        &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+    ],
+    error: &[
+        71.0 / 57600.0,
+        0.0,
+        -71.0 / 16695.0,
+        71.0 / 1920.0,
+        -17253.0 / 339_200.0,
+        22.0 / 525.0,
+        -1.0 / 40.0,
+    ],
+    dense: &[
+        -12_715_105_075.0 / 11_282_082_432.0,
+        0.0,
+        87_487_479_700.0 / 32_700_410_799.0,
+        -10_690_763_975.0 / 1_880_347_072.0,
+        701_980_252_875.0 / 199_316_789_632.0,
+        -1_453_857_185.0 / 822_651_844.0,
+        69_997_945.0 / 29_380_423.0,
+    ],
+    error_order: 5.0,
+};
+
+/// Merson 1957, as in Hairer, Norsett, Wanner I, table II.4.1; the sixth stage is the slope at the
+/// end, for the interpolant and the next step.
+static MERSON: Tableau = Tableau {
+    nodes: &[1.0 / 3.0, 1.0 / 3.0, 1.0 / 2.0, 1.0, 1.0],
+    weights: &[
+        &[1.0 / 3.0],
+        &[1.0 / 6.0, 1.0 / 6.0],
+        &[1.0 / 8.0, 0.0, 3.0 / 8.0],
+        &[1.0 / 2.0, 0.0, -3.0 / 2.0, 2.0],
+        &[1.0 / 6.0, 0.0, 0.0, 2.0 / 3.0, 1.0 / 6.0],
+    ],
+    error: &[1.0 / 15.0, 0.0, -3.0 / 10.0, 4.0 / 15.0, -1.0 / 30.0],
+    dense: &[],
+    error_order: 5.0,
+};

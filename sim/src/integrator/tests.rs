@@ -1,0 +1,200 @@
+//! Order of convergence on problems with known answers, and events against closed forms.
+
+use super::*;
+
+/// A harmonic oscillator: smooth, x = (cos t, -sin t).
+struct Oscillator;
+
+impl Hybrid<2, 0, 0> for Oscillator {
+    fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
+        [x[1], -x[0]]
+    }
+    fn guards(&self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 2]) {}
+}
+
+/// The oscillator's error at t = 2 in steps of exactly `h`.
+fn error_with_step(method: Method, h: f64) -> f64 {
+    let mut integrator = Integrator::<2, 0, 0>::new(method, 1e6, [1.0; 2], [1.0, 0.0]);
+    let steps = (2.0 / h).round() as u32;
+    for step in 1..=steps {
+        integrator.wanted = 1.0;
+        let t = f64::from(step) * h;
+        integrator.run_to(&mut Oscillator, t, t).expect("smooth");
+    }
+    assert_eq!(integrator.work.steps, u64::from(steps));
+    let x = integrator.state(2.0);
+    (x[0] - 2.0_f64.cos()).hypot(x[1] + 2.0_f64.sin())
+}
+
+#[test]
+fn the_error_falls_with_the_order_of_the_method() {
+    for (method, order) in [(Method::DormandPrince, 5.0), (Method::Merson, 4.0)] {
+        let observed = (error_with_step(method, 0.1) / error_with_step(method, 0.05)).log2();
+        assert!((observed - order).abs() < 0.2, "{method:?}: {observed}");
+    }
+}
+
+/// x' = x^2 from 1: x = 1/(1-t): not linear.
+struct Riccati;
+
+impl Hybrid<1, 0, 0> for Riccati {
+    fn derivative(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
+        [x[0] * x[0]]
+    }
+    fn guards(&self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 1]) {}
+}
+
+#[test]
+fn the_order_holds_on_a_nonlinear_problem() {
+    let error = |method, h: f64| {
+        let mut integrator = Integrator::<1, 0, 0>::new(method, 1e6, [1.0], [1.0]);
+        for step in 1..=(0.5 / h).round() as u32 {
+            integrator.wanted = 1.0;
+            integrator.run_to(&mut Riccati, f64::from(step) * h, f64::from(step) * h).expect("smooth");
+        }
+        (integrator.state(0.5)[0] - 2.0).abs()
+    };
+    for (method, order) in [(Method::DormandPrince, 5.0), (Method::Merson, 4.0)] {
+        let observed = (error(method, 0.1) / error(method, 0.05)).log2();
+        assert!(observed > order - 0.3, "{method:?}: {observed}");
+    }
+}
+
+#[test]
+fn the_dense_output_is_as_good_between_the_ends_of_a_step() {
+    for (method, order) in [(Method::DormandPrince, 5.0), (Method::Merson, 4.0)] {
+        let error = |h: f64| {
+            let mut integrator = Integrator::<2, 0, 0>::new(method, 1e6, [1.0; 2], [1.0, 0.0]);
+            integrator.wanted = 1.0;
+            integrator.run_to(&mut Oscillator, h, h).expect("smooth");
+            let x = integrator.state(0.4 * h);
+            (x[0] - (0.4 * h).cos()).hypot(x[1] + (0.4 * h).sin())
+        };
+        let observed = (error(0.2) / error(0.1)).log2();
+        assert!((observed - order).abs() < 0.3, "{method:?}: {observed}");
+    }
+}
+
+#[test]
+fn a_tighter_tolerance_gives_a_smaller_error() {
+    let error = |tolerance| {
+        let mut integrator =
+            Integrator::<2, 0, 0>::new(Method::DormandPrince, tolerance, [1.0; 2], [1.0, 0.0]);
+        integrator.run_to(&mut Oscillator, 10.0, 10.0).expect("smooth");
+        (integrator.state(10.0)[0] - 10.0_f64.cos()).abs()
+    };
+    assert!(error(1e-6) < 1e-4);
+    assert!(error(1e-10) < 1e-8);
+}
+
+/// A ball on a floor without loss of energy: parabolas between bounces at known times.
+struct Ball {
+    bounces: Vec<f64>,
+}
+
+impl Hybrid<2, 1, 0> for Ball {
+    fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
+        [x[1], -10.0]
+    }
+    fn guards(&self, _: f64, x: &[f64; 2]) -> [f64; 1] {
+        [x[0]]
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) {
+        assert_eq!(event, Event::Guard(0));
+        self.bounces.push(t);
+        *x = [0.0, -x[1]];
+    }
+}
+
+#[test]
+fn events_are_hit_to_a_picosecond() {
+    let mut ball = Ball { bounces: Vec::new() };
+    let mut integrator = Integrator::<2, 1, 0>::new(Method::DormandPrince, 1e-9, [1.0; 2], [1.0, 0.0]);
+    integrator.run_to(&mut ball, 4.0, 4.0).expect("a ball");
+    let fall = 0.2_f64.sqrt();
+    assert_eq!(ball.bounces.len(), 4);
+    for (i, at) in ball.bounces.iter().enumerate() {
+        let expected = fall * (1.0 + 2.0 * i as f64);
+        assert!((at - expected).abs() < 1e-12, "bounce {i}: {at} {expected}");
+    }
+}
+
+/// A guard that dips below zero and comes back within one step.
+struct Dip;
+
+impl Hybrid<1, 1, 0> for Dip {
+    fn derivative(&mut self, _: f64, _: &[f64; 1]) -> [f64; 1] {
+        [1.0]
+    }
+    fn guards(&self, _: f64, x: &[f64; 1]) -> [f64; 1] {
+        [(x[0] - 0.6) * (x[0] - 0.6) - 0.0001]
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, _: Event, t: f64, x: &mut [f64; 1]) {
+        assert!((t - 0.59).abs() < 1e-9, "{t}");
+        x[0] += 1.0;
+    }
+}
+
+#[test]
+fn a_guard_that_comes_back_within_one_step_is_seen() {
+    let mut integrator = Integrator::<1, 1, 0>::new(Method::DormandPrince, 1e-3, [1.0], [0.0]);
+    integrator.wanted = 1.0;
+    integrator.run_to(&mut Dip, 1.0, 1.0).expect("a line");
+    assert_eq!(integrator.work.events, 1);
+}
+
+/// A right-hand side that fails.
+struct Broken;
+
+impl Hybrid<1, 0, 0> for Broken {
+    fn derivative(&mut self, t: f64, _: &[f64; 1]) -> [f64; 1] {
+        [if t > 0.5 { f64::NAN } else { 1.0 }]
+    }
+    fn guards(&self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 1]) {}
+}
+
+#[test]
+fn a_state_that_stops_being_a_number_is_said_with_its_time() {
+    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [0.0]);
+    let error = integrator.run_to(&mut Broken, 1.0, 1.0).expect_err("not a number");
+    assert!(matches!(error, IntegrationError::NotANumber { at_s } if (at_s - 0.5).abs() < 1e-6), "{error}");
+}

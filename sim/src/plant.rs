@@ -1,0 +1,341 @@
+//! The plant as a controller sees it: a command in, a sample out.
+//!
+//! One [`Plant::advance`] serves the simulator, the virtual rig and the emulated board alike, so that
+//! all of them see the same samples in every bit. Time is whole microseconds; samples are read off
+//! the dense output of the integrator and cost no step.
+
+use pneudrive_controller::Sample;
+
+use crate::actuator::{Actuator, Air};
+use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, StateVector, slot};
+use crate::friction::DryFriction;
+use crate::gas::Gas;
+use crate::integrator::{IntegrationError, Integrator, Method, Work};
+use crate::load::Load;
+use crate::network::{Network, NetworkWork, Station};
+use crate::operator::Solenoid;
+use crate::play::Dither;
+use crate::rig::Rig;
+use crate::sensors::Sensors;
+use crate::stop::Stops;
+use crate::tubing::Tube;
+use crate::valve::Valve;
+
+/// How exactly a plant is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// The method.
+    pub method: Method,
+    /// Allowed error of a step, relative to what counts as large in each state.
+    pub tolerance: f64,
+}
+
+impl Default for Accuracy {
+    /// Repeats the reference transients to a tenth of their tolerances, over the whole run.
+    fn default() -> Self {
+        Accuracy { method: Method::DormandPrince, tolerance: 1e-11 }
+    }
+}
+
+/// A simulated rig without its controller.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    assembly: Assembly,
+    integrator: Integrator<STATES, GUARDS, FLOW_GUARDS>,
+    sensors: Sensors,
+    period_us: u64,
+    delay_us: u64,
+    /// Spool travel of one command count, m.
+    travel_per_count: f64,
+    /// Command in force.
+    command: i16,
+    /// Whether the command changed at the last output: then it will at the next one, as a rule, and
+    /// a step beyond that would be wasted.
+    restless: bool,
+    /// Number of the sample taken last.
+    k: u64,
+}
+
+/// What can be measured at one instant, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Position, m.
+    pub position: f64,
+    /// Velocity, m/s.
+    pub velocity: f64,
+    /// Acceleration, m/s^2.
+    pub acceleration: f64,
+    /// Absolute chamber pressures, Pa.
+    pub pressures: [f64; 2],
+    /// Chamber temperatures, K.
+    pub temperatures: [f64; 2],
+    /// Spool position, m.
+    pub spool: f64,
+    /// Spool position that the command in force asks for, m.
+    pub spool_command: f64,
+    /// Mass flows into the chambers, kg/s.
+    pub mass_flows: [f64; 2],
+    /// Force of the cylinder, N.
+    pub actuator_force: f64,
+    /// Dry friction, N, positive against extension.
+    pub friction: f64,
+}
+
+/// What a run has cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlantWork {
+    /// The integrator's part.
+    pub integrator: Work,
+    /// The network's part.
+    pub network: NetworkWork,
+}
+
+/// The instant of a whole number of microseconds, s: rounded once.
+pub(crate) fn seconds(microseconds: u64) -> f64 {
+    microseconds as f64 / 1e6
+}
+
+impl Plant {
+    /// The plant of a rig in the initial state of its test, at t = 0. `seed` is for sensor noise.
+    #[must_use]
+    pub fn new(rig: &Rig, accuracy: Accuracy, seed: u64) -> Plant {
+        let gas = gas(rig);
+        let actuator = actuator(rig);
+        let x = initial_state(rig, &gas, &actuator);
+        let assembly =
+            Assembly::new(gas, valve(rig), actuator, load(rig), solenoid(rig), network(rig, gas), &x);
+        Plant {
+            assembly,
+            integrator: Integrator::new(accuracy.method, accuracy.tolerance, SCALE, x),
+            sensors: Sensors::new(rig, seed),
+            period_us: u64::from(rig.period_us().get()),
+            delay_us: rig.microseconds("controller.delay_s"),
+            travel_per_count: rig.number("valve.spool_travel_mm") * 1e-3 / 2048.0,
+            command: 0,
+            restless: false,
+            k: 0,
+        }
+    }
+
+    /// The sensors at the present sample instant.
+    pub fn sample(&mut self) -> Sample {
+        let x = self.integrator.state(self.sample_time());
+        let pressures = slot::EXNER.map(|i| self.assembly.gas.pressure(x[i]));
+        self.sensors.read(x[slot::POSITION], pressures, x[slot::SPOOL])
+    }
+
+    /// From sample k to sample k + 1, with `command` (counts) in force from the output in between.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    pub fn advance(&mut self, command: i16) -> Result<Sample, IntegrationError> {
+        self.output(command)?;
+        self.next_sample()?;
+        Ok(self.sample())
+    }
+
+    /// To the output of the present sample, where `command` takes effect.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    pub fn output(&mut self, command: i16) -> Result<(), IntegrationError> {
+        let at = self.output_time();
+        let changes = command != self.command;
+        self.integrator.run_to(&mut self.assembly, at, if changes { at } else { f64::INFINITY })?;
+        self.restless = changes;
+        if changes {
+            self.command = command;
+            let travel = self.spool_command();
+            let assembly = &mut self.assembly;
+            self.integrator.cut(at, |x| assembly.drive(at, x, travel));
+        }
+        Ok(())
+    }
+
+    /// From the output of sample k to sample k + 1.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    pub fn next_sample(&mut self) -> Result<(), IntegrationError> {
+        self.k += 1;
+        let horizon = if self.restless { self.output_time() } else { f64::INFINITY };
+        let at = self.sample_time();
+        self.integrator.run_to(&mut self.assembly, at, horizon)
+    }
+
+    /// What can be measured at `t`, at or after the last sample or output and before the next.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    pub fn look(&mut self, t: f64) -> Result<Snapshot, IntegrationError> {
+        let horizon = if self.restless { self.output_time().max(t) } else { f64::INFINITY };
+        self.integrator.run_to(&mut self.assembly, t, horizon)?;
+        Ok(self.snapshot(t))
+    }
+
+    fn snapshot(&mut self, t: f64) -> Snapshot {
+        let x = self.integrator.state(t);
+        let Effects { air, nodes, actuator_force, friction_force, acceleration } = self.assembly.effects(&x);
+        Snapshot {
+            position: x[slot::POSITION],
+            velocity: x[slot::VELOCITY],
+            acceleration,
+            pressures: air.map(|air| air.pressure),
+            temperatures: air.map(|air| air.temperature),
+            spool: x[slot::SPOOL],
+            spool_command: self.spool_command(),
+            mass_flows: nodes.map(|node| node.port_flow()),
+            actuator_force,
+            friction: friction_force,
+        }
+    }
+
+    fn spool_command(&self) -> f64 {
+        f64::from(self.command) * self.travel_per_count
+    }
+
+    /// The instant of the present sample, s.
+    #[must_use]
+    pub fn sample_time(&self) -> f64 {
+        seconds(self.k * self.period_us)
+    }
+
+    /// The instant of the present sample's output, s.
+    #[must_use]
+    pub fn output_time(&self) -> f64 {
+        seconds(self.k * self.period_us + self.delay_us)
+    }
+
+    /// What the run has cost so far.
+    #[must_use]
+    pub fn work(&self) -> PlantWork {
+        PlantWork { integrator: self.integrator.work, network: self.assembly.network.work }
+    }
+}
+
+/// P_1 at which the load of a rig is in equilibrium at the start of its test, Pa.
+pub(crate) fn equilibrium_pressure_1(rig: &Rig) -> f64 {
+    let standing = load(rig).standing_force(rig.number("test.position_m"));
+    actuator(rig).balancing_pressure_1(rig.number("test.pressure_2_pa"), -standing)
+}
+
+fn gas(rig: &Rig) -> Gas {
+    Gas::new(rig.number("gas.heat_capacity_ratio"), rig.number("gas.gas_constant_j_per_kg_k"))
+}
+
+fn valve(rig: &Rig) -> Valve {
+    let metres = |path: &str| rig.number(path) * 1e-3;
+    Valve {
+        null_offset: metres("valve.null_offset_mm"),
+        lap: metres("valve.underlap_mm"),
+        sleeve_diameter: metres("valve.sleeve_diameter_mm"),
+        spool_diameter: metres("valve.spool_diameter_mm"),
+        port_diameter: metres("valve.port_diameter_mm"),
+        discharge_supply: rig.number("valve.discharge_supply"),
+        discharge_exhaust: rig.number("valve.discharge_exhaust"),
+    }
+}
+
+fn network(rig: &Rig, gas: Gas) -> Network {
+    let station = |table: &str| Station {
+        exner: gas.exner(rig.number(&format!("{table}.pressure_pa"))),
+        temperature: rig.number(&format!("{table}.temperature_k")),
+    };
+    let tube = match rig.word("tubing.model") {
+        "none" => Tube::none(),
+        _ => Tube::empirical(&gas, rig.number("tubing.drop_slope"), rig.number("tubing.reference_flow_kg_s")),
+    };
+    let port_area = rig.switch("valve.upstream_mach").then(|| valve(rig).port_area());
+    Network::new(gas, station("supply"), station("exhaust"), tube, tube, port_area)
+}
+
+fn actuator(rig: &Rig) -> Actuator {
+    let rod_diameter = rig.number("actuator.rod_diameter_m");
+    let [blind, rod_side, rod] = Actuator::areas(rig.number("actuator.bore_m"), rod_diameter);
+    let symmetric = rig.word("actuator.model") == "symmetric";
+    Actuator {
+        stroke: rig.number("actuator.stroke_m"),
+        area_1: if symmetric { rod_side } else { blind },
+        area_2: rod_side,
+        rod_area: if symmetric { 0.0 } else { rod },
+        residual_volumes: [
+            rig.number("actuator.residual_volume_1_m3"),
+            rig.number("actuator.residual_volume_2_m3"),
+        ],
+        ambient_pressure: rig.number("exhaust.pressure_pa"),
+    }
+}
+
+fn load(rig: &Rig) -> Load {
+    let mass = rig.number("load.mass_kg");
+    Load {
+        mass,
+        viscous: rig.number("load.viscous_n_s_per_m"),
+        constant_force: rig.number("load.constant_force_n"),
+        spring: rig.number("load.spring_n_per_m"),
+        incline: rig.number("load.incline_deg").to_radians(),
+        friction: DryFriction {
+            static_extend: rig.number("load.static_extend_n"),
+            coulomb_extend: rig.number("load.coulomb_extend_n"),
+            static_retract: rig.number("load.static_retract_n"),
+            coulomb_retract: rig.number("load.coulomb_retract_n"),
+        },
+        stops: Stops::new(
+            0.0,
+            rig.number("actuator.stroke_m"),
+            rig.number("load.stop_stiffness_n_per_m"),
+            rig.number("load.stop_region_m"),
+            rig.number("load.stop_damping_ratio"),
+            mass,
+        ),
+    }
+}
+
+fn solenoid(rig: &Rig) -> Solenoid {
+    let spool_mass = rig.number("operator.spool_mass_kg");
+    let travel = rig.number("valve.spool_travel_mm") * 1e-3;
+    Solenoid {
+        amplifier_gain: rig.number("operator.amplifier_gain"),
+        saturation: rig.number("operator.saturation_mm") * 1e-3,
+        // The loop is `hysteresis_percent` of the 2 mm range wide: half of that to either side.
+        hysteresis_half_width: rig.number("operator.hysteresis_percent") / 100.0 * 1e-3,
+        dither: Dither {
+            amplitude: rig.number("operator.dither_mm") * 1e-3,
+            frequency_hz: rig.number("operator.dither_hz"),
+            phase_cycles: rig.number("operator.dither_phase_deg") / 360.0,
+        },
+        force_gain: rig.number("operator.force_gain_n_per_mm") * 1e3,
+        spring: rig.number("operator.spring_n_per_mm") * 1e3,
+        spring_preload: rig.number("operator.spring_preload_n"),
+        damping: rig.number("operator.damping_n_s_per_m"),
+        spool_mass,
+        friction: DryFriction::symmetric(
+            rig.number("operator.static_friction_n"),
+            rig.number("operator.coulomb_friction_n"),
+        ),
+        stops: Stops::new(
+            -travel,
+            travel,
+            rig.number("operator.stop_stiffness_n_per_m"),
+            rig.number("operator.stop_region_m"),
+            rig.number("operator.stop_damping_ratio"),
+            spool_mass,
+        ),
+    }
+}
+
+fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {
+    let position = rig.number("test.position_m");
+    let pressure_1 = rig.optional_number("test.pressure_1_pa").unwrap_or_else(|| equilibrium_pressure_1(rig));
+    let pressures = [pressure_1, rig.number("test.pressure_2_pa")];
+    let temperatures = [rig.number("test.temperature_1_k"), rig.number("test.temperature_2_k")];
+    let volumes = actuator.volumes(position, 0.0);
+    let mut x = [0.0; STATES];
+    x[slot::POSITION] = position;
+    for i in 0..2 {
+        let [mass, exner] = Air::state_of(gas, pressures[i], temperatures[i], volumes[i].volume);
+        x[slot::MASS[i]] = mass;
+        x[slot::EXNER[i]] = exner;
+    }
+    x
+}

@@ -1,0 +1,23 @@
+//! The rigs that come with the program.
+
+use super::Rig;
+
+/// Name and file of each built-in rig.
+pub const BUILTIN: &[(&str, &str)] = &[
+    ("servo-b", include_str!("../../rigs/servo-b.toml")),
+    ("servo-b-tuned", include_str!("../../rigs/servo-b-tuned.toml")),
+];
+
+/// The file of a built-in rig.
+#[must_use]
+pub fn builtin(name: &str) -> Option<&'static str> {
+    BUILTIN.iter().find(|(builtin, _)| *builtin == name).map(|(_, text)| *text)
+}
+
+impl Rig {
+    /// A built-in rig.
+    #[must_use]
+    pub fn builtin(name: &str) -> Option<Rig> {
+        builtin(name).map(|text| Rig::read(name, text).unwrap_or_else(|problems| panic!("{problems}")))
+    }
+}

@@ -1,0 +1,126 @@
+//! What must hold between keys: nothing that divides by zero, nothing unphysical (thesis 9.2.1 asks
+//! for such a check).
+
+use super::read::Reader;
+use super::{Rig, Value, whole_microseconds};
+use pneudrive_controller::sequencer::MAX_MOVES;
+
+impl Reader<'_> {
+    /// Notes everything that does not go together.
+    pub(super) fn check(&mut self, rig: &Rig) {
+        self.check_pressures(rig);
+        self.check_timing(rig);
+        self.check_geometry(rig);
+        self.check_friction(rig);
+        self.check_sensors(rig);
+        self.check_moves(rig);
+        self.check_start(rig);
+    }
+
+    /// `lower` must not be above `upper` (with `strictly`: must be below it).
+    fn check_order(&mut self, rig: &Rig, lower: &str, upper: &str, strictly: bool, why: &str) {
+        let (low, high) = (rig.number(lower), rig.number(upper));
+        if low > high || (strictly && low == high) {
+            let relation = if strictly { "must be below" } else { "must not be above" };
+            self.problem_at_key(lower, format!("{relation} {upper} = {high}, is {low}: {why}"));
+        }
+    }
+
+    fn check_pressures(&mut self, rig: &Rig) {
+        let why = "air must flow from the supply to the exhaust";
+        self.check_order(rig, "exhaust.pressure_pa", "supply.pressure_pa", true, why);
+    }
+
+    fn check_timing(&mut self, rig: &Rig) {
+        for path in ["controller.period_s", "controller.delay_s", "test.duration_s", "test.trace_period_s"] {
+            if rig.optional_number(path).is_some_and(|seconds| whole_microseconds(seconds).is_none()) {
+                self.problem_at_key(path, "must be a whole number of microseconds".to_owned());
+            }
+        }
+        let why = "a command is driven before the next sample";
+        self.check_order(rig, "controller.delay_s", "controller.period_s", true, why);
+    }
+
+    fn check_geometry(&mut self, rig: &Rig) {
+        let why = "the spool moves inside the sleeve";
+        self.check_order(rig, "valve.spool_diameter_mm", "valve.sleeve_diameter_mm", false, why);
+        let why = "the rod must leave an area for the air to push on";
+        self.check_order(rig, "actuator.rod_diameter_m", "actuator.bore_m", true, why);
+        if rig.word("operator.model") == "solenoid" && rig.number("operator.dither_hz") == 0.0 {
+            if rig.number("operator.dither_mm") > 0.0 {
+                let message = "a dither needs a frequency; write dither_mm = 0 for none";
+                self.problem_at_key("operator.dither_hz", message.to_owned());
+            }
+        }
+        if rig.integer("encoder.polarity") == 0 {
+            self.problem_at_key("encoder.polarity", "must be 1 or -1".to_owned());
+        }
+    }
+
+    fn check_friction(&mut self, rig: &Rig) {
+        let why = "a body that slips must not be held more than one that sticks";
+        for (coulomb, stiction) in [
+            ("load.coulomb_extend_n", "load.static_extend_n"),
+            ("load.coulomb_retract_n", "load.static_retract_n"),
+            ("operator.coulomb_friction_n", "operator.static_friction_n"),
+        ] {
+            self.check_order(rig, coulomb, stiction, false, why);
+        }
+    }
+
+    fn check_sensors(&mut self, rig: &Rig) {
+        let why = "the sensor's range would be empty";
+        self.check_order(rig, "sensors.pressure_min_pa", "sensors.pressure_max_pa", true, why);
+        self.check_order(rig, "sensors.spool_min_mm", "sensors.spool_max_mm", true, why);
+    }
+
+    fn check_moves(&mut self, rig: &Rig) {
+        let moves = rig.moves();
+        if moves.is_empty() || moves.len() > MAX_MOVES {
+            let message = format!("must have 1 to {MAX_MOVES} moves, has {}", moves.len());
+            self.problem_at_key("test.moves", message);
+        }
+        if moves.iter().any(|(time, _)| whole_microseconds(*time).is_none_or(|us| us > u64::from(u32::MAX))) {
+            let message = "times must be whole microseconds from 0 to 4294 s".to_owned();
+            self.problem_at_key("test.moves", message);
+        }
+        if moves.windows(2).any(|pair| pair[1].0 < pair[0].0) {
+            self.problem_at_key("test.moves", "must be in order of time".to_owned());
+        }
+        if moves.iter().any(|(_, target)| i32::try_from(*target).is_err()) {
+            self.problem_at_key("test.moves", "counts must fit 32 bits".to_owned());
+        }
+        if rig.word("controller.loop") == "closed" {
+            self.check_setpoints(rig, &moves);
+        }
+    }
+
+    /// A setpoint that the cylinder cannot reach is a slip of units as a rule.
+    fn check_setpoints(&mut self, rig: &Rig, moves: &[(f64, i64)]) {
+        let stroke = (rig.number("actuator.stroke_m") * 1e3 / rig.number("encoder.mm_per_count")) as i64;
+        for (_, target) in moves.iter().filter(|(_, target)| *target < 0 || *target > stroke) {
+            let key = if rig.value("test.targets").is_some() { "test.targets" } else { "test.moves" };
+            self.problem_at_key(
+                key,
+                format!("setpoint {target} is outside the stroke of 0 to {stroke} counts"),
+            );
+        }
+    }
+
+    fn check_start(&mut self, rig: &Rig) {
+        let why = "the test starts within the stroke";
+        self.check_order(rig, "test.position_m", "actuator.stroke_m", false, why);
+        if let Some(Value::Integers(_)) = rig.value("test.targets")
+            && rig.set[Rig::index("test.moves")]
+        {
+            self.problem_at_key("test.targets", "give either targets or moves, not both".to_owned());
+        }
+        let balanced = crate::plant::equilibrium_pressure_1(rig);
+        if rig.optional_number("test.pressure_1_pa").is_none() && !(1e4..=5e6).contains(&balanced) {
+            let message = format!(
+                "no pressure in chamber 1 balances it at the start (it would be {balanced:.0} Pa); give test.pressure_1_pa"
+            );
+            self.problem_at_key("test.pressure_2_pa", message);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! `rig explain`: what a key means.
+
+use super::Value;
+use super::keys::{Default, KEYS, Key, Kind};
+use super::read::Problem;
+
+/// The help text of a key, of all keys of a table, or of all keys (for an empty name).
+///
+/// # Errors
+/// When there is no such key or table.
+pub fn explain(name: &str) -> Result<String, Problem> {
+    let exact: Vec<&Key> = KEYS.iter().filter(|key| key.path == name || key.name() == name).collect();
+    if !exact.is_empty() {
+        return Ok(exact.iter().map(|key| in_full(key)).collect::<Vec<_>>().join("\n"));
+    }
+    let table: Vec<&Key> = KEYS.iter().filter(|key| name.is_empty() || key.table() == name).collect();
+    if table.is_empty() {
+        let message = "there is no such key or table; `pneudrive rig explain` lists them all".to_owned();
+        return Err(Problem { source: "rig explain".to_owned(), line: None, key: name.to_owned(), message });
+    }
+    Ok(table.iter().map(|key| format!("{:<38} {}\n", key.path, key.meaning)).collect())
+}
+
+fn in_full(key: &Key) -> String {
+    let mut lines = vec![key.path.to_owned(), format!("  {}", key.meaning)];
+    let mut fact = |name: &str, value: String| {
+        if !value.is_empty() {
+            lines.push(format!("  {name:<10} {value}"));
+        }
+    };
+    fact("unit", key.unit().to_owned());
+    fact("range", range(&key.kind));
+    fact("default", default(&key.default));
+    fact("thesis", key.thesis.to_owned());
+    fact("models", key.models.join(", "));
+    lines.push(String::new());
+    lines.join("\n")
+}
+
+fn range(kind: &Kind) -> String {
+    match kind {
+        Kind::Number { min, max } => format!("{min} to {max}"),
+        Kind::Integer { min, max } => format!("whole numbers from {min} to {max}"),
+        Kind::Switch => "true, false".to_owned(),
+        Kind::Choice(options) => {
+            let word = |(name, built): &(&str, bool)| {
+                if *built { (*name).to_owned() } else { format!("{name} (not built yet)") }
+            };
+            options.iter().map(word).collect::<Vec<_>>().join(", ")
+        }
+        Kind::Integers { min, max, most } => format!("1 to {most} whole numbers from {min} to {max}"),
+        Kind::Moves => "list of [time in s, counts] in order of time".to_owned(),
+        Kind::Text => "text".to_owned(),
+        Kind::NotBuilt => "not built yet".to_owned(),
+    }
+}
+
+fn default(default: &Default) -> String {
+    match default {
+        Default::Absent(what) => format!("none: {what}"),
+        other => super::default_value(other).map(|value| value.to_string()).unwrap_or_default(),
+    }
+}
+
+impl std::fmt::Display for Value {
+    /// As TOML has it.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Value::Number(value) => write!(f, "{value}"),
+            Value::Integer(value) => write!(f, "{value}"),
+            Value::Switch(on) => write!(f, "{on}"),
+            Value::Word(word) => write!(f, "{word:?}"),
+            Value::Integers(values) => write!(f, "{values:?}"),
+            Value::Moves(moves) => {
+                let moves: Vec<String> =
+                    moves.iter().map(|(time, target)| format!("[{time}, {target}]")).collect();
+                write!(f, "[{}]", moves.join(", "))
+            }
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! Reading a rig file: every problem with its file, line and key.
+
+use std::fmt;
+
+use toml_edit::{ArrayOfTables, Document, Item, Table, TableLike};
+
+use super::keys::{self, Default, KEYS, Key, Kind};
+use super::{Rig, Value, default_value};
+
+/// Something wrong with a rig file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// The file, or the part of the command line.
+    pub source: String,
+    /// Counted from 1; None where there is no line.
+    pub line: Option<usize>,
+    /// The key, as `table.name`.
+    pub key: String,
+    /// What is wrong and what to do.
+    pub message: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.source)?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        write!(f, ": {}: {}", self.key, self.message)
+    }
+}
+
+/// Everything wrong with a rig file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct Problems(pub Vec<Problem>);
+
+/// What is being read, and what was found wrong so far.
+pub(super) struct Reader<'a> {
+    source: &'a str,
+    text: &'a str,
+    lines: Vec<Option<usize>>,
+    problems: Vec<Problem>,
+}
+
+impl Rig {
+    /// Reads a rig file; `source` is its name for messages.
+    ///
+    /// # Errors
+    /// Every problem with its line and key.
+    pub fn read(source: &str, text: &str) -> Result<Rig, Problems> {
+        Rig::read_with(source, text, &[])
+    }
+
+    /// Reads a rig file and applies `key=value` settings, each in TOML syntax.
+    ///
+    /// # Errors
+    /// Every problem with its line and key.
+    pub fn read_with(source: &str, text: &str, settings: &[String]) -> Result<Rig, Problems> {
+        let mut reader = Reader { source, text, lines: vec![None; KEYS.len()], problems: Vec::new() };
+        let mut rig = Rig::defaults();
+        match Document::parse(text) {
+            Ok(document) => reader.top(&mut rig, document.as_table()),
+            Err(error) => reader.syntax(&error),
+        }
+        for setting in settings {
+            reader.setting(&mut rig, setting);
+        }
+        if reader.problems.is_empty() {
+            reader.check(&rig);
+        }
+        if reader.problems.is_empty() { Ok(rig) } else { Err(Problems(reader.problems)) }
+    }
+}
+
+impl Reader<'_> {
+    /// Notes a problem with a key of the file; its line is known if the file has the key.
+    pub(super) fn problem_at_key(&mut self, path: &str, message: String) {
+        let line = KEYS.iter().position(|key| key.path == path).and_then(|i| self.lines[i]);
+        self.problem(line, path, message);
+    }
+
+    fn problem(&mut self, line: Option<usize>, key: &str, message: String) {
+        self.problems.push(Problem { source: self.source.to_owned(), line, key: key.to_owned(), message });
+    }
+
+    fn line_of(&self, span: Option<std::ops::Range<usize>>) -> Option<usize> {
+        span.map(|span| 1 + self.text[..span.start.min(self.text.len())].matches('\n').count())
+    }
+
+    /// A file that is no TOML: the line, and the key that is nearest above.
+    fn syntax(&mut self, error: &toml_edit::TomlError) {
+        let line = self.line_of(error.span());
+        let key = nearest_key(self.text, line.unwrap_or(1));
+        let message = error.message().lines().collect::<Vec<_>>().join("; ");
+        self.problem(line, &key, format!("this is not TOML: {message}"));
+    }
+
+    fn top(&mut self, rig: &mut Rig, top: &Table) {
+        for (name, item) in top.iter() {
+            let line = self.line_of(top.key(name).and_then(toml_edit::Key::span));
+            match item {
+                Item::Table(table) => self.table(rig, name, table),
+                Item::ArrayOfTables(tables) => self.tables(name, tables),
+                Item::Value(toml_edit::Value::InlineTable(table)) => self.table(rig, name, table),
+                item => self.item(rig, name, line, item),
+            }
+        }
+    }
+
+    fn table(&mut self, rig: &mut Rig, name: &str, table: &dyn TableLike) {
+        let line = table.iter().next().and_then(|(first, _)| self.line_of(table.key(first)?.span()));
+        if !KEYS.iter().any(|key| key.table() == name) {
+            let known = KEYS.iter().map(Key::table).filter(|table| !table.is_empty());
+            let message = format!("there is no table [{name}]{}", did_you_mean(name, known));
+            self.problem(line, name, message);
+            return;
+        }
+        for (entry, item) in table.iter() {
+            let line = self.line_of(table.key(entry).and_then(toml_edit::Key::span));
+            self.item(rig, &format!("{name}.{entry}"), line, item);
+        }
+    }
+
+    fn tables(&mut self, name: &str, tables: &ArrayOfTables) {
+        let line = self.line_of(tables.span());
+        self.problem(line, name, format!("[{name}] is one table; write [{name}], not [[{name}]]"));
+    }
+
+    fn item(&mut self, rig: &mut Rig, path: &str, line: Option<usize>, item: &Item) {
+        let Some(index) = KEYS.iter().position(|key| key.path == path) else {
+            self.problem(line, path, unknown_key(path));
+            return;
+        };
+        self.lines[index] = line;
+        match value_of(&KEYS[index], item) {
+            Ok(value) => {
+                rig.values[index] = Some(value);
+                rig.set[index] = true;
+            }
+            Err(message) => self.problem(line, path, message),
+        }
+    }
+
+    /// One `key=value` of the command line.
+    fn setting(&mut self, rig: &mut Rig, setting: &str) {
+        let source = std::mem::replace(&mut self.source, "--set");
+        let (path, text) = setting.split_once('=').unwrap_or((setting, ""));
+        let (path, text) = (path.trim(), text.trim());
+        // A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes.
+        let value = text.parse::<toml_edit::Value>().unwrap_or_else(|_| text.into());
+        if text.is_empty() {
+            self.problem(None, path, "write key=value, such as --set load.mass_kg=2.5".to_owned());
+        } else {
+            self.item(rig, path, None, &Item::Value(value));
+        }
+        self.source = source;
+    }
+}
+
+/// The last key at or above a line, with its table.
+fn nearest_key(text: &str, line: usize) -> String {
+    let (mut table, mut key) = ("", "");
+    for text in text.lines().take(line).map(str::trim) {
+        if let Some(header) = text.strip_prefix('[').filter(|_| !text.contains('=')) {
+            (table, key) = (header.trim_matches(['[', ']', ' ']), "");
+        } else if let Some((name, _)) = text.split_once('=').filter(|_| !text.starts_with('#')) {
+            key = name.trim();
+        }
+    }
+    match (table, key) {
+        ("", key) => key.to_owned(),
+        (table, "") => format!("[{table}]"),
+        (table, key) => format!("{table}.{key}"),
+    }
+}
+
+/// What to say of a key that is not in the table: its unit, or a near miss.
+fn unknown_key(path: &str) -> String {
+    let (table, name) = path.split_once('.').unwrap_or(("", path));
+    let (stem, given) = keys::unit(name);
+    let same_stem = KEYS
+        .iter()
+        .find(|key| key.table() == table && !key.unit().is_empty() && keys::unit(key.name()).0 == stem);
+    match same_stem {
+        Some(key) if given.is_empty() => {
+            format!("there is no such key; with its unit it is {} (in {})", key.name(), key.unit())
+        }
+        Some(key) => {
+            format!("wrong unit: this key is {}, so give it in {} instead of {given}", key.name(), key.unit())
+        }
+        None => {
+            let known = KEYS.iter().filter(|key| key.table() == table).map(Key::name);
+            format!("unknown key{}", did_you_mean(name, known))
+        }
+    }
+}
+
+fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    known
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| format!("; did you mean {candidate}?"))
+        .unwrap_or_else(|| "; `pneudrive rig explain` lists the keys".to_owned())
+}
+
+/// The value of a key, or what is wrong with it.
+fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
+    match key.kind {
+        Kind::Number { min, max } => number(key, item, min, max),
+        Kind::Integer { min, max } => whole(key, item, min, max).map(Value::Integer),
+        Kind::Switch => item.as_bool().map(Value::Switch).ok_or_else(|| "must be true or false".to_owned()),
+        Kind::Text => text(item, "must be a text in quotes").map(Value::Word),
+        Kind::Choice(options) => word(key, item, options),
+        Kind::Integers { min, max, most } => integers(key, item, min, max, most),
+        Kind::Moves => moves(item),
+        Kind::NotBuilt => not_built(key, item),
+    }
+}
+
+fn text(item: &Item, message: &str) -> Result<String, String> {
+    item.as_str().map(str::to_owned).ok_or_else(|| message.to_owned())
+}
+
+fn real(item: &Item) -> Option<f64> {
+    item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
+}
+
+fn number(key: &Key, item: &Item, min: f64, max: f64) -> Result<Value, String> {
+    let with_unit = |value: f64| format!("{value} {}", key.unit()).trim_end().to_owned();
+    let Some(value) = real(item) else {
+        let kind = item.type_name();
+        return Err(match key.unit() {
+            "" => format!("must be a number, not a {kind}"),
+            unit => format!("must be a number in {unit} without the unit, not a {kind}"),
+        });
+    };
+    if (min..=max).contains(&value) {
+        Ok(Value::Number(value))
+    } else {
+        let range = format!("must be between {} and {}", with_unit(min), with_unit(max));
+        Err(format!("{range}, is {value}"))
+    }
+}
+
+fn whole(key: &Key, item: &Item, min: i64, max: i64) -> Result<i64, String> {
+    let value =
+        item.as_integer().ok_or_else(|| format!("must be a whole number, not a {}", item.type_name()))?;
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        let unit = key.unit();
+        Err(format!("must be between {min} and {max} {unit}").trim_end().to_owned()
+            + &format!(", is {value}"))
+    }
+}
+
+fn word(key: &Key, item: &Item, options: &[(&str, bool)]) -> Result<Value, String> {
+    let known: Vec<String> = options.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+    let known = known.join(", ");
+    let word = text(item, &format!("must be one of {known}"))?;
+    match options.iter().find(|(name, _)| *name == word) {
+        Some((_, true)) => Ok(Value::Word(word)),
+        Some((_, false)) => {
+            let built: Vec<&str> =
+                options.iter().filter(|(_, built)| *built).map(|(name, _)| *name).collect();
+            Err(format!("{} = \"{word}\" is not built yet; built: {}", key.path, built.join(", ")))
+        }
+        None => Err(format!("must be one of {known}, is \"{word}\"")),
+    }
+}
+
+fn integers(key: &Key, item: &Item, min: i64, max: i64, most: usize) -> Result<Value, String> {
+    let array = item.as_array().ok_or("must be a list of whole numbers, such as [8192, 4096]")?;
+    if array.is_empty() || array.len() > most {
+        return Err(format!("must have 1 to {most} entries, has {}", array.len()));
+    }
+    let values = array.iter().map(|value| whole(key, &Item::Value(value.clone()), min, max));
+    values.collect::<Result<_, _>>().map(Value::Integers)
+}
+
+fn moves(item: &Item) -> Result<Value, String> {
+    let form = "must be a list of [time in s, counts], such as [[0.0, 8192], [0.3, 16384]]";
+    let array = item.as_array().ok_or(form)?;
+    let one = |value: &toml_edit::Value| {
+        let pair = value.as_array().filter(|pair| pair.len() == 2)?;
+        let time = real(&Item::Value(pair.get(0)?.clone()))?;
+        Some((time, pair.get(1)?.as_integer()?))
+    };
+    array
+        .iter()
+        .map(|value| one(value).ok_or_else(|| form.to_owned()))
+        .collect::<Result<_, _>>()
+        .map(Value::Moves)
+}
+
+/// A key that is not built yet takes its default and nothing else.
+fn not_built(key: &Key, item: &Item) -> Result<Value, String> {
+    let given = match key.default {
+        Default::Number(_) => real(item).map(Value::Number),
+        Default::Switch(_) => item.as_bool().map(Value::Switch),
+        _ => None,
+    };
+    match given {
+        Some(value) if Some(&value) == default_value(&key.default).as_ref() => Ok(value),
+        _ => Err(format!("{} is not built yet; leave it out", key.path)),
+    }
+}

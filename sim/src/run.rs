@@ -1,0 +1,92 @@
+//! One run: the real controller on the simulated plant, as fast as it goes.
+
+use pneudrive_controller::{Config, Fault, Mode, Observation, State, output, sample};
+
+use crate::integrator::IntegrationError;
+use crate::plant::{Accuracy, Plant, PlantWork, seconds};
+use crate::rig::{Rig, whole_microseconds};
+use crate::trace::Row;
+
+/// What came out of a run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The transient.
+    pub rows: Vec<Row>,
+    /// What the controller made of each sample: the integers that every rung must repeat.
+    pub observations: Vec<Observation>,
+    /// The fault that ended the control, if one did, and the sample at which it tripped.
+    pub fault: Option<(Fault, u32)>,
+    /// What it has cost.
+    pub work: PlantWork,
+}
+
+/// Where the next row of the trace is due.
+struct Rows {
+    period_us: u64,
+    next: u64,
+    end_us: u64,
+    rows: Vec<Row>,
+}
+
+impl Rows {
+    /// Rows due at or before `until_us` (before it, if `open`).
+    fn catch_up(
+        &mut self,
+        plant: &mut Plant,
+        seen: &Observation,
+        until_us: u64,
+        open: bool,
+    ) -> Result<(), IntegrationError> {
+        while self.next < until_us || (!open && self.next == until_us) {
+            if self.next > self.end_us {
+                return Ok(());
+            }
+            let time = seconds(self.next);
+            self.rows.push(Row { time, observation: *seen, plant: plant.look(time)? });
+            self.next += self.period_us;
+        }
+        Ok(())
+    }
+}
+
+/// Runs the test of a rig. The drive starts referenced, armed and at rest.
+///
+/// # Errors
+/// When the integration cannot go on.
+pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
+    let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
+    let sequence = rig.sequence();
+    let mut state = State::default();
+    state.supervisor.set_referenced();
+    state.supervisor.arm(config.law.control_loop).expect("referenced and not running");
+    state.start().expect("armed");
+
+    let period = u64::from(rig.period_us().get());
+    let delay = rig.microseconds("controller.delay_s");
+    let row_period = rig.optional_number("test.trace_period_s").and_then(whole_microseconds);
+    let mut rows = Rows {
+        period_us: row_period.unwrap_or(period),
+        next: 0,
+        end_us: rig.microseconds("test.duration_s"),
+        rows: Vec::new(),
+    };
+    let mut plant = Plant::new(rig, accuracy, 0);
+    let mut observations = Vec::new();
+    let mut fault = None;
+    for k in 0..=u64::from(rig.last_sample()) {
+        sample(&config, &sequence, &mut state, &plant.sample());
+        let seen = *state.observation();
+        if let Mode::Fault(kind) = state.supervisor.mode() {
+            fault = fault.or(Some((kind, seen.index)));
+        }
+        observations.push(seen);
+        // At one instant: sample, then output, then the row (EQUATIONS section 11 rule 1).
+        rows.catch_up(&mut plant, &seen, k * period + delay, true)?;
+        plant.output(output(&state).counts)?;
+        rows.catch_up(&mut plant, &seen, (k + 1) * period, true)?;
+        if k < u64::from(rig.last_sample()) {
+            plant.next_sample()?;
+        }
+    }
+    Ok(Run { rows: rows.rows, observations, fault, work: plant.work() })
+}

@@ -1,0 +1,64 @@
+//! The transients of an independent implementation of the same equations, with the tolerances that
+//! its authors state (tests/cases/README.md). What parts two programs in the closed loops is one
+//! flipped encoder count; the closest approach to the edge of one is 3e-9 m.
+
+use pneudrive_sim::{Accuracy, Rig, run};
+
+/// The largest deviations from a case up to `until` seconds: position in m, pressures in Pa.
+fn deviation(case: &str, until: f64) -> (f64, f64) {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cases");
+    let read = |ending: &str| {
+        std::fs::read_to_string(format!("{folder}/{case}.{ending}")).expect("a case in the repository")
+    };
+    let rig = Rig::read(case, &read("toml")).unwrap_or_else(|problems| panic!("{problems}"));
+    let rows = run(&rig, Accuracy::default()).expect("a transient").rows;
+    let csv = read("csv");
+    let mut lines = csv.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let column = |name: &str| header.iter().position(|other| *other == name).expect("a known column");
+    let columns = ["time_s", "position_m", "pressure_1_pa", "pressure_2_pa"].map(column);
+    let (mut position, mut pressure) = (0.0_f64, 0.0_f64);
+    let mut compared = 0;
+    for (line, row) in lines.zip(&rows) {
+        let values: Vec<f64> = line.split(',').map(|text| text.parse().expect("a number")).collect();
+        let [time, y, p1, p2] = columns.map(|column| values[column]);
+        assert!((time - row.time).abs() < 1e-9, "{case}: row {compared} is at {}, not {time}", row.time);
+        if time <= until {
+            position = position.max((y - row.plant.position).abs());
+            let off = (p1 - row.plant.pressures[0]).abs().max((p2 - row.plant.pressures[1]).abs());
+            pressure = pressure.max(off);
+        }
+        compared += 1;
+    }
+    assert_eq!(compared, csv.lines().count() - 1, "{case}: every row of the reference has a partner");
+    println!("{case} to {until} s: position {position:.1e} m, pressure {pressure:.1e} Pa");
+    (position, pressure)
+}
+
+fn agrees(case: &str, until: f64, position_m: f64, pressure_pa: f64) {
+    let (position, pressure) = deviation(case, until);
+    assert!(position < position_m, "{case} to {until} s: position off by {position:e} m");
+    assert!(pressure < pressure_pa, "{case} to {until} s: pressure off by {pressure:e} Pa");
+}
+
+#[test]
+fn open_loop_without_dither() {
+    agrees("B_open_nodither", f64::INFINITY, 1e-6, 10.0);
+}
+
+#[test]
+fn open_loop_with_dither() {
+    agrees("B_open_dither", f64::INFINITY, 1e-6, 10.0);
+}
+
+#[test]
+fn damped_closed_loop() {
+    agrees("B_closed_damped", 0.30, 1e-6, 10.0);
+    agrees("B_closed_damped", f64::INFINITY, 1e-5, 100.0);
+}
+
+#[test]
+fn closed_loop_with_the_gains_of_the_thesis() {
+    agrees("B_closed_default", 0.55, 1e-6, 10.0);
+    agrees("B_closed_default", f64::INFINITY, 1e-5, 100.0);
+}

@@ -1,0 +1,105 @@
+//! How cargo and rustup are called, and where they build.
+
+use std::env;
+use std::ffi::OsStr;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+
+/// The target of the boards.
+pub const THUMB: &str = "thumbv7em-none-eabihf";
+
+/// What `cargo xtask`, itself run by cargo and rustup, must not hand down: rust-toolchain.toml and the
+/// workspaces' own configurations say which toolchain builds for which target.
+const LEAKS: [&str; 2] = ["RUSTUP_TOOLCHAIN", "CARGO_BUILD_TARGET"];
+
+/// The root of the repository.
+#[must_use]
+pub fn root() -> &'static Path {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    manifest.parent().unwrap_or(manifest)
+}
+
+/// Where images are built: apart from the target folder of the root workspace, but inside it.
+///
+/// # Errors
+/// When CARGO_TARGET_DIR is relative and the current folder is gone.
+pub fn image_folder() -> Result<PathBuf> {
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
+    let target = std::path::absolute(&target).with_context(|| format!("CARGO_TARGET_DIR {target:?}"))?;
+    Ok(target.join("firmware"))
+}
+
+/// A cargo call in the root workspace.
+#[must_use]
+pub fn in_root(arguments: &[&str]) -> Command {
+    cargo(root(), arguments)
+}
+
+/// A cargo call in the inner workspace, with the target of its `.cargo/config.toml`. Flags meant for
+/// the PC don't reach it.
+#[must_use]
+pub fn in_firmware(arguments: &[&str], target_folder: &Path) -> Command {
+    let mut command = cargo(&root().join("firmware"), arguments);
+    command.env("CARGO_TARGET_DIR", target_folder);
+    command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    command
+}
+
+fn cargo(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(folder).args(arguments);
+    LEAKS.iter().for_each(|name| {
+        command.env_remove(name);
+    });
+    command
+}
+
+/// Runs a command to its end; its output goes where ours goes.
+///
+/// # Errors
+/// When it can't be started or ends with anything but success.
+pub fn run(command: &mut Command) -> Result<()> {
+    let status = command.status().with_context(|| format!("{} can't be started", typed(command)))?;
+    ensure!(status.success(), "{} ended with {status}", typed(command));
+    Ok(())
+}
+
+/// The command as one would type it.
+fn typed(command: &Command) -> String {
+    let program = Path::new(command.get_program()).file_stem().unwrap_or_default();
+    let words = std::iter::once(program).chain(command.get_args());
+    words.map(OsStr::to_string_lossy).collect::<Vec<_>>().join(" ")
+}
+
+/// Makes sure that the pinned toolchain can build for the boards; installs the target if it's missing.
+///
+/// # Errors
+/// Without rustup, or when the target can't be installed.
+pub fn ensure_thumb_target() -> Result<()> {
+    let output = match rustup(&["target", "list", "--installed"]).output() {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            bail!("rustup is not found: install it, it brings the target {THUMB} that the firmware needs")
+        }
+        output => output.context("rustup can't be started")?,
+    };
+    ensure!(
+        output.status.success(),
+        "rustup target list: {}",
+        String::from_utf8_lossy(&output.stderr).trim()
+    );
+    if String::from_utf8_lossy(&output.stdout).lines().any(|line| line.trim() == THUMB) {
+        return Ok(());
+    }
+    println!("installing the target {THUMB} for the pinned toolchain: rustup target add {THUMB}");
+    run(&mut rustup(&["target", "add", THUMB]))
+        .with_context(|| format!("the target {THUMB} is missing and can't be installed"))
+}
+
+fn rustup(arguments: &[&str]) -> Command {
+    let mut command = Command::new("rustup");
+    command.current_dir(root()).args(arguments).env_remove("RUSTUP_TOOLCHAIN");
+    command
+}

@@ -1,0 +1,19 @@
+//! What a developer runs, and what CI runs: the same (`cargo xtask ci`).
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`steps`] | the commands: fmt, lint, test, docs, probe, ci |
+//! | [`tally`] | what passed, what failed, and going on after a failure |
+//! | [`cargo`] | how cargo and rustup are called, and where they build |
+//! | [`probe`] | builds the probe image of the firmware and judges it |
+//! | [`image`] | reads an image: its symbols, its code, what is in it that must not be |
+//! | [`forbidden`] | which symbols those are |
+//! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
+
+pub mod cargo;
+pub mod forbidden;
+pub mod image;
+pub mod probe;
+pub mod steps;
+pub mod tally;
+pub mod thumb;

@@ -1,0 +1,68 @@
+//! Builds the probe image of the firmware and judges it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::cargo::{self, THUMB};
+use crate::forbidden::Kind;
+use crate::image::Image;
+
+/// Functions without which the image proves nothing.
+const REQUIRED: [&str; 4] = ["probe_sample", "probe_output", "probe_configure", "probe_set"];
+
+/// Which image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variant {
+    /// The controller alone.
+    Honest,
+    /// With one of each thing that must not be there.
+    Guilty,
+}
+
+/// Builds the probe into a target folder and tells where the image is.
+///
+/// # Errors
+/// When the target of the boards is missing, or the build fails.
+pub fn build(target_folder: &Path, variant: Variant) -> Result<PathBuf> {
+    cargo::ensure_thumb_target()?;
+    let mut arguments = vec!["build", "--package", "pneudrive-probe", "--release", "--target", THUMB];
+    if variant == Variant::Guilty {
+        arguments.extend(["--features", "guilty"]);
+    }
+    cargo::run(&mut cargo::in_firmware(&arguments, target_folder)).context("building the probe")?;
+    Ok(target_folder.join(THUMB).join("release").join("probe"))
+}
+
+/// Reads the image of a probe.
+///
+/// # Errors
+/// When it can't be read, or lacks the functions that it's there for.
+pub fn read(path: &Path) -> Result<Image> {
+    let file = fs::read(path).with_context(|| format!("{}", path.display()))?;
+    let image = Image::read(&file).with_context(|| format!("{}", path.display()))?;
+    for name in REQUIRED {
+        ensure!(image.has_function(name), "{}: there is no function {name}", path.display());
+    }
+    Ok(image)
+}
+
+/// Builds the honest probe, prints what it takes and what it was searched for.
+///
+/// # Errors
+/// When anything is in it that must not be.
+pub fn check() -> Result<()> {
+    let image = read(&build(&cargo::image_folder()?, Variant::Honest)?)?;
+    let findings = image.findings();
+    println!("probe: {} bytes of flash (code and constants)", image.flash_bytes);
+    for kind in Kind::ALL {
+        let count = findings.iter().filter(|finding| finding.kind == kind).count();
+        println!("probe: {count} found of {kind}: {}", kind.sought());
+    }
+    if findings.is_empty() {
+        return Ok(());
+    }
+    let list: Vec<String> = findings.iter().map(ToString::to_string).collect();
+    bail!("the image holds what it must not:\n  {}", list.join("\n  "))
+}

@@ -1,0 +1,116 @@
+//! The commands. Each adds what it did to a [`Tally`].
+
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+
+use anyhow::{Context, Result};
+
+use crate::cargo::{self, THUMB, in_firmware, in_root, run};
+use crate::probe;
+use crate::tally::{Counts, Tally};
+
+/// Formats both workspaces, or checks that they are formatted.
+pub fn fmt(tally: &mut Tally, check: bool) {
+    let check: &[&str] = if check { &["--", "--check"] } else { &[] };
+    let root = [&["fmt", "--all"], check].concat();
+    tally.check("format", || run(&mut in_root(&root)));
+    // Without --all, which follows the paths to the outer workspace.
+    let images = [&["fmt"], check].concat();
+    tally.check("format of firmware/", || run(&mut in_firmware(&images, &cargo::image_folder()?)));
+}
+
+/// Clippy on both workspaces; a warning is an error.
+pub fn lint(tally: &mut Tally) {
+    let all = ["clippy", "--workspace", "--all-targets", "--keep-going", "--", "-D", "warnings"];
+    tally.check("lint", || run(&mut in_root(&all)));
+    // A test harness does not build without std.
+    let images = ["clippy", "--workspace", "--", "-D", "warnings"];
+    tally.check("lint of firmware/", || {
+        cargo::ensure_thumb_target()?;
+        run(&mut in_firmware(&images, &cargo::image_folder()?))
+    });
+}
+
+/// All tests on the PC, then what can be said of the boards without one.
+pub fn test(tally: &mut Tally) {
+    tally.check("target of the boards", cargo::ensure_thumb_target);
+    tests_on_the_pc(tally);
+    tally.check("no_std crates for the boards", || {
+        let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app"];
+        let mut arguments = vec!["build", "--lib", "--keep-going", "--target", THUMB];
+        arguments.extend(crates.iter().flat_map(|name| ["--package", name]));
+        run(&mut in_root(&arguments))
+    });
+    probe(tally);
+}
+
+fn tests_on_the_pc(tally: &mut Tally) {
+    println!("== tests");
+    let before = tally.failed();
+    match follow_tests(tally) {
+        Ok(true) => {}
+        Ok(false) if tally.failed() > before => {}
+        Ok(false) => tally.fail(1, "tests: cargo test did not come to its end".to_owned()),
+        Err(error) => tally.fail(1, format!("tests: {error:#}")),
+    }
+}
+
+/// Runs the tests, shows their output as it comes and counts them; whether cargo was content.
+fn follow_tests(tally: &mut Tally) -> Result<bool> {
+    let mut command = in_root(&["test", "--workspace", "--no-fail-fast"]);
+    let mut child = command.stdout(Stdio::piped()).spawn().context("cargo can't be started")?;
+    if let Some(stdout) = child.stdout.take() {
+        for line in BufReader::new(stdout).split(b'\n') {
+            let line = line.context("the tests' output")?;
+            follow_line(tally, String::from_utf8_lossy(&line).trim_end());
+        }
+    }
+    Ok(child.wait().context("cargo test")?.success())
+}
+
+fn follow_line(tally: &mut Tally, line: &str) {
+    println!("{line}");
+    if let Some(counts) = Counts::in_line(line) {
+        tally.add(counts);
+    } else if let Some(name) = line.strip_prefix("test ").and_then(|rest| rest.strip_suffix(" ... FAILED")) {
+        tally.fail(0, format!("test {name}"));
+    }
+}
+
+/// The documentation; a warning, so a dead link too, is an error.
+pub fn docs(tally: &mut Tally) {
+    tally.check("documentation", || {
+        run(in_root(&["doc", "--workspace", "--no-deps", "--keep-going"]).env("RUSTDOCFLAGS", "-D warnings"))
+    });
+}
+
+/// The image that links the controller alone: no panic, no float, no division routine.
+pub fn probe(tally: &mut Tally) {
+    tally.check("probe image", probe::check);
+}
+
+/// What CI runs.
+pub fn ci(tally: &mut Tally) {
+    fmt(tally, true);
+    lint(tally);
+    test(tally);
+    docs(tally);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn failed_tests_are_named_once_and_counted_once() {
+        let mut tally = Tally::default();
+        for line in [
+            "test law::odd ... FAILED",
+            "test law::even ... ok",
+            "test result: FAILED. 1 passed; 1 failed; 0 ignored; 0 measured; 0 filtered out",
+        ] {
+            follow_line(&mut tally, line);
+        }
+        assert_eq!(tally.summary(), "1 passed, 1 failed");
+    }
+}

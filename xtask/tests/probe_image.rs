@@ -1,0 +1,42 @@
+//! The probe on the real compiler: the controller's image is clean, and a guilty one is caught.
+
+use std::path::Path;
+use std::sync::Mutex;
+
+use xtask::forbidden::Kind;
+use xtask::image::Finding;
+use xtask::probe::{self, Variant};
+
+/// One build at a time, since a build may install the target.
+static BUILD: Mutex<()> = Mutex::new(());
+
+fn findings(folder: &str, variant: Variant) -> Vec<Finding> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
+    let path = {
+        let _one = BUILD.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        probe::build(&folder, variant).unwrap_or_else(|error| panic!("no image to judge: {error:#}"))
+    };
+    let image = probe::read(&path).unwrap_or_else(|error| panic!("{error:#}"));
+    assert!(image.flash_bytes > 1000, "only {} bytes: the controller is not in it", image.flash_bytes);
+    image.findings()
+}
+
+#[test]
+fn the_controller_has_no_panic_no_float_and_no_division_routine() {
+    assert_eq!(findings("honest", Variant::Honest), []);
+}
+
+#[test]
+fn each_thing_that_must_not_be_there_is_caught_where_it_is() {
+    let findings = findings("guilty", Variant::Guilty);
+    let caught = |kind, function: &str| {
+        findings.iter().any(|finding| {
+            finding.kind == kind
+                && (finding.what.ends_with(function) || finding.callers.iter().any(|c| c == function))
+        })
+    };
+    assert!(caught(Kind::Panic, "probe_guilty_index"), "{findings:#?}");
+    assert!(caught(Kind::FloatInstruction, "probe_guilty_float"), "{findings:#?}");
+    assert!(caught(Kind::SoftFloat, "probe_guilty_soft_float"), "{findings:#?}");
+    assert!(caught(Kind::Division, "probe_guilty_division"), "{findings:#?}");
+}
