@@ -1,1 +1,23 @@
-//! .
+//! What the `pneudrive` command does, as functions that others can call.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`cli`], [`command`] | arguments, and one thin file a subcommand |
+//! | [`port`], [`client`] | a byte link to a rig, and the requests over it |
+//! | [`virtual_rig`] | the firmware's application on the simulated plant |
+//! | [`target`] | TARGETxx.DAT: read, write, number |
+//! | [`run_folder`] | trace.csv and run.json: read, write |
+//! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
+//! | [`report`] | the page with the graphs |
+
+pub mod cli;
+pub mod client;
+pub mod command;
+pub mod deviation;
+pub mod port;
+pub mod report;
+pub mod run_folder;
+pub mod target;
+pub mod transient;
+pub mod virtual_rig;
+mod words;

@@ -49,6 +49,8 @@ pub struct Plant {
     travel_per_count: f64,
     /// Command in force.
     command: i16,
+    /// Command that takes effect at the output of the present sample, until it has.
+    due: Option<i16>,
     /// Whether the command changed at the last output: then it will at the next one, as a rule, and
     /// a step beyond that would be wasted.
     restless: bool,
@@ -112,6 +114,7 @@ impl Plant {
             delay_us: rig.microseconds("controller.delay_s"),
             travel_per_count: rig.number("valve.spool_travel_mm") * 1e-3 / 2048.0,
             command: 0,
+            due: None,
             restless: false,
             k: 0,
         }
@@ -119,7 +122,7 @@ impl Plant {
 
     /// The sensors at the present sample instant.
     pub fn sample(&mut self) -> Sample {
-        let x = self.integrator.state(self.sample_time());
+        let x = self.integrator.state(self.sample_time_of(self.k));
         let pressures = slot::EXNER.map(|i| self.assembly.gas.pressure(x[i]));
         self.sensors.read(x[slot::POSITION], pressures, x[slot::SPOOL])
     }
@@ -129,48 +132,62 @@ impl Plant {
     /// # Errors
     /// When the integration cannot go on.
     pub fn advance(&mut self, command: i16) -> Result<Sample, IntegrationError> {
-        self.output(command)?;
+        self.command(command);
         self.next_sample()?;
         Ok(self.sample())
     }
 
-    /// To the output of the present sample, where `command` takes effect.
+    /// Has `command` take effect at the output of the present sample.
+    pub fn command(&mut self, command: i16) {
+        self.due = Some(command);
+    }
+
+    /// To sample k + 1.
     ///
     /// # Errors
     /// When the integration cannot go on.
-    pub fn output(&mut self, command: i16) -> Result<(), IntegrationError> {
-        let at = self.output_time();
-        let changes = command != self.command;
-        self.integrator.run_to(&mut self.assembly, at, if changes { at } else { f64::INFINITY })?;
-        self.restless = changes;
-        if changes {
+    pub fn next_sample(&mut self) -> Result<(), IntegrationError> {
+        self.run_to(self.sample_time_of(self.k + 1))?;
+        self.k += 1;
+        Ok(())
+    }
+
+    /// What can be measured at `t`, from the present sample on to the next. Looking changes nothing:
+    /// the steps are the same without it.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    pub fn look(&mut self, t: f64) -> Result<Snapshot, IntegrationError> {
+        self.run_to(t)?;
+        Ok(self.snapshot(t))
+    }
+
+    /// To `t`, by way of the present sample's output if that is due. How far a step may reach beyond
+    /// depends on the outputs alone, not on where the caller stops.
+    fn run_to(&mut self, t: f64) -> Result<(), IntegrationError> {
+        let output = self.output_time_of(self.k);
+        if let Some(command) = self.due {
+            let changes = command != self.command;
+            let horizon = if changes { output } else { f64::INFINITY };
+            self.integrator.run_to(&mut self.assembly, t.min(output), horizon)?;
+            if t < output {
+                return Ok(());
+            }
+            self.drive(output, command);
+        }
+        let horizon = if self.restless { self.output_time_of(self.k + 1) } else { f64::INFINITY };
+        self.integrator.run_to(&mut self.assembly, t, horizon)
+    }
+
+    fn drive(&mut self, at: f64, command: i16) {
+        self.due = None;
+        self.restless = command != self.command;
+        if self.restless {
             self.command = command;
             let travel = self.spool_command();
             let assembly = &mut self.assembly;
             self.integrator.cut(at, |x| assembly.drive(at, x, travel));
         }
-        Ok(())
-    }
-
-    /// From the output of sample k to sample k + 1.
-    ///
-    /// # Errors
-    /// When the integration cannot go on.
-    pub fn next_sample(&mut self) -> Result<(), IntegrationError> {
-        self.k += 1;
-        let horizon = if self.restless { self.output_time() } else { f64::INFINITY };
-        let at = self.sample_time();
-        self.integrator.run_to(&mut self.assembly, at, horizon)
-    }
-
-    /// What can be measured at `t`, at or after the last sample or output and before the next.
-    ///
-    /// # Errors
-    /// When the integration cannot go on.
-    pub fn look(&mut self, t: f64) -> Result<Snapshot, IntegrationError> {
-        let horizon = if self.restless { self.output_time().max(t) } else { f64::INFINITY };
-        self.integrator.run_to(&mut self.assembly, t, horizon)?;
-        Ok(self.snapshot(t))
     }
 
     fn snapshot(&mut self, t: f64) -> Snapshot {
@@ -194,16 +211,12 @@ impl Plant {
         f64::from(self.command) * self.travel_per_count
     }
 
-    /// The instant of the present sample, s.
-    #[must_use]
-    pub fn sample_time(&self) -> f64 {
-        seconds(self.k * self.period_us)
+    fn sample_time_of(&self, k: u64) -> f64 {
+        seconds(k * self.period_us)
     }
 
-    /// The instant of the present sample's output, s.
-    #[must_use]
-    pub fn output_time(&self) -> f64 {
-        seconds(self.k * self.period_us + self.delay_us)
+    fn output_time_of(&self, k: u64) -> f64 {
+        seconds(k * self.period_us + self.delay_us)
     }
 
     /// What the run has cost so far.

@@ -135,6 +135,19 @@ impl Rig {
         }
     }
 
+    /// This rig with the `[test]` of another.
+    ///
+    /// # Errors
+    /// When that test does not fit this rig.
+    pub fn with_test_of(&self, other: &Rig) -> Result<Rig, Problems> {
+        let mut rig = self.clone();
+        for (index, _) in KEYS.iter().enumerate().filter(|(_, key)| key.table() == "test") {
+            rig.values[index] = other.values[index].clone();
+            rig.set[index] = other.set[index];
+        }
+        rig.checked(other.name())
+    }
+
     /// Every key that has a value, in the order of the table.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Key, &Value)> {
         KEYS.iter().zip(&self.values).filter_map(|(key, value)| value.as_ref().map(|value| (key, value)))

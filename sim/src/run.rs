@@ -23,27 +23,23 @@ pub struct Run {
 /// Where the next row of the trace is due.
 struct Rows {
     period_us: u64,
-    next: u64,
+    next_us: u64,
     end_us: u64,
     rows: Vec<Row>,
 }
 
 impl Rows {
-    /// Rows due at or before `until_us` (before it, if `open`).
+    /// Rows due before `until_us` and not after the end.
     fn catch_up(
         &mut self,
         plant: &mut Plant,
         seen: &Observation,
         until_us: u64,
-        open: bool,
     ) -> Result<(), IntegrationError> {
-        while self.next < until_us || (!open && self.next == until_us) {
-            if self.next > self.end_us {
-                return Ok(());
-            }
-            let time = seconds(self.next);
+        while self.next_us < until_us && self.next_us <= self.end_us {
+            let time = seconds(self.next_us);
             self.rows.push(Row { time, observation: *seen, plant: plant.look(time)? });
-            self.next += self.period_us;
+            self.next_us += self.period_us;
         }
         Ok(())
     }
@@ -62,11 +58,10 @@ pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
     state.start().expect("armed");
 
     let period = u64::from(rig.period_us().get());
-    let delay = rig.microseconds("controller.delay_s");
     let row_period = rig.optional_number("test.trace_period_s").and_then(whole_microseconds);
     let mut rows = Rows {
         period_us: row_period.unwrap_or(period),
-        next: 0,
+        next_us: 0,
         end_us: rig.microseconds("test.duration_s"),
         rows: Vec::new(),
     };
@@ -80,10 +75,9 @@ pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
             fault = fault.or(Some((kind, seen.index)));
         }
         observations.push(seen);
-        // At one instant: sample, then output, then the row (EQUATIONS section 11 rule 1).
-        rows.catch_up(&mut plant, &seen, k * period + delay, true)?;
-        plant.output(output(&state).counts)?;
-        rows.catch_up(&mut plant, &seen, (k + 1) * period, true)?;
+        // A row at an instant with an output shows the state after it.
+        plant.command(output(&state).counts);
+        rows.catch_up(&mut plant, &seen, (k + 1) * period)?;
         if k < u64::from(rig.last_sample()) {
             plant.next_sample()?;
         }

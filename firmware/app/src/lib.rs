@@ -1,1 +1,36 @@
-//! .
+//! The firmware of the drive without its board: everything but pins, clocks and interrupts.
+//!
+//! A board owns an [`App`] and calls it from three places:
+//!
+//! | call | from | priority | deadline |
+//! |---|---|---|---|
+//! | [`Control::on_sample`] | timer, at k * period | highest | before the output |
+//! | [`Control::on_output`] | timer, `delay` later | highest | before the next sample |
+//! | [`Server::receive`] | serial port | below | none: it never blocks the two above |
+//!
+//! A sample that comes later than the configuration allows is counted and trips the supervisor; it
+//! is never made up for. The [`Control`] half and the [`Server`] half share nothing but the requests
+//! that the server hands to the control half, one at a time.
+//!
+//! The same code runs natively as the virtual rig and on the microcontroller.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod board;
+pub mod control;
+pub mod recorder;
+pub mod server;
+
+pub use board::Board;
+pub use control::Control;
+pub use recorder::Recorder;
+pub use server::Server;
+
+/// Both halves, for boards that run them from one thread.
+#[derive(Debug, Default)]
+pub struct App {
+    /// The half with a deadline.
+    pub control: Control,
+    /// The half that talks.
+    pub server: Server,
+}

@@ -1,1 +1,107 @@
-//! .
+//! What firmware and PC say to each other over a stream of bytes (serial port, pty, TCP).
+//!
+//! The PC sends [`Request`]s, the firmware answers each with one [`Reply`] of the same sequence
+//! number. Neither sends anything unasked.
+//!
+//! # A frame
+//!
+//! ```text
+//! COBS( sequence | body | CRC-32 ) 0x00
+//!       \___ message __/
+//! ```
+//!
+//! | part | bytes | holds |
+//! |---|---|---|
+//! | sequence | 1 to 3 | number of the request, `u16` as a varint |
+//! | body | 1 and more | number of the variant as a varint, then its fields in order |
+//! | CRC-32 | 4 | ISO-HDLC, of the message, little endian |
+//! | COBS | 1 to 3 | what it costs to have no 0x00 in the frame |
+//! | delimiter | 1 | 0x00: the frame is over |
+//!
+//! Messages are written as [postcard](https://postcard.jamesmunns.com/wire-format) writes them:
+//! integers above 8 bits as varints (signed ones zigzag), texts and byte slices after their length.
+//! Runs of parameter values and recorded samples travel as plain little endian bytes, so that both
+//! ends take them from where they are ([`Values`], [`RecordedSample`]).
+//!
+//! A reader knows nothing until it has seen a delimiter: whoever opens a link sends a 0x00 first.
+//! [`Accumulator`] says what damage costs.
+//!
+//! # Versions are append-only
+//!
+//! - Enums gain variants at the end. Variants are never reordered or removed, and the fields they
+//!   have never change.
+//! - Whatever follows a known body is skipped, so a later version may append fields to one. Its
+//!   readers then fail on the shorter body of an older peer: a new variant is the better choice
+//!   unless the appended fields are only ever sent to whom they are known.
+//! - `Info`, request and reply, stays as it is for ever: it is how the PC finds out what the
+//!   firmware speaks. It then asks for nothing above the lower of both `version`s, and for nothing
+//!   at all if that is below the `min_version` of either. An old request gets an answer that an
+//!   old PC can read.
+//! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
+//!   that it can be answered with [`Refused::Unknown`].
+//! - `tests/wire_v01.rs` holds the bytes of version 1. A new version adds a file of its own.
+//!
+//! # What is promised
+//!
+//! No allocation, no `unsafe`, no panic on any input. Of the controller only ids and numbers are
+//! known here.
+#![no_std]
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod frame;
+pub mod message;
+pub mod record;
+pub mod values;
+
+pub use frame::{Accumulator, FrameError};
+pub use message::{
+    Message, MessageError, Mode, RecordInfo, Refused, Reply, ReplyBody, Request, RequestBody, Status,
+    decode_reply, decode_request, encode,
+};
+pub use record::{RecordCrc, RecordedSample};
+pub use values::Values;
+
+/// The oldest version this one still speaks.
+pub const MIN_VERSION: u16 = 1;
+
+/// The version described here.
+pub const CURRENT_VERSION: u16 = 1;
+
+/// The longest message, bytes: sequence and body, without CRC and framing.
+pub const MAX_MESSAGE: usize = 512;
+
+/// The longest frame, bytes: the longest message with CRC, COBS and delimiter.
+pub const MAX_FRAME: usize = cobs::max_encoding_length(MAX_MESSAGE + frame::CRC_BYTES) + 1;
+
+/// The most parameter values that one message carries.
+pub const MAX_VALUES: usize = 64;
+
+/// The most recorded samples that one message carries.
+pub const CHUNK_SAMPLES: usize = 32;
+
+/// Texts up to this long always fit their message, bytes of UTF-8. Longer ones may not.
+pub const MAX_TEXT: usize = 64;
+
+/// Varints of a `u16` and of a 32-bit number at their longest, bytes.
+const U16_BYTES: usize = 3;
+const U32_BYTES: usize = 5;
+/// Sequence and number of the variant (one byte, while there are fewer than 128).
+const HEADER_BYTES: usize = U16_BYTES + 1;
+/// A text at its longest, with its length.
+const TEXT_BYTES: usize = 1 + MAX_TEXT;
+
+// The largest messages, each field at its longest; all others are plainly smaller.
+const _: () = {
+    let config = HEADER_BYTES + U16_BYTES + U16_BYTES + MAX_VALUES * size_of::<i32>();
+    assert!(config <= MAX_MESSAGE, "Config, ConfigSet");
+    let chunk = HEADER_BYTES + U32_BYTES + U16_BYTES + CHUNK_SAMPLES * RecordedSample::BYTES;
+    assert!(chunk <= MAX_MESSAGE, "Chunk");
+    let info = HEADER_BYTES + 2 * U16_BYTES + 3 * TEXT_BYTES + U32_BYTES;
+    assert!(info <= MAX_MESSAGE, "Info");
+    let record_info = HEADER_BYTES + TEXT_BYTES + 4 * U32_BYTES + 3 * U16_BYTES + 1;
+    assert!(record_info <= MAX_MESSAGE, "RecordInfo");
+    assert!(MIN_VERSION <= CURRENT_VERSION);
+    assert!(MAX_VALUES <= u8::MAX as usize, "count of ConfigGet");
+    assert!(CHUNK_SAMPLES <= u8::MAX as usize, "count of RecordRead");
+};

@@ -73,6 +73,15 @@ impl Rig {
     }
 }
 
+impl Rig {
+    /// The rig, if all that must hold between its keys does; `source` is for messages.
+    pub(super) fn checked(self, source: &str) -> Result<Rig, Problems> {
+        let mut reader = Reader { source, text: "", lines: vec![None; KEYS.len()], problems: Vec::new() };
+        reader.check(&self);
+        if reader.problems.is_empty() { Ok(self) } else { Err(Problems(reader.problems)) }
+    }
+}
+
 impl Reader<'_> {
     /// Notes a problem with a key of the file; its line is known if the file has the key.
     pub(super) fn problem_at_key(&mut self, path: &str, message: String) {

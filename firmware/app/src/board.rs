@@ -1,0 +1,36 @@
+//! What the application needs of a board.
+
+use pneudrive_controller::{Command, Config, Sample};
+
+/// A board: sensors, drive stage and clocks. Pins, buses and interrupts stay behind it.
+pub trait Board {
+    /// Kind of board, at most 32 bytes.
+    fn name(&self) -> &'static str;
+
+    /// What was built from which sources, at most 32 bytes.
+    fn build(&self) -> &'static str;
+
+    /// Latches the encoder, then converts pressures and spool. Positive position means extension:
+    /// an inverted encoder is turned here.
+    fn read_sensors(&mut self, config: &Config) -> Sample;
+
+    /// Drives the valve and gates the amplifier. The board forms the converter's code
+    /// ([`pneudrive_controller::drive::DacConfig::code`]).
+    fn drive(&mut self, config: &Config, command: Command);
+
+    /// Microseconds since the reset, by the clock that lateness is judged by.
+    fn now_us(&self) -> u64;
+
+    /// Milliseconds of wall time by which the silence of the host is judged. None where silence
+    /// means nothing: in runs that prove two rungs equal, and in rigs faster than the clock.
+    fn host_clock_ms(&self) -> Option<u64>;
+
+    /// A run begins with the next sample. A simulated plant goes back to its initial state; a real
+    /// board does nothing.
+    fn run_begins(&mut self) {}
+
+    /// Whether the axis is referenced after a reset: a simulated one is.
+    fn starts_referenced(&self) -> bool {
+        false
+    }
+}

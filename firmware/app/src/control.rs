@@ -1,0 +1,297 @@
+//! The half with a deadline: sensors in, command out, record, watch the clock.
+
+use pneudrive_controller::config::ConfigError;
+use pneudrive_controller::parameters::SetError;
+use pneudrive_controller::{Config, Fault, Mode, Move, Parameters, Refusal, Sequence, State, output, sample};
+
+use crate::board::Board;
+use crate::recorder::Recorder;
+
+/// Bytes of a test's name.
+pub const NAME_BYTES: usize = 32;
+
+/// What was downloaded to be run.
+#[derive(Clone, Debug, Default)]
+pub struct Test {
+    name: [u8; NAME_BYTES],
+    name_len: usize,
+    decimation: u16,
+    pre_trigger: u16,
+    sequence: Sequence,
+}
+
+impl Test {
+    /// A test without moves yet. A longer name is cut.
+    #[must_use]
+    pub fn new(name: &str, duration_samples: u32, decimation: u16, pre_trigger: u16) -> Test {
+        let mut test = Test { decimation, pre_trigger, ..Test::default() };
+        test.sequence = Sequence::new(duration_samples);
+        let cut = (0..=name.len().min(NAME_BYTES)).rev().find(|&end| name.is_char_boundary(end));
+        let bytes = name.as_bytes().get(..cut.unwrap_or(0)).unwrap_or(&[]);
+        for (to, from) in test.name.iter_mut().zip(bytes) {
+            *to = *from;
+        }
+        test.name_len = bytes.len();
+        test
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.name.get(..self.name_len).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("")
+    }
+
+    /// The moves and the length of the run.
+    #[must_use]
+    pub fn sequence(&self) -> &Sequence {
+        &self.sequence
+    }
+}
+
+/// Why a change of the configuration was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangeError {
+    /// Not now.
+    Refused(Refusal),
+    /// Not this value.
+    Value(SetError),
+    /// Not with the other parameters.
+    Inconsistent(ConfigError),
+}
+
+/// When samples came.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    first_us: u64,
+    last_us: u64,
+    samples: u64,
+}
+
+/// The controller, its configuration, the test and the recorder.
+#[derive(Debug)]
+pub struct Control {
+    parameters: Parameters,
+    config: Config,
+    test: Test,
+    state: State,
+    /// The transient buffer.
+    pub recorder: Recorder,
+    clock: Clock,
+    /// Whether the present sample belongs to a run.
+    in_run: bool,
+    host_heard_ms: Option<u64>,
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Control {
+            parameters: Parameters::default(),
+            config: Config::default(),
+            test: Test::default(),
+            state: State::default(),
+            recorder: Recorder::default(),
+            clock: Clock::default(),
+            in_run: false,
+            host_heard_ms: None,
+        }
+    }
+}
+
+impl Control {
+    /// The first interrupt: k * period. Must return before the output is due.
+    pub fn on_sample(&mut self, board: &mut impl Board) {
+        self.judge_lateness(board.now_us());
+        self.watch_host(board);
+        let input = board.read_sensors(&self.config);
+        self.in_run = self.state.supervisor.mode() == Mode::Running;
+        sample(&self.config, &self.test.sequence, &mut self.state, &input);
+    }
+
+    /// The second interrupt: `delay` after the sample. The recorder is fed after the output.
+    pub fn on_output(&mut self, board: &mut impl Board) {
+        board.drive(&self.config, output(&self.state));
+        let seen = self.state.observation();
+        if self.in_run {
+            self.recorder.store(seen);
+        } else if self.state.supervisor.mode() == Mode::Armed {
+            self.recorder.before_start(seen);
+        }
+    }
+
+    /// A sample that comes more than the allowed time after it was due trips; so does one that is
+    /// missing, since the next one is a whole period late.
+    fn judge_lateness(&mut self, now_us: u64) {
+        let timing = &self.config.timing;
+        let clock = &mut self.clock;
+        if clock.samples == 0 {
+            clock.first_us = now_us;
+        } else {
+            let interval = now_us.saturating_sub(clock.last_us);
+            let latest = u64::from(timing.period_us.get()) + u64::from(timing.late_sample_us);
+            if interval > latest && self.state.supervisor.drives() {
+                self.state.supervisor.trip(Fault::LateSample);
+            }
+        }
+        clock.last_us = now_us;
+        clock.samples += 1;
+    }
+
+    fn watch_host(&mut self, board: &impl Board) {
+        let (Some(now), Some(heard)) = (board.host_clock_ms(), self.host_heard_ms) else { return };
+        let limit = u64::from(self.config.timing.host_silence_ms);
+        if limit > 0 && now.saturating_sub(heard) > limit && self.state.supervisor.mode() == Mode::Running {
+            self.state.supervisor.trip(Fault::HostSilent);
+        }
+    }
+
+    /// The host was heard just now.
+    pub fn host_heard(&mut self, board: &impl Board) {
+        self.host_heard_ms = board.host_clock_ms();
+    }
+
+    /// Mean interval of the samples since the clock was restarted, ns; the period before there are two.
+    #[must_use]
+    pub fn measured_period_ns(&self) -> u32 {
+        let elapsed_ns = (self.clock.last_us - self.clock.first_us).saturating_mul(1000);
+        let nominal = self.config.timing.period_us.get().saturating_mul(1000);
+        elapsed_ns
+            .checked_div(self.clock.samples.saturating_sub(1))
+            .and_then(|mean| u32::try_from(mean).ok())
+            .unwrap_or(nominal)
+    }
+
+    /// Mode, limits, fault latch.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// What the law runs on.
+    #[must_use]
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The parameters, by id.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// The test that `start` will run.
+    #[must_use]
+    pub fn test(&self) -> &Test {
+        &self.test
+    }
+
+    /// Changes parameters with consecutive ids: all of them or none.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, or with the id of the first value that is wrong.
+    pub fn set_parameters(
+        &mut self,
+        first_id: u16,
+        values: impl Iterator<Item = i32>,
+    ) -> Result<(), (u16, ChangeError)> {
+        self.must_be_disarmed().map_err(|refusal| (first_id, ChangeError::Refused(refusal)))?;
+        let mut changed = self.parameters.clone();
+        let mut id = first_id;
+        for value in values {
+            changed.set(id, value).map_err(|error| (id, ChangeError::Value(error)))?;
+            id = id.saturating_add(1);
+        }
+        let config = Config::new(&changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        self.parameters = changed;
+        self.config = config;
+        self.clock = Clock::default();
+        Ok(())
+    }
+
+    /// Takes over a whole set of parameters, as from storage after a reset.
+    ///
+    /// # Errors
+    /// When they do not go together; nothing is changed then.
+    pub fn load_parameters(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
+        self.config = Config::new(&parameters)?;
+        self.parameters = parameters;
+        Ok(())
+    }
+
+    /// Takes a new test, which has no moves yet.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed.
+    pub fn set_test(&mut self, test: Test) -> Result<(), Refusal> {
+        self.must_be_disarmed()?;
+        self.test = test;
+        Ok(())
+    }
+
+    /// Appends a move to the test.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, the moves are too many or out of order.
+    pub fn push_move(&mut self, next: Move) -> Result<(), MoveError> {
+        self.must_be_disarmed().map_err(MoveError::Refused)?;
+        self.test.sequence.push(next).map_err(MoveError::Sequence)
+    }
+
+    fn must_be_disarmed(&self) -> Result<(), Refusal> {
+        if self.state.supervisor.drives() { Err(Refusal::NotDisarmed) } else { Ok(()) }
+    }
+
+    /// Enables the drive with the valve at null, and empties the recorder.
+    ///
+    /// # Errors
+    /// The supervisor's refusal.
+    pub fn arm(&mut self) -> Result<(), Refusal> {
+        self.state.supervisor.arm(self.config.law.control_loop)?;
+        self.recorder.arm(self.test.decimation, self.test.pre_trigger);
+        Ok(())
+    }
+
+    /// Disables the drive.
+    pub fn disarm(&mut self) {
+        self.state.supervisor.disarm();
+    }
+
+    /// Runs the test from the next sample on.
+    ///
+    /// # Errors
+    /// The supervisor's refusal, and that of a test without moves.
+    pub fn start(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        if self.test.sequence.moves().is_empty() && self.state.supervisor.mode() == Mode::Armed {
+            return Err(Refusal::NoMoves);
+        }
+        self.state.start()?;
+        self.recorder.start();
+        self.clock = Clock::default();
+        self.host_heard(board);
+        board.run_begins();
+        Ok(())
+    }
+
+    /// Stops at once: a fault that only arming leaves.
+    pub fn stop(&mut self) {
+        self.state.supervisor.trip(Fault::Stop);
+    }
+
+    /// Counts mean positions from now on.
+    ///
+    /// # Errors
+    /// When the drive is enabled.
+    pub fn set_referenced(&mut self) -> Result<(), Refusal> {
+        self.must_be_disarmed()?;
+        self.state.supervisor.set_referenced();
+        Ok(())
+    }
+}
+
+/// Why a move was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MoveError {
+    /// Not now.
+    Refused(Refusal),
+    /// Not here.
+    Sequence(pneudrive_controller::sequencer::SequenceError),
+}

@@ -1,0 +1,183 @@
+//! The transient recorder: six channels of every Nth sample (thesis 5.5.1).
+//!
+//! Samples from k = 0 on are stored until the buffer is full. Before the start the newest
+//! `pre_trigger` ones are kept in a ring, at the same decimation counted from the arming; their
+//! indices are negative and exact.
+
+use pneudrive_controller::Observation;
+use pneudrive_protocol::{RecordCrc, RecordedSample};
+
+/// Samples that the buffer holds: at 14 bytes each, just over 60 KiB.
+pub const CAPACITY: usize = 4389;
+
+/// Most samples from before the start.
+pub const MAX_PRE_TRIGGER: u16 = 2000;
+
+type Stored = [u8; RecordedSample::BYTES];
+
+/// The buffer and where it stands.
+#[derive(Debug)]
+pub struct Recorder {
+    samples: [Stored; CAPACITY],
+    decimation: u32,
+    /// Length of the ring at the beginning of the buffer.
+    ring: usize,
+    /// Samples ever put into the ring since the arming.
+    ringed: usize,
+    /// Samples seen since the last one that was put into the ring.
+    since_ringed: u32,
+    /// Samples stored behind the ring since the start.
+    stored: usize,
+    /// Index of the oldest stored sample.
+    first_index: i32,
+    started: bool,
+    spool_sum: i64,
+}
+
+impl Default for Recorder {
+    fn default() -> Self {
+        Recorder {
+            samples: [[0; RecordedSample::BYTES]; CAPACITY],
+            decimation: 1,
+            ring: 0,
+            ringed: 0,
+            since_ringed: 0,
+            stored: 0,
+            first_index: 0,
+            started: false,
+            spool_sum: 0,
+        }
+    }
+}
+
+impl Recorder {
+    /// Empties the buffer for a run: every `decimation`th sample (0 counts as 1), and up to
+    /// `pre_trigger` from before the start.
+    pub fn arm(&mut self, decimation: u16, pre_trigger: u16) {
+        self.decimation = u32::from(decimation.max(1));
+        self.ring = usize::from(pre_trigger.min(MAX_PRE_TRIGGER));
+        self.ringed = 0;
+        self.since_ringed = self.decimation;
+        self.stored = 0;
+        self.first_index = 0;
+        self.started = false;
+        self.spool_sum = 0;
+    }
+
+    /// A sample from before the start.
+    pub fn before_start(&mut self, seen: &Observation) {
+        if self.started || self.ring == 0 {
+            return;
+        }
+        if self.since_ringed >= self.decimation {
+            let place = self.ringed % self.ring;
+            self.put(place, seen);
+            self.ringed += 1;
+            self.since_ringed = 0;
+        }
+        self.since_ringed += 1;
+    }
+
+    /// The next sample is k = 0.
+    pub fn start(&mut self) {
+        self.started = true;
+        let kept = self.pre_triggered() as i64;
+        if kept > 0 {
+            let newest = i64::from(self.since_ringed);
+            let oldest = newest + (kept - 1) * i64::from(self.decimation);
+            self.first_index = i32::try_from(-oldest).unwrap_or(i32::MIN);
+        }
+    }
+
+    /// A sample of the run, after its output.
+    pub fn store(&mut self, seen: &Observation) {
+        if !self.started || self.is_full() || seen.index % self.decimation != 0 {
+            return;
+        }
+        self.put(self.ring + self.stored, seen);
+        self.stored += 1;
+        self.spool_sum += i64::from(seen.spool);
+    }
+
+    fn put(&mut self, place: usize, seen: &Observation) {
+        let recorded = RecordedSample {
+            position: seen.position,
+            pressure_1: seen.pressure_1,
+            pressure_2: seen.pressure_2,
+            command: seen.command,
+            error: seen.error.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16,
+            spool: seen.spool,
+        };
+        if let Some(slot) = self.samples.get_mut(place) {
+            *slot = recorded.to_bytes();
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        self.ring + self.stored >= CAPACITY
+    }
+
+    fn pre_triggered(&self) -> usize {
+        self.ringed.min(self.ring)
+    }
+
+    /// Samples that can be read.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        if self.started { self.pre_triggered() + self.stored } else { 0 }
+    }
+
+    /// Whether there is nothing to read.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Every Nth sample is stored.
+    #[must_use]
+    pub fn decimation(&self) -> u32 {
+        self.decimation
+    }
+
+    /// Index k of the oldest sample; negative for one from before the start.
+    #[must_use]
+    pub fn first_index(&self) -> i32 {
+        self.first_index
+    }
+
+    /// Samples from before the start.
+    #[must_use]
+    pub fn pre_trigger(&self) -> u16 {
+        self.pre_triggered() as u16
+    }
+
+    /// Mean of the spool channel over the run, rounded toward zero; 0 for an empty record.
+    #[must_use]
+    pub fn mean_spool(&self) -> i16 {
+        self.spool_sum.checked_div(self.stored as i64).unwrap_or(0) as i16
+    }
+
+    /// The stored bytes of sample `i`; 0 is the oldest.
+    #[must_use]
+    pub fn get(&self, i: usize) -> Option<&Stored> {
+        if i >= self.len() {
+            return None;
+        }
+        let kept = self.pre_triggered();
+        let place = match i.checked_sub(kept) {
+            Some(behind) => self.ring + behind,
+            None => (self.ringed - kept + i).checked_rem(self.ring).unwrap_or(0),
+        };
+        self.samples.get(place)
+    }
+
+    /// CRC-32 over all samples in order.
+    #[must_use]
+    pub fn crc32(&self) -> u32 {
+        let mut crc = RecordCrc::new();
+        for sample in (0..self.len()).filter_map(|i| self.get(i)) {
+            crc.update(sample);
+        }
+        crc.finish()
+    }
+}

@@ -1,0 +1,256 @@
+//! The half that talks: frames in, one reply for each request.
+//!
+//! Every request is carried out or refused in one go, and answered with its own sequence number;
+//! the host asks again for what it has not heard. Nothing here waits: a reply is written, and that
+//! is all.
+
+use embedded_io::Write;
+use pneudrive_controller::parameters::SetError;
+use pneudrive_controller::sequencer::SequenceError;
+use pneudrive_controller::{Mode, Move};
+use pneudrive_protocol::{
+    self as protocol, Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, MAX_FRAME, MAX_VALUES, MIN_VERSION,
+    RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody, Status, Values,
+    decode_request, encode,
+};
+
+use crate::board::Board;
+use crate::control::{ChangeError, Control, MoveError, Test};
+use crate::recorder::CAPACITY;
+
+/// Version of the firmware, as `info` and TARGET files have it.
+pub const FIRMWARE: &str = concat!("pneudrive ", env!("CARGO_PKG_VERSION"));
+
+/// The protocol server.
+#[derive(Debug)]
+pub struct Server {
+    accumulator: Accumulator,
+    /// The last request, by its CRC, and the length of its reply in `reply`.
+    answered: Option<(u32, usize)>,
+    reply: [u8; MAX_FRAME],
+}
+
+impl Default for Server {
+    fn default() -> Self {
+        Server { accumulator: Accumulator::new(), answered: None, reply: [0; MAX_FRAME] }
+    }
+}
+
+/// Room for what a reply borrows.
+struct Scratch {
+    values: [u8; 4 * MAX_VALUES],
+    samples: [u8; RecordedSample::BYTES * CHUNK_SAMPLES],
+}
+
+impl Server {
+    /// Takes bytes from the port, carries out the requests in them and writes the replies.
+    ///
+    /// A request that comes twice, because its reply was lost, is carried out once and answered
+    /// twice.
+    ///
+    /// # Errors
+    /// When the port does not take a reply.
+    pub fn receive<B: Board, W: Write>(
+        &mut self,
+        bytes: &[u8],
+        control: &mut Control,
+        board: &mut B,
+        port: &mut W,
+    ) -> Result<(), W::Error> {
+        for &byte in bytes {
+            let damaged = self.accumulator.damaged;
+            let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
+            control.host_heard(board);
+            let fingerprint = crc32(message);
+            let len = match self.answered {
+                Some((answered, len)) if answered == fingerprint => len,
+                _ => answer(message, control, board, damaged, &mut self.reply),
+            };
+            self.answered = Some((fingerprint, len));
+            port.write_all(self.reply.get(..len).unwrap_or(&[]))?;
+        }
+        Ok(())
+    }
+}
+
+fn crc32(message: &[u8]) -> u32 {
+    let mut crc = RecordCrc::new();
+    crc.update(message);
+    crc.finish()
+}
+
+/// Carries out the request in a message and frames its reply: the length of the frame, 0 for a
+/// message that does not even have a number to answer under.
+fn answer<B: Board>(
+    message: &[u8],
+    control: &mut Control,
+    board: &mut B,
+    damaged_frames: u32,
+    frame: &mut [u8; MAX_FRAME],
+) -> usize {
+    let mut scratch =
+        Scratch { values: [0; 4 * MAX_VALUES], samples: [0; RecordedSample::BYTES * CHUNK_SAMPLES] };
+    let reply = match decode_request(message) {
+        Ok(request) => Reply {
+            sequence: request.sequence,
+            body: carry_out(&request, control, board, damaged_frames, &mut scratch),
+        },
+        Err(error) => match error.sequence {
+            Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },
+            None => return 0,
+        },
+    };
+    encode(&reply, frame).map_or(0, <[u8]>::len)
+}
+
+fn carry_out<'a, B: Board>(
+    request: &Request<'a>,
+    control: &'a mut Control,
+    board: &mut B,
+    damaged_frames: u32,
+    scratch: &'a mut Scratch,
+) -> ReplyBody<'a> {
+    match request.body {
+        RequestBody::Info => ReplyBody::Info {
+            min_version: MIN_VERSION,
+            version: CURRENT_VERSION,
+            firmware: FIRMWARE,
+            build: board.build(),
+            board: board.name(),
+            record_capacity: CAPACITY as u32,
+        },
+        RequestBody::Status => ReplyBody::Status(status(control, damaged_frames)),
+        RequestBody::ConfigGet { first_id, count } => config(control, first_id, count, &mut scratch.values),
+        RequestBody::ConfigSet { first_id, values } => {
+            done(control.set_parameters(first_id, values.iter()).map_err(|(id, error)| {
+                let place = usize::from(id.saturating_sub(first_id));
+                change_refused(id, values.iter().nth(place).unwrap_or(0), error)
+            }))
+        }
+        RequestBody::Arm => done(control.arm().map_err(not_now)),
+        RequestBody::Disarm => {
+            control.disarm();
+            ReplyBody::Done
+        }
+        RequestBody::Start => done(control.start(board).map_err(not_now)),
+        RequestBody::Stop => {
+            control.stop();
+            ReplyBody::Done
+        }
+        // The counter of a board is set by its reference run; a request states that it is done.
+        RequestBody::Reference { .. } => done(control.set_referenced().map_err(not_now)),
+        RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => {
+            let last_sample = duration_us / control.config().timing.period_us;
+            done(control.set_test(Test::new(name, last_sample, decimation, pre_trigger)).map_err(not_now))
+        }
+        RequestBody::TestMove { time_us, target } => {
+            let next = Move::at_time_us(time_us, control.config().timing.period_us, target);
+            done(control.push_move(next).map_err(move_refused))
+        }
+        RequestBody::RecordInfo => record_info(control),
+        RequestBody::RecordRead { first, count } => chunk(control, first, count, &mut scratch.samples),
+    }
+}
+
+fn done<'a>(result: Result<(), Refused<'a>>) -> ReplyBody<'a> {
+    match result {
+        Ok(()) => ReplyBody::Done,
+        Err(refused) => ReplyBody::Refused(refused),
+    }
+}
+
+fn not_now<'a>(refusal: pneudrive_controller::Refusal) -> Refused<'a> {
+    Refused::NotNow(refusal.code())
+}
+
+fn move_refused<'a>(error: MoveError) -> Refused<'a> {
+    match error {
+        MoveError::Refused(refusal) => not_now(refusal),
+        MoveError::Sequence(SequenceError::Full) => Refused::TooManyMoves,
+        MoveError::Sequence(SequenceError::OutOfOrder) => Refused::MovesOutOfOrder,
+    }
+}
+
+fn change_refused<'a>(id: u16, value: i32, error: ChangeError) -> Refused<'a> {
+    match error {
+        ChangeError::Refused(refusal) => not_now(refusal),
+        ChangeError::Value(SetError::UnknownId) => Refused::UnknownParameter { id },
+        ChangeError::Value(SetError::OutOfRange) => Refused::OutOfRange { id, value },
+        ChangeError::Inconsistent(error) => Refused::Inconsistent { advice: error.advice() },
+    }
+}
+
+fn status(control: &Control, damaged_frames: u32) -> Status {
+    let (state, seen) = (control.state(), control.state().observation());
+    let (mode, fault) = match state.supervisor.mode() {
+        Mode::Disarmed => (protocol::Mode::Disarmed, 0),
+        Mode::Armed => (protocol::Mode::Armed, 0),
+        Mode::Running => (protocol::Mode::Running, 0),
+        Mode::Done => (protocol::Mode::Done, 0),
+        Mode::Fault(fault) => (protocol::Mode::Fault, fault.code()),
+    };
+    Status {
+        mode,
+        fault,
+        referenced: state.supervisor.is_referenced(),
+        index: seen.index,
+        duration_samples: control.test().sequence().duration_samples,
+        setpoint: seen.setpoint,
+        position: seen.position,
+        error: seen.error,
+        command: seen.command,
+        pressure_1: seen.pressure_1,
+        pressure_2: seen.pressure_2,
+        spool: seen.spool,
+        recorded: control.recorder.len() as u32,
+        damaged_frames,
+    }
+}
+
+fn config<'a>(control: &Control, first_id: u16, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
+    let count = usize::from(count).min(MAX_VALUES) as u16;
+    let ids = first_id..first_id.saturating_add(count);
+    if let Some(id) = ids.clone().find(|&id| control.parameters().get(id).is_none()) {
+        return ReplyBody::Refused(Refused::UnknownParameter { id });
+    }
+    let values = ids.filter_map(|id| control.parameters().get(id));
+    match Values::fill(room, values) {
+        Some(values) => ReplyBody::Config { first_id, values },
+        None => ReplyBody::Refused(Refused::UnknownParameter { id: first_id }),
+    }
+}
+
+fn record_info(control: &Control) -> ReplyBody<'_> {
+    let recorder = &control.recorder;
+    ReplyBody::RecordInfo(RecordInfo {
+        test: control.test().name(),
+        samples: recorder.len() as u32,
+        first_index: recorder.first_index(),
+        decimation: recorder.decimation() as u16,
+        pre_trigger: recorder.pre_trigger(),
+        complete: !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running),
+        measured_period_ns: control.measured_period_ns(),
+        mean_spool_raw: recorder.mean_spool(),
+        crc32: recorder.crc32(),
+    })
+}
+
+fn chunk<'a>(control: &Control, first: u32, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
+    let recorder = &control.recorder;
+    if recorder.is_empty() {
+        return ReplyBody::Refused(Refused::NoRecord);
+    }
+    let samples = recorder.len() as u32;
+    let end = first.saturating_add(u32::from(count).min(CHUNK_SAMPLES as u32));
+    if count == 0 || end > samples {
+        return ReplyBody::Refused(Refused::RecordRange { samples });
+    }
+    let mut bytes = 0;
+    for (slot, i) in room.chunks_exact_mut(RecordedSample::BYTES).zip(first..end) {
+        if let Some(stored) = recorder.get(i as usize) {
+            slot.copy_from_slice(stored);
+            bytes += RecordedSample::BYTES;
+        }
+    }
+    ReplyBody::Chunk { first, samples: room.get(..bytes).unwrap_or(&[]) }
+}

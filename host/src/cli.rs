@@ -1,0 +1,265 @@
+//! Arguments of the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Servo-pneumatic drives: simulate, run, record, compare.
+#[derive(Debug, Parser)]
+#[command(version, about, arg_required_else_help = true, after_help = "Start with: pneudrive demo")]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// The whole job with no hardware: step test on a virtual rig, record, simulate, overlay
+    Demo(Demo),
+    /// Rig files: list, show, check, explain
+    #[command(subcommand)]
+    Rig(Rig),
+    /// Simulate the test of a rig: trace.csv, run.json, report.html
+    Simulate(Simulate),
+    /// A virtual rig that behaves like the board on a serial port
+    Virtual(Virtual),
+    /// Talk to a rig: who and how it is, arm, disarm, stop, parameters
+    Device(Device),
+    /// Download a test to a rig, arm, start and follow it
+    Run(Run),
+    /// Pull the recorded transient into the next free TARGETxx.DAT
+    Record(Record),
+    /// TARGET files and simulated runs on the same graphs, with their deviations
+    Overlay(Overlay),
+}
+
+/// Which rig, and what to change in it.
+#[derive(Debug, Args)]
+pub struct RigChoice {
+    /// A built-in rig (`pneudrive rig list`) or a rig file
+    #[arg(value_name = "RIG")]
+    pub rig: String,
+    /// Change a key of the rig, such as load.mass_kg=2.5; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+}
+
+/// How a run is integrated.
+#[derive(Debug, Args)]
+pub struct Integration {
+    /// Method of integration
+    #[arg(long, value_enum, default_value_t = MethodName::DormandPrince)]
+    pub method: MethodName,
+    /// Allowed error of a step, relative to what counts as large in each state
+    #[arg(long, value_name = "X", default_value_t = 1e-11, value_parser = tolerance)]
+    pub tolerance: f64,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (1e-13..=1e-2).contains(&value) { Ok(value) } else { Err("must be between 1e-13 and 1e-2".to_owned()) }
+}
+
+/// Names of the methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MethodName {
+    /// Dormand-Prince 5(4)
+    DormandPrince,
+    /// Runge-Kutta-Merson 4(3), as in the thesis
+    Merson,
+}
+
+/// Arguments of `demo`.
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// Where to leave TARGETxx.DAT, trace.csv, run.json and report.html
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// The rig
+    #[arg(long, default_value = "servo-b-tuned")]
+    pub rig: String,
+    /// How far the virtual rig's true parameters lie from the rig file's at most
+    #[arg(long, value_name = "PERCENT", default_value = "10%", value_parser = percent)]
+    pub spread: f64,
+    /// Which virtual rig is drawn
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// A fraction from "10%" or "10".
+fn percent(text: &str) -> Result<f64, String> {
+    let number = text.trim_end_matches('%').trim();
+    let value: f64 = number.parse().map_err(|_| format!("{text:?} is not a percentage such as 10%"))?;
+    if (0.0..=50.0).contains(&value) {
+        Ok(value / 100.0)
+    } else {
+        Err("must be between 0% and 50%".to_owned())
+    }
+}
+
+/// Subcommands of `rig`.
+#[derive(Debug, Subcommand)]
+pub enum Rig {
+    /// The built-in rigs
+    List,
+    /// A rig in full, with the source of every value
+    Show {
+        /// Name of a built-in rig, or a file
+        name: String,
+    },
+    /// Check a rig file: errors by file, line and key
+    Check {
+        /// The file, or a built-in rig
+        file: String,
+    },
+    /// What a key means: unit, range, default, thesis name
+    Explain {
+        /// A key (load.mass_kg or mass_kg), a table (load), or nothing for all
+        #[arg(default_value = "")]
+        key: String,
+    },
+}
+
+/// Arguments of `simulate`.
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// The rig.
+    #[command(flatten)]
+    pub rig: RigChoice,
+    /// Take [test] from this rig file instead
+    #[arg(long, value_name = "FILE")]
+    pub test: Option<String>,
+    /// Where to leave trace.csv, run.json and report.html
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// How to integrate.
+    #[command(flatten)]
+    pub integration: Integration,
+}
+
+/// Arguments of `virtual`.
+#[derive(Debug, Args)]
+pub struct Virtual {
+    /// The rig.
+    #[command(flatten)]
+    pub rig: RigChoice,
+    /// Where to listen: pty, or tcp:HOST:PORT (port 0 for any free one)
+    #[arg(long, value_name = "pty|tcp:ADDR")]
+    pub listen: String,
+    /// Run tests as fast as they go instead of in real time
+    #[arg(long)]
+    pub fast: bool,
+    /// Keep the plant alive between runs: it creeps and settles, and a start does not reset it
+    #[arg(long)]
+    pub live: bool,
+    /// Draw the true parameters within this much of the rig file's, with noise on the sensors
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    pub spread: Option<f64>,
+    /// Which rig is drawn
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// The port of a rig.
+#[derive(Debug, Args)]
+pub struct PortChoice {
+    /// A device (/dev/ttyACM0, COM3), pty:PATH or tcp://HOST:PORT
+    #[arg(long, short, value_name = "PORT")]
+    pub port: String,
+}
+
+/// Arguments of `device`.
+#[derive(Debug, Args)]
+pub struct Device {
+    /// The port.
+    #[command(flatten)]
+    pub port: PortChoice,
+    /// What to do.
+    #[command(subcommand)]
+    pub action: DeviceAction,
+}
+
+/// Subcommands of `device`.
+#[derive(Debug, Subcommand)]
+pub enum DeviceAction {
+    /// Who the rig is
+    Info,
+    /// How the rig is
+    Status,
+    /// Enable the drive, valve at null; the only way out of a fault
+    Arm,
+    /// Disable the drive
+    Disarm,
+    /// Stop at once: a fault that only arming leaves
+    Stop,
+    /// State that the axis is referenced
+    Reference,
+    /// Parameters of the controller
+    #[command(subcommand)]
+    Config(ConfigAction),
+}
+
+/// Subcommands of `device config`.
+#[derive(Debug, Subcommand)]
+pub enum ConfigAction {
+    /// One parameter, or all
+    Get {
+        /// Its name, such as velocity_gain
+        name: Option<String>,
+    },
+    /// Change a parameter; the drive must be disarmed
+    Set {
+        /// Its name; an entry of the gain profile is gain_profile[3]
+        name: String,
+        /// The new value
+        value: i32,
+    },
+    /// Take over the controller's parameters of a rig; the drive must be disarmed
+    Import {
+        /// A built-in rig or a rig file
+        rig: String,
+    },
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct Run {
+    /// The rig whose [test] to run: a built-in rig or a rig file
+    #[arg(value_name = "TEST")]
+    pub rig: String,
+    /// The port.
+    #[command(flatten)]
+    pub port: PortChoice,
+    /// Change a key of the test, such as test.duration_s=2; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+    /// Also download the controller's parameters of the rig
+    #[arg(long)]
+    pub config: bool,
+}
+
+/// Arguments of `record`.
+#[derive(Debug, Args)]
+pub struct Record {
+    /// The port.
+    #[command(flatten)]
+    pub port: PortChoice,
+    /// Where to put the file
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub dir: PathBuf,
+}
+
+/// Arguments of `overlay`.
+#[derive(Debug, Args)]
+pub struct Overlay {
+    /// What the others are held against: a TARGET file or a run folder
+    pub reference: PathBuf,
+    /// TARGET files and run folders
+    #[arg(required = true)]
+    pub others: Vec<PathBuf>,
+    /// Where to leave the page
+    #[arg(long, value_name = "FILE", default_value = "report.html")]
+    pub out: PathBuf,
+}

@@ -1,0 +1,104 @@
+//! The subcommands, one thin file each.
+
+mod demo;
+mod device;
+mod overlay;
+mod record;
+mod rig;
+mod run;
+mod simulate;
+mod virtual_rig;
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pneudrive_sim::rig::{BUILTIN, builtin};
+use pneudrive_sim::{Accuracy, Method, Rig};
+
+use crate::cli::{Cli, Command, Integration, MethodName, RigChoice};
+
+/// Does what the command line asks for.
+///
+/// # Errors
+/// When the rig or the data says no.
+pub fn execute(cli: Cli) -> Result<()> {
+    match cli.command {
+        Command::Demo(arguments) => demo::execute(&arguments),
+        Command::Rig(arguments) => rig::execute(&arguments),
+        Command::Simulate(arguments) => simulate::execute(&arguments),
+        Command::Virtual(arguments) => virtual_rig::execute(&arguments),
+        Command::Device(arguments) => device::execute(&arguments),
+        Command::Run(arguments) => run::execute(&arguments),
+        Command::Record(arguments) => record::execute(&arguments),
+        Command::Overlay(arguments) => overlay::execute(&arguments),
+    }
+}
+
+/// Name for messages and text of a built-in rig or a rig file.
+fn rig_text(rig: &str) -> Result<(String, String)> {
+    if let Some(text) = builtin(rig) {
+        return Ok((rig.to_owned(), text.to_owned()));
+    }
+    let path = Path::new(rig);
+    if !path.exists() {
+        let names: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
+        bail!(
+            "there is no rig file {rig}, and no built-in rig of that name (built in: {})",
+            names.join(", ")
+        );
+    }
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {rig}"))?;
+    Ok((rig.to_owned(), text))
+}
+
+/// A rig with its settings applied.
+fn load_rig(rig: &str, settings: &[String]) -> Result<Rig> {
+    let (source, text) = rig_text(rig)?;
+    Ok(Rig::read_with(&source, &text, settings)?)
+}
+
+fn load_choice(choice: &RigChoice) -> Result<Rig> {
+    load_rig(&choice.rig, &choice.settings)
+}
+
+fn accuracy(integration: &Integration) -> Accuracy {
+    let method = match integration.method {
+        MethodName::DormandPrince => Method::DormandPrince,
+        MethodName::Merson => Method::Merson,
+    };
+    Accuracy { method, tolerance: integration.tolerance }
+}
+
+/// A bar on a terminal; elsewhere a line now and then.
+struct Progress {
+    bar: ProgressBar,
+    what: String,
+    said: u64,
+}
+
+impl Progress {
+    fn new(what: &str) -> Progress {
+        let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(10));
+        let style = ProgressStyle::with_template("{msg:<12} [{bar:40}] {pos}/{len} ({eta} left)");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_message(what.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Progress { bar, what: what.to_owned(), said: 0 }
+    }
+
+    fn at(&mut self, done: u64, all: u64) {
+        self.bar.set_length(all);
+        self.bar.set_position(done.min(all));
+        let quarter = if all == 0 { 0 } else { 4 * done.min(all) / all };
+        if self.bar.is_hidden() && quarter > self.said {
+            self.said = quarter;
+            eprintln!("{}: {done} of {all} samples", self.what);
+        }
+    }
+
+    fn done(self) {
+        self.bar.finish_and_clear();
+    }
+}

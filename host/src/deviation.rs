@@ -1,0 +1,132 @@
+//! How far one transient is from another (the thesis's `stat`, Tab. 7.4).
+
+use std::fmt::Write;
+
+use crate::transient::{CHANNELS, Transient};
+
+/// The deviation of one channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// Name of the channel.
+    pub channel: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Samples compared.
+    pub samples: usize,
+    /// Mean of the difference.
+    pub mean: f64,
+    /// Standard deviation of the difference about its mean.
+    pub standard_deviation: f64,
+    /// Mean of the squared difference, in the unit squared.
+    pub mean_square: f64,
+    /// Largest difference.
+    pub largest: f64,
+    /// Root of the mean square as a fraction of the reference's range; NaN for a constant channel.
+    pub fraction_of_range: f64,
+}
+
+/// The deviations of `other` from `reference`, channel by channel, at the reference's instants that
+/// both cover. The setpoint is what was asked for and is left out.
+#[must_use]
+pub fn deviations(reference: &Transient, other: &Transient) -> Vec<Deviation> {
+    (1..CHANNELS.len()).filter_map(|channel| deviation(reference, other, channel)).collect()
+}
+
+fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option<Deviation> {
+    let pairs: Vec<(f64, f64)> = reference
+        .time
+        .iter()
+        .zip(&reference.channels[channel])
+        .filter_map(|(&time, &value)| Some((value, other.at(channel, time)?)))
+        .collect();
+    if pairs.is_empty() {
+        return None;
+    }
+    let count = pairs.len() as f64;
+    let differences = || pairs.iter().map(|(a, b)| b - a);
+    let mean = differences().sum::<f64>() / count;
+    let mean_square = differences().map(|d| d * d).sum::<f64>() / count;
+    let (low, high) = pairs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (value, _)| {
+        (low.min(*value), high.max(*value))
+    });
+    let range = high - low;
+    Some(Deviation {
+        channel: CHANNELS[channel].0,
+        unit: CHANNELS[channel].1,
+        samples: pairs.len(),
+        mean,
+        standard_deviation: (mean_square - mean * mean).max(0.0).sqrt(),
+        mean_square,
+        largest: differences().map(f64::abs).fold(0.0, f64::max),
+        fraction_of_range: if range > 0.0 { mean_square.sqrt() / range } else { f64::NAN },
+    })
+}
+
+/// Headings of the table.
+pub const HEADINGS: [&str; 7] =
+    ["channel", "unit", "mean", "std deviation", "mean square", "largest", "of range"];
+
+/// The table's cells.
+#[must_use]
+pub fn cells(deviation: &Deviation) -> [String; 7] {
+    let percent = 100.0 * deviation.fraction_of_range;
+    [
+        deviation.channel.to_owned(),
+        deviation.unit.to_owned(),
+        format!("{:.4}", deviation.mean),
+        format!("{:.4}", deviation.standard_deviation),
+        format!("{:.4}", deviation.mean_square),
+        format!("{:.4}", deviation.largest),
+        if percent.is_nan() { "-".to_owned() } else { format!("{percent:.2} %") },
+    ]
+}
+
+/// The deviations as a table of text.
+#[must_use]
+pub fn table(deviations: &[Deviation]) -> String {
+    let mut text = String::new();
+    let mut line = |cells: [&str; 7]| {
+        let [channel, unit, numbers @ ..] = cells;
+        write!(text, "{channel:<11} {unit:<7}").expect("writing to a string");
+        for number in numbers {
+            write!(text, " {number:>14}").expect("writing to a string");
+        }
+        text.push('\n');
+    };
+    line(HEADINGS);
+    for deviation in deviations {
+        let cells = cells(deviation);
+        line(std::array::from_fn(|i| cells[i].as_str()));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn transient(position: &[f64]) -> Transient {
+        let mut channels: [Vec<f64>; CHANNELS.len()] = std::array::from_fn(|_| vec![0.0; position.len()]);
+        channels[1] = position.to_vec();
+        Transient { name: String::new(), time: (0..position.len()).map(|i| i as f64).collect(), channels }
+    }
+
+    #[test]
+    fn the_figures_are_those_of_their_definitions() {
+        let found = deviations(&transient(&[0.0, 10.0, 20.0, 10.0]), &transient(&[1.0, 12.0, 21.0, 12.0]));
+        let position = found[0];
+        assert_eq!((position.channel, position.samples), ("position", 4));
+        assert_eq!((position.mean, position.mean_square, position.largest), (1.5, 2.5, 2.0));
+        assert_eq!(position.standard_deviation, 0.5);
+        assert!((position.fraction_of_range - 2.5_f64.sqrt() / 20.0).abs() < 1e-15);
+        assert!(found[1].fraction_of_range.is_nan(), "a constant channel has no range");
+    }
+
+    #[test]
+    fn only_instants_that_both_cover_are_compared() {
+        assert_eq!(deviations(&transient(&[0.0; 9]), &transient(&[0.0; 4]))[0].samples, 4);
+        let mut later = transient(&[0.0; 3]);
+        later.time.iter_mut().for_each(|t| *t += 100.0);
+        assert!(deviations(&transient(&[0.0; 9]), &later).is_empty());
+    }
+}

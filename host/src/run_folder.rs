@@ -1,0 +1,165 @@
+//! The folder of a simulated run: trace.csv and run.json.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_controller::parameters::TABLE;
+use pneudrive_sim::rig::Value;
+use pneudrive_sim::trace::{COLUMNS, to_csv};
+use pneudrive_sim::{Accuracy, Rig, Run};
+use serde_json::{Map, json};
+
+use crate::words;
+
+/// `format` of run.json.
+const FORMAT: &str = "pneudrive-run 1";
+
+/// Writes trace.csv and run.json of a run into a folder.
+///
+/// # Errors
+/// When the folder cannot be written to, or holds a run.json that is not ours.
+pub fn write(folder: &Path, rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let json_path = folder.join("run.json");
+    if json_path.exists() && read_json(&json_path).is_err() {
+        bail!("{} is not of this program; choose another folder", json_path.display());
+    }
+    put(&folder.join("trace.csv"), &to_csv(&run.rows))?;
+    let text = serde_json::to_string_pretty(&describe(rig, accuracy, run))?;
+    put(&json_path, &(text + "\n"))
+}
+
+/// Writes a file whole or not at all.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn put(path: &Path, text: &str) -> Result<()> {
+    let partial = PathBuf::from(format!("{}.partial", path.display()));
+    fs::write(&partial, text)
+        .and_then(|()| fs::rename(&partial, path))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn describe(rig: &Rig, accuracy: Accuracy, run: &Run) -> serde_json::Value {
+    let keys: Map<String, serde_json::Value> =
+        rig.entries().map(|(key, value)| (key.path.to_owned(), json_of(value))).collect();
+    let parameters = rig.parameters();
+    let controller: Map<String, serde_json::Value> = TABLE
+        .iter()
+        .filter(|parameter| parameter.len == 1)
+        .filter_map(|parameter| Some((parameter.name.to_owned(), json!(parameters.get(parameter.id)?))))
+        .collect();
+    let work = run.work;
+    json!({
+        "format": FORMAT,
+        "program": format!("pneudrive {}", env!("CARGO_PKG_VERSION")),
+        "rig": rig.name(),
+        "method": format!("{:?}", accuracy.method),
+        "tolerance": accuracy.tolerance,
+        "samples": run.observations.len(),
+        "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
+        "work": {
+            "steps": work.integrator.steps,
+            "rejected": work.integrator.rejected,
+            "evaluations": work.integrator.evaluations,
+            "restarts": work.integrator.restarts,
+            "events": work.integrator.events,
+            "flow_solutions": work.network.solutions,
+            "flow_iterations": work.network.iterations,
+        },
+        "controller": controller,
+        "keys": keys,
+    })
+}
+
+fn json_of(value: &Value) -> serde_json::Value {
+    match value {
+        Value::Number(value) => json!(value),
+        Value::Integer(value) => json!(value),
+        Value::Switch(on) => json!(on),
+        Value::Word(word) => json!(word),
+        Value::Integers(values) => json!(values),
+        Value::Moves(moves) => json!(moves),
+    }
+}
+
+/// A run as it was written: its description and the columns of its trace.
+#[derive(Clone, Debug)]
+pub struct StoredRun {
+    /// What the rig is called.
+    pub rig: String,
+    /// mm of stroke per encoder count.
+    pub mm_per_count: f64,
+    columns: Vec<Vec<f64>>,
+}
+
+impl StoredRun {
+    /// A run that has not been written.
+    #[must_use]
+    pub fn of(rig: &Rig, run: &Run) -> StoredRun {
+        let mut columns = vec![Vec::with_capacity(run.rows.len()); COLUMNS.len()];
+        for row in &run.rows {
+            for (column, value) in columns.iter_mut().zip(row.values()) {
+                column.push(value);
+            }
+        }
+        StoredRun { rig: rig.name().to_owned(), mm_per_count: rig.number("encoder.mm_per_count"), columns }
+    }
+
+    /// Reads a run folder.
+    ///
+    /// # Errors
+    /// With the file and line of what is wrong.
+    pub fn read(folder: &Path) -> Result<StoredRun> {
+        let json_path = folder.join("run.json");
+        let description = read_json(&json_path)?;
+        let rig = description["rig"].as_str().unwrap_or("run").to_owned();
+        let mm_per_count = description["keys"]["encoder.mm_per_count"]
+            .as_f64()
+            .ok_or_else(|| anyhow!("{} has no keys.\"encoder.mm_per_count\"", json_path.display()))?;
+        let trace_path = folder.join("trace.csv");
+        let text = fs::read_to_string(&trace_path)
+            .with_context(|| format!("cannot read {}", trace_path.display()))?;
+        let columns = columns_of(&text).with_context(|| trace_path.display().to_string())?;
+        Ok(StoredRun { rig, mm_per_count, columns })
+    }
+
+    /// A column of the trace by its name.
+    ///
+    /// # Panics
+    /// When there is no such column: a slip in the program.
+    #[must_use]
+    pub fn column(&self, name: &str) -> &[f64] {
+        let index = COLUMNS.iter().position(|column| *column == name);
+        &self.columns[index.unwrap_or_else(|| panic!("trace.csv has no column {name}"))]
+    }
+}
+
+fn read_json(path: &Path) -> Result<serde_json::Value> {
+    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let value: serde_json::Value =
+        serde_json::from_str(&text).with_context(|| format!("{} is not JSON", path.display()))?;
+    if value["format"] != FORMAT {
+        bail!("{} is not a run of this program: its format is not {FORMAT:?}", path.display());
+    }
+    Ok(value)
+}
+
+fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
+    let mut lines = text.lines().enumerate();
+    if lines.next().map(|(_, line)| line) != Some(COLUMNS.join(",").as_str()) {
+        bail!("line 1: expected the header {}", COLUMNS.join(","));
+    }
+    let mut columns = vec![Vec::new(); COLUMNS.len()];
+    for (number, line) in lines {
+        let values: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
+        let values = values.ok().filter(|values| values.len() == COLUMNS.len());
+        let values =
+            values.ok_or_else(|| anyhow!("line {}: expected {} numbers", number + 1, COLUMNS.len()))?;
+        for (column, value) in columns.iter_mut().zip(values) {
+            column.push(value);
+        }
+    }
+    Ok(columns)
+}

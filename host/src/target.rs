@@ -1,0 +1,338 @@
+//! TARGETxx.DAT: a recorded transient as a text file (thesis 5.5.2), exactly as DESIGN section 3 has
+//! it.
+//!
+//! A file is written whole or not at all, and never over another one.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, bail};
+use crc::{CRC_32_ISO_HDLC, Crc};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::{TABLE, id};
+use pneudrive_protocol::RecordedSample;
+
+use crate::client::{Info, Record};
+
+/// First line's value.
+const FORMAT: &str = "pneudrive-target 1";
+
+/// Header of the data lines.
+const COLUMNS: &str = "index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw";
+
+/// A TARGET file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetFile {
+    /// The `# key = value` lines, in order.
+    pub header: Vec<(String, String)>,
+    /// Index k and channels of the stored samples.
+    pub samples: Vec<(i32, RecordedSample)>,
+}
+
+impl TargetFile {
+    /// The file of a record, with everything that its reader needs to know.
+    #[must_use]
+    pub fn new(record: &Record, info: &Info, parameters: &Parameters) -> TargetFile {
+        let get = |id: u16| f64::from(parameters.get(id).unwrap_or(0));
+        let full_scale = f64::from((1u32 << parameters.get(id::SENSOR_BITS).unwrap_or(12)) - 1);
+        let scale = |min: u16, max: u16| (get(max) - get(min)) / full_scale;
+        let mut header: Vec<(String, String)> = Vec::new();
+        let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
+        put("format", FORMAT.to_owned());
+        put("test", record.test.clone());
+        put("firmware", info.firmware.clone());
+        put("build", info.build.clone());
+        put("sample_period_us", format!("{}", get(id::PERIOD_US)));
+        put("measured_period_us", format!("{}", f64::from(record.measured_period_ns) / 1e3));
+        put("decimation", record.decimation.to_string());
+        put("pre_trigger", record.pre_trigger.to_string());
+        put("mm_per_count", format!("{}", get(id::ENCODER_PM_PER_COUNT) / 1e9));
+        put("pressure_scale_pa", format!("{}", scale(id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA)));
+        put("pressure_offset_pa", format!("{}", get(id::PRESSURE_MIN_PA)));
+        put("spool_scale_mm", format!("{}", scale(id::SPOOL_MIN_NM, id::SPOOL_MAX_NM) / 1e6));
+        put("spool_offset_mm", format!("{}", get(id::SPOOL_MIN_NM) / 1e6));
+        put("mean_spool_raw", record.mean_spool_raw.to_string());
+        for parameter in &TABLE {
+            put(
+                &format!("param.{}", parameter.name),
+                parameter_text(parameters, parameter.id, parameter.len),
+            );
+        }
+        let samples: Vec<(i32, RecordedSample)> =
+            indices(record).zip(record.samples.iter().copied()).collect();
+        put("crc32", format!("{:08x}", crc32(&data_lines(&samples))));
+        TargetFile { header, samples }
+    }
+
+    /// The value of a header line.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.header.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
+    }
+
+    /// A number of the header.
+    ///
+    /// # Errors
+    /// When the header has no such line or it is no number.
+    pub fn number(&self, key: &str) -> Result<f64> {
+        let text = self.get(key).ok_or_else(|| anyhow!("the header has no line `# {key} = ...`"))?;
+        text.parse().map_err(|_| anyhow!("the header's {key} is {text:?}, not a number"))
+    }
+
+    /// The text of the file.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let header = self.header.iter().map(|(key, value)| format!("# {key} = {value}\n"));
+        header.collect::<String>() + COLUMNS + "\n" + &data_lines(&self.samples)
+    }
+
+    /// Takes a file's text apart.
+    ///
+    /// # Errors
+    /// With the line of what is wrong, or when the CRC does not fit the data.
+    pub fn from_text(text: &str) -> Result<TargetFile> {
+        let mut file = TargetFile { header: Vec::new(), samples: Vec::new() };
+        let mut lines = text.lines().enumerate();
+        loop {
+            let Some((number, line)) = lines.next() else {
+                bail!("the file ends before its data: it has no line `{COLUMNS}`");
+            };
+            if line == COLUMNS {
+                break;
+            }
+            let pair = line.strip_prefix("# ").and_then(|line| line.split_once(" = "));
+            let Some((key, value)) = pair else {
+                bail!("line {}: expected `# key = value` or `{COLUMNS}`, found {line:?}", number + 1);
+            };
+            file.header.push((key.to_owned(), value.to_owned()));
+        }
+        match file.get("format") {
+            Some(FORMAT) => {}
+            Some(other) => bail!("its format is {other:?}; this program reads {FORMAT:?}"),
+            None => bail!("it is no TARGET file: its header has no `# format = {FORMAT}`"),
+        }
+        for (number, line) in lines {
+            let sample = sample_of(line).ok_or_else(|| {
+                anyhow!("line {}: expected seven whole numbers, found {line:?}", number + 1)
+            })?;
+            file.samples.push(sample);
+        }
+        file.check_crc()?;
+        Ok(file)
+    }
+
+    fn check_crc(&self) -> Result<()> {
+        let stated = self.get("crc32").ok_or_else(|| anyhow!("the header has no crc32"))?;
+        let actual = format!("{:08x}", crc32(&data_lines(&self.samples)));
+        if stated != actual {
+            bail!("its data are damaged or cut: the CRC is {actual}, the header says {stated}");
+        }
+        Ok(())
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// With the file and the line of what is wrong.
+    pub fn read(path: &Path) -> Result<TargetFile> {
+        let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        TargetFile::from_text(&text).with_context(|| path.display().to_string())
+    }
+
+    /// Writes the file under the next free number in a folder, and tells its path.
+    ///
+    /// # Errors
+    /// When the folder cannot be written to.
+    pub fn write_next(&self, folder: &Path) -> Result<PathBuf> {
+        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        let partial = folder.join(format!("TARGET.{}.partial", std::process::id()));
+        let write = || -> std::io::Result<()> {
+            let mut file = fs::File::create(&partial)?;
+            file.write_all(self.to_text().as_bytes())?;
+            file.sync_all()
+        };
+        write().with_context(|| format!("cannot write {}", partial.display()))?;
+        let placed = place(&partial, folder);
+        let _ = fs::remove_file(&partial);
+        placed
+    }
+}
+
+/// Gives a whole file the first free name. A link never replaces what is there.
+fn place(partial: &Path, folder: &Path) -> Result<PathBuf> {
+    for number in 1..=999 {
+        let path = folder.join(format!("TARGET{number:02}.DAT"));
+        match fs::hard_link(partial, &path) {
+            Ok(()) => return Ok(path),
+            Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+            // A file system without links: a name that is free now is taken by renaming.
+            Err(_) if !path.exists() => {
+                fs::rename(partial, &path).with_context(|| format!("cannot write {}", path.display()))?;
+                return Ok(path);
+            }
+            Err(_) => {}
+        }
+    }
+    bail!("{} holds TARGET01.DAT to TARGET999.DAT; move some away", folder.display())
+}
+
+/// The index k of each sample: from before the start as the recorder says, then from 0 on.
+fn indices(record: &Record) -> impl Iterator<Item = i32> {
+    let (step, first) = (i32::from(record.decimation.max(1)), record.first_index);
+    let before = (first..0).step_by(step as usize);
+    before.chain((0..).step_by(step as usize))
+}
+
+fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
+    let values: Vec<i32> = (first..first + len).filter_map(|id| parameters.get(id)).collect();
+    let last = values.last().copied().unwrap_or(0);
+    // Equal entries at the end are said once, as in a rig file.
+    let repeated = values.iter().rev().take_while(|&&value| value == last).count();
+    let kept = values.len() - repeated + 1;
+    values[..kept.min(values.len())].iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+}
+
+fn data_lines(samples: &[(i32, RecordedSample)]) -> String {
+    let mut text = String::new();
+    for (index, s) in samples {
+        writeln!(
+            text,
+            "{index},{},{},{},{},{},{}",
+            s.position, s.pressure_1, s.pressure_2, s.command, s.error, s.spool
+        )
+        .expect("writing to a string");
+    }
+    text
+}
+
+fn sample_of(line: &str) -> Option<(i32, RecordedSample)> {
+    let mut fields = line.split(',');
+    let mut next = || fields.next();
+    let index = next()?.parse().ok()?;
+    let sample = RecordedSample {
+        position: next()?.parse().ok()?,
+        pressure_1: next()?.parse().ok()?,
+        pressure_2: next()?.parse().ok()?,
+        command: next()?.parse().ok()?,
+        error: next()?.parse().ok()?,
+        spool: next()?.parse().ok()?,
+    };
+    fields.next().is_none().then_some((index, sample))
+}
+
+fn crc32(data: &str) -> u32 {
+    Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(data.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file() -> TargetFile {
+        let samples = (0..4).map(|i| RecordedSample {
+            position: 8192 + i,
+            pressure_1: 1332,
+            pressure_2: 1638,
+            command: -3,
+            error: 5,
+            spool: 2047,
+        });
+        let record = Record {
+            test: "servo-b".to_owned(),
+            decimation: 2,
+            pre_trigger: 2,
+            first_index: -3,
+            measured_period_ns: 1_300_250,
+            mean_spool_raw: 2047,
+            samples: samples.collect(),
+        };
+        let info = Info {
+            version: 1,
+            firmware: "pneudrive 0.1.0".to_owned(),
+            build: "test".to_owned(),
+            board: "virtual".to_owned(),
+            record_capacity: 4389,
+        };
+        TargetFile::new(&record, &info, &Parameters::default())
+    }
+
+    /// The whole text: whoever reads these files reads it so.
+    #[test]
+    fn the_text_is_the_fixed_format() {
+        let text = file().to_text();
+        let expected_start = "\
+# format = pneudrive-target 1
+# test = servo-b
+# firmware = pneudrive 0.1.0
+# build = test
+# sample_period_us = 1300
+# measured_period_us = 1300.25
+# decimation = 2
+# pre_trigger = 2
+# mm_per_count = 0.01205
+# pressure_scale_pa = 244.2002442002442
+# pressure_offset_pa = 0
+# spool_scale_mm = 0.0006105006105006105
+# spool_offset_mm = -1.25
+# mean_spool_raw = 2047
+# param.period_us = 1300
+";
+        assert!(text.starts_with(expected_start), "{text}");
+        let expected_end = "\
+# param.gain_profile = 8192,6144,4096,2048,1280,768,512,384,320,288,256
+# crc32 = 0f7c2a62
+index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw
+-3,8192,1332,1638,-3,5,2047
+-1,8193,1332,1638,-3,5,2047
+0,8194,1332,1638,-3,5,2047
+2,8195,1332,1638,-3,5,2047
+";
+        assert!(text.ends_with(expected_end), "{text}");
+    }
+
+    #[test]
+    fn what_was_written_is_read_again() {
+        assert_eq!(TargetFile::from_text(&file().to_text()).expect("whole"), file());
+    }
+
+    #[test]
+    fn every_cut_and_every_changed_digit_is_noticed() {
+        let text = file().to_text();
+        for end in 0..text.len() - 1 {
+            assert!(TargetFile::from_text(&text[..end]).is_err(), "cut after {end} bytes");
+        }
+        let data = text.find("index,").expect("a header") + COLUMNS.len() + 1;
+        for (at, digit) in text.char_indices().skip(data).filter(|(_, c)| c.is_ascii_digit()) {
+            let other = if digit == '7' { "8" } else { "7" };
+            let changed = format!("{}{other}{}", &text[..at], &text[at + 1..]);
+            assert!(TargetFile::from_text(&changed).is_err(), "changed digit at {at}");
+        }
+    }
+
+    #[test]
+    fn foreign_files_are_refused_by_what_they_are() {
+        let error = |text: &str| format!("{:#}", TargetFile::from_text(text).expect_err("foreign"));
+        assert!(error("").contains("ends before its data"));
+        assert!(error("time_s,position_m\n0,1\n").contains("line 1"));
+        let later = file().to_text().replace("pneudrive-target 1", "pneudrive-target 9");
+        assert!(error(&later).contains("pneudrive-target 9"));
+    }
+
+    #[test]
+    fn files_get_the_next_free_number_and_never_replace_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = |path: PathBuf| path.file_name().expect("a name").to_string_lossy().into_owned();
+        assert_eq!(name(file().write_next(folder.path()).expect("written")), "TARGET01.DAT");
+        fs::write(folder.path().join("TARGET02.DAT"), "mine").expect("written");
+        assert_eq!(name(file().write_next(folder.path()).expect("written")), "TARGET03.DAT");
+        for number in 4..=99 {
+            fs::write(folder.path().join(format!("TARGET{number:02}.DAT")), "").expect("written");
+        }
+        assert_eq!(name(file().write_next(folder.path()).expect("written")), "TARGET100.DAT");
+        assert_eq!(fs::read_to_string(folder.path().join("TARGET02.DAT")).expect("there"), "mine");
+        let left = fs::read_dir(folder.path()).expect("a folder").filter_map(Result::ok);
+        assert!(left.map(|entry| entry.file_name()).all(|name| !name.to_string_lossy().contains("partial")));
+    }
+}

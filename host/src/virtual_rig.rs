@@ -1,0 +1,311 @@
+//! The virtual rig: the firmware's application on the simulated plant, behind a port.
+//!
+//! It behaves as the board does, over the same protocol. Between runs the plant stands frozen in the
+//! initial state of its test, unless it is live; a start resets it.
+
+use std::io::{self, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use pneudrive_app::{App, Board};
+use pneudrive_controller::{Command, Config, Mode, Sample};
+use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
+
+use crate::port::is_wait;
+
+/// How a virtual rig runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace {
+    /// As fast as it goes, instead of in real time.
+    pub fast: bool,
+    /// The plant lives between runs.
+    pub live: bool,
+}
+
+/// Samples between two looks at the port, at full speed.
+const SAMPLES_AT_ONCE: u32 = 64;
+
+/// Most samples that are made up for after the computer was busy with something else.
+const MOST_BEHIND: u64 = 1000;
+
+/// The board of a virtual rig.
+struct VirtualBoard {
+    rig: Rig,
+    seed: u64,
+    pace: Pace,
+    plant: Plant,
+    running: bool,
+    time_us: u64,
+    since: Instant,
+    failed: Option<IntegrationError>,
+}
+
+impl VirtualBoard {
+    fn new(rig: Rig, seed: u64, pace: Pace) -> VirtualBoard {
+        let plant = Plant::new(&rig, Accuracy::default(), seed);
+        VirtualBoard {
+            rig,
+            seed,
+            pace,
+            plant,
+            running: false,
+            time_us: 0,
+            since: Instant::now(),
+            failed: None,
+        }
+    }
+
+    fn moves(&self) -> bool {
+        self.running || self.pace.live
+    }
+
+    /// To the next sample instant; a frozen plant stays as it is.
+    fn next_sample(&mut self) {
+        if self.moves()
+            && let Err(error) = self.plant.next_sample()
+        {
+            self.failed = Some(error);
+        }
+        self.time_us += u64::from(self.rig.period_us().get());
+    }
+}
+
+impl Board for VirtualBoard {
+    fn name(&self) -> &'static str {
+        "virtual rig"
+    }
+
+    fn build(&self) -> &'static str {
+        concat!("pneudrive ", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn read_sensors(&mut self, _: &Config) -> Sample {
+        self.plant.sample()
+    }
+
+    /// The amplifier of a disabled drive holds the valve at its null.
+    fn drive(&mut self, _: &Config, command: Command) {
+        if self.moves() {
+            self.plant.command(command.counts);
+        }
+    }
+
+    fn now_us(&self) -> u64 {
+        self.time_us
+    }
+
+    fn host_clock_ms(&self) -> Option<u64> {
+        (!self.pace.fast).then(|| self.since.elapsed().as_millis() as u64)
+    }
+
+    fn run_begins(&mut self) {
+        self.running = true;
+        if !self.pace.live {
+            self.plant = Plant::new(&self.rig, Accuracy::default(), self.seed);
+        }
+    }
+
+    fn starts_referenced(&self) -> bool {
+        true
+    }
+}
+
+/// A virtual rig.
+pub struct VirtualRig {
+    app: Box<App>,
+    board: VirtualBoard,
+}
+
+impl VirtualRig {
+    /// A rig with the true parameters of `rig`, powered on. `seed` is for sensor noise.
+    ///
+    /// # Errors
+    /// When the rig's controller parameters are refused, which a checked rig's are not.
+    pub fn new(rig: Rig, seed: u64, pace: Pace) -> Result<VirtualRig> {
+        let board = VirtualBoard::new(rig, seed, pace);
+        let mut app = Box::<App>::default();
+        app.control
+            .load_parameters(board.rig.parameters())
+            .map_err(|error| anyhow::anyhow!("{}", error.advice()))?;
+        if board.starts_referenced() {
+            app.control.set_referenced().map_err(|_| anyhow::anyhow!("a new rig is enabled"))?;
+        }
+        Ok(VirtualRig { app, board })
+    }
+
+    /// Serves a port until `stop` is set.
+    ///
+    /// # Errors
+    /// When the simulation cannot go on.
+    pub fn serve(&mut self, door: &mut Door, stop: &AtomicBool) -> Result<()> {
+        let mut bytes = [0; 1024];
+        let mut replies = Vec::new();
+        while !stop.load(Ordering::Relaxed) {
+            let count = door.read(&mut bytes);
+            if count > 0 {
+                let App { control, server } = &mut *self.app;
+                let Ok(()) = server.receive(&bytes[..count], control, &mut self.board, &mut replies);
+                door.write(&replies);
+                replies.clear();
+            }
+            let sampled = self.catch_up()?;
+            if count == 0 && !sampled {
+                std::thread::sleep(Duration::from_micros(500));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the samples that are due; whether there were any that moved the plant.
+    fn catch_up(&mut self) -> Result<bool> {
+        if self.board.pace.fast {
+            let moves = self.board.moves();
+            for _ in 0..if moves { SAMPLES_AT_ONCE } else { 1 } {
+                self.tick()?;
+            }
+            return Ok(moves);
+        }
+        let now_us = self.board.since.elapsed().as_micros() as u64;
+        let period = u64::from(self.board.rig.period_us().get());
+        if now_us > self.board.time_us + MOST_BEHIND * period {
+            // The computer slept: the rig's clock goes on from where it stands.
+            self.board.since += Duration::from_micros(now_us - self.board.time_us);
+        }
+        let due = self.board.time_us <= now_us;
+        while self.board.time_us <= now_us {
+            self.tick()?;
+        }
+        Ok(due && self.board.moves())
+    }
+
+    /// One sample and its output.
+    fn tick(&mut self) -> Result<()> {
+        self.app.control.on_sample(&mut self.board);
+        self.app.control.on_output(&mut self.board);
+        self.board.running = self.app.control.state().supervisor.mode() == Mode::Running;
+        self.board.next_sample();
+        self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))
+    }
+}
+
+/// Where a virtual rig listens.
+pub enum Door {
+    /// One TCP connection at a time.
+    Tcp {
+        /// Waits for the next one.
+        listener: TcpListener,
+        /// The present one.
+        client: Option<TcpStream>,
+    },
+    /// A pseudo terminal.
+    #[cfg(unix)]
+    Pty {
+        /// Our end.
+        master: serialport::TTYPort,
+        /// The other end, held open so that ours lives without a client.
+        slave: serialport::TTYPort,
+    },
+}
+
+impl Door {
+    /// A door at `pty` or `tcp:HOST:PORT`.
+    ///
+    /// # Errors
+    /// When the address cannot be listened at, or there are no ptys.
+    pub fn open(at: &str) -> Result<Door> {
+        match at.strip_prefix("tcp:").map(|address| address.trim_start_matches("//")) {
+            Some(address) => {
+                let listener =
+                    TcpListener::bind(address).with_context(|| format!("cannot listen at {at}"))?;
+                listener.set_nonblocking(true)?;
+                Ok(Door::Tcp { listener, client: None })
+            }
+            None if at == "pty" => Door::open_pty(),
+            None => bail!("--listen takes pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000; not {at:?}"),
+        }
+    }
+
+    #[cfg(unix)]
+    fn open_pty() -> Result<Door> {
+        use serialport::SerialPort;
+        let (mut master, slave) = serialport::TTYPort::pair().context("cannot open a pty")?;
+        master.set_timeout(Duration::from_millis(1))?;
+        Ok(Door::Pty { master, slave })
+    }
+
+    #[cfg(not(unix))]
+    fn open_pty() -> Result<Door> {
+        bail!("there are no ptys on this system; listen at tcp:127.0.0.1:4000")
+    }
+
+    /// The port's name for a client.
+    ///
+    /// # Errors
+    /// When the system does not tell it.
+    pub fn port_name(&self) -> Result<String> {
+        match self {
+            Door::Tcp { listener, .. } => Ok(format!("tcp://{}", listener.local_addr()?)),
+            #[cfg(unix)]
+            Door::Pty { slave, .. } => {
+                use serialport::SerialPort;
+                Ok(format!("pty:{}", slave.name().context("the pty has no name")?))
+            }
+        }
+    }
+
+    /// Bytes that have come; none if there are none now. A client that is gone makes room for the
+    /// next.
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        match self {
+            Door::Tcp { listener, client } => {
+                if client.is_none()
+                    && let Ok((stream, _)) = listener.accept()
+                    && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok()
+                {
+                    *client = Some(stream);
+                }
+                let Some(stream) = client else { return 0 };
+                match stream.read(bytes) {
+                    Ok(count) if count > 0 => count,
+                    Err(error) if is_wait(&error) => 0,
+                    _ => {
+                        *client = None;
+                        0
+                    }
+                }
+            }
+            #[cfg(unix)]
+            Door::Pty { master, .. } => master.read(bytes).unwrap_or(0),
+        }
+    }
+
+    /// Replies to a client that is gone are lost, as on a cable that was pulled.
+    fn write(&mut self, bytes: &[u8]) {
+        let written = match self {
+            Door::Tcp { client: Some(stream), .. } => write_all(stream, bytes),
+            Door::Tcp { client: None, .. } => Ok(()),
+            #[cfg(unix)]
+            Door::Pty { master, .. } => write_all(master, bytes),
+        };
+        if let (Err(_), Door::Tcp { client, .. }) = (written, self) {
+            *client = None;
+        }
+    }
+}
+
+/// Writes everything, waiting where the other side is slow, but not for ever.
+fn write_all(port: &mut impl Write, mut bytes: &[u8]) -> io::Result<()> {
+    let deadline = Instant::now() + Duration::from_secs(1);
+    while !bytes.is_empty() {
+        match port.write(bytes) {
+            Ok(count) => bytes = &bytes[count..],
+            Err(error) if is_wait(&error) && Instant::now() < deadline => {
+                std::thread::sleep(Duration::from_micros(200));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}

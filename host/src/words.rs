@@ -1,0 +1,78 @@
+//! What the codes of the controller mean to a person, and what to do.
+
+use pneudrive_controller::{Fault, Refusal};
+use pneudrive_protocol::Refused;
+
+/// A fault's name.
+pub(crate) fn fault_name(fault: Fault) -> &'static str {
+    match fault {
+        Fault::Stop => "stop",
+        Fault::PositionOutside => "position-outside",
+        Fault::EncoderStep => "encoder-step",
+        Fault::LateSample => "late-sample",
+        Fault::HostSilent => "host-silent",
+        Fault::CommandWhileDisarmed => "command-while-disarmed",
+    }
+}
+
+/// The name of a fault code, also of one that a later firmware has.
+pub(crate) fn fault_code_name(code: u8) -> String {
+    Fault::from_code(code).map_or_else(|| format!("fault {code}"), |fault| fault_name(fault).to_owned())
+}
+
+/// What a fault means.
+pub(crate) fn fault_meaning(code: u8) -> &'static str {
+    match Fault::from_code(code) {
+        Some(Fault::Stop) => "a stop was requested",
+        Some(Fault::PositionOutside) => "the position left the stroke by more than the margin",
+        Some(Fault::EncoderStep) => "the encoder moved further in one sample than the drive can",
+        Some(Fault::LateSample) => "a sample came too late",
+        Some(Fault::HostSilent) => "the host was silent for too long while a move ran",
+        Some(Fault::CommandWhileDisarmed) => "a run was asked for while the drive was disarmed",
+        None => "a fault that this version does not know",
+    }
+}
+
+/// Why the rig refused, and what to do.
+pub(crate) fn refusal(refused: &Refused<'_>) -> String {
+    match refused {
+        Refused::NotNow(code) => match Refusal::from_code(*code) {
+            Some(Refusal::NotArmed) => {
+                "the drive is not armed; arm it first (`pneudrive device arm`)".to_owned()
+            }
+            Some(Refusal::Running) => {
+                "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
+            }
+            Some(Refusal::NotReferenced) => {
+                "the axis is not referenced, so closed loop is refused (`pneudrive device reference`)"
+                    .to_owned()
+            }
+            Some(Refusal::NotDisarmed) => {
+                "the drive is enabled; disarm it first (`pneudrive device disarm`)".to_owned()
+            }
+            Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
+            None => format!("refused for a reason that this version does not know (code {code})"),
+        },
+        Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
+        Refused::OutOfRange { id, value } => out_of_range(*id, *value),
+        Refused::Inconsistent { advice } => format!("the parameters do not go together: {advice}"),
+        Refused::TestTooLong => "the test is too long".to_owned(),
+        Refused::MovesOutOfOrder => "the moves are not in order of time".to_owned(),
+        Refused::TooManyMoves => "the test has more moves than the firmware holds".to_owned(),
+        Refused::NoRecord => "nothing has been recorded; run a test first (`pneudrive run`)".to_owned(),
+        Refused::RecordRange { samples } => format!("the record has only {samples} samples"),
+        Refused::Unknown => {
+            "the firmware does not know this request; it is older than this program".to_owned()
+        }
+    }
+}
+
+fn out_of_range(id: u16, value: i32) -> String {
+    match pneudrive_controller::parameters::lookup(id) {
+        Some(parameter) => format!(
+            "{} = {value} is out of range: {} to {} {}",
+            parameter.name, parameter.min, parameter.max, parameter.unit
+        ),
+        None => format!("parameter {id} = {value} is out of range"),
+    }
+}
