@@ -91,7 +91,7 @@ impl Progress {
     fn at(&mut self, done: u64, all: u64) {
         self.bar.set_length(all);
         self.bar.set_position(done.min(all));
-        let quarter = if all == 0 { 0 } else { 4 * done.min(all) / all };
+        let quarter = (4 * done.min(all)).checked_div(all).unwrap_or(0);
         if self.bar.is_hidden() && quarter > self.said {
             self.said = quarter;
             eprintln!("{}: {done} of {all} samples", self.what);

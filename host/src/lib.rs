@@ -10,6 +10,15 @@
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
 //! | [`report`] | the page with the graphs |
 
+/// Prints a line. A reader that has gone, as in `pneudrive rig show servo-b | head -3`, is no reason
+/// to stop, let alone to panic as `println!` does.
+macro_rules! say {
+    ($($argument:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($argument)*);
+    }};
+}
+
 pub mod cli;
 pub mod client;
 pub mod command;

@@ -5,7 +5,9 @@
 
 use std::io::{self, Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -187,6 +189,52 @@ impl VirtualRig {
         self.board.running = self.app.control.state().supervisor.mode() == Mode::Running;
         self.board.next_sample();
         self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))
+    }
+}
+
+/// A virtual rig that serves its port on a thread of its own, until it is stopped or dropped.
+pub struct Background {
+    port: String,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<Result<()>>>,
+}
+
+impl Background {
+    /// Starts serving.
+    ///
+    /// # Errors
+    /// When the port has no name.
+    pub fn start(mut rig: VirtualRig, mut door: Door) -> Result<Background> {
+        let port = door.port_name()?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let watched = Arc::clone(&stop);
+        let thread = std::thread::spawn(move || rig.serve(&mut door, &watched));
+        Ok(Background { port, stop, thread: Some(thread) })
+    }
+
+    /// The port's name for a client.
+    #[must_use]
+    pub fn port(&self) -> &str {
+        &self.port
+    }
+
+    /// Ends serving.
+    ///
+    /// # Errors
+    /// When the simulation could not go on.
+    pub fn stop(mut self) -> Result<()> {
+        self.stop.store(true, Ordering::Relaxed);
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) => bail!("the virtual rig broke down"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for Background {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
     }
 }
 

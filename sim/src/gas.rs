@@ -79,10 +79,10 @@ impl Gas {
         let e = self.flow_exponent;
         let sonic = upstream * (e / (e + 1.0));
         if downstream <= sonic {
-            let value = upstream * self.to_flow_exponent(sonic) * (upstream - sonic);
+            let value = upstream * self.power_of_flow(sonic) * (upstream - sonic);
             FlowFunction { value, by_upstream: (e + 2.0) * value / upstream, by_downstream: 0.0 }
         } else {
-            let power = self.to_flow_exponent(downstream);
+            let power = self.power_of_flow(downstream);
             FlowFunction {
                 value: upstream * power * (upstream - downstream),
                 by_upstream: power * (2.0 * upstream - downstream),
@@ -91,7 +91,7 @@ impl Gas {
         }
     }
 
-    fn to_flow_exponent(&self, exner: f64) -> f64 {
+    fn power_of_flow(&self, exner: f64) -> f64 {
         if self.diatomic {
             let square = exner * exner;
             square * square * exner

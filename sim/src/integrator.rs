@@ -283,7 +283,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             if !error.is_finite() {
                 self.wanted = 0.1 * h;
             } else {
-                let factor = 0.9 * error.max(1e-10).powf(-1.0 / self.tableau.error_order);
+                let factor = 0.9 * libm::pow(error.max(1e-10), -1.0 / self.tableau.error_order);
                 let next = h * factor.clamp(0.2, 5.0);
                 if error <= 1.0 {
                     // A step cut short by an event says nothing of the wanted size.

@@ -60,6 +60,10 @@ pub struct Node {
 }
 
 impl Node {
+    fn is_finite(&self) -> bool {
+        (self.exner + self.temperature + self.supply_flow + self.exhaust_flow).is_finite()
+    }
+
     /// m, kg/s, into the cylinder.
     #[must_use]
     pub fn port_flow(&self) -> f64 {
@@ -186,8 +190,9 @@ impl Network {
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
         self.work.solutions += 1;
+        // A trial step too large may leave no numbers; the last solution is not spoilt by it.
+        let last = self.nodes;
         if !(self.started && self.newton(valve, chambers, ports)) {
-            self.started = true;
             self.work.bracketed += 1;
             self.by_brackets(valve, chambers, ports);
             // Sharpens what the brackets found; they are the answer where it fails again.
@@ -196,7 +201,12 @@ impl Network {
                 self.nodes = found;
             }
         }
-        self.nodes
+        let solved = self.nodes;
+        self.started |= solved.iter().all(Node::is_finite);
+        if !solved.iter().all(Node::is_finite) {
+            self.nodes = last;
+        }
+        solved
     }
 
     /// Newton's method from the last solution; false where it does not converge.
@@ -236,12 +246,12 @@ impl Network {
             let supply = fixed[i].supply + change * per_total[i].supply;
             let exhaust = fixed[i].exhaust + change * per_total[i].exhaust;
             let exner = node.exner + fixed[i].exner + change * per_total[i].exner;
-            node.exner = exner.clamp(0.5 * node.exner, 2.0 * node.exner);
-            node.supply_flow += supply;
-            node.exhaust_flow += exhaust;
             if !(supply + exhaust + exner).is_finite() {
                 return f64::NAN;
             }
+            node.exner = exner.clamp(0.5 * node.exner, 2.0 * node.exner);
+            node.supply_flow += supply;
+            node.exhaust_flow += exhaust;
             largest = largest.max(supply.abs().max(exhaust.abs()));
         }
         largest
@@ -589,6 +599,22 @@ mod tests {
             if flow.port_flow() > 0.0 { low = middle } else { high = middle }
         }
         assert!((low - 475.6e3).abs() < 100.0, "{low}");
+    }
+
+    /// Once a trial step with an absurd state spoilt every solution after it.
+    #[test]
+    fn a_state_that_is_no_number_does_not_spoil_the_next_solution() {
+        let (gas, mut network) = network_with(true, true);
+        let valve = thesis_valve().conductances(&gas, 0.2e-3);
+        let ports = [PortFlow::Charging, PortFlow::Discharging];
+        let good = chambers(&gas, 325e3, 400e3);
+        let before = network.solve(&valve, &good, &ports)[0].port_flow();
+        for exner in [f64::NAN, -1.0, f64::INFINITY] {
+            let bad = [Station { exner, temperature: 294.0 }; 2];
+            network.solve(&valve, &bad, &ports);
+            let after = network.solve(&valve, &good, &ports)[0].port_flow();
+            assert!((after - before).abs() < 1e-15, "{exner}: {after} {before}");
+        }
     }
 
     #[test]

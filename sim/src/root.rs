@@ -24,7 +24,8 @@ pub(crate) fn bracketed_root(mut f: impl FnMut(f64) -> f64, bracket: [(f64, f64)
         if t_least > 0.5 || f_best == 0.0 {
             return best;
         }
-        t = interpolate(a, fa, b, fb, c, fc).unwrap_or(0.5).clamp(t_least, 1.0 - t_least);
+        // Not clamp(): what is no number must come out as none, not as a panic.
+        t = interpolate(a, fa, b, fb, c, fc).unwrap_or(0.5).max(t_least).min(1.0 - t_least);
     }
     a
 }

@@ -67,7 +67,7 @@ impl Row {
     }
 }
 
-/// trace.csv: header, then a line a row; the shortest digits that give the same number again.
+/// trace.csv: header, then a line a row.
 #[must_use]
 pub fn to_csv(rows: &[Row]) -> String {
     let mut text = COLUMNS.join(",");
@@ -75,10 +75,39 @@ pub fn to_csv(rows: &[Row]) -> String {
     for row in rows {
         for (column, value) in row.values().into_iter().enumerate() {
             let comma = if column == 0 { "" } else { "," };
-            // Minus zero would be read back as a different text for the same number.
-            write!(text, "{comma}{}", value + 0.0).expect("writing to a string");
+            write!(text, "{comma}{}", number(value)).expect("writing to a string");
         }
         text.push('\n');
     }
     text
+}
+
+/// Twelve significant digits, without zeros that say nothing: a tenth of a nanometre in a metre is
+/// kept, and rounding of the last bits is not shown.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".to_owned(),
+        size if size < 1e-4 => format!("{rounded:e}"),
+        _ => rounded.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_exact_to_twelve_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (325_324.999_999_999_1, "325325"),
+            (0.098_719_625, "0.098719625"),
+            (5.628_959_333_572_113e-5, "5.62895933357e-5"),
+            (-2048.0, "-2048"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
 }

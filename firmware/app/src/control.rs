@@ -67,8 +67,9 @@ struct Clock {
     samples: u64,
 }
 
-/// The controller, its configuration, the test and the recorder.
-#[derive(Debug)]
+/// The controller, its configuration, the test and the recorder. By default: disarmed, with the
+/// thesis's parameters and no test.
+#[derive(Debug, Default)]
 pub struct Control {
     parameters: Parameters,
     config: Config,
@@ -80,21 +81,6 @@ pub struct Control {
     /// Whether the present sample belongs to a run.
     in_run: bool,
     host_heard_ms: Option<u64>,
-}
-
-impl Default for Control {
-    fn default() -> Self {
-        Control {
-            parameters: Parameters::default(),
-            config: Config::default(),
-            test: Test::default(),
-            state: State::default(),
-            recorder: Recorder::default(),
-            clock: Clock::default(),
-            in_run: false,
-            host_heard_ms: None,
-        }
-    }
 }
 
 impl Control {

@@ -91,7 +91,7 @@ impl Recorder {
 
     /// A sample of the run, after its output.
     pub fn store(&mut self, seen: &Observation) {
-        if !self.started || self.is_full() || seen.index % self.decimation != 0 {
+        if !self.started || self.is_full() || !seen.index.is_multiple_of(self.decimation) {
             return;
         }
         self.put(self.ring + self.stored, seen);

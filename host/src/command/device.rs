@@ -14,32 +14,30 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
     match &arguments.action {
         DeviceAction::Info => info(&mut client),
         DeviceAction::Status => status(&mut client),
-        DeviceAction::Arm => {
-            client.arm().map(|()| println!("armed: the drive is enabled, the valve at null"))
-        }
+        DeviceAction::Arm => client.arm().map(|()| say!("armed: the drive is enabled, the valve at null")),
         DeviceAction::Disarm => {
             client.disarm()?;
             match client.status()?.mode {
-                Mode::Fault => println!("the drive is disabled; the fault stays until `device arm`"),
-                _ => println!("disarmed: the drive is disabled"),
+                Mode::Fault => say!("the drive is disabled; the fault stays until `device arm`"),
+                _ => say!("disarmed: the drive is disabled"),
             }
             Ok(())
         }
         DeviceAction::Stop => {
-            client.stop().map(|()| println!("stopped: the drive is disabled until `device arm`"))
+            client.stop().map(|()| say!("stopped: the drive is disabled until `device arm`"))
         }
-        DeviceAction::Reference => client.reference().map(|()| println!("referenced")),
+        DeviceAction::Reference => client.reference().map(|()| say!("referenced")),
         DeviceAction::Config(action) => config(&mut client, action),
     }
 }
 
 fn info(client: &mut Client) -> Result<()> {
     let info = client.info()?;
-    println!("firmware    {}", info.firmware);
-    println!("build       {}", info.build);
-    println!("board       {}", info.board);
-    println!("protocol    version {}", info.version);
-    println!("record      up to {} samples", info.record_capacity);
+    say!("firmware    {}", info.firmware);
+    say!("build       {}", info.build);
+    say!("board       {}", info.board);
+    say!("protocol    version {}", info.version);
+    say!("record      up to {} samples", info.record_capacity);
     Ok(())
 }
 
@@ -53,16 +51,16 @@ fn status(client: &mut Client) -> Result<()> {
         Mode::Done => "done, holding".to_owned(),
         Mode::Fault => format!("fault {}: {}", words::fault_code_name(fault), words::fault_meaning(fault)),
     };
-    println!("mode        {mode}");
-    println!("referenced  {}", if status.referenced { "yes" } else { "no" });
-    println!("setpoint    {} counts", status.setpoint);
-    println!("position    {} counts", status.position);
-    println!("error       {} counts", status.error);
-    println!("command     {} counts", status.command);
-    println!("pressures   {} and {} raw", status.pressure_1, status.pressure_2);
-    println!("spool       {} raw", status.spool);
-    println!("recorded    {} samples", status.recorded);
-    println!("damaged     {} frames", status.damaged_frames);
+    say!("mode        {mode}");
+    say!("referenced  {}", if status.referenced { "yes" } else { "no" });
+    say!("setpoint    {} counts", status.setpoint);
+    say!("position    {} counts", status.position);
+    say!("error       {} counts", status.error);
+    say!("command     {} counts", status.command);
+    say!("pressures   {} and {} raw", status.pressure_1, status.pressure_2);
+    say!("spool       {} raw", status.spool);
+    say!("recorded    {} samples", status.recorded);
+    say!("damaged     {} frames", status.damaged_frames);
     Ok(())
 }
 
@@ -72,7 +70,7 @@ fn config(client: &mut Client, action: &ConfigAction) -> Result<()> {
             let parameters = client.parameters()?;
             for parameter in TABLE.iter().filter(|parameter| parameter.len == 1) {
                 let value = parameters.get(parameter.id).unwrap_or(0);
-                println!("{:<28} {value:>12} {:<14} {}", parameter.name, parameter.unit, parameter.meaning);
+                say!("{:<28} {value:>12} {:<14} {}", parameter.name, parameter.unit, parameter.meaning);
             }
             Ok(())
         }
@@ -80,19 +78,19 @@ fn config(client: &mut Client, action: &ConfigAction) -> Result<()> {
             let (parameter, entry) = parameter_of(name)?;
             let parameters = client.parameters()?;
             let value = parameters.get(parameter.id + entry).unwrap_or(0);
-            println!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
+            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
             Ok(())
         }
         ConfigAction::Set { name, value } => {
             let (parameter, entry) = parameter_of(name)?;
             client.set_parameters(parameter.id + entry, &[*value])?;
-            println!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
+            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
             Ok(())
         }
         ConfigAction::Import { rig } => {
             let rig = load_rig(rig, &[])?;
             client.import_parameters(&rig.parameters())?;
-            println!("took over the controller's parameters of {}", rig.name());
+            say!("took over the controller's parameters of {}", rig.name());
             Ok(())
         }
     }

@@ -17,7 +17,7 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     let title = format!("{} and {}", transients[0].name, names(&transients[1..]));
     Report { title: &title, notes: &[], transients: &transients, deviations: &deviations }
         .write(&arguments.out)?;
-    println!("{}", arguments.out.display());
+    say!("{}", arguments.out.display());
     Ok(())
 }
 
@@ -35,7 +35,7 @@ pub(super) fn overlay(transients: &[Transient]) -> Result<Vec<(String, Vec<Devia
             bail!("{} and {} have no time in common", reference.name, other.name);
         }
         let heading = format!("deviation of {} from {}", other.name, reference.name);
-        println!("{heading}\n{}", table(&found));
+        say!("{heading}\n{}", table(&found));
         all.push((heading, found));
     }
     Ok(all)

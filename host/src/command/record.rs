@@ -12,7 +12,7 @@ use crate::target::TargetFile;
 pub(super) fn execute(arguments: &Record) -> Result<()> {
     let mut client = Client::connect(&arguments.port.port)?;
     let (path, file) = record(&mut client, &arguments.dir)?;
-    println!("{}: {} samples", path.display(), file.samples.len());
+    say!("{}: {} samples", path.display(), file.samples.len());
     Ok(())
 }
 

@@ -12,7 +12,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
         Arguments::Show { name } => show(name),
         Arguments::Check { file } => check(file),
         Arguments::Explain { key } => {
-            print!("{}", explain(key).map_err(|problem| anyhow!("{problem}"))?);
+            say!("{}", explain(key).map_err(|problem| anyhow!("{problem}"))?.trim_end());
             Ok(())
         }
     }
@@ -21,21 +21,21 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
 fn list() -> Result<()> {
     for (name, text) in BUILTIN {
         let about = text.lines().next().unwrap_or("").trim_start_matches("# ");
-        println!("{name:<16} {about}");
+        say!("{name:<16} {about}");
     }
     Ok(())
 }
 
 fn show(name: &str) -> Result<()> {
-    print!("{}", rig_text(name)?.1);
+    say!("{}", rig_text(name)?.1.trim_end());
     Ok(())
 }
 
 fn check(file: &str) -> Result<()> {
     let rig = load_rig(file, &[])?;
     for key in rig.unused() {
-        println!("{file}: {key} is not used by the chosen model");
+        say!("{file}: {key} is not used by the chosen model");
     }
-    println!("{file}: a valid rig ({})", rig.name());
+    say!("{file}: a valid rig ({})", rig.name());
     Ok(())
 }

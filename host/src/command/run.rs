@@ -14,11 +14,11 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = load_rig(&arguments.rig, &arguments.settings)?;
     let mut client = Client::connect(&arguments.port.port)?;
     run_test(&mut client, &rig, arguments.config)?;
-    println!("{}: done", rig.name());
+    say!("{}: done", rig.name());
     if rig.word("controller.loop") == "closed" {
-        println!("the drive holds its last setpoint; `pneudrive device disarm` releases it");
+        say!("the drive holds its last setpoint; `pneudrive device disarm` releases it");
     }
-    println!("next: pneudrive record --port {}", arguments.port.port);
+    say!("next: pneudrive record --port {}", arguments.port.port);
     Ok(())
 }
 

@@ -23,8 +23,8 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let report =
         Report { title: &title, notes: &[summary(&rig, &run)], transients: &[transient], deviations: &[] };
     report.write(&arguments.out.join("report.html"))?;
-    println!("{}", summary(&rig, &run));
-    println!("{}: trace.csv, run.json, report.html", arguments.out.display());
+    say!("{}", summary(&rig, &run));
+    say!("{}: trace.csv, run.json, report.html", arguments.out.display());
     Ok(())
 }
 

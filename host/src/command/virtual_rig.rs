@@ -1,6 +1,5 @@
 //! `pneudrive virtual`.
 
-use std::io::Write;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Result;
@@ -20,8 +19,7 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     let name = rig.name().to_owned();
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
-    println!("{name} is on {port}");
-    println!("try: pneudrive device --port {port} info    (end with Ctrl-C)");
-    std::io::stdout().flush()?;
+    say!("{name} is on {port}");
+    say!("try: pneudrive device --port {port} info    (end with Ctrl-C)");
     virtual_rig.serve(&mut door, &AtomicBool::new(false))
 }

@@ -88,15 +88,11 @@ impl State {
 /// velocity and acceleration of a drive at rest are zero from the first sample on.
 pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) {
     let motion = state.estimator.update(&config.estimator, input.position);
-    state.supervisor.watch(&config.limits, &motion);
-
     let running = state.supervisor.mode() == Mode::Running;
-    let setpoint = match state.supervisor.mode() {
-        Mode::Running => state.sequencer.advance(sequence),
-        _ => state.sequencer.setpoint(),
-    };
+    let setpoint = if running { state.sequencer.advance(sequence) } else { state.sequencer.setpoint() };
     let error = law::error(&config.law, setpoint, motion.position);
     let demand = law::demand(&config.law, setpoint, error, &motion);
+    state.supervisor.watch(&config.limits, &motion);
     let command = state.supervisor.permit(&config.law, drive::limit(demand));
     state.observation = Observation {
         index: state.sequencer.index(),

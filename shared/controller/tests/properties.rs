@@ -165,6 +165,7 @@ proptest! {
         sample(&config, &sequence, &mut state, &Sample { position, ..Sample::default() });
         prop_assert_eq!(output(&state), Command::OFF);
         prop_assert_eq!(state.supervisor.mode(), Mode::Fault(Fault::EncoderStep));
+        prop_assert_eq!(state.observation().index, 1, "the sample that tripped has its own number");
     }
 
     /// A demand within the limits is what open loop drives; a larger one is limited.

@@ -46,11 +46,10 @@ impl Reader<'_> {
         self.check_order(rig, "valve.spool_diameter_mm", "valve.sleeve_diameter_mm", false, why);
         let why = "the rod must leave an area for the air to push on";
         self.check_order(rig, "actuator.rod_diameter_m", "actuator.bore_m", true, why);
-        if rig.word("operator.model") == "solenoid" && rig.number("operator.dither_hz") == 0.0 {
-            if rig.number("operator.dither_mm") > 0.0 {
-                let message = "a dither needs a frequency; write dither_mm = 0 for none";
-                self.problem_at_key("operator.dither_hz", message.to_owned());
-            }
+        let dithers = rig.word("operator.model") == "solenoid" && rig.number("operator.dither_mm") > 0.0;
+        if dithers && rig.number("operator.dither_hz") == 0.0 {
+            let message = "a dither needs a frequency; write dither_mm = 0 for none";
+            self.problem_at_key("operator.dither_hz", message.to_owned());
         }
         if rig.integer("encoder.polarity") == 0 {
             self.problem_at_key("encoder.polarity", "must be 1 or -1".to_owned());

@@ -97,12 +97,19 @@ impl Reader<'_> {
         span.map(|span| 1 + self.text[..span.start.min(self.text.len())].matches('\n').count())
     }
 
-    /// A file that is no TOML: the line, and the key that is nearest above.
+    /// A file that is no TOML: the line, and the key that is nearest above. A bracket that is not
+    /// closed is found by the parser further down only, so that is looked for first.
     fn syntax(&mut self, error: &toml_edit::TomlError) {
-        let line = self.line_of(error.span());
-        let key = nearest_key(self.text, line.unwrap_or(1));
-        let message = error.message().lines().collect::<Vec<_>>().join("; ");
-        self.problem(line, &key, format!("this is not TOML: {message}"));
+        let end = error.span().map_or(self.text.len(), |span| span.start.min(self.text.len()));
+        let (line, message) = match open_bracket(&self.text[..end]) {
+            Some(line) => (line, "a bracket is opened here and not closed".to_owned()),
+            None => (
+                1 + self.text[..end].matches('\n').count(),
+                format!("this is not TOML: {}", error.message().lines().collect::<Vec<_>>().join("; ")),
+            ),
+        };
+        let key = nearest_key(self.text, line);
+        self.problem(Some(line), &key, message);
     }
 
     fn top(&mut self, rig: &mut Rig, top: &Table) {
@@ -165,6 +172,24 @@ impl Reader<'_> {
         }
         self.source = source;
     }
+}
+
+/// The line at which the outermost bracket that is still open at the end of `text` was opened.
+fn open_bracket(text: &str) -> Option<usize> {
+    let mut open = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let mut in_string = false;
+        for character in line.chars() {
+            match character {
+                '"' => in_string = !in_string,
+                '#' if !in_string => break,
+                '[' | '{' if !in_string => open.push(number + 1),
+                ']' | '}' if !in_string => drop(open.pop()),
+                _ => {}
+            }
+        }
+    }
+    open.first().copied()
 }
 
 /// The last key at or above a line, with its table.

@@ -1,1 +1,231 @@
+//! Rig files: what is accepted, and what every refusal says.
 
+use super::*;
+
+/// The problems of a file, a line each.
+fn problems(text: &str) -> Vec<String> {
+    match Rig::read("rig.toml", text) {
+        Ok(_) => panic!("accepted: {text}"),
+        Err(Problems(problems)) => problems.iter().map(ToString::to_string).collect(),
+    }
+}
+
+fn only_problem(text: &str) -> String {
+    let found = problems(text);
+    assert_eq!(found.len(), 1, "{found:?}");
+    found.into_iter().next().expect("one")
+}
+
+fn read(text: &str) -> Rig {
+    Rig::read("rig.toml", text).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+#[test]
+fn the_empty_file_is_servo_drive_b() {
+    let empty = read("");
+    let servo_b = Rig::builtin("servo-b").expect("built in");
+    for (key, value) in servo_b.entries().filter(|(key, _)| key.path != "name") {
+        assert_eq!(empty.value(key.path), Some(value), "{}", key.path);
+    }
+}
+
+#[test]
+fn an_unknown_key_is_named_with_file_line_and_a_guess() {
+    assert_eq!(
+        only_problem("[load]\n# a comment\nmass_kgs = 2\n"),
+        "rig.toml:3: load.mass_kgs: unknown key; did you mean mass_kg?"
+    );
+    assert_eq!(
+        only_problem("[lode]\nmass_kg = 2\n"),
+        "rig.toml:2: lode: there is no table [lode]; did you mean load?"
+    );
+    assert!(only_problem("xyzzy = 1").contains("rig.toml:1: xyzzy: unknown key; `pneudrive rig explain`"));
+}
+
+#[test]
+fn a_wrong_unit_is_named_with_the_right_one() {
+    assert_eq!(
+        only_problem("[actuator]\nbore_mm = 50\n"),
+        "rig.toml:2: actuator.bore_mm: wrong unit: this key is bore_m, so give it in m instead of mm"
+    );
+    assert_eq!(
+        only_problem("[supply]\npressure_bar = 5.9\n"),
+        "rig.toml:2: supply.pressure_bar: wrong unit: this key is pressure_pa, so give it in Pa instead of bar"
+    );
+    assert_eq!(
+        only_problem("[supply]\npressure = 589000\n"),
+        "rig.toml:2: supply.pressure: there is no such key; with its unit it is pressure_pa (in Pa)"
+    );
+    assert_eq!(
+        only_problem("[supply]\npressure_pa = \"5.9 bar\"\n"),
+        "rig.toml:2: supply.pressure_pa: must be a number in Pa without the unit, not a string"
+    );
+    assert_eq!(
+        only_problem("[actuator]\nbore_m = 50\n"),
+        "rig.toml:2: actuator.bore_m: must be between 0.001 m and 2 m, is 50"
+    );
+}
+
+#[test]
+fn a_negative_diameter_is_refused_with_its_range() {
+    assert_eq!(
+        only_problem("[valve]\nport_diameter_mm = -3.3\n"),
+        "rig.toml:2: valve.port_diameter_mm: must be between 0.01 mm and 500 mm, is -3.3"
+    );
+}
+
+#[test]
+fn a_missing_bracket_is_found_at_its_line_and_key() {
+    for (text, expected) in [
+        (
+            "[test]\nmoves = [[0.0, 8192], [0.3, 16384]\nduration_s = 3.1\n",
+            "rig.toml:2: test.moves: a bracket",
+        ),
+        ("[load]\nmass_kg = 2\n\n[test\nduration_s = 3\n", "rig.toml:4: [test]: a bracket is opened"),
+        ("[load]\nmass_kg 2\n", "rig.toml:2: [load]: this is not TOML"),
+        ("[load]\nmass_kg = 2\nviscous_n_s_per_m = = 3\n", "rig.toml:3: load.viscous_n_s_per_m: this is not"),
+    ] {
+        let message = only_problem(text);
+        assert!(message.starts_with(expected), "{message}");
+    }
+}
+
+#[test]
+fn everything_wrong_is_said_at_once() {
+    let found = problems("[load]\nmass_kg = -1\nviscous_n_s_per_m = \"x\"\n[valve]\nmodel = \"flaps\"\n");
+    assert_eq!(found.len(), 3, "{found:?}");
+}
+
+#[test]
+fn a_model_that_is_not_built_is_refused_in_just_those_words() {
+    let message = only_problem("[valve]\nmodel = \"iso-6358\"\n");
+    assert!(message.contains("valve.model = \"iso-6358\" is not built yet"), "{message}");
+    let message = only_problem("[controller]\nlearn_null_offset = true\n");
+    assert!(message.contains("controller.learn_null_offset is not built yet"), "{message}");
+    let message = only_problem("[tubing]\nlag_s = 0.001\n");
+    assert!(message.contains("tubing.lag_s is not built yet"), "{message}");
+    read("[tubing]\nlag_s = 0\n[controller]\nlearn_null_offset = false\n");
+}
+
+#[test]
+fn keys_of_another_model_are_accepted_and_mentioned() {
+    let rig = read("[operator]\nmax_steps = 30\n[tubing]\nmodel = \"none\"\ndrop_slope = 0.3\n");
+    assert_eq!(rig.unused(), ["operator.max_steps", "tubing.drop_slope"]);
+}
+
+#[test]
+fn what_does_not_go_together_is_refused_at_its_key() {
+    for (text, expected) in [
+        (
+            "[controller]\ndelay_s = 0.0013\n",
+            "rig.toml:2: controller.delay_s: must be below controller.period_s",
+        ),
+        ("[controller]\nperiod_s = 0.00130005\n", "must be a whole number of microseconds"),
+        ("[exhaust]\npressure_pa = 700000\n", "must be below supply.pressure_pa"),
+        ("[valve]\nspool_diameter_mm = 11\n", "must not be above valve.sleeve_diameter_mm"),
+        ("[actuator]\nrod_diameter_m = 0.05\n", "must be below actuator.bore_m"),
+        ("[load]\ncoulomb_extend_n = 80\n", "must not be above load.static_extend_n"),
+        ("[operator]\ncoulomb_friction_n = 4\n", "must not be above operator.static_friction_n"),
+        ("[operator]\ndither_hz = 0\n", "a dither needs a frequency"),
+        ("[sensors]\nspool_min_mm = 2\n", "must be below sensors.spool_max_mm"),
+        ("[encoder]\npolarity = 0\n", "must be 1 or -1"),
+        ("[test]\nmoves = []\n", "must have 1 to 64 moves, has 0"),
+        ("[test]\nmoves = [[1.0, 1], [0.5, 2]]\n", "must be in order of time"),
+        ("[test]\nmoves = [[-1.0, 1]]\n", "times must be whole microseconds"),
+        ("[test]\nmoves = [[0.0, 90000]]\n", "outside the stroke of 0 to 24896 counts"),
+        ("[test]\nmoves = [[0.0]]\n", "must be a list of [time in s, counts]"),
+        ("[test]\nposition_m = 0.4\n", "must not be above actuator.stroke_m"),
+        ("[test]\nmoves = [[0.0, 1]]\ntargets = [2]\n", "give either targets or moves, not both"),
+        ("[load]\nconstant_force_n = 90000\n", "no pressure in chamber 1 balances it at the start"),
+        ("[controller]\ngain_profile = []\n", "must have 1 to 256 entries, has 0"),
+        ("[controller]\nvelocity_gain = 1.5\n", "must be a whole number, not a float"),
+        ("[[load]]\nmass_kg = 1\n", "write [load], not [[load]]"),
+    ] {
+        let message = only_problem(text);
+        assert!(message.contains(expected), "{text:?}: {message}");
+    }
+}
+
+#[test]
+fn settings_of_the_command_line_count_like_lines_of_the_file() {
+    let settings =
+        ["load.mass_kg=2.5".to_owned(), "tubing.model=none".to_owned(), "test.moves=[[0.0, 5]]".to_owned()];
+    let rig = Rig::read_with("servo-b", "", &settings).expect("valid");
+    assert_eq!((rig.number("load.mass_kg"), rig.word("tubing.model")), (2.5, "none"));
+    assert_eq!(rig.moves(), [(0.0, 5)]);
+    for (setting, expected) in [
+        ("load.mass_kg", "--set: load.mass_kg: write key=value"),
+        ("load.mass_kg=heavy", "--set: load.mass_kg: must be a number in kg"),
+        ("load.mas_kg=1", "--set: load.mas_kg: unknown key; did you mean mass_kg?"),
+    ] {
+        let Problems(found) = Rig::read_with("servo-b", "", &[setting.to_owned()]).expect_err("refused");
+        assert!(found[0].to_string().contains(expected), "{}", found[0]);
+    }
+}
+
+#[test]
+fn targets_are_moves_at_multiples_of_the_forced_exit_time() {
+    let rig = read("[test]\ntargets = [8192, 16384, 8192]\n");
+    assert_eq!(rig.moves(), [(0.0, 8192), (1.42, 16_384), (2.84, 8192)]);
+}
+
+#[test]
+fn the_controller_is_given_what_the_rig_says() {
+    let parameters = read("[controller]\nvelocity_gain = 1000\nloop = \"open\"\n").parameters();
+    assert_eq!(parameters.get(id::VELOCITY_GAIN), Some(1000));
+    assert_eq!(parameters.get(id::OPEN_LOOP), Some(1));
+    assert_eq!(parameters.get(id::ENCODER_PM_PER_COUNT), Some(12_050_000));
+    assert_eq!(read("").parameters(), Parameters::default(), "the empty file is the thesis's controller");
+}
+
+#[test]
+fn the_last_entry_of_the_gain_profile_repeats() {
+    let parameters = read("[controller]\ngain_profile = [900, 300]\n").parameters();
+    let entry = |i: u16| parameters.get(id::GAIN_PROFILE + i);
+    assert_eq!((entry(0), entry(1), entry(2), entry(255)), (Some(900), Some(300), Some(300), Some(300)));
+}
+
+#[test]
+fn every_key_is_explained_with_its_facts() {
+    for key in KEYS {
+        let text = explain(key.path).expect("a key");
+        assert!(text.contains(key.meaning) && text.contains("default"), "{text}");
+        assert!(key.unit().is_empty() || text.contains(key.unit()), "{text}");
+        assert!(key.thesis.is_empty() || text.contains(key.thesis), "{text}");
+    }
+    assert!(explain("mass_kg").expect("a name").contains("load.mass_kg"));
+    assert!(explain("load").expect("a table").contains("load.viscous_n_s_per_m"));
+    assert_eq!(explain("").expect("all").lines().count(), KEYS.len());
+    assert!(explain("nonsense").is_err());
+}
+
+#[test]
+fn a_spread_draws_the_same_rig_for_the_same_seed_and_stays_within_bounds() {
+    let nominal = Rig::builtin("servo-b").expect("built in");
+    let drawn = nominal.spread(0.1, 7).expect("in range");
+    assert_eq!(drawn, nominal.spread(0.1, 7).expect("in range"));
+    assert_ne!(drawn, nominal.spread(0.1, 8).expect("in range"));
+    assert_eq!(drawn.parameters(), nominal.parameters(), "the controller is not drawn");
+    let mut changed = 0;
+    for (key, value) in drawn.entries() {
+        let Some(Value::Number(before)) = nominal.value(key.path) else { continue };
+        let Value::Number(after) = value else { panic!("{} changed its kind", key.path) };
+        if key.path == "sensors.noise_counts" {
+            assert_eq!(*after, 1.0);
+        } else {
+            assert!((after - before).abs() <= 0.1 * before.abs() + 1e-12, "{}", key.path);
+            changed += usize::from(after != before);
+        }
+    }
+    assert!(changed > 15, "{changed}");
+    assert!(nominal.spread(0.6, 1).is_err());
+}
+
+#[test]
+fn without_a_spread_nothing_is_drawn() {
+    let nominal = Rig::builtin("servo-b").expect("built in");
+    let same = nominal.spread(0.0, 3).expect("in range");
+    for (key, value) in nominal.entries().filter(|(key, _)| key.path != "sensors.noise_counts") {
+        assert_eq!(same.value(key.path), Some(value), "{}", key.path);
+    }
+}

@@ -1,0 +1,307 @@
+//! The command line as a user meets it: what it prints, what it leaves, how it ends.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_sim::Rig;
+
+/// Runs `pneudrive` in a folder with arguments as typed.
+fn pneudrive(folder: &Path, arguments: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+    command.current_dir(folder).args(arguments.split_whitespace()).env_remove("RUST_BACKTRACE");
+    command.output().expect("the program runs")
+}
+
+/// Output and exit code as a transcript; stderr behind `!`.
+fn transcript(folder: &Path, arguments: &str) -> String {
+    let output = pneudrive(folder, arguments);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    let errors: String = text(&output.stderr).lines().map(|line| format!("! {line}\n")).collect();
+    format!("{}{errors}= {}", text(&output.stdout), output.status.code().expect("it was not killed"))
+}
+
+fn ok(folder: &Path, arguments: &str) -> String {
+    let output = pneudrive(folder, arguments);
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(output.status.success(), "{arguments}: {text}{}", String::from_utf8_lossy(&output.stderr));
+    text
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn exists(folder: &Path, names: &[&str]) {
+    for name in names {
+        assert!(folder.join(name).is_file(), "{name} is not there");
+    }
+}
+
+/// A fast virtual rig in this process.
+fn virtual_rig(name: &str) -> Background {
+    let rig = Rig::builtin(name).expect("a built-in rig");
+    let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
+    Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port")).expect("a name")
+}
+
+#[test]
+fn the_demo_does_the_whole_job_and_numbers_its_records() {
+    let folder = folder();
+    let said = ok(folder.path(), "demo");
+    exists(folder.path(), &["TARGET01.DAT", "run.json", "trace.csv", "report.html"]);
+    for channel in ["position", "pressure 1", "pressure 2", "spool", "command", "error"] {
+        let row = said.lines().find(|line| line.starts_with(channel)).expect("a row in the deviation table");
+        let figures: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        assert!(figures.iter().any(|figure| *figure != 0.0), "the spread makes a difference: {row}");
+    }
+    ok(folder.path(), "demo");
+    exists(folder.path(), &["TARGET02.DAT"]);
+}
+
+#[test]
+fn the_same_seed_demonstrates_the_same() {
+    let folder = folder();
+    ok(folder.path(), "demo --seed 5");
+    ok(folder.path(), "demo --seed 5");
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("written");
+    assert_eq!(read("TARGET01.DAT"), read("TARGET02.DAT"));
+}
+
+#[test]
+fn without_arguments_the_help_says_where_to_start() {
+    let folder = folder();
+    let said = transcript(folder.path(), "");
+    assert!(said.contains("Start with: pneudrive demo") && said.ends_with("= 2"), "{said}");
+}
+
+#[test]
+fn wrong_use_ends_with_2_and_a_no_of_the_data_with_1() {
+    let folder = folder();
+    for (arguments, code) in [
+        ("fly", 2),
+        ("simulate servo-b", 2),
+        ("simulate servo-b --out . --tolerance 5", 2),
+        ("demo --spread 80%", 2),
+        ("rig check nothing.toml", 1),
+        ("overlay TARGET07.DAT run", 1),
+        ("device --port tcp://127.0.0.1:1 info", 1),
+    ] {
+        assert!(transcript(folder.path(), arguments).ends_with(&format!("= {code}")), "{arguments}");
+    }
+}
+
+#[test]
+fn rig_check_names_file_line_and_key() {
+    let folder = folder();
+    for (name, text, expected) in [
+        (
+            "key.toml",
+            "[load]\nmass_kgs = 2\n",
+            "! error: key.toml:2: load.mass_kgs: unknown key; did you mean mass_kg?\n= 1",
+        ),
+        (
+            "unit.toml",
+            "\n[actuator]\nbore_mm = 50\n",
+            "! error: unit.toml:3: actuator.bore_mm: wrong unit: this key is bore_m, so give it in m instead of mm\n= 1",
+        ),
+        (
+            "negative.toml",
+            "[actuator]\nbore_m = -0.05\n",
+            "! error: negative.toml:2: actuator.bore_m: must be between 0.001 m and 2 m, is -0.05\n= 1",
+        ),
+        (
+            "bracket.toml",
+            "[test]\nmoves = [[0.0, 8192]\n",
+            "! error: bracket.toml:2: test.moves: a bracket is opened here and not closed\n= 1",
+        ),
+        (
+            "good.toml",
+            "[operator]\nmax_steps = 3\n",
+            "good.toml: operator.max_steps is not used by the chosen model\ngood.toml: a valid rig (rig)\n= 0",
+        ),
+    ] {
+        fs::write(folder.path().join(name), text).expect("written");
+        assert_eq!(transcript(folder.path(), &format!("rig check {name}")), expected);
+    }
+}
+
+#[test]
+fn rig_list_show_and_explain_tell_what_there_is() {
+    let folder = folder();
+    let list = ok(folder.path(), "rig list");
+    assert!(list.contains("servo-b ") && list.contains("servo-b-tuned"), "{list}");
+    let shown = ok(folder.path(), "rig show servo-b");
+    fs::write(folder.path().join("copy.toml"), &shown).expect("written");
+    assert!(ok(folder.path(), "rig check copy.toml").contains("a valid rig (servo-b)"));
+    assert_eq!(
+        transcript(folder.path(), "rig explain load.mass_kg"),
+        "load.mass_kg\n  Moving mass.\n  unit       kg\n  range      0.001 to 100000\n  default    1.6\n  thesis     C(17)\n= 0"
+    );
+    assert!(transcript(folder.path(), "rig explain nonsense").ends_with("= 1"));
+    assert!(transcript(folder.path(), "rig show nonsense").contains("built in: servo-b, servo-b-tuned"));
+}
+
+#[test]
+fn simulate_leaves_a_trace_with_the_fixed_columns_a_row_a_sample() {
+    let folder = folder();
+    ok(folder.path(), "simulate servo-b --set test.duration_s=0.1 --out run");
+    exists(&folder.path().join("run"), &["trace.csv", "run.json", "report.html"]);
+    let trace = fs::read_to_string(folder.path().join("run/trace.csv")).expect("written");
+    let lines: Vec<&str> = trace.lines().collect();
+    assert_eq!(
+        lines[0],
+        "time_s,setpoint_counts,position_counts,error_counts,command_counts,position_m,velocity_m_s,\
+         acceleration_m_s2,pressure_1_pa,pressure_2_pa,temperature_1_k,temperature_2_k,spool_mm,\
+         spool_command_mm,mass_flow_1_kg_s,mass_flow_2_kg_s,actuator_force_n,friction_n"
+    );
+    assert_eq!(lines.len(), 1 + 77, "samples 0 to 76 lie within 0.1 s");
+    assert!(lines[1].starts_with("0,8192,8192,0,0,0.098719625,0,0,325325,"), "{}", lines[1]);
+    assert!(lines[2].starts_with("0.0013,"), "{}", lines[2]);
+    assert!(trace.ends_with('\n') && !trace.contains('\r'));
+    let description = fs::read_to_string(folder.path().join("run/run.json")).expect("written");
+    assert!(description.contains("\"format\": \"pneudrive-run 1\""), "{description}");
+}
+
+#[test]
+fn simulate_takes_the_test_of_another_file_and_rows_at_a_period() {
+    let folder = folder();
+    let test =
+        "[test]\nmoves = [[0.0, 9000]]\nduration_s = 0.05\ntrace_period_s = 0.001\n[load]\nmass_kg = 99\n";
+    fs::write(folder.path().join("step.toml"), test).expect("written");
+    ok(folder.path(), "simulate servo-b --test step.toml --out run --method merson --tolerance 1e-8");
+    let trace = fs::read_to_string(folder.path().join("run/trace.csv")).expect("written");
+    assert_eq!(trace.lines().count(), 1 + 51);
+    assert!(trace.lines().nth(1).expect("a row").starts_with("0,9000,8192,808,"), "{trace}");
+    let description = fs::read_to_string(folder.path().join("run/run.json")).expect("written");
+    assert!(description.contains("\"load.mass_kg\": 1.6"), "only [test] is taken");
+}
+
+#[test]
+fn a_foreign_run_json_is_not_overwritten() {
+    let folder = folder();
+    fs::write(folder.path().join("run.json"), "{\"mine\": true}").expect("written");
+    let said = transcript(folder.path(), "simulate servo-b --set test.duration_s=0.01 --out .");
+    assert!(
+        said.contains("is not of this program; choose another folder") && said.ends_with("= 1"),
+        "{said}"
+    );
+    assert_eq!(fs::read_to_string(folder.path().join("run.json")).expect("there"), "{\"mine\": true}");
+}
+
+#[test]
+fn a_rig_is_armed_run_recorded_and_overlaid_from_the_command_line() {
+    let folder = folder();
+    let rig = virtual_rig("servo-b");
+    let port = rig.port();
+    let device = |action: &str| transcript(folder.path(), &format!("device --port {port} {action}"));
+
+    assert!(device("info").contains("board       virtual rig\n"));
+    assert!(device("status").starts_with("mode        disarmed\nreferenced  yes\n"));
+    assert!(device("arm").starts_with("armed"));
+    assert!(device("status").starts_with("mode        armed\n"));
+    assert!(device("config set velocity_gain 7").contains("disarm it first"));
+    assert!(device("stop").starts_with("stopped"));
+    assert!(device("status").starts_with("mode        fault stop: a stop was requested\n"));
+    assert!(device("disarm").contains("the fault stays until `device arm`"));
+    assert!(device("arm").starts_with("armed"));
+    assert!(device("disarm").starts_with("disarmed"));
+
+    assert_eq!(device("config get velocity_gain"), "velocity_gain = 1\n= 0");
+    assert_eq!(device("config set gain_profile[3] 2000"), "gain_profile[3] = 2000\n= 0");
+    assert_eq!(device("config get gain_profile[3]"), "gain_profile[3] = 2000\n= 0");
+    assert!(
+        device("config set velocity_gain 70000")
+            .contains("velocity_gain = 70000 is out of range: 0 to 65535")
+    );
+    assert!(device("config get nonsense").contains("there is no parameter nonsense"));
+    assert!(device("config get gain_profile[256]").contains("gain_profile has the entries 0 to 255"));
+    assert!(device("config import servo-b-tuned").starts_with("took over"));
+
+    let run = "servo-b-tuned --set test.duration_s=0.4";
+    let said = transcript(folder.path(), &format!("run {run} --port {port}"));
+    assert!(said.contains("servo-b-tuned: done\nthe drive holds its last setpoint"), "{said}");
+    assert!(
+        transcript(folder.path(), &format!("record --port {port}")).contains("TARGET01.DAT: 308 samples")
+    );
+    ok(folder.path(), &format!("simulate {run} --out sim"));
+    let said = ok(folder.path(), "overlay TARGET01.DAT sim --out page.html");
+    exists(folder.path(), &["page.html"]);
+    let position = said.lines().find(|line| line.starts_with("position")).expect("a row");
+    let figures: Vec<f64> = position.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    assert!(figures[3] <= 0.01206, "the rig is its model: within a count of the encoder: {position}");
+}
+
+#[test]
+fn a_run_with_other_parameters_than_the_file_says_so() {
+    let folder = folder();
+    let rig = virtual_rig("servo-b");
+    let run = format!("run servo-b-tuned --set test.duration_s=0.05 --port {}", rig.port());
+    let said = transcript(folder.path(), &run);
+    assert!(said.contains("! note: the rig's parameters differ from servo-b-tuned"), "{said}");
+    let said = transcript(folder.path(), &format!("{run} --config"));
+    assert!(!said.contains("note:") && said.ends_with("= 0"), "{said}");
+}
+
+#[test]
+fn damaged_and_foreign_files_are_refused_by_what_is_wrong_with_them() {
+    let folder = folder();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+    let said = |arguments: &str| {
+        let said = transcript(folder.path(), arguments);
+        assert!(said.ends_with("= 1"), "{said}");
+        said
+    };
+    write("empty.dat", "");
+    write("foreign.dat", "hello\n");
+    assert!(said("overlay empty.dat empty.dat").contains("error: empty.dat: the file ends before its data"));
+    assert!(said("overlay foreign.dat empty.dat").contains("error: foreign.dat: line 1: expected"));
+    ok(folder.path(), "simulate servo-b --set test.duration_s=0.01 --out run");
+    let trace = fs::read_to_string(folder.path().join("run/trace.csv")).expect("written");
+    write("run/trace.csv", &trace[..trace.len() - 40]);
+    assert!(said("overlay run run").contains("trace.csv: line 9: expected 18 numbers"));
+    write("run/run.json", "{");
+    assert!(said("overlay run run").contains("run.json is not JSON"));
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named_with_what_to_do() {
+    let folder = folder();
+    let said = transcript(folder.path(), "device --port tcp://127.0.0.1:1 info");
+    assert!(said.contains("cannot reach a rig at tcp://127.0.0.1:1; is one listening there"), "{said}");
+    let said = transcript(folder.path(), "device --port /dev/no-such-port info");
+    assert!(said.contains("cannot open /dev/no-such-port"), "{said}");
+}
+
+#[test]
+fn someone_who_is_no_rig_is_noticed() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("an address").port();
+    let silent = std::thread::spawn(move || listener.accept());
+    let folder = folder();
+    let said = transcript(folder.path(), &format!("device --port tcp://127.0.0.1:{port} info"));
+    assert!(said.contains("no answer from") || said.contains("the link to"), "{said}");
+    assert!(said.ends_with("= 1"), "{said}");
+    let _ = silent.join();
+}
+
+#[cfg(unix)]
+#[test]
+fn a_virtual_rig_on_a_pty_is_talked_to_by_its_name() {
+    use std::io::{BufRead, BufReader};
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+    let mut rig = command
+        .args(["virtual", "servo-b", "--listen", "pty", "--fast", "--spread", "10%", "--seed", "3"])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program runs");
+    let mut line = String::new();
+    BufReader::new(rig.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
+    let port = line.trim().rsplit(' ').next().expect("a port").to_owned();
+    let folder = folder();
+    let said = transcript(folder.path(), &format!("device --port {port} status"));
+    rig.kill().expect("it runs");
+    let _ = rig.wait();
+    assert!(said.starts_with("mode        disarmed\n"), "{line}{said}");
+}

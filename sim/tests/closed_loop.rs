@@ -1,0 +1,84 @@
+//! The drive as its user sees it: requirements on the closed loop of the built-in rigs.
+
+use pneudrive_sim::{Accuracy, Method, Rig, Run, run};
+
+fn simulate(name: &str) -> Run {
+    run(&Rig::builtin(name).expect("a built-in rig"), Accuracy::default()).expect("a transient")
+}
+
+/// Positions in mm between two times.
+fn positions(run: &Run, from: f64, until: f64) -> Vec<f64> {
+    let rows = run.rows.iter().filter(|row| row.time >= from && row.time < until);
+    rows.map(|row| row.plant.position * 1e3).collect()
+}
+
+fn peak_to_peak(values: &[f64]) -> f64 {
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    high - low
+}
+
+fn when_beyond(run: &Run, after: f64, mm: f64) -> f64 {
+    let row = run.rows.iter().find(|row| row.time >= after && row.plant.position * 1e3 >= mm);
+    row.map(|row| row.time).expect("the position is reached")
+}
+
+const LOW: f64 = 8192.0 * 0.01205;
+const HIGH: f64 = 16_384.0 * 0.01205;
+
+/// The figures of cases/README.md for gains of 1, with upstream Mach numbers: a limit cycle.
+#[test]
+fn with_the_gains_of_the_thesis_drive_b_limit_cycles_by_centimetres() {
+    let run = simulate("servo-b");
+    for (from, until) in [(1.0, 1.7), (2.4, 3.1)] {
+        let swing = peak_to_peak(&positions(&run, from, until));
+        assert!((25.0..50.0).contains(&swing), "{swing} mm");
+    }
+    assert_eq!(run.fault, None);
+}
+
+#[test]
+fn the_tuned_drive_b_rises_within_a_quarter_of_a_second_and_overshoots_by_less_than_a_millimetre() {
+    let run = simulate("servo-b-tuned");
+    let step = HIGH - LOW;
+    let rise = when_beyond(&run, 0.3, LOW + 0.9 * step) - when_beyond(&run, 0.3, LOW + 0.1 * step);
+    assert!((0.05..0.25).contains(&rise), "{rise} s");
+    let highest = positions(&run, 0.3, 1.72).into_iter().fold(0.0, f64::max);
+    assert!(highest < HIGH + 1.0, "{highest} mm");
+    let lowest = positions(&run, 1.72, 3.1).into_iter().fold(f64::INFINITY, f64::min);
+    assert!(lowest > LOW - 1.0, "{lowest} mm");
+}
+
+#[test]
+fn the_tuned_drive_b_comes_to_a_standstill_within_a_millimetre() {
+    let run = simulate("servo-b-tuned");
+    for (from, until, setpoint) in [(1.0, 1.72, HIGH), (2.4, 3.1, LOW)] {
+        let rest = positions(&run, from, until);
+        assert_eq!(peak_to_peak(&rest), 0.0, "held by stiction, exactly");
+        assert!((rest[0] - setpoint).abs() < 1.0, "{} mm from the setpoint", rest[0] - setpoint);
+    }
+}
+
+/// A trip of the supervisor stops the cylinder: the valve goes to null at that sample's output.
+#[test]
+fn a_setpoint_that_drives_the_rod_too_fast_trips_the_supervisor_and_the_command_is_null() {
+    let settings = ["safety.max_speed_m_s=0.3".to_owned()];
+    let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
+    let rig = Rig::read_with("servo-b", text, &settings).expect("valid");
+    let run = run(&rig, Accuracy::default()).expect("a transient");
+    let (fault, k) = run.fault.expect("tripped");
+    assert_eq!(fault, pneudrive_controller::Fault::EncoderStep);
+    assert!(run.observations[k as usize..].iter().all(|seen| seen.command == 0));
+    assert!(run.observations[k as usize - 1].command != 0);
+}
+
+/// Two methods of different order agree: neither's error is in the transient.
+#[test]
+fn merson_gives_the_same_transient_as_dormand_prince() {
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let merson = Accuracy { method: Method::Merson, tolerance: 1e-12 };
+    let (a, b) = (simulate("servo-b-tuned"), run(&rig, merson).expect("a transient"));
+    let farthest = a.rows.iter().zip(&b.rows).map(|(a, b)| (a.plant.position - b.plant.position).abs());
+    let farthest = farthest.fold(0.0, f64::max);
+    assert!(farthest < 1e-7, "{farthest} m");
+}
