@@ -211,7 +211,7 @@ pub enum ConfigAction {
     },
     /// Change a parameter; the drive must be disarmed
     Set {
-        /// Its name; an entry of the gain profile is gain_profile[3]
+        /// Its name; an entry of the gain profile is named like `gain_profile[3]`
         name: String,
         /// The new value
         value: i32,

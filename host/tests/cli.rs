@@ -193,7 +193,7 @@ fn a_foreign_run_json_is_not_overwritten() {
 #[test]
 fn a_rig_is_armed_run_recorded_and_overlaid_from_the_command_line() {
     let folder = folder();
-    let rig = virtual_rig("servo-b");
+    let rig = virtual_rig("servo-b-tuned");
     let port = rig.port();
     let device = |action: &str| transcript(folder.path(), &format!("device --port {port} {action}"));
 
@@ -208,7 +208,7 @@ fn a_rig_is_armed_run_recorded_and_overlaid_from_the_command_line() {
     assert!(device("arm").starts_with("armed"));
     assert!(device("disarm").starts_with("disarmed"));
 
-    assert_eq!(device("config get velocity_gain"), "velocity_gain = 1\n= 0");
+    assert_eq!(device("config get velocity_gain"), "velocity_gain = 2000\n= 0");
     assert_eq!(device("config set gain_profile[3] 2000"), "gain_profile[3] = 2000\n= 0");
     assert_eq!(device("config get gain_profile[3]"), "gain_profile[3] = 2000\n= 0");
     assert!(

@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! disarmed --arm--> armed --start--> running --end of the moves--> done
-//!     ^               |                 |                            |
-//!     |               +--------- trip: stop, limits, board ---------+--> fault --arm--> armed
-//!     +-- disarm from every mode but fault
+//!
+//! disarm: from every mode but fault to disarmed
+//! trip:   from every mode to fault (a stop, a limit, the board); arm: from fault to armed
 //! ```
 //!
-//! The supervisor has the last word on every command: [`Supervisor::permit`] is the only way from
-//! the law to the drive stage, and `output` asks it again. A trip acts at the output of the same
-//! sample. Only an explicit re-arm leaves the fault mode.
+//! The supervisor has the last word on every command: `permit` is the only way from the law to the
+//! drive stage, and `output` asks it again. A trip acts at the output of the same sample. Only an
+//! explicit re-arm leaves the fault mode.
 //!
 //! This is not a safety-rated function: a machine needs a hardware emergency stop.
 
