@@ -27,13 +27,13 @@ pub struct EstimatorConfig {
 /// Position and its differences at one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
-    /// n[k], counts.
+    /// `n[k]`, counts.
     pub position: i32,
-    /// n[k] - n[k-1], counts: what the supervisor judges the encoder by.
+    /// `n[k] - n[k-1]`, counts: what the supervisor judges the encoder by.
     pub step: i64,
-    /// n_v[k], counts per velocity window.
+    /// `n_v[k]`, counts per velocity window.
     pub velocity: i64,
-    /// n_a[k], counts per velocity window per acceleration window.
+    /// `n_a[k]`, counts per velocity window per acceleration window.
     pub acceleration: i64,
 }
 
@@ -52,7 +52,7 @@ impl Default for Estimator {
 }
 
 impl Estimator {
-    /// Takes n[k] and tells the motion at k.
+    /// Takes `n[k]` and tells the motion at k.
     pub(crate) fn update(&mut self, config: &EstimatorConfig, position: i32) -> Motion {
         if !self.primed {
             self.positions = [position; HISTORY];
@@ -73,7 +73,7 @@ impl Estimator {
         }
     }
 
-    /// n[k - samples].
+    /// `n[k - samples]`.
     fn back(&self, samples: usize) -> i64 {
         i64::from(self.positions[self.newest.wrapping_sub(samples) % HISTORY])
     }

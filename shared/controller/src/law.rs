@@ -44,7 +44,7 @@ pub struct LawConfig {
     pub control_loop: Loop,
     /// Which gain is used on the error.
     pub kind: LawKind,
-    /// Kp[i]; entry i holds for errors from i to i + 1 spans, the last one beyond.
+    /// `Kp[i]`; entry i holds for errors from i to i + 1 spans, the last one beyond.
     pub gain_profile: [u16; PROFILE_LEN],
     /// Counts of error that one profile entry covers.
     pub profile_span: NonZeroU32,

@@ -1,7 +1,7 @@
 //! The one table of a rig file's keys: default, range, meaning, thesis name, which models use it.
 //!
 //! Reading, checking, `rig explain`, `--set` and spreads all go by this table. Units stand in the
-//! key's name ([`unit`]); [`super::Rig`] hands out values in SI.
+//! key's name ([`unit()`]); [`super::Rig`] hands out values in SI.
 
 /// What a key takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
