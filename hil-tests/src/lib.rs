@@ -33,7 +33,7 @@ impl VirtualTarget {
     /// When the door cannot be opened.
     pub fn start(rig: &Rig, door: &str) -> Result<VirtualTarget> {
         let virtual_rig = VirtualRig::new(rig.clone(), 0, Pace { fast: true, live: false })?;
-        let rig = Background::start(virtual_rig, Door::open(door)?)?;
+        let rig = Background::start(virtual_rig, Door::open(door)?);
         Ok(VirtualTarget { name: format!("virtual rig on {}", rig.port()), rig })
     }
 }

@@ -194,8 +194,12 @@ pub enum DeviceAction {
     Disarm,
     /// Stop at once: a fault that only arming leaves
     Stop,
-    /// State that the axis is referenced
-    Reference,
+    /// State where the axis stands; sets the encoder's counter. The drive must be disarmed
+    #[command(allow_negative_numbers = true)]
+    Reference {
+        /// Position now, encoder counts (0 is the retracted end)
+        counts: i32,
+    },
     /// Parameters of the controller
     #[command(subcommand)]
     Config(ConfigAction),
@@ -210,6 +214,7 @@ pub enum ConfigAction {
         name: Option<String>,
     },
     /// Change a parameter; the drive must be disarmed
+    #[command(allow_negative_numbers = true)]
     Set {
         /// Its name; an entry of the gain profile is named like `gain_profile[3]`
         name: String,

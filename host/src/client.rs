@@ -15,10 +15,14 @@ use crate::port::{self, Link};
 use crate::words;
 
 /// How long an answer may take before the request is sent again.
-const ANSWER_WAIT: Duration = Duration::from_millis(300);
+/// Several fit into the silence of the host that trips a running move.
+const ANSWER_WAIT: Duration = Duration::from_millis(100);
 
 /// How often a request is sent.
-const ATTEMPTS: u32 = 5;
+const ATTEMPTS: u32 = 15;
+
+/// Most questions for the CRC of a record before it must be there.
+const MOST_DIGESTS: u32 = 1000;
 
 /// A connection to a rig.
 pub struct Client {
@@ -206,12 +210,12 @@ impl Client {
         self.ask_done(RequestBody::Stop)
     }
 
-    /// States that the axis is referenced.
+    /// States that the axis stands at `position_counts` now.
     ///
     /// # Errors
     /// When it is refused or not answered.
-    pub fn reference(&mut self) -> Result<()> {
-        self.ask_done(RequestBody::Reference { position_counts: 0 })
+    pub fn reference(&mut self, position_counts: i32) -> Result<()> {
+        self.ask_done(RequestBody::Reference { position_counts })
     }
 
     /// Starts the downloaded test.
@@ -290,7 +294,7 @@ impl Client {
     /// Follows a run to its end; `progress` is given the status now and then.
     ///
     /// # Errors
-    /// When the drive trips or the rig stops answering.
+    /// When the drive trips, the run is ended by someone else, or the rig stops answering.
     pub fn follow(&mut self, mut progress: impl FnMut(&Status)) -> Result<Status> {
         loop {
             let status = self.status()?;
@@ -304,7 +308,11 @@ impl Client {
                     words::fault_code_name(status.fault),
                     words::fault_meaning(status.fault)
                 ),
-                _ => return Ok(status),
+                Mode::Done => return Ok(status),
+                Mode::Disarmed | Mode::Armed => bail!(
+                    "{}: the run did not come to its end; the rig was reset, or someone else disarmed it",
+                    self.name
+                ),
             }
         }
     }
@@ -340,7 +348,26 @@ impl Client {
 
     /// What the record holds, its number of samples and its CRC.
     fn record_info(&mut self) -> Result<(Record, usize, u32)> {
-        let info = self.ask(RequestBody::RecordInfo, |reply| match reply {
+        let mut info = self.ask_record_info()?;
+        // The rig forms the CRC of its record piece by piece.
+        for _ in 0..MOST_DIGESTS {
+            if info.3 || matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
+                break;
+            }
+            info = self.ask_record_info()?;
+        }
+        let (record, count, crc, complete) = info;
+        if !complete {
+            bail!("{} is still recording; wait for the end of the run", self.name);
+        }
+        if count == 0 {
+            bail!("{}: {}", self.name, words::refusal(&pneudrive_protocol::Refused::NoRecord));
+        }
+        Ok((record, count, crc))
+    }
+
+    fn ask_record_info(&mut self) -> Result<(Record, usize, u32, bool)> {
+        self.ask(RequestBody::RecordInfo, |reply| match reply {
             ReplyBody::RecordInfo(info) => {
                 let record = Record {
                     test: info.test.to_owned(),
@@ -354,15 +381,7 @@ impl Client {
                 Ok((record, info.samples as usize, info.crc32, info.complete))
             }
             other => Err(unexpected(other)),
-        })?;
-        let (record, count, crc, complete) = info;
-        if !complete {
-            bail!("{} is still recording; wait for the end of the run", self.name);
-        }
-        if count == 0 {
-            bail!("{}: {}", self.name, words::refusal(&pneudrive_protocol::Refused::NoRecord));
-        }
-        Ok((record, count, crc))
+        })
     }
 }
 

@@ -14,6 +14,9 @@ use crate::deviation::{self, Deviation};
 use crate::run_folder;
 use crate::transient::Transient;
 
+/// Marks a page as ours, so that writing it again replaces nothing else.
+const GENERATOR: &str = "<meta name=\"generator\" content=\"pneudrive\">";
+
 /// A page in the making.
 pub struct Report<'a> {
     /// Its heading.
@@ -48,6 +51,7 @@ impl Report<'_> {
     /// # Errors
     /// When the file cannot be written, or the plotting library has no script to put into it.
     pub fn write(&self, path: &Path) -> Result<()> {
+        run_folder::refuse_foreign(path, GENERATOR)?;
         run_folder::put(path, &self.to_html()?)
     }
 
@@ -62,7 +66,7 @@ impl Report<'_> {
         let graphs = self.plot().to_inline_html(Some("graphs"));
         let script = plotly_script()?;
         Ok(format!(
-            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{GENERATOR}\n<title>{title}</title>\n\
              <style>{STYLE}</style>\n{script}\n</head>\n<body>\n<h1>{title}</h1>\n{notes}{tables}\
              <div class=\"graphs\">{graphs}</div>\n</body>\n</html>\n"
         ))

@@ -25,9 +25,23 @@ pub fn write(folder: &Path, rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<
     if json_path.exists() && read_json(&json_path).is_err() {
         bail!("{} is not of this program; choose another folder", json_path.display());
     }
-    put(&folder.join("trace.csv"), &to_csv(&run.rows))?;
+    let trace_path = folder.join("trace.csv");
+    refuse_foreign(&trace_path, &COLUMNS.join(","))?;
+    put(&trace_path, &to_csv(&run.rows))?;
     let text = serde_json::to_string_pretty(&describe(rig, accuracy, run))?;
     put(&json_path, &(text + "\n"))
+}
+
+/// Refuses to replace a file that does not hold `mark`: it is somebody's own.
+///
+/// # Errors
+/// When there is such a file.
+pub fn refuse_foreign(path: &Path, mark: &str) -> Result<()> {
+    match fs::read_to_string(path) {
+        Ok(text) if text.contains(mark) => Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        _ => bail!("{} is not of this program; choose another place", path.display()),
+    }
 }
 
 /// Writes a file whole or not at all.

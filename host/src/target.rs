@@ -41,7 +41,8 @@ impl TargetFile {
         let mut header: Vec<(String, String)> = Vec::new();
         let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
         put("format", FORMAT.to_owned());
-        put("test", record.test.clone());
+        // A header is lines: a name with a line break in it would make a file that cannot be read.
+        put("test", record.test.replace(char::is_control, " "));
         put("firmware", info.firmware.clone());
         put("build", info.build.clone());
         put("sample_period_us", format!("{}", get(id::PERIOD_US)));

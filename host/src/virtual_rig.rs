@@ -1,21 +1,23 @@
 //! The virtual rig: the firmware's application on the simulated plant, behind a port.
 //!
-//! It behaves as the board does, over the same protocol. Between runs the plant stands frozen in the
-//! initial state of its test, unless it is live; a start resets it.
+//! It behaves as the board does, over the same protocol. Between runs the plant stands frozen, first in
+//! the initial state of its test and then where the run ended, unless it is live; a start resets it.
+//! Over TCP several programs may talk to it at once, so that a `stop` reaches it while a run is
+//! followed.
 
-use std::io::{self, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::io::{self, Write};
+use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_app::{App, Board};
+use pneudrive_app::{Board, Control, Server};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
-use crate::port::is_wait;
+use crate::port::{Link, is_wait, read_some};
 
 /// How a virtual rig runs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -39,6 +41,9 @@ struct VirtualBoard {
     pace: Pace,
     plant: Plant,
     running: bool,
+    /// Added to the plant's count: what a reference has set.
+    count_offset: i32,
+    period_us: u64,
     time_us: u64,
     since: Instant,
     failed: Option<IntegrationError>,
@@ -48,6 +53,8 @@ impl VirtualBoard {
     fn new(rig: Rig, seed: u64, pace: Pace) -> VirtualBoard {
         let plant = Plant::new(&rig, Accuracy::default(), seed);
         VirtualBoard {
+            count_offset: 0,
+            period_us: u64::from(rig.period_us().get()),
             rig,
             seed,
             pace,
@@ -70,7 +77,7 @@ impl VirtualBoard {
         {
             self.failed = Some(error);
         }
-        self.time_us += u64::from(self.rig.period_us().get());
+        self.time_us += self.period_us;
     }
 }
 
@@ -84,13 +91,14 @@ impl Board for VirtualBoard {
     }
 
     fn read_sensors(&mut self, _: &Config) -> Sample {
-        self.plant.sample()
+        let sample = self.plant.sample();
+        Sample { position: sample.position.saturating_add(self.count_offset), ..sample }
     }
 
     /// The amplifier of a disabled drive holds the valve at its null.
     fn drive(&mut self, _: &Config, command: Command) {
         if self.moves() {
-            self.plant.command(command.counts);
+            self.plant.command(command);
         }
     }
 
@@ -102,10 +110,18 @@ impl Board for VirtualBoard {
         (!self.pace.fast).then(|| self.since.elapsed().as_millis() as u64)
     }
 
-    fn run_begins(&mut self) {
+    fn set_position(&mut self, counts: i32) {
+        self.count_offset = counts.saturating_sub(self.plant.sample().position);
+    }
+
+    /// The plant's clock is that of the configuration, which may not be the rig file's any more.
+    fn run_begins(&mut self, config: &Config) {
         self.running = true;
         if !self.pace.live {
-            self.plant = Plant::new(&self.rig, Accuracy::default(), self.seed);
+            let timing = &config.timing;
+            self.period_us = u64::from(timing.period_us.get());
+            self.plant = Plant::new(&self.rig, Accuracy::default(), self.seed)
+                .with_timing(self.period_us, u64::from(timing.delay_us.get()));
         }
     }
 
@@ -116,7 +132,7 @@ impl Board for VirtualBoard {
 
 /// A virtual rig.
 pub struct VirtualRig {
-    app: Box<App>,
+    control: Box<Control>,
     board: VirtualBoard,
 }
 
@@ -127,14 +143,14 @@ impl VirtualRig {
     /// When the rig's controller parameters are refused, which a checked rig's are not.
     pub fn new(rig: Rig, seed: u64, pace: Pace) -> Result<VirtualRig> {
         let board = VirtualBoard::new(rig, seed, pace);
-        let mut app = Box::<App>::default();
-        app.control
+        let mut control = Box::<Control>::default();
+        control
             .load_parameters(board.rig.parameters())
             .map_err(|error| anyhow::anyhow!("{}", error.advice()))?;
         if board.starts_referenced() {
-            app.control.set_referenced().map_err(|_| anyhow::anyhow!("a new rig is enabled"))?;
+            control.set_referenced().map_err(|_| anyhow::anyhow!("a new rig is enabled"))?;
         }
-        Ok(VirtualRig { app, board })
+        Ok(VirtualRig { control, board })
     }
 
     /// Serves a port until `stop` is set.
@@ -145,15 +161,19 @@ impl VirtualRig {
         let mut bytes = [0; 1024];
         let mut replies = Vec::new();
         while !stop.load(Ordering::Relaxed) {
-            let count = door.read(&mut bytes);
-            if count > 0 {
-                let App { control, server } = &mut *self.app;
-                let Ok(()) = server.receive(&bytes[..count], control, &mut self.board, &mut replies);
-                door.write(&replies);
+            door.admit();
+            let mut heard = false;
+            door.callers.retain_mut(|caller| {
+                let Ok(count) = caller.read(&mut bytes) else { return false };
+                heard |= count > 0;
+                let control = &mut self.control;
+                let Ok(()) = caller.server.receive(&bytes[..count], control, &mut self.board, &mut replies);
+                let written = caller.write(&replies);
                 replies.clear();
-            }
+                written.is_ok()
+            });
             let sampled = self.catch_up()?;
-            if count == 0 && !sampled {
+            if !heard && !sampled {
                 std::thread::sleep(Duration::from_micros(500));
             }
         }
@@ -170,7 +190,7 @@ impl VirtualRig {
             return Ok(moves);
         }
         let now_us = self.board.since.elapsed().as_micros() as u64;
-        let period = u64::from(self.board.rig.period_us().get());
+        let period = self.board.period_us;
         if now_us > self.board.time_us + MOST_BEHIND * period {
             // The computer slept: the rig's clock goes on from where it stands.
             self.board.since += Duration::from_micros(now_us - self.board.time_us);
@@ -184,9 +204,9 @@ impl VirtualRig {
 
     /// One sample and its output.
     fn tick(&mut self) -> Result<()> {
-        self.app.control.on_sample(&mut self.board);
-        self.app.control.on_output(&mut self.board);
-        self.board.running = self.app.control.state().supervisor.mode() == Mode::Running;
+        self.control.on_sample(&mut self.board);
+        self.control.on_output(&mut self.board);
+        self.board.running = self.control.state().supervisor.mode() == Mode::Running;
         self.board.next_sample();
         self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))
     }
@@ -201,15 +221,13 @@ pub struct Background {
 
 impl Background {
     /// Starts serving.
-    ///
-    /// # Errors
-    /// When the port has no name.
-    pub fn start(mut rig: VirtualRig, mut door: Door) -> Result<Background> {
-        let port = door.port_name()?;
+    #[must_use]
+    pub fn start(mut rig: VirtualRig, mut door: Door) -> Background {
+        let port = door.port_name().to_owned();
         let stop = Arc::new(AtomicBool::new(false));
         let watched = Arc::clone(&stop);
         let thread = std::thread::spawn(move || rig.serve(&mut door, &watched));
-        Ok(Background { port, stop, thread: Some(thread) })
+        Background { port, stop, thread: Some(thread) }
     }
 
     /// The port's name for a client.
@@ -238,23 +256,34 @@ impl Drop for Background {
     }
 }
 
-/// Where a virtual rig listens.
-pub enum Door {
-    /// One TCP connection at a time.
-    Tcp {
-        /// Waits for the next one.
-        listener: TcpListener,
-        /// The present one.
-        client: Option<TcpStream>,
-    },
-    /// A pseudo terminal.
-    #[cfg(unix)]
-    Pty {
-        /// Our end.
-        master: serialport::TTYPort,
-        /// The other end, held open so that ours lives without a client.
-        slave: serialport::TTYPort,
-    },
+/// Where a virtual rig listens, and who talks to it.
+pub struct Door {
+    listener: Option<TcpListener>,
+    callers: Vec<Caller>,
+    name: String,
+    /// The far end of a pty, held open so that ours lives without a client.
+    _held: Option<Box<dyn Send>>,
+}
+
+/// A program that talks to the rig, with a server of its own.
+struct Caller {
+    port: Box<dyn Link>,
+    server: Server,
+}
+
+impl Caller {
+    fn new(port: Box<dyn Link>) -> Caller {
+        Caller { port, server: Server::default() }
+    }
+
+    /// Bytes that have come; an error when the caller has gone.
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        read_some(&mut *self.port, bytes)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        write_all(&mut self.port, bytes)
+    }
 }
 
 impl Door {
@@ -268,7 +297,8 @@ impl Door {
                 let listener =
                     TcpListener::bind(address).with_context(|| format!("cannot listen at {at}"))?;
                 listener.set_nonblocking(true)?;
-                Ok(Door::Tcp { listener, client: None })
+                let name = format!("tcp://{}", listener.local_addr()?);
+                Ok(Door { listener: Some(listener), callers: Vec::new(), name, _held: None })
             }
             None if at == "pty" => Door::open_pty(),
             None => bail!("--listen takes pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000; not {at:?}"),
@@ -280,7 +310,9 @@ impl Door {
         use serialport::SerialPort;
         let (mut master, slave) = serialport::TTYPort::pair().context("cannot open a pty")?;
         master.set_timeout(Duration::from_millis(1))?;
-        Ok(Door::Pty { master, slave })
+        let name = format!("pty:{}", slave.name().context("the pty has no name")?);
+        let callers = vec![Caller::new(Box::new(master))];
+        Ok(Door { listener: None, callers, name, _held: Some(Box::new(slave)) })
     }
 
     #[cfg(not(unix))]
@@ -289,56 +321,18 @@ impl Door {
     }
 
     /// The port's name for a client.
-    ///
-    /// # Errors
-    /// When the system does not tell it.
-    pub fn port_name(&self) -> Result<String> {
-        match self {
-            Door::Tcp { listener, .. } => Ok(format!("tcp://{}", listener.local_addr()?)),
-            #[cfg(unix)]
-            Door::Pty { slave, .. } => {
-                use serialport::SerialPort;
-                Ok(format!("pty:{}", slave.name().context("the pty has no name")?))
-            }
-        }
+    #[must_use]
+    pub fn port_name(&self) -> &str {
+        &self.name
     }
 
-    /// Bytes that have come; none if there are none now. A client that is gone makes room for the
-    /// next.
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        match self {
-            Door::Tcp { listener, client } => {
-                if client.is_none()
-                    && let Ok((stream, _)) = listener.accept()
-                    && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok()
-                {
-                    *client = Some(stream);
-                }
-                let Some(stream) = client else { return 0 };
-                match stream.read(bytes) {
-                    Ok(count) if count > 0 => count,
-                    Err(error) if is_wait(&error) => 0,
-                    _ => {
-                        *client = None;
-                        0
-                    }
-                }
-            }
-            #[cfg(unix)]
-            Door::Pty { master, .. } => master.read(bytes).unwrap_or(0),
-        }
-    }
-
-    /// Replies to a client that is gone are lost, as on a cable that was pulled.
-    fn write(&mut self, bytes: &[u8]) {
-        let written = match self {
-            Door::Tcp { client: Some(stream), .. } => write_all(stream, bytes),
-            Door::Tcp { client: None, .. } => Ok(()),
-            #[cfg(unix)]
-            Door::Pty { master, .. } => write_all(master, bytes),
-        };
-        if let (Err(_), Door::Tcp { client, .. }) = (written, self) {
-            *client = None;
+    /// Lets in who is waiting.
+    fn admit(&mut self) {
+        let waiting = self.listener.as_ref().and_then(|listener| listener.accept().ok());
+        if let Some((stream, _)) = waiting
+            && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok()
+        {
+            self.callers.push(Caller::new(Box::new(stream)));
         }
     }
 }

@@ -44,11 +44,14 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
                 "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
             }
             Some(Refusal::NotReferenced) => {
-                "the axis is not referenced, so closed loop is refused (`pneudrive device reference`)"
+                "the axis is not referenced, so closed loop is refused (`pneudrive device reference COUNTS`)"
                     .to_owned()
             }
             Some(Refusal::NotDisarmed) => {
                 "the drive is enabled; disarm it first (`pneudrive device disarm`)".to_owned()
+            }
+            Some(Refusal::ValveNotAtNull) => {
+                "the spool is still on its way to mid-travel; try again in a moment".to_owned()
             }
             Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
             None => format!("refused for a reason that this version does not know (code {code})"),

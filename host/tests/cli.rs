@@ -43,7 +43,7 @@ fn exists(folder: &Path, names: &[&str]) {
 fn virtual_rig(name: &str) -> Background {
     let rig = Rig::builtin(name).expect("a built-in rig");
     let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
-    Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port")).expect("a name")
+    Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"))
 }
 
 #[test]

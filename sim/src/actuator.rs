@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! V_1 = A_1 y + V_R1,  V_2 = A_2 (L - y) + V_R2                          (6.21, 6.22)
-//! m' = mdot                                                              mass
-//! w'/w = (n-1) (R mdot T_in / (P V) - V'/V)                              energy: 6.15, 6.17 in w
+//! m' = sum of mdot                                                       mass
+//! w'/w = (n-1) (R sum of mdot T_in / (P V) - V'/V)                             energy: 6.15, 6.17 in w
 //! T = P V / (m R),   T_in: of the air that comes in, else T              (6.6)
 //! F_a = P_1 A_1 - P_2 A_2 - P_e A_R2                                     (6.25)
 //! ```
@@ -15,6 +15,7 @@
 use std::f64::consts::PI;
 
 use crate::gas::Gas;
+use crate::leakage::{self, Leakage};
 use crate::network::Station;
 
 /// The dimensions of a cylinder, SI.
@@ -32,6 +33,25 @@ pub struct Actuator {
     pub residual_volumes: [f64; 2],
     /// P_e, Pa.
     pub ambient_pressure: f64,
+    /// What passes the piston.
+    pub leakage: Leakage,
+}
+
+/// Air that leaks past the piston.
+#[derive(Clone, Copy, Debug)]
+pub struct Leak {
+    /// kg/s from chamber 1 to chamber 2.
+    pub flow: f64,
+    /// Of the chamber that it comes from, K.
+    pub temperature: f64,
+}
+
+impl Leak {
+    /// The flow into chamber `i` (0 or 1) and the temperature that it carries.
+    #[must_use]
+    pub fn into_chamber(&self, i: usize) -> (f64, f64) {
+        (if i == 0 { -self.flow } else { self.flow }, self.temperature)
+    }
 }
 
 /// A chamber's volume and how fast it grows.
@@ -86,6 +106,12 @@ impl Actuator {
         pressure_1 * self.area_1 - pressure_2 * self.area_2 - self.ambient_pressure * self.rod_area
     }
 
+    /// What leaks past the piston between the two chambers.
+    #[must_use]
+    pub fn leak(&self, gas: &Gas, air: &[Air; 2]) -> Leak {
+        Leak { flow: self.leakage.flow(gas, air), temperature: air[leakage::source(air)].temperature }
+    }
+
     /// P_1 at which the cylinder delivers `force` N against `pressure_2`.
     #[must_use]
     pub fn balancing_pressure_1(&self, pressure_2: f64, force: f64) -> f64 {
@@ -113,12 +139,14 @@ impl Air {
         Station { exner: self.exner, temperature: self.temperature }
     }
 
-    /// m' and w' for a flow in kg/s into the chamber that carries the temperature `carried` K.
+    /// m' and w' for flows in kg/s into the chamber, each with the temperature (K) that it carries.
     #[must_use]
-    pub fn derivative(&self, gas: &Gas, volume: Volume, flow: f64, carried: f64) -> [f64; 2] {
-        let filling = gas.gas_constant * flow * carried / (self.pressure * volume.volume);
+    pub fn derivative(&self, gas: &Gas, volume: Volume, flows: [(f64, f64); 2]) -> [f64; 2] {
+        let carried: f64 = flows.iter().map(|(flow, temperature)| flow * temperature).sum();
+        let filling = gas.gas_constant * carried / (self.pressure * volume.volume);
         let growth = volume.rate / volume.volume;
-        [flow, self.exner * (gas.heat_capacity_ratio - 1.0) * (filling - growth)]
+        let mass = flows[0].0 + flows[1].0;
+        [mass, self.exner * (gas.heat_capacity_ratio - 1.0) * (filling - growth)]
     }
 }
 
@@ -135,6 +163,7 @@ mod tests {
             rod_area,
             residual_volumes: [2e-5; 2],
             ambient_pressure: 101_300.0,
+            leakage: Leakage::None,
         }
     }
 
@@ -152,7 +181,7 @@ mod tests {
         let (p, t, flow, carried) = (3e5, 300.0, 2e-3, 280.0);
         let [mass, exner] = Air::state_of(&gas, p, t, volume.volume);
         let air = Air::of_state(&gas, mass, exner, volume.volume);
-        let [mass_rate, exner_rate] = air.derivative(&gas, volume, flow, carried);
+        let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(flow, carried), (0.0, t)]);
 
         let energy = 1.4 * 286.76 * carried * flow;
         let p_rate = (energy - 1.4 * p * volume.rate) / volume.volume;
@@ -167,7 +196,7 @@ mod tests {
         let gas = Gas::new(1.4, 286.76);
         let air = Air::of_state(&gas, 1e-3, 36.0, 3e-4);
         let volume = Volume { volume: 3e-4, rate: 1e-4 };
-        let [mass_rate, exner_rate] = air.derivative(&gas, volume, 0.0, 294.0);
+        let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(0.0, 294.0); 2]);
         assert_eq!(mass_rate, 0.0);
         assert!((exner_rate / 36.0 + 0.4 * volume.rate / volume.volume).abs() < 1e-15);
     }

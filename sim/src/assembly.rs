@@ -15,15 +15,14 @@ use crate::gas::Gas;
 use crate::integrator::{Event, Hybrid};
 use crate::load::Load;
 use crate::network::{Network, Node, PortFlow};
-use crate::operator::Solenoid;
-use crate::play::Play;
+use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
 use crate::valve::Valve;
 
 /// Number of states.
 pub(crate) const STATES: usize = 8;
-/// Guards read from the state: stiction and stops of the load, stiction and stops of the spool.
-pub(crate) const GUARDS: usize = 4;
+/// Guards read from the state: stiction and stops of the load, then those of the operator.
+pub(crate) const GUARDS: usize = LOAD_GUARDS + operator::GUARDS;
 /// Guards that need the flows: the direction of the air in each port.
 pub(crate) const FLOW_GUARDS: usize = 2;
 
@@ -46,8 +45,7 @@ pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1.0, 1e-5, 1.0, 1e-3, 1.0
 
 const LOAD_FRICTION: usize = 0;
 const LOAD_STOPS: usize = 1;
-const SPOOL_FRICTION: usize = 2;
-const SPOOL_STOPS: usize = 3;
+const LOAD_GUARDS: usize = 2;
 
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
@@ -56,16 +54,13 @@ pub(crate) struct Assembly {
     pub valve: Valve,
     pub actuator: Actuator,
     pub load: Load,
-    pub operator: Solenoid,
+    pub operator: Operator,
     pub network: Network,
-    play: Play,
     load_contact: Contact,
     load_side: Side,
-    spool_contact: Contact,
-    spool_side: Side,
     ports: [PortFlow; 2],
-    /// The last solution of the network and the state it belongs to.
-    solved: Option<(StateVector, [Node; 2])>,
+    /// The last solution of the network, and the spool position and state it belongs to.
+    solved: Option<(f64, StateVector, [Node; 2])>,
 }
 
 /// Everything that follows from a state at one instant.
@@ -85,16 +80,13 @@ impl Assembly {
         valve: Valve,
         actuator: Actuator,
         load: Load,
-        operator: Solenoid,
+        operator: Operator,
         network: Network,
         x: &StateVector,
     ) -> Assembly {
         let mut assembly = Assembly {
-            play: operator.play_at_rest(0.0),
             load_contact: Contact::Stuck,
             load_side: load.stops.side(x[slot::POSITION]),
-            spool_contact: Contact::Stuck,
-            spool_side: operator.stops.side(x[slot::SPOOL]),
             ports: [PortFlow::Charging; 2],
             solved: None,
             gas,
@@ -105,29 +97,34 @@ impl Assembly {
             network,
         };
         assembly.load_contact = assembly.load.friction.at_rest(assembly.applied_to_load(x));
-        assembly.spool_contact = assembly.operator.friction.at_rest(assembly.applied_to_spool(0.0, x));
-        assembly.find_port_directions(x);
+        assembly.find_port_directions(0.0, x);
         assembly
     }
 
-    /// The command jumps to `command` (m) at `t`.
-    pub fn drive(&mut self, t: f64, x: &StateVector, command: f64) {
-        self.operator.drive(&mut self.play, t, command);
-        self.break_spool_away(t, x);
-    }
-
-    /// A stuck spool is tested for breakaway after a jump of its force; a slipping one keeps its
-    /// mode (EQUATIONS section 11 rule 2).
-    fn break_spool_away(&mut self, t: f64, x: &StateVector) {
-        if self.spool_contact == Contact::Stuck {
-            self.spool_contact = self.operator.friction.at_rest(self.applied_to_spool(t, x));
+    /// A request to the operator takes effect at `t`. A spool that jumps takes the flows with it.
+    pub fn drive(&mut self, t: f64, x: &StateVector, request: Request) {
+        let flow_force = self.flow_force(t, x);
+        let before = self.spool(t, x);
+        self.operator.drive(t, spool_state(x), request, flow_force);
+        if self.spool(t, x) != before {
+            self.find_port_directions(t, x);
         }
     }
 
-    fn find_port_directions(&mut self, x: &StateVector) {
+    /// Where the spool is, m.
+    pub fn spool(&self, t: f64, x: &StateVector) -> f64 {
+        self.operator.position(t, spool_state(x))
+    }
+
+    /// Force of the flow on the spool, N.
+    fn flow_force(&mut self, _: f64, _: &StateVector) -> f64 {
+        0.0
+    }
+
+    fn find_port_directions(&mut self, t: f64, x: &StateVector) {
         // The direction decides only the temperature, so the second solution has the right signs.
         for _ in 0..2 {
-            self.ports = self.nodes(x).map(|node| direction(node.port_flow()));
+            self.ports = self.nodes(t, x).map(|node| direction(node.port_flow()));
             self.solved = None;
         }
     }
@@ -138,14 +135,15 @@ impl Assembly {
     }
 
     /// The flows at a state; solved once for each.
-    fn nodes(&mut self, x: &StateVector) -> [Node; 2] {
+    fn nodes(&mut self, t: f64, x: &StateVector) -> [Node; 2] {
+        let spool = self.spool(t, x);
         match &self.solved {
-            Some((solved, nodes)) if solved == x => *nodes,
+            Some((at, solved, nodes)) if *at == spool && solved == x => *nodes,
             _ => {
                 let stations = self.air(x).map(|air| air.station());
-                let conductances = self.valve.conductances(&self.gas, x[slot::SPOOL]);
+                let conductances = self.valve.conductances(&self.gas, spool);
                 let nodes = self.network.solve(&conductances, &stations, &self.ports);
-                self.solved = Some((*x, nodes));
+                self.solved = Some((spool, *x, nodes));
                 nodes
             }
         }
@@ -161,31 +159,35 @@ impl Assembly {
         self.load.applied_force(force, self.load_side, x[slot::POSITION], x[slot::VELOCITY])
     }
 
-    fn applied_to_spool(&self, t: f64, x: &StateVector) -> f64 {
-        let (position, velocity) = (x[slot::SPOOL], x[slot::SPOOL_VELOCITY]);
-        self.operator.applied_force(&self.play, self.spool_side, t, position, velocity)
-    }
-
     /// Everything that follows from a state.
-    pub fn effects(&mut self, x: &StateVector) -> Effects {
+    ///
+    /// Looking leaves no trace: the network goes on from where the integrator left it.
+    pub fn effects(&mut self, t: f64, x: &StateVector) -> Effects {
         let applied = self.applied_to_load(x);
+        let left = (self.network.clone(), self.solved);
+        let nodes = self.nodes(t, x);
+        (self.network, self.solved) = left;
         Effects {
             air: self.air(x),
-            nodes: self.nodes(x),
+            nodes,
             actuator_force: self.actuator_force(x),
             friction_force: self.load.friction.force(self.load_contact, applied),
             acceleration: self.load.acceleration(applied, self.load_contact),
         }
     }
 
-    /// The temperature that the air in port `i` carries into or out of its chamber: the node's when
-    /// charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's own.
+    /// The temperature that the air in port `i` carries into or out of its chamber: that of the air
+    /// from the valve when charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
     fn carried(&self, i: usize, node: &Node, air: &Air) -> f64 {
         match self.ports[i] {
-            PortFlow::Charging => node.temperature,
+            PortFlow::Charging => node.carried,
             PortFlow::Discharging => air.temperature,
         }
     }
+}
+
+fn spool_state(x: &StateVector) -> SpoolState {
+    SpoolState { position: x[slot::SPOOL], velocity: x[slot::SPOOL_VELOCITY] }
 }
 
 fn direction(port_flow: f64) -> PortFlow {
@@ -196,11 +198,12 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     fn derivative(&mut self, t: f64, x: &StateVector) -> StateVector {
         let volumes = self.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
         let air = self.air(x);
-        let nodes = self.nodes(x);
+        let nodes = self.nodes(t, x);
+        let leak = self.actuator.leak(&self.gas, &air);
         let mut slope = [0.0; STATES];
         for i in 0..2 {
-            let carried = self.carried(i, &nodes[i], &air[i]);
-            let [mass, exner] = air[i].derivative(&self.gas, volumes[i], nodes[i].port_flow(), carried);
+            let port = (nodes[i].port_flow(), self.carried(i, &nodes[i], &air[i]));
+            let [mass, exner] = air[i].derivative(&self.gas, volumes[i], [port, leak.into_chamber(i)]);
             slope[slot::MASS[i]] = mass;
             slope[slot::EXNER[i]] = exner;
         }
@@ -209,25 +212,25 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         let applied = self.load.applied_force(force, self.load_side, position, velocity);
         slope[slot::POSITION] = velocity;
         slope[slot::VELOCITY] = self.load.acceleration(applied, self.load_contact);
-        let applied = self.applied_to_spool(t, x);
-        slope[slot::SPOOL] = x[slot::SPOOL_VELOCITY];
-        slope[slot::SPOOL_VELOCITY] = self.operator.acceleration(applied, self.spool_contact);
+        let flow_force = self.flow_force(t, x);
+        let [spool, spool_velocity] = self.operator.derivative(t, spool_state(x), flow_force);
+        slope[slot::SPOOL] = spool;
+        slope[slot::SPOOL_VELOCITY] = spool_velocity;
         slope
     }
 
-    fn guards(&self, t: f64, x: &StateVector) -> [f64; GUARDS] {
+    fn guards(&mut self, t: f64, x: &StateVector) -> [f64; GUARDS] {
         let on_load = self.applied_to_load(x);
-        let on_spool = self.applied_to_spool(t, x);
-        [
-            self.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]),
-            self.load.stops.guard(self.load_side, x[slot::POSITION]),
-            self.operator.friction.guard(self.spool_contact, on_spool, x[slot::SPOOL_VELOCITY]),
-            self.operator.stops.guard(self.spool_side, x[slot::SPOOL]),
-        ]
+        let flow_force = self.flow_force(t, x);
+        let mut guards = [0.0; GUARDS];
+        guards[LOAD_FRICTION] = self.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
+        guards[LOAD_STOPS] = self.load.stops.guard(self.load_side, x[slot::POSITION]);
+        guards[LOAD_GUARDS..].copy_from_slice(&self.operator.guards(t, spool_state(x), flow_force));
+        guards
     }
 
-    fn flow_guards(&mut self, _: f64, x: &StateVector) -> [f64; FLOW_GUARDS] {
-        let nodes = self.nodes(x);
+    fn flow_guards(&mut self, t: f64, x: &StateVector) -> [f64; FLOW_GUARDS] {
+        let nodes = self.nodes(t, x);
         std::array::from_fn(|i| match self.ports[i] {
             PortFlow::Charging => nodes[i].port_flow(),
             PortFlow::Discharging => -nodes[i].port_flow(),
@@ -235,12 +238,15 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     }
 
     fn next_instant(&self, t: f64) -> f64 {
-        self.operator.next_kink(&self.play, t)
+        self.operator.next_instant(t)
     }
 
     fn cross(&mut self, event: Event, t: f64, x: &mut StateVector) {
         match event {
-            Event::Instant => self.pass_kink(t, x),
+            Event::Instant => {
+                let flow_force = self.flow_force(t, x);
+                self.operator.pass_instant(t, spool_state(x), flow_force);
+            }
             Event::Guard(LOAD_FRICTION) => {
                 if self.load_contact != Contact::Stuck {
                     x[slot::VELOCITY] = 0.0;
@@ -250,17 +256,12 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
             Event::Guard(LOAD_STOPS) => {
                 self.load_side = self.load.stops.after(self.load_side, x[slot::POSITION]);
             }
-            Event::Guard(SPOOL_FRICTION) => {
-                if self.spool_contact != Contact::Stuck {
-                    x[slot::SPOOL_VELOCITY] = 0.0;
-                }
-                let applied = self.applied_to_spool(t, x);
-                self.spool_contact = self.operator.friction.after(self.spool_contact, applied);
+            Event::Guard(guard) => {
+                let flow_force = self.flow_force(t, x);
+                let mut spool = spool_state(x);
+                self.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);
+                x[slot::SPOOL_VELOCITY] = spool.velocity;
             }
-            Event::Guard(SPOOL_STOPS) => {
-                self.spool_side = self.operator.stops.after(self.spool_side, x[slot::SPOOL]);
-            }
-            Event::Guard(_) => {}
             Event::FlowGuard(port) => {
                 self.ports[port] = match self.ports[port] {
                     PortFlow::Charging => PortFlow::Discharging,
@@ -269,14 +270,5 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
             }
         }
         self.solved = None;
-    }
-}
-
-impl Assembly {
-    /// A kink of the magnetic force: of the hysteresis if it is its time, else where the coil runs
-    /// out of current, which needs no change of mode.
-    fn pass_kink(&mut self, t: f64, x: &StateVector) {
-        self.operator.pass_kink(&mut self.play, t);
-        self.break_spool_away(t, x);
     }
 }

@@ -32,7 +32,7 @@ pub trait Hybrid<const N: usize, const G: usize, const F: usize> {
     /// dx/dt in the present modes; must be smooth a little beyond them.
     fn derivative(&mut self, t: f64, x: &[f64; N]) -> [f64; N];
     /// Not negative as long as the present modes hold; looked at inside a step as well.
-    fn guards(&self, t: f64, x: &[f64; N]) -> [f64; G];
+    fn guards(&mut self, t: f64, x: &[f64; N]) -> [f64; G];
     /// The same for guards that are dear; looked at the ends of a step only.
     fn flow_guards(&mut self, t: f64, x: &[f64; N]) -> [f64; F];
     /// The next instant after `t` at which the system changes of itself.
@@ -418,7 +418,11 @@ fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -> f64) -> O
             let value = value_at(theta);
             if value < 0.0 {
                 let left = if dip < 0.0 { i - 1 } else { i };
-                return Some(bracketed_root(value_at, [(place(left), values[left]), (theta, value)], 1e-14));
+                return Some(bracketed_root(
+                    value_at,
+                    [(place(left), values[left].max(0.0)), (theta, value)],
+                    1e-14,
+                ));
             }
         }
     }

@@ -8,8 +8,8 @@
 //! |---|---|
 //! | [`rig`] | rig files: the table of keys, reading, checking, explaining, the built-in rigs |
 //! | [`gas`] | the ideal gas and its flow through a restriction |
-//! | [`operator`], [`valve`], [`tubing`], [`actuator`], [`load`] | one physical part each, its equations on top |
-//! | [`friction`], [`stop`], [`play`] | what several parts share: stiction, mechanical stops, hysteresis |
+//! | [`operator`], [`valve`], [`tubing`], [`actuator`], [`leakage`], [`load`] | one physical part each, its equations on top |
+//! | [`friction`], [`stop`], [`play`], [`dither`] | what several parts share: stiction, mechanical stops, hysteresis |
 //! | [`network`] | the flows that valve, tubes and chambers agree on |
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`integrator`] | Runge-Kutta with dense output and located events |
@@ -21,9 +21,11 @@
 
 pub mod actuator;
 mod assembly;
+pub mod dither;
 pub mod friction;
 pub mod gas;
 pub mod integrator;
+pub mod leakage;
 pub mod load;
 pub mod network;
 pub mod operator;

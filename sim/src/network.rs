@@ -23,10 +23,13 @@
 //! solution. Where it does not converge, nested brackets do: the net flow into a node falls with its
 //! pressure, so they cannot fail (EQUATIONS section 3).
 
+mod brackets;
+mod restriction;
+
 use crate::gas::Gas;
-use crate::root::bracketed_root;
-use crate::tubing::Tube;
+use crate::tubing::{FarEnd, Tube};
 use crate::valve::Conductances;
+use restriction::SquareFlow;
 
 /// A place with an Exner pressure and a temperature.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +54,10 @@ pub enum PortFlow {
 pub struct Node {
     /// w_n.
     pub exner: f64,
-    /// T_n, K.
+    /// T_n, K: of the air that leaves by the lands.
     pub temperature: f64,
+    /// Temperature of the air that goes on into the cylinder, K.
+    pub carried: f64,
     /// s, kg/s, from the supply.
     pub supply_flow: f64,
     /// e, kg/s, from the exhaust; negative when air leaves.
@@ -60,6 +65,10 @@ pub struct Node {
 }
 
 impl Node {
+    fn station(&self) -> Station {
+        Station { exner: self.exner, temperature: self.temperature }
+    }
+
     fn is_finite(&self) -> bool {
         (self.exner + self.temperature + self.supply_flow + self.exhaust_flow).is_finite()
     }
@@ -103,33 +112,8 @@ pub struct NetworkWork {
 /// the convergence being quadratic but for the node temperature.
 const FLOW_TOLERANCE: f64 = 1e-12;
 
-/// Passes over the speeds of approach: half of the change is left after one, as a rule.
-const MOST_PASSES: u32 = 200;
-
-/// Newton converges in 2 or 3 iterations from the last solution; more means a bad start.
+/// Newton takes about 4 iterations from the last solution; many more mean a bad start.
 const MOST_ITERATIONS: u32 = 20;
-
-/// A signed square of a flow from a first place to a second, with its slopes over both Exner
-/// pressures and over the flow itself (by its speed of approach).
-struct SquareFlow {
-    value: f64,
-    by_first: f64,
-    by_second: f64,
-    by_flow: f64,
-}
-
-/// How much approaching raises w and T at a place, with its slopes over w and the flow.
-#[derive(Clone, Copy)]
-struct Approach {
-    factor: f64,
-    by_exner: f64,
-    by_flow: f64,
-}
-
-impl Approach {
-    /// Air at rest.
-    const NONE: Approach = Approach { factor: 1.0, by_exner: 0.0, by_flow: 0.0 };
-}
 
 /// Residuals and slopes of the three restrictions of a node.
 struct Linearised {
@@ -166,6 +150,7 @@ impl Network {
         let node = Node {
             exner: 0.5 * (supply.exner + exhaust.exner),
             temperature: supply.temperature,
+            carried: supply.temperature,
             supply_flow: 0.0,
             exhaust_flow: 0.0,
         };
@@ -201,7 +186,10 @@ impl Network {
                 self.nodes = found;
             }
         }
-        let solved = self.nodes;
+        let mut solved = self.nodes;
+        for (node, lands) in solved.iter_mut().zip(valve) {
+            node.carried = self.carried(node, lands.port);
+        }
         self.started |= solved.iter().all(Node::is_finite);
         if !solved.iter().all(Node::is_finite) {
             self.nodes = last;
@@ -218,7 +206,11 @@ impl Network {
             let mut fixed = [Correction { exner: 0.0, supply: 0.0, exhaust: 0.0 }; 2];
             let mut per_total = fixed;
             for i in 0..2 {
-                self.nodes[i].temperature = self.mixed_temperature(i, &chambers[i], ports[i]);
+                self.nodes[i].temperature = match valve[i].port {
+                    Some(_) => self.mixed_temperature(i, &chambers[i], ports[i]),
+                    // Without a node the exhaust land takes the cylinder's air (6.40).
+                    None => chambers[i].temperature,
+                };
                 let lines = self.linearise(i, &valve[i], &chambers[i], ports[i], at_valve);
                 let r = lines.residual;
                 fixed[i] = lines.correct([-r[0], -r[1], -r[2]]);
@@ -263,96 +255,32 @@ impl Network {
         valve: &Conductances,
         chamber: &Station,
         port: PortFlow,
-        at_valve: crate::tubing::FarEnd,
+        at_valve: FarEnd,
     ) -> Linearised {
         let node = &self.nodes[i];
-        let here = Station { exner: node.exner, temperature: node.temperature };
+        let here = node.station();
         let supply = Station { exner: at_valve.exner, temperature: self.supply.temperature };
-        let (s_flow, e_flow, m) = (node.supply_flow, node.exhaust_flow, node.port_flow());
+        let (s_flow, e_flow) = (node.supply_flow, node.exhaust_flow);
         let s = self.land(valve.supply, &supply, self.approach(&supply, s_flow), &here);
         let e = self.land(valve.exhaust, &self.exhaust, self.approach(&self.exhaust, e_flow), &here);
-        let (far, far_by_flow) = self.port_station(&here, chamber, port, m);
-        let p = self.port(valve.port, &here, &far, self.approach(&far, -m));
+        let p = self.port_line(valve.port, node, chamber, port);
+        let (s_line, e_line) = (land_line(valve.supply, s_flow, &s), land_line(valve.exhaust, e_flow, &e));
         Linearised {
-            residual: [
-                s_flow * s_flow.abs() - s.value,
-                e_flow * e_flow.abs() - e.value,
-                m * m.abs() - p.value,
-            ],
-            stiffness: [
-                2.0 * s_flow.abs() - s.by_flow,
-                2.0 * e_flow.abs() - e.by_flow,
-                2.0 * m.abs() - p.by_flow - p.by_second * far_by_flow,
-            ],
-            by_node: [-s.by_second, -e.by_second, -p.by_first],
+            residual: [s_line.0, e_line.0, p.residual],
+            stiffness: [s_line.1, e_line.1, p.by_flow],
+            by_node: [-s.by_second, -e.by_second, p.by_node],
             by_total: -s.by_first * at_valve.by_flow,
         }
     }
 
-    /// How the air at a place approaches a restriction that takes `flow` from it.
-    fn approach(&self, place: &Station, flow: f64) -> Approach {
-        if self.mach == 0.0 || flow <= 0.0 {
-            return Approach::NONE;
+    /// A node mixes what flows into it; without one the air comes from the land that feeds the port.
+    fn carried(&self, node: &Node, bore: Option<f64>) -> f64 {
+        let from_lands =
+            [(node.supply_flow, self.supply.temperature), (node.exhaust_flow, self.exhaust.temperature)];
+        match bore {
+            Some(_) => node.temperature,
+            None => mean_of_inflows(&from_lands).unwrap_or(node.temperature),
         }
-        let pressure = self.gas.pressure(place.exner);
-        let mach_squared = self.mach * place.temperature * (flow / pressure) * (flow / pressure);
-        let half = 0.5 * (self.gas.heat_capacity_ratio - 1.0);
-        if mach_squared >= 1.0 {
-            return Approach { factor: 1.0 + half, ..Approach::NONE };
-        }
-        let rise = half * mach_squared;
-        Approach {
-            factor: 1.0 + rise,
-            by_exner: -2.0 * rise / (self.gas.exner_exponent() * place.exner),
-            by_flow: 2.0 * rise / flow,
-        }
-    }
-
-    /// The flow through a restriction from `first` to `second`, whose air approaches as told. The
-    /// stagnation pressures decide its direction.
-    fn restriction(
-        &self,
-        conductance: f64,
-        (first, approach_1): (&Station, Approach),
-        (second, approach_2): (&Station, Approach),
-    ) -> SquareFlow {
-        let forward = first.exner * approach_1.factor >= second.exner * approach_2.factor;
-        let (up, approach, down) =
-            if forward { (first, approach_1, second) } else { (second, approach_2, first) };
-        let psi = self.gas.flow_function(up.exner * approach.factor, down.exner);
-        let k = conductance / (up.temperature * approach.factor);
-        // Over anything that changes the factor by df: w changes by w df and T by T df.
-        let by_factor = psi.by_upstream * up.exner - psi.value / approach.factor;
-        let by_up = k * (psi.by_upstream * approach.factor + by_factor * approach.by_exner);
-        let by_down = k * psi.by_downstream;
-        let by_flow = k * by_factor * approach.by_flow;
-        if forward {
-            SquareFlow { value: k * psi.value, by_first: by_up, by_second: by_down, by_flow }
-        } else {
-            SquareFlow { value: -k * psi.value, by_first: -by_down, by_second: -by_up, by_flow }
-        }
-    }
-
-    /// A land from a source to a node, where air stands still.
-    fn land(&self, conductance: f64, source: &Station, approach: Approach, node: &Station) -> SquareFlow {
-        self.restriction(conductance, (source, approach), (node, Approach::NONE))
-    }
-
-    /// The port between a node and the far end of its tube, whose air has the same temperature: the
-    /// direction of the step tells whose, also a little beyond the reversal.
-    fn port(&self, conductance: f64, node: &Station, far: &Station, approach: Approach) -> SquareFlow {
-        let near = Station { exner: node.exner, temperature: far.temperature };
-        self.restriction(conductance, (&near, Approach::NONE), (far, approach))
-    }
-
-    /// The far end of a cylinder's tube for a port flow `m` into the cylinder, with its slope over m.
-    fn port_station(&self, node: &Station, chamber: &Station, port: PortFlow, m: f64) -> (Station, f64) {
-        let far = self.cylinder_tube.far_end(chamber.exner, -m);
-        let temperature = match port {
-            PortFlow::Charging => node.temperature,
-            PortFlow::Discharging => chamber.temperature,
-        };
-        (Station { exner: far.exner, temperature }, -far.by_flow)
     }
 
     /// T_n of node `i`. A node that nothing flows into keeps its temperature.
@@ -367,126 +295,16 @@ impl Network {
         ];
         mean_of_inflows(&inflows).unwrap_or(node.temperature)
     }
-
-    /// Nested brackets for given speeds of approach, which then follow from the flows, beginning at
-    /// rest: of several solutions this finds the one that air at rest comes to.
-    fn by_brackets(&mut self, valve: &[Conductances; 2], chambers: &[Station; 2], ports: &[PortFlow; 2]) {
-        let mut approaches = [[Approach::NONE; 3]; 2];
-        for _ in 0..MOST_PASSES {
-            self.balance_supply(valve, chambers, ports, &approaches);
-            let found = [0, 1].map(|i| self.approaches(i, &chambers[i], ports[i]));
-            let change = approaches.as_flattened().iter().zip(found.as_flattened());
-            let change = change.map(|(old, new)| (old.factor - new.factor).abs()).fold(0.0, f64::max);
-            approaches = found;
-            if change < 1e-12 {
-                return;
-            }
-        }
-    }
-
-    /// How air approaches supply land, exhaust land and port of node `i` at its present flows.
-    fn approaches(&self, i: usize, chamber: &Station, port: PortFlow) -> [Approach; 3] {
-        let node = &self.nodes[i];
-        let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
-        let supply =
-            Station { exner: self.supply_tube.far_end(self.supply.exner, total).exner, ..self.supply };
-        let here = Station { exner: node.exner, temperature: node.temperature };
-        let (far, _) = self.port_station(&here, chamber, port, node.port_flow());
-        [
-            self.approach(&supply, node.supply_flow),
-            self.approach(&self.exhaust, node.exhaust_flow),
-            self.approach(&far, -node.port_flow()),
-        ]
-    }
-
-    /// The flow in the supply tube at which both nodes take just that much.
-    fn balance_supply(
-        &mut self,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-        approaches: &[[Approach; 3]; 2],
-    ) {
-        let highest = self.supply.exner.max(chambers[0].exner).max(chambers[1].exner);
-        let coldest = self.supply.temperature.min(chambers[0].temperature).min(chambers[1].temperature);
-        let most: f64 = valve.iter().map(|v| self.more_than_choked(v.supply / coldest, highest)).sum();
-        let mut excess = |total: f64| {
-            let at_valve = self.supply_tube.far_end(self.supply.exner, total).exner;
-            for i in 0..2 {
-                let side = NodeSide {
-                    valve: &valve[i],
-                    chamber: &chambers[i],
-                    port: ports[i],
-                    approaches: &approaches[i],
-                };
-                self.nodes[i] = self.node_by_brackets(&side, at_valve);
-            }
-            self.nodes[0].supply_flow + self.nodes[1].supply_flow - total
-        };
-        let bracket = [(-most, excess(-most)), (most, excess(most))];
-        let total = bracketed_root(&mut excess, bracket, 1e-16);
-        excess(total);
-    }
-
-    /// The node at a given pressure behind the supply tube: where its net flow is zero.
-    fn node_by_brackets(&self, side: &NodeSide, at_valve: f64) -> Node {
-        let net = |exner: f64| {
-            let node = self.node_at(exner, side, at_valve);
-            node.port_flow() - self.port_flow_at(&node, side)
-        };
-        let supply = at_valve * side.approaches[0].factor;
-        let chamber = side.chamber.exner * side.approaches[2].factor;
-        let lowest = at_valve.min(self.exhaust.exner).min(side.chamber.exner);
-        let highest = supply.max(self.exhaust.exner * side.approaches[1].factor).max(chamber);
-        let bracket = [(lowest, net(lowest)), (highest, net(highest))];
-        let exner = bracketed_root(net, bracket, 1e-13);
-        self.node_at(exner, side, at_valve)
-    }
-
-    /// The land flows at a node pressure. Inflows do not depend on the node's temperature, and it
-    /// follows from them.
-    fn node_at(&self, exner: f64, side: &NodeSide, at_valve: f64) -> Node {
-        let supply = Station { exner: at_valve, temperature: self.supply.temperature };
-        let mut node = Node { exner, temperature: supply.temperature, supply_flow: 0.0, exhaust_flow: 0.0 };
-        let [from_supply, from_exhaust, from_port] = *side.approaches;
-        let signed_root = |square: f64| square.abs().sqrt().copysign(square);
-        for _ in 0..2 {
-            let here = Station { exner, temperature: node.temperature };
-            let supply_flow = self.land(side.valve.supply, &supply, from_supply, &here).value;
-            let exhaust_flow = self.land(side.valve.exhaust, &self.exhaust, from_exhaust, &here).value;
-            node.supply_flow = signed_root(supply_flow);
-            node.exhaust_flow = signed_root(exhaust_flow);
-            let inflows = [
-                (node.supply_flow, supply.temperature * from_supply.factor),
-                (node.exhaust_flow, self.exhaust.temperature * from_exhaust.factor),
-                (-self.port_flow_at(&node, side), side.chamber.temperature * from_port.factor),
-            ];
-            node.temperature = mean_of_inflows(&inflows).unwrap_or(node.temperature);
-        }
-        node
-    }
-
-    /// The flow through port and tube in series from a node into a chamber.
-    fn port_flow_at(&self, node: &Node, side: &NodeSide) -> f64 {
-        let here = Station { exner: node.exner, temperature: node.temperature };
-        let excess = |m: f64| {
-            let (far, _) = self.port_station(&here, side.chamber, side.port, m);
-            m * m.abs() - self.port(side.valve.port, &here, &far, side.approaches[2]).value
-        };
-        let highest = node.exner.max(side.chamber.exner);
-        let coldest = node.temperature.min(side.chamber.temperature);
-        let most = self.more_than_choked(side.valve.port / coldest, highest);
-        bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17)
-    }
 }
 
-/// What surrounds one node, for given speeds of approach.
-struct NodeSide<'a> {
-    valve: &'a Conductances,
-    chamber: &'a Station,
-    port: PortFlow,
-    /// At supply land, exhaust land and port.
-    approaches: &'a [Approach; 3],
+/// Residual of a land and its slope over the flow. A land that is shut (a spool without clearance)
+/// has no flow, said linearly: squares would leave Newton's method without a pivot.
+fn land_line(conductance: f64, flow: f64, square: &SquareFlow) -> (f64, f64) {
+    if conductance == 0.0 {
+        (flow, 1.0)
+    } else {
+        (flow * flow.abs() - square.value, 2.0 * flow.abs() - square.by_flow)
+    }
 }
 
 /// Appendix VI as one rule: the mean stagnation temperature of what flows in, by mass. None if
@@ -500,18 +318,9 @@ fn mean_of_inflows(inflows: &[(f64, f64)]) -> Option<f64> {
     (mass > 0.0).then(|| heat / mass)
 }
 
-impl Network {
-    /// A flow that a restriction cannot reach, at whatever Mach number it is approached: a bracket's
-    /// end with a sign that rounding cannot turn.
-    fn more_than_choked(&self, conductance: f64, upstream: f64) -> f64 {
-        let upstream = 0.5 * (self.gas.heat_capacity_ratio + 1.0) * upstream;
-        1.01 * (conductance * self.gas.flow_function(upstream, 0.0).value).sqrt()
-    }
-}
-
 impl Linearised {
-    /// Solves the three lines for a right side, by elimination written out: no pivot can vanish
-    /// as long as air flows through the node.
+    /// Solves the three lines for a right side, by elimination written out. The determinant vanishes
+    /// only where no air flows at all.
     fn correct(&self, right: [f64; 3]) -> Correction {
         let [a, b, c] = self.stiffness;
         let [s, e, p] = self.by_node;

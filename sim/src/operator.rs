@@ -1,144 +1,140 @@
-//! The valve operator: what moves the spool.
+//! The valve operator: what moves the spool, a model a file.
 //!
-//! Analytical solenoid (6.33; thesis L(2) = 1), driven by a command X_c in metres of spool travel:
+//! | model | thesis | moves the spool |
+//! |---|---|---|
+//! | [`solenoid`] | L(2) = 1 | by the forces on it (6.33) |
+//! | [`empirical`] | L(2) = 0 | as a damped oscillator (6.32) |
+//! | [`stepper`] | L(2) = 2 | a step a pulse, at once |
+//! | [`on_off`] | L(2) = 3 | to one of three places, within a switching time |
 //!
-//! ```text
-//! u = clamp(gain X_c, +-saturation) + dither         the amplifier (thesis 5.3.2)
-//! s = play(u)                                        magnetic hysteresis (6.4.5)
-//! F = max(0, G_s (s + X_b)),   X_b = F_i / G_s       the coil pulls one way; X_b is its mid-range
-//! M x'' = F - F_i - K x - D x' - dry friction + F_se
-//! ```
-//!
-//! X_b makes the null of the +-1 mm signal the middle of the coil's 0 to 2 mm (EQUATIONS section 7).
-//! F_se is the force of the spool's stops.
+//! An operator is given a [`Request`] at each output and tells where its spool is. Those with a
+//! moving mass have two states, position and velocity; what else they remember (hysteresis,
+//! stiction, stops) are modes, each with a guard that says how long it holds.
 
-use crate::friction::{Contact, DryFriction};
-use crate::play::{Dither, Play};
-use crate::stop::{Side, Stops};
+pub mod empirical;
+mod hysteresis;
+pub mod on_off;
+pub mod solenoid;
+pub mod stepper;
 
-/// The parameters of a solenoid operator, SI.
-#[derive(Clone, Copy, Debug)]
-pub struct Solenoid {
-    /// C(37).
-    pub amplifier_gain: f64,
-    /// C(38), m.
-    pub saturation: f64,
-    /// Half of the width of the hysteresis loop, m.
-    pub hysteresis_half_width: f64,
-    /// Dither of the amplifier, m of spool travel.
-    pub dither: Dither,
-    /// G_s, N/m.
-    pub force_gain: f64,
-    /// K_sp, N/m.
-    pub spring: f64,
-    /// F_i, N.
-    pub spring_preload: f64,
-    /// K_d, N s/m.
-    pub damping: f64,
-    /// M_s, kg.
-    pub spool_mass: f64,
-    /// Stiction and Coulomb friction of the spool.
-    pub friction: DryFriction,
-    /// The ends of the spool's travel.
-    pub stops: Stops,
+use empirical::Empirical;
+use on_off::OnOff;
+use solenoid::Solenoid;
+use stepper::Stepper;
+
+/// What the drive stage does at an output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Request {
+    /// Counts of a DAC; for a stepper the location asked for, steps.
+    pub counts: i16,
+    /// Pulse for a stepper: -1, 0 or 1.
+    pub step: i8,
 }
 
-impl Solenoid {
-    /// The amplifier's output for a command in m, before the dither.
-    fn amplified(&self, command: f64) -> f64 {
-        (self.amplifier_gain * command).clamp(-self.saturation, self.saturation)
-    }
-
-    /// The hysteresis at rest, with a command in m from t = 0.
-    #[must_use]
-    pub fn play_at_rest(&self, command: f64) -> Play {
-        Play::new(self.hysteresis_half_width, self.dither, self.amplified(command))
-    }
-
-    /// The command jumps at `t`.
-    pub fn drive(&self, play: &mut Play, t: f64, command: f64) {
-        play.jump(t, self.amplified(command));
-    }
-
-    /// The next instant after `t` at which the magnetic force has a kink: of the hysteresis, or
-    /// where the coil has no more current to lose.
-    #[must_use]
-    pub fn next_kink(&self, play: &Play, t: f64) -> f64 {
-        play.next_instant().min(play.next_passage(t, -self.bias()))
-    }
-
-    /// Takes the branch of the hysteresis that holds after a kink at `t`. Where the coil runs out
-    /// of current nothing changes but the force's slope.
-    pub fn pass_kink(&self, play: &mut Play, t: f64) {
-        if t >= play.next_instant() {
-            play.pass_instant();
-        }
-    }
-
-    /// X_b, m.
-    fn bias(&self) -> f64 {
-        self.spring_preload / self.force_gain
-    }
-
-    /// All forces on the spool but dry friction, N.
-    #[must_use]
-    pub fn applied_force(&self, play: &Play, side: Side, t: f64, position: f64, velocity: f64) -> f64 {
-        let magnetic = (self.force_gain * (play.output(t) + self.bias())).max(0.0);
-        magnetic - self.spring_preload - self.spring * position - self.damping * velocity
-            + self.stops.force(side, position, velocity)
-    }
-
-    /// x'', m/s^2; exactly 0 while stuck.
-    #[must_use]
-    pub fn acceleration(&self, applied: f64, contact: Contact) -> f64 {
-        match contact {
-            Contact::Stuck => 0.0,
-            _ => (applied - self.friction.force(contact, applied)) / self.spool_mass,
-        }
-    }
+/// Position (m) and velocity (m/s) of a moving spool.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpoolState {
+    /// m.
+    pub position: f64,
+    /// m/s.
+    pub velocity: f64,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Guards that an operator has.
+pub(crate) const GUARDS: usize = 2;
 
-    fn thesis() -> Solenoid {
-        Solenoid {
-            amplifier_gain: 1.0,
-            saturation: 1e-3,
-            hysteresis_half_width: 0.05e-3,
-            dither: Dither { amplitude: 0.2e-3, frequency_hz: 50.0, phase_cycles: 0.0 },
-            force_gain: 25e3,
-            spring: 25e3,
-            spring_preload: 25.0,
-            damping: 2.3,
-            spool_mass: 0.023,
-            friction: DryFriction::symmetric(3.0, 2.0),
-            stops: Stops::new(-1e-3, 1e-3, 1e5, 5e-5, 0.5, 0.023),
+/// A valve operator with its modes.
+#[derive(Clone, Debug)]
+pub enum Operator {
+    /// The analytical solenoid.
+    Solenoid(Solenoid),
+    /// The empirical solenoid.
+    Empirical(Empirical),
+    /// The stepper motor.
+    Stepper(Stepper),
+    /// The three-state valve.
+    OnOff(OnOff),
+}
+
+impl Operator {
+    /// A request takes effect at `t`, under a flow force (N) on the spool.
+    pub fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.drive(t, spool, request, flow_force),
+            Operator::Empirical(empirical) => empirical.drive(request),
+            Operator::Stepper(stepper) => stepper.drive(request),
+            Operator::OnOff(on_off) => on_off.drive(t, request),
         }
     }
 
-    #[test]
-    fn at_mid_range_the_coil_balances_the_preload() {
-        let solenoid = thesis();
-        let play = solenoid.play_at_rest(0.0);
-        assert!(solenoid.applied_force(&play, Side::Free, 0.0, 0.0, 0.0).abs() < 1e-12);
+    /// The spool position that the request in force asks for, m.
+    #[must_use]
+    pub fn commanded(&self) -> f64 {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.commanded(),
+            Operator::Empirical(empirical) => empirical.commanded(),
+            Operator::Stepper(stepper) => stepper.commanded(),
+            Operator::OnOff(on_off) => on_off.commanded(),
+        }
     }
 
-    #[test]
-    fn a_command_moves_the_balance_by_itself_less_the_slack() {
-        let solenoid = thesis();
-        let mut play = solenoid.play_at_rest(0.0);
-        solenoid.drive(&mut play, 0.02, 0.5e-3);
-        assert!(solenoid.applied_force(&play, Side::Free, 0.02, 0.45e-3, 0.0).abs() < 1e-9);
+    /// Where the spool is, m.
+    #[must_use]
+    pub fn position(&self, t: f64, spool: SpoolState) -> f64 {
+        match self {
+            Operator::Solenoid(_) => spool.position,
+            Operator::Empirical(empirical) => empirical.position(t, spool),
+            Operator::Stepper(stepper) => stepper.position(),
+            Operator::OnOff(on_off) => on_off.position(t),
+        }
     }
 
-    #[test]
-    fn the_coil_cannot_push() {
-        let solenoid = thesis();
-        let play = solenoid.play_at_rest(-5e-3);
-        let crest_down = 0.015;
-        let force = solenoid.applied_force(&play, Side::Free, crest_down, 0.0, 0.0);
-        assert!(force >= -25.0 - 1e-9, "at most the preload pulls back: {force}");
+    /// Rates of position and velocity; zero for operators without a moving mass. The flow force (N)
+    /// pushes against positive positions.
+    #[must_use]
+    pub fn derivative(&self, t: f64, spool: SpoolState, flow_force: f64) -> [f64; 2] {
+        match self {
+            Operator::Solenoid(solenoid) => [spool.velocity, solenoid.acceleration(t, spool, flow_force)],
+            Operator::Empirical(empirical) => [spool.velocity, empirical.acceleration(spool)],
+            Operator::Stepper(_) | Operator::OnOff(_) => [0.0; 2],
+        }
+    }
+
+    /// Not negative as long as the modes hold.
+    #[must_use]
+    pub fn guards(&self, t: f64, spool: SpoolState, flow_force: f64) -> [f64; GUARDS] {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.guards(t, spool, flow_force),
+            Operator::Empirical(empirical) => empirical.guards(t, spool),
+            Operator::Stepper(_) | Operator::OnOff(_) => [1.0; GUARDS],
+        }
+    }
+
+    /// Changes the mode whose guard has become negative at `t`.
+    pub(crate) fn cross(&mut self, guard: usize, t: f64, spool: &mut SpoolState, flow_force: f64) {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.cross(guard, t, spool, flow_force),
+            Operator::Empirical(empirical) => empirical.cross(guard, t, *spool),
+            Operator::Stepper(_) | Operator::OnOff(_) => {}
+        }
+    }
+
+    /// The next instant after `t` at which the operator changes of itself.
+    #[must_use]
+    pub fn next_instant(&self, t: f64) -> f64 {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.next_instant(t),
+            Operator::OnOff(on_off) => on_off.next_instant(t),
+            Operator::Empirical(_) | Operator::Stepper(_) => f64::INFINITY,
+        }
+    }
+
+    /// Passes the instant `t` of [`Operator::next_instant`].
+    pub fn pass_instant(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.pass_instant(t, spool, flow_force),
+            Operator::OnOff(on_off) => on_off.arrive(t),
+            Operator::Empirical(_) | Operator::Stepper(_) => {}
+        }
     }
 }

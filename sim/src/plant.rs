@@ -4,17 +4,22 @@
 //! all of them see the same samples in every bit. Time is whole microseconds; samples are read off
 //! the dense output of the integrator and cost no step.
 
-use pneudrive_controller::Sample;
+use pneudrive_controller::{Command, Sample};
 
 use crate::actuator::{Actuator, Air};
 use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, StateVector, slot};
+use crate::dither::Dither;
 use crate::friction::DryFriction;
 use crate::gas::Gas;
 use crate::integrator::{IntegrationError, Integrator, Method, Work};
+use crate::leakage::Leakage;
 use crate::load::Load;
 use crate::network::{Network, NetworkWork, Station};
-use crate::operator::Solenoid;
-use crate::play::Dither;
+use crate::operator::empirical::{Empirical, EmpiricalParameters};
+use crate::operator::on_off::OnOff;
+use crate::operator::solenoid::{Solenoid, SolenoidParameters};
+use crate::operator::stepper::Stepper;
+use crate::operator::{Operator, Request};
 use crate::rig::Rig;
 use crate::sensors::Sensors;
 use crate::stop::Stops;
@@ -45,12 +50,10 @@ pub struct Plant {
     sensors: Sensors,
     period_us: u64,
     delay_us: u64,
-    /// Spool travel of one command count, m.
-    travel_per_count: f64,
-    /// Command in force.
-    command: i16,
-    /// Command that takes effect at the output of the present sample, until it has.
-    due: Option<i16>,
+    /// Request in force.
+    request: Request,
+    /// Request that takes effect at the output of the present sample, until it has.
+    due: Option<Request>,
     /// Whether the command changed at the last output: then it will at the next one, as a rule, and
     /// a step beyond that would be wasted.
     restless: bool,
@@ -105,41 +108,48 @@ impl Plant {
         let actuator = actuator(rig);
         let x = initial_state(rig, &gas, &actuator);
         let assembly =
-            Assembly::new(gas, valve(rig), actuator, load(rig), solenoid(rig), network(rig, gas), &x);
+            Assembly::new(gas, valve(rig), actuator, load(rig), operator(rig), network(rig, gas), &x);
         Plant {
             assembly,
             integrator: Integrator::new(accuracy.method, accuracy.tolerance, SCALE, x),
             sensors: Sensors::new(rig, seed),
             period_us: u64::from(rig.period_us().get()),
             delay_us: rig.microseconds("controller.delay_s"),
-            travel_per_count: rig.number("valve.spool_travel_mm") * 1e-3 / 2048.0,
-            command: 0,
+            request: Request::default(),
             due: None,
             restless: false,
             k: 0,
         }
     }
 
-    /// The sensors at the present sample instant.
-    pub fn sample(&mut self) -> Sample {
-        let x = self.integrator.state(self.sample_time_of(self.k));
-        let pressures = slot::EXNER.map(|i| self.assembly.gas.pressure(x[i]));
-        self.sensors.read(x[slot::POSITION], pressures, x[slot::SPOOL])
+    /// The same plant sampled at another period, and driven after another delay (microseconds).
+    #[must_use]
+    pub fn with_timing(mut self, period_us: u64, delay_us: u64) -> Plant {
+        (self.period_us, self.delay_us) = (period_us, delay_us);
+        self
     }
 
-    /// From sample k to sample k + 1, with `command` (counts) in force from the output in between.
+    /// The sensors at the present sample instant.
+    pub fn sample(&mut self) -> Sample {
+        let t = self.sample_time_of(self.k);
+        let x = self.integrator.state(t);
+        let pressures = slot::EXNER.map(|i| self.assembly.gas.pressure(x[i]));
+        self.sensors.read(x[slot::POSITION], pressures, self.assembly.spool(t, &x))
+    }
+
+    /// From sample k to sample k + 1, with `command` in force from the output in between.
     ///
     /// # Errors
     /// When the integration cannot go on.
-    pub fn advance(&mut self, command: i16) -> Result<Sample, IntegrationError> {
+    pub fn advance(&mut self, command: Command) -> Result<Sample, IntegrationError> {
         self.command(command);
         self.next_sample()?;
         Ok(self.sample())
     }
 
     /// Has `command` take effect at the output of the present sample.
-    pub fn command(&mut self, command: i16) {
-        self.due = Some(command);
+    pub fn command(&mut self, command: Command) {
+        self.due = Some(Request { counts: command.counts, step: command.step });
     }
 
     /// To sample k + 1.
@@ -166,49 +176,49 @@ impl Plant {
     /// depends on the outputs alone, not on where the caller stops.
     fn run_to(&mut self, t: f64) -> Result<(), IntegrationError> {
         let output = self.output_time_of(self.k);
-        if let Some(command) = self.due {
-            let changes = command != self.command;
+        if let Some(request) = self.due {
+            let changes = self.changes(request);
             let horizon = if changes { output } else { f64::INFINITY };
             self.integrator.run_to(&mut self.assembly, t.min(output), horizon)?;
             if t < output {
                 return Ok(());
             }
-            self.drive(output, command);
+            self.drive(output, request);
         }
         let horizon = if self.restless { self.output_time_of(self.k + 1) } else { f64::INFINITY };
         self.integrator.run_to(&mut self.assembly, t, horizon)
     }
 
-    fn drive(&mut self, at: f64, command: i16) {
+    fn changes(&self, request: Request) -> bool {
+        request.counts != self.request.counts || request.step != 0
+    }
+
+    fn drive(&mut self, at: f64, request: Request) {
         self.due = None;
-        self.restless = command != self.command;
+        self.restless = self.changes(request);
         if self.restless {
-            self.command = command;
-            let travel = self.spool_command();
+            self.request = request;
             let assembly = &mut self.assembly;
-            self.integrator.cut(at, |x| assembly.drive(at, x, travel));
+            self.integrator.cut(at, |x| assembly.drive(at, x, request));
         }
     }
 
     fn snapshot(&mut self, t: f64) -> Snapshot {
         let x = self.integrator.state(t);
-        let Effects { air, nodes, actuator_force, friction_force, acceleration } = self.assembly.effects(&x);
+        let Effects { air, nodes, actuator_force, friction_force, acceleration } =
+            self.assembly.effects(t, &x);
         Snapshot {
             position: x[slot::POSITION],
             velocity: x[slot::VELOCITY],
             acceleration,
             pressures: air.map(|air| air.pressure),
             temperatures: air.map(|air| air.temperature),
-            spool: x[slot::SPOOL],
-            spool_command: self.spool_command(),
+            spool: self.assembly.spool(t, &x),
+            spool_command: self.assembly.operator.commanded(),
             mass_flows: nodes.map(|node| node.port_flow()),
             actuator_force,
             friction: friction_force,
         }
-    }
-
-    fn spool_command(&self) -> f64 {
-        f64::from(self.command) * self.travel_per_count
     }
 
     fn sample_time_of(&self, k: u64) -> f64 {
@@ -244,6 +254,7 @@ fn valve(rig: &Rig) -> Valve {
         sleeve_diameter: metres("valve.sleeve_diameter_mm"),
         spool_diameter: metres("valve.spool_diameter_mm"),
         port_diameter: metres("valve.port_diameter_mm"),
+        has_node: rig.word("valve.model") != "single-restriction",
         discharge_supply: rig.number("valve.discharge_supply"),
         discharge_exhaust: rig.number("valve.discharge_exhaust"),
     }
@@ -276,6 +287,19 @@ fn actuator(rig: &Rig) -> Actuator {
             rig.number("actuator.residual_volume_2_m3"),
         ],
         ambient_pressure: rig.number("exhaust.pressure_pa"),
+        leakage: leakage(rig),
+    }
+}
+
+fn leakage(rig: &Rig) -> Leakage {
+    match rig.word("actuator.leakage") {
+        "laminar" => Leakage::Laminar { coefficient: rig.number("actuator.leakage_coefficient") },
+        "adiabatic" => Leakage::Adiabatic {
+            resistance: rig.number("actuator.passage_resistance"),
+            clearance: rig.number("actuator.passage_clearance_m"),
+            bore: rig.number("actuator.bore_m"),
+        },
+        _ => Leakage::None,
     }
 }
 
@@ -304,19 +328,54 @@ fn load(rig: &Rig) -> Load {
     }
 }
 
-fn solenoid(rig: &Rig) -> Solenoid {
-    let spool_mass = rig.number("operator.spool_mass_kg");
-    let travel = rig.number("valve.spool_travel_mm") * 1e-3;
-    Solenoid {
+fn operator(rig: &Rig) -> Operator {
+    match rig.word("operator.model") {
+        "solenoid-empirical" => Operator::Empirical(empirical(rig)),
+        "stepper" => Operator::Stepper(Stepper::new(rig.number("operator.mm_per_step") * 1e-3)),
+        "on-off" => Operator::OnOff(OnOff::new(spool_travel(rig), rig.number("operator.switch_time_s"))),
+        _ => Operator::Solenoid(solenoid(rig)),
+    }
+}
+
+/// X_max, m.
+fn spool_travel(rig: &Rig) -> f64 {
+    rig.number("valve.spool_travel_mm") * 1e-3
+}
+
+/// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the 2 mm range wide.
+fn hysteresis_half_width(rig: &Rig) -> f64 {
+    rig.number("operator.hysteresis_percent") / 100.0 * 1e-3
+}
+
+fn dither(rig: &Rig) -> Dither {
+    Dither {
+        amplitude: rig.number("operator.dither_mm") * 1e-3,
+        frequency_hz: rig.number("operator.dither_hz"),
+        phase_cycles: rig.number("operator.dither_phase_deg") / 360.0,
+    }
+}
+
+fn empirical(rig: &Rig) -> Empirical {
+    Empirical::new(EmpiricalParameters {
+        travel_per_count: spool_travel(rig) / 2048.0,
         amplifier_gain: rig.number("operator.amplifier_gain"),
         saturation: rig.number("operator.saturation_mm") * 1e-3,
-        // The loop is `hysteresis_percent` of the 2 mm range wide: half of that to either side.
-        hysteresis_half_width: rig.number("operator.hysteresis_percent") / 100.0 * 1e-3,
-        dither: Dither {
-            amplitude: rig.number("operator.dither_mm") * 1e-3,
-            frequency_hz: rig.number("operator.dither_hz"),
-            phase_cycles: rig.number("operator.dither_phase_deg") / 360.0,
-        },
+        stiffness_per_mass: rig.number("operator.stiffness_per_mass_per_s2"),
+        damping_per_mass: rig.number("operator.damping_per_s"),
+        hysteresis_half_width: hysteresis_half_width(rig),
+        dither: dither(rig),
+        travel: spool_travel(rig),
+    })
+}
+
+fn solenoid(rig: &Rig) -> Solenoid {
+    let spool_mass = rig.number("operator.spool_mass_kg");
+    Solenoid::new(SolenoidParameters {
+        travel_per_count: spool_travel(rig) / 2048.0,
+        amplifier_gain: rig.number("operator.amplifier_gain"),
+        saturation: rig.number("operator.saturation_mm") * 1e-3,
+        hysteresis_half_width: hysteresis_half_width(rig),
+        dither: dither(rig),
         force_gain: rig.number("operator.force_gain_n_per_mm") * 1e3,
         spring: rig.number("operator.spring_n_per_mm") * 1e3,
         spring_preload: rig.number("operator.spring_preload_n"),
@@ -327,14 +386,14 @@ fn solenoid(rig: &Rig) -> Solenoid {
             rig.number("operator.coulomb_friction_n"),
         ),
         stops: Stops::new(
-            -travel,
-            travel,
+            -spool_travel(rig),
+            spool_travel(rig),
             rig.number("operator.stop_stiffness_n_per_m"),
             rig.number("operator.stop_region_m"),
             rig.number("operator.stop_damping_ratio"),
             spool_mass,
         ),
-    }
+    })
 }
 
 fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {

@@ -217,13 +217,17 @@ impl Rig {
     /// The controller's parameters that this rig asks for.
     #[must_use]
     pub fn parameters(&self) -> Parameters {
+        self.try_parameters()
+            .unwrap_or_else(|(id, value)| panic!("parameter {id} = {value} of a checked rig"))
+    }
+
+    /// The same for a rig that has not been checked, or the id and value that is out of range.
+    fn try_parameters(&self) -> Result<Parameters, (u16, i32)> {
         let mut parameters = Parameters::default();
         for (id, value) in self.parameter_values() {
-            parameters
-                .set(id, value)
-                .unwrap_or_else(|error| panic!("parameter {id} = {value} of a checked rig: {error:?}"));
+            parameters.set(id, value).map_err(|_| (id, value))?;
         }
-        parameters
+        Ok(parameters)
     }
 
     fn parameter_values(&self) -> Vec<(u16, i32)> {
@@ -261,6 +265,8 @@ impl Rig {
             (id::PRESSURE_MAX_PA, scaled("sensors.pressure_max_pa", 1.0)),
             (id::SPOOL_MIN_NM, scaled("sensors.spool_min_mm", 1e6)),
             (id::SPOOL_MAX_NM, scaled("sensors.spool_max_mm", 1e6)),
+            (id::STEPPER, choice("operator.model", "stepper")),
+            (id::MAX_STEPS, whole("operator.max_steps")),
         ];
         values.extend(self.gain_profile().into_iter().zip(id::GAIN_PROFILE..).map(|(gain, id)| (id, gain)));
         values

@@ -76,7 +76,7 @@ pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
         }
         observations.push(seen);
         // A row at an instant with an output shows the state after it.
-        plant.command(output(&state).counts);
+        plant.command(output(&config, &mut state));
         rows.catch_up(&mut plant, &seen, (k + 1) * period)?;
         if k < u64::from(rig.last_sample()) {
             plant.next_sample()?;

@@ -8,8 +8,8 @@
 //! z_1 = x - lap,  z_2 = -x - lap                                   (lap < 0: underlap)
 //! ```
 //!
-//! Land 1 joins supply and port 1, and port 2 and exhaust; land 2 the other two. Flow-node model
-//! (6.47 to 6.51): each port has a small volume between its lands and its bore of area A_p, whose
+//! Land 1 joins supply and port 1, and port 2 and exhaust; land 2 the other two. Single restriction
+//! (6.39 to 6.46): the lands are all there is. Flow node (6.47 to 6.51): each port has a small volume between its lands and its bore of area A_p, whose
 //! pressure balances the three flows. [`crate::network`] solves that balance.
 
 use std::f64::consts::PI;
@@ -29,6 +29,8 @@ pub struct Valve {
     pub spool_diameter: f64,
     /// Bore of a port, m.
     pub port_diameter: f64,
+    /// Whether the flow node is there: the bore of the port between it and the tube.
+    pub has_node: bool,
     /// C_d of the lands to the supply, and of the ports.
     pub discharge_supply: f64,
     /// C_d of the lands to the exhaust.
@@ -41,7 +43,8 @@ pub struct Valve {
 pub(crate) struct Conductances {
     pub supply: f64,
     pub exhaust: f64,
-    pub port: f64,
+    /// None: the port has no bore of its own (single restriction, 6.39 to 6.46).
+    pub port: Option<f64>,
 }
 
 impl Valve {
@@ -75,7 +78,7 @@ impl Valve {
         let [land_1, land_2] = self.land_areas(spool);
         let constant = gas.flow_constant();
         let of = |discharge: f64, area: f64| constant * (discharge * area) * (discharge * area);
-        let port = of(self.discharge_supply, self.port_area());
+        let port = self.has_node.then(|| of(self.discharge_supply, self.port_area()));
         let node = |supply_land, exhaust_land| Conductances {
             supply: of(self.discharge_supply, supply_land),
             exhaust: of(self.discharge_exhaust, exhaust_land),
@@ -93,6 +96,7 @@ pub(crate) fn thesis_valve() -> Valve {
         sleeve_diameter: 10e-3,
         spool_diameter: 9.98e-3,
         port_diameter: 3.3e-3,
+        has_node: true,
         discharge_supply: 0.8,
         discharge_exhaust: 0.8,
     }

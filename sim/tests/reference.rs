@@ -62,3 +62,29 @@ fn closed_loop_with_the_gains_of_the_thesis() {
     agrees("B_closed_default", 0.55, 1e-6, 10.0);
     agrees("B_closed_default", f64::INFINITY, 1e-5, 100.0);
 }
+
+#[test]
+fn stepper_drive_in_open_loop() {
+    agrees("A_open_quarter", f64::INFINITY, 1e-7, 1.0);
+    agrees("A_open_endstop", f64::INFINITY, 1e-6, 10.0);
+}
+
+#[test]
+fn stepper_drive_without_tubes() {
+    agrees("A_open_notube", f64::INFINITY, 1e-6, 10.0);
+}
+
+#[test]
+fn stepper_drive_in_closed_loop() {
+    agrees("A_closed", f64::INFINITY, 1e-7, 1.0);
+}
+
+#[test]
+fn rodless_drive_in_open_loop() {
+    agrees("C_open", f64::INFINITY, 1e-6, 10.0);
+}
+
+#[test]
+fn single_restriction_valve() {
+    agrees("A_open_single", f64::INFINITY, 1e-7, 1.0);
+}

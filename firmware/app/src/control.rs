@@ -1,8 +1,10 @@
 //! The half with a deadline: sensors in, command out, record, watch the clock.
 
 use pneudrive_controller::config::ConfigError;
-use pneudrive_controller::parameters::SetError;
-use pneudrive_controller::{Config, Fault, Mode, Move, Parameters, Refusal, Sequence, State, output, sample};
+use pneudrive_controller::parameters::{SetError, id};
+use pneudrive_controller::{
+    Config, Fault, Mode, Move, Observation, Parameters, Refusal, Sequence, State, output, sample,
+};
 
 use crate::board::Board;
 use crate::recorder::Recorder;
@@ -78,8 +80,8 @@ pub struct Control {
     /// The transient buffer.
     pub recorder: Recorder,
     clock: Clock,
-    /// Whether the present sample belongs to a run.
-    in_run: bool,
+    /// The present sample, until its output has come.
+    sampled: Option<(Mode, Observation)>,
     host_heard_ms: Option<u64>,
 }
 
@@ -88,24 +90,31 @@ impl Control {
     pub fn on_sample(&mut self, board: &mut impl Board) {
         self.judge_lateness(board.now_us());
         self.watch_host(board);
+        let mode = self.state.supervisor.mode();
         let input = board.read_sensors(&self.config);
-        self.in_run = self.state.supervisor.mode() == Mode::Running;
         sample(&self.config, &self.test.sequence, &mut self.state, &input);
+        self.sampled = Some((mode, *self.state.observation()));
     }
 
     /// The second interrupt: `delay` after the sample. The recorder is fed after the output.
     pub fn on_output(&mut self, board: &mut impl Board) {
-        board.drive(&self.config, output(&self.state));
-        let seen = self.state.observation();
-        if self.in_run {
-            self.recorder.store(seen);
-        } else if self.state.supervisor.mode() == Mode::Armed {
-            self.recorder.before_start(seen);
+        let command = output(&self.config, &mut self.state);
+        board.drive(&self.config, command);
+        self.record();
+    }
+
+    /// Gives the present sample to the recorder, once, by what it was when it was taken: requests
+    /// come between a sample and its output.
+    fn record(&mut self) {
+        match self.sampled.take() {
+            Some((_, seen)) if seen.running => self.recorder.store(&seen),
+            Some((Mode::Armed, seen)) => self.recorder.before_start(&seen),
+            _ => {}
         }
     }
 
-    /// A sample that comes more than the allowed time after it was due trips; so does one that is
-    /// missing, since the next one is a whole period late.
+    /// A sample whose distance from the one before is off the period by more than the allowed time
+    /// trips; so does one that is missing, since the next one is a whole period late.
     fn judge_lateness(&mut self, now_us: u64) {
         let timing = &self.config.timing;
         let clock = &mut self.clock;
@@ -113,8 +122,8 @@ impl Control {
             clock.first_us = now_us;
         } else {
             let interval = now_us.saturating_sub(clock.last_us);
-            let latest = u64::from(timing.period_us.get()) + u64::from(timing.late_sample_us);
-            if interval > latest && self.state.supervisor.drives() {
+            let off = interval.abs_diff(u64::from(timing.period_us.get()));
+            if off > u64::from(timing.late_sample_us) && self.state.supervisor.drives() {
                 self.state.supervisor.trip(Fault::LateSample);
             }
         }
@@ -187,10 +196,26 @@ impl Control {
             id = id.saturating_add(1);
         }
         let config = Config::new(&changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        self.forget_what_depends(&changed, &config);
         self.parameters = changed;
         self.config = config;
         self.clock = Clock::default();
         Ok(())
+    }
+
+    /// A new meaning of counts takes the reference with it, a new timing the moves, and a record is
+    /// not to be read with parameters that it was not taken with.
+    fn forget_what_depends(&mut self, changed: &Parameters, config: &Config) {
+        let encoder = |p: &Parameters| (p.get(id::ENCODER_PM_PER_COUNT), p.get(id::ENCODER_INVERTED));
+        if encoder(changed) != encoder(&self.parameters) {
+            self.state.supervisor.clear_referenced();
+        }
+        if config.timing != self.config.timing {
+            self.test = Test::default();
+        }
+        if *changed != self.parameters {
+            self.recorder.empty();
+        }
     }
 
     /// Takes over a whole set of parameters, as from storage after a reset.
@@ -210,6 +235,7 @@ impl Control {
     pub fn set_test(&mut self, test: Test) -> Result<(), Refusal> {
         self.must_be_disarmed()?;
         self.test = test;
+        self.recorder.empty();
         Ok(())
     }
 
@@ -250,10 +276,11 @@ impl Control {
             return Err(Refusal::NoMoves);
         }
         self.state.start()?;
+        self.record();
         self.recorder.start();
         self.clock = Clock::default();
         self.host_heard(board);
-        board.run_begins();
+        board.run_begins(&self.config);
         Ok(())
     }
 
@@ -262,7 +289,18 @@ impl Control {
         self.state.supervisor.trip(Fault::Stop);
     }
 
-    /// Counts mean positions from now on.
+    /// The axis stands at `counts` now: counts mean positions from here on.
+    ///
+    /// # Errors
+    /// When the drive is enabled.
+    pub fn reference(&mut self, board: &mut impl Board, counts: i32) -> Result<(), Refusal> {
+        self.must_be_disarmed()?;
+        board.set_position(counts);
+        self.state.supervisor.set_referenced();
+        Ok(())
+    }
+
+    /// Counts mean positions as they are: a simulated rig.
     ///
     /// # Errors
     /// When the drive is enabled.

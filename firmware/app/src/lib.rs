@@ -8,8 +8,8 @@
 //! | [`Control::on_output`] | timer, `delay` later | highest | before the next sample |
 //! | [`Server::receive`] | serial port | below | none: it never blocks the two above |
 //!
-//! A sample that comes later than the configuration allows is counted and trips the supervisor; it
-//! is never made up for. The [`Control`] half and the [`Server`] half share nothing but the requests
+//! A sample that comes later than the configuration allows trips the supervisor; it is never made up
+//! for. The [`Control`] half and the [`Server`] half share nothing but the requests
 //! that the server hands to the control half, one at a time.
 //!
 //! The same code runs natively as the virtual rig and on the microcontroller.

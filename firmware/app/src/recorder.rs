@@ -32,6 +32,9 @@ pub struct Recorder {
     first_index: i32,
     started: bool,
     spool_sum: i64,
+    /// CRC-32 of the samples up to `digested`.
+    crc: RecordCrc,
+    digested: usize,
 }
 
 impl Default for Recorder {
@@ -46,11 +49,18 @@ impl Default for Recorder {
             first_index: 0,
             started: false,
             spool_sum: 0,
+            crc: RecordCrc::new(),
+            digested: 0,
         }
     }
 }
 
 impl Recorder {
+    /// Forgets what is stored.
+    pub fn empty(&mut self) {
+        self.arm(1, 0);
+    }
+
     /// Empties the buffer for a run: every `decimation`th sample (0 counts as 1), and up to
     /// `pre_trigger` from before the start.
     pub fn arm(&mut self, decimation: u16, pre_trigger: u16) {
@@ -62,6 +72,8 @@ impl Recorder {
         self.first_index = 0;
         self.started = false;
         self.spool_sum = 0;
+        self.crc = RecordCrc::new();
+        self.digested = 0;
     }
 
     /// A sample from before the start.
@@ -171,13 +183,16 @@ impl Recorder {
         self.samples.get(place)
     }
 
-    /// CRC-32 over all samples in order.
-    #[must_use]
-    pub fn crc32(&self) -> u32 {
-        let mut crc = RecordCrc::new();
-        for sample in (0..self.len()).filter_map(|i| self.get(i)) {
-            crc.update(sample);
+    /// Takes up to `samples` more samples of a finished record into its CRC, and tells it once all
+    /// are in: a whole record at once would keep the control interrupt waiting.
+    pub fn digest(&mut self, samples: usize) -> Option<u32> {
+        let end = self.len().min(self.digested.saturating_add(samples));
+        for i in self.digested..end {
+            if let Some(sample) = self.get(i).copied() {
+                self.crc.update(&sample);
+            }
         }
-        crc.finish()
+        self.digested = end;
+        (end == self.len()).then(|| self.crc.clone().finish())
     }
 }

@@ -137,8 +137,9 @@ fn carry_out<'a, B: Board>(
             control.stop();
             ReplyBody::Done
         }
-        // The counter of a board is set by its reference run; a request states that it is done.
-        RequestBody::Reference { .. } => done(control.set_referenced().map_err(not_now)),
+        RequestBody::Reference { position_counts } => {
+            done(control.reference(board, position_counts).map_err(not_now))
+        }
         RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => {
             let last_sample = duration_us / control.config().timing.period_us;
             done(control.set_test(Test::new(name, last_sample, decimation, pre_trigger)).map_err(not_now))
@@ -220,7 +221,12 @@ fn config<'a>(control: &Control, first_id: u16, count: u8, room: &'a mut [u8]) -
     }
 }
 
-fn record_info(control: &Control) -> ReplyBody<'_> {
+/// Samples that one `RecordInfo` takes into the CRC of the record; the host asks until all are in.
+const DIGEST_AT_ONCE: usize = 512;
+
+fn record_info(control: &mut Control) -> ReplyBody<'_> {
+    let over = !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running);
+    let crc = if over { control.recorder.digest(DIGEST_AT_ONCE) } else { None };
     let recorder = &control.recorder;
     ReplyBody::RecordInfo(RecordInfo {
         test: control.test().name(),
@@ -228,10 +234,10 @@ fn record_info(control: &Control) -> ReplyBody<'_> {
         first_index: recorder.first_index(),
         decimation: recorder.decimation() as u16,
         pre_trigger: recorder.pre_trigger(),
-        complete: !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running),
+        complete: crc.is_some(),
         measured_period_ns: control.measured_period_ns(),
         mean_spool_raw: recorder.mean_spool(),
-        crc32: recorder.crc32(),
+        crc32: crc.unwrap_or(0),
     })
 }
 

@@ -39,7 +39,10 @@ impl Board for FakeBoard {
     fn host_clock_ms(&self) -> Option<u64> {
         self.host_clock_ms
     }
-    fn run_begins(&mut self) {
+    fn set_position(&mut self, counts: i32) {
+        self.position = counts;
+    }
+    fn run_begins(&mut self, _: &Config) {
         self.runs += 1;
     }
 }
@@ -126,10 +129,15 @@ impl Bench {
 
     /// The whole record: index of the first sample and all samples, its CRC checked.
     fn record(&mut self) -> (i32, Vec<RecordedSample>) {
-        let (count, first, crc) = self.ask_for(RequestBody::RecordInfo, |reply| match reply {
-            ReplyBody::RecordInfo(info) => (info.samples, info.first_index, info.crc32),
-            other => panic!("{other:?}"),
-        });
+        let (count, first, crc) = loop {
+            let (complete, info) = self.ask_for(RequestBody::RecordInfo, |reply| match reply {
+                ReplyBody::RecordInfo(info) => (info.complete, (info.samples, info.first_index, info.crc32)),
+                other => panic!("{other:?}"),
+            });
+            if complete {
+                break info;
+            }
+        };
         let (mut samples, mut digest) = (Vec::new(), RecordCrc::new());
         while (samples.len() as u32) < count {
             let at = samples.len() as u32;
@@ -173,8 +181,8 @@ fn a_test_runs_from_download_to_done_and_is_recorded_from_its_first_sample() {
     bench.done(RequestBody::Start);
     assert_eq!(bench.board.runs, 1);
     let before = bench.board.position;
-    bench.samples(9);
-    assert_eq!(bench.mode(), Mode::Running, "sample 9 is still to come");
+    bench.samples(10);
+    assert_eq!(bench.mode(), Mode::Running, "until the output of sample 9 is over");
     bench.samples(1);
     assert_eq!(bench.mode(), Mode::Done);
     bench.samples(5);
@@ -198,7 +206,7 @@ fn every_nth_sample_is_stored_and_the_newest_ones_before_the_start_with_their_di
     bench.samples(8); // stored while armed: samples 0, 3, 6 of these; 6 is two before the start
     bench.done(RequestBody::Start);
     let before = bench.board.position;
-    bench.samples(21);
+    bench.samples(22);
     let (first, samples) = bench.record();
     assert_eq!(first, -5);
     let offsets: Vec<i32> = samples.iter().map(|sample| (sample.position - before) / 3 - 1).collect();
@@ -214,7 +222,7 @@ fn the_recorder_stops_when_it_is_full() {
     });
     bench.armed(6000, 1, 0);
     bench.done(RequestBody::Start);
-    bench.samples(6001);
+    bench.samples(6002);
     assert_eq!(bench.mode(), Mode::Done);
     let (_, samples) = bench.record();
     assert_eq!(samples.len(), pneudrive_app::recorder::CAPACITY);
@@ -227,7 +235,7 @@ fn chunks_can_be_asked_for_again_and_beyond_the_end_is_refused() {
     assert_eq!(bench.ask(RequestBody::RecordRead { first: 0, count: 1 }), "Refused(NoRecord)");
     bench.armed(39, 1, 0);
     bench.done(RequestBody::Start);
-    bench.samples(40);
+    bench.samples(41);
     let chunk = |first, count| RequestBody::RecordRead { first, count };
     assert_eq!(bench.ask(chunk(30, 10)), bench.ask(chunk(30, 10)));
     for (first, count) in [(30, 11), (40, 1), (u32::MAX, 5), (0, 0)] {
@@ -273,8 +281,8 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
         "Config { first_id: 7, values: [1000, 2000] }"
     );
     assert_eq!(
-        bench.ask(RequestBody::ConfigGet { first_id: 28, count: 2 }),
-        "Refused(UnknownParameter { id: 29 })"
+        bench.ask(RequestBody::ConfigGet { first_id: 30, count: 2 }),
+        "Refused(UnknownParameter { id: 31 })"
     );
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
@@ -328,12 +336,12 @@ fn a_stop_is_off_at_the_very_next_output_also_between_a_sample_and_its_output() 
 
 #[test]
 fn a_late_or_missing_sample_trips_an_enabled_drive() {
-    for (delay_us, trips) in [(100, false), (101, true), (1300, true)] {
+    for (delay_us, trips) in [(100, false), (101, true), (1300, true), (-100, false), (-101, true)] {
         let mut bench = Bench::referenced();
         bench.armed(100, 1, 0);
         bench.done(RequestBody::Start);
         bench.samples(3);
-        bench.board.now_us += delay_us;
+        bench.board.now_us = bench.board.now_us.saturating_add_signed(delay_us);
         bench.samples(1);
         let expected = if trips { Mode::Fault(Fault::LateSample) } else { Mode::Running };
         assert_eq!(bench.mode(), expected, "{delay_us} us late");
@@ -402,4 +410,55 @@ fn names_of_tests_are_cut_at_a_character() {
     let name = "e".repeat(31) + "\u{e9}";
     bench.done(RequestBody::TestBegin { name: &name, duration_us: 1, decimation: 1, pre_trigger: 0 });
     assert_eq!(bench.app.control.test().name(), "e".repeat(31));
+}
+
+#[test]
+fn a_start_between_a_sample_and_its_output_does_not_lose_that_sample() {
+    let mut bench = Bench::referenced();
+    bench.armed(9, 1, 2);
+    bench.samples(4);
+    bench.app.control.on_sample(&mut bench.board);
+    let last_armed = bench.board.position;
+    bench.done(RequestBody::Start);
+    bench.app.control.on_output(&mut bench.board);
+    bench.board.now_us += 1300;
+    bench.samples(11);
+    let (first, samples) = bench.record();
+    assert_eq!((first, samples[1].position, samples[2].position), (-2, last_armed, last_armed + 3));
+    assert_eq!(samples.len(), 12);
+}
+
+#[test]
+fn a_reference_sets_the_counter_and_a_new_encoder_takes_the_reference_away() {
+    let mut bench = Bench::default();
+    bench.done(RequestBody::Reference { position_counts: 4000 });
+    bench.samples(1);
+    assert!(bench.ask(RequestBody::Status).contains("position: 4003"));
+    let set = |bench: &mut Bench, id, value: i32| {
+        let mut room = [0; 4];
+        bench.done(RequestBody::ConfigSet {
+            first_id: id,
+            values: Values::fill(&mut room, [value]).expect("room"),
+        });
+    };
+    set(&mut bench, id::VELOCITY_GAIN, 5);
+    assert!(bench.app.control.state().supervisor.is_referenced(), "a gain changes no counts");
+    set(&mut bench, id::ENCODER_INVERTED, 1);
+    bench.refused(RequestBody::Arm, Refusal::NotReferenced);
+}
+
+#[test]
+fn a_new_timing_takes_the_moves_with_it_and_a_change_the_record() {
+    let mut bench = Bench::referenced();
+    bench.armed(9, 1, 0);
+    bench.done(RequestBody::Start);
+    bench.samples(11);
+    bench.done(RequestBody::Disarm);
+    assert_eq!(bench.record().1.len(), 10);
+    let mut room = [0; 4];
+    let values = Values::fill(&mut room, [1400]).expect("room");
+    bench.done(RequestBody::ConfigSet { first_id: id::PERIOD_US, values });
+    assert_eq!(bench.ask(RequestBody::RecordRead { first: 0, count: 1 }), "Refused(NoRecord)");
+    bench.done(RequestBody::Arm);
+    bench.refused(RequestBody::Start, Refusal::NoMoves);
 }

@@ -32,7 +32,7 @@ mod guilty;
 probes! {
     probe_sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) =
         pneudrive_controller::sample(config, sequence, state, input);
-    probe_output(state: &State) -> Command = pneudrive_controller::output(state);
+    probe_output(config: &Config, state: &mut State) -> Command = pneudrive_controller::output(config, state);
     probe_state() -> State = State::default();
     probe_start(state: &mut State) -> Result<(), Refusal> = state.start();
 

@@ -1,7 +1,9 @@
 //! `pneudrive demo`: the whole job with no hardware.
 
+use std::path::{Path, PathBuf};
+
 use anyhow::Result;
-use pneudrive_sim::{Accuracy, run};
+use pneudrive_sim::{Accuracy, Rig, run};
 
 use super::overlay::overlay;
 use super::record::record;
@@ -11,8 +13,25 @@ use crate::cli::Demo;
 use crate::client::Client;
 use crate::report::Report;
 use crate::run_folder::{self, StoredRun};
+use crate::target::TargetFile;
 use crate::transient::Transient;
 use crate::virtual_rig::{Background, Door, Pace, VirtualRig};
+
+/// Runs the test of `model` on the rig at `port` and records it.
+fn on_the_rig(port: &str, model: &Rig, out: &Path) -> Result<(PathBuf, TargetFile)> {
+    let mut client = Client::connect(port)?;
+    let info = client.info()?;
+    say!("   {} on {port}: {}", info.board, info.firmware);
+
+    say!("2. the step test on it, over the real protocol");
+    run_test(&mut client, model, false)?;
+
+    say!("3. its transient, recorded");
+    let (path, target) = record(&mut client, out)?;
+    client.disarm()?;
+    say!("   {}: {} samples", path.display(), target.samples.len());
+    Ok((path, target))
+}
 
 pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let model = load_rig(&arguments.rig, &[])?;
@@ -22,20 +41,11 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     say!("1. a virtual rig: {} with true parameters within {percent} % of the file's", model.name());
     let pace = Pace { fast: true, live: false };
     let virtual_rig = VirtualRig::new(real, arguments.seed, pace)?;
-    let rig = Background::start(virtual_rig, Door::open("tcp:127.0.0.1:0")?)?;
-    let mut client = Client::connect(rig.port())?;
-    let info = client.info()?;
-    say!("   {} on {}: {}", info.board, rig.port(), info.firmware);
-
-    say!("2. the step test on it, over the real protocol");
-    run_test(&mut client, &model, false)?;
-
-    say!("3. its transient, recorded");
-    let (target_path, target) = record(&mut client, &arguments.out)?;
-    client.disarm()?;
-    drop(client);
+    let rig = Background::start(virtual_rig, Door::open("tcp:127.0.0.1:0")?);
+    let recorded = on_the_rig(rig.port(), &model, &arguments.out);
+    // Why the rig broke down says more than that its link broke.
     rig.stop()?;
-    say!("   {}: {} samples", target_path.display(), target.samples.len());
+    let (target_path, target) = recorded?;
 
     say!("4. the same test, simulated from the rig file");
     let run = run(&model, Accuracy::default())?;

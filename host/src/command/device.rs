@@ -26,7 +26,9 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Stop => {
             client.stop().map(|()| say!("stopped: the drive is disabled until `device arm`"))
         }
-        DeviceAction::Reference => client.reference().map(|()| say!("referenced")),
+        DeviceAction::Reference { counts } => {
+            client.reference(*counts).map(|()| say!("referenced: the axis stands at {counts} counts"))
+        }
         DeviceAction::Config(action) => config(&mut client, action),
     }
 }

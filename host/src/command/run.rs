@@ -9,6 +9,7 @@ use pneudrive_sim::Rig;
 use super::{Progress, load_rig};
 use crate::cli::Run;
 use crate::client::Client;
+use crate::words;
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = load_rig(&arguments.rig, &arguments.settings)?;
@@ -25,8 +26,14 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
 /// Downloads the test of a rig (with its parameters, if asked for), arms, starts and follows it.
 pub(super) fn run_test(client: &mut Client, rig: &Rig, with_parameters: bool) -> Result<()> {
     let status = client.status()?;
-    if status.mode == Mode::Running {
-        bail!("a run is on already; wait for its end, or stop it (`pneudrive device stop`)");
+    match status.mode {
+        Mode::Running => bail!("a run is on already; wait for its end, or stop it (`pneudrive device stop`)"),
+        Mode::Fault => bail!(
+            "the rig is in the fault {}: {}; make sure that it is safe, then leave the fault with `pneudrive device arm`",
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ),
+        _ => {}
     }
     client.disarm()?;
     if with_parameters {

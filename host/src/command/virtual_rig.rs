@@ -15,7 +15,7 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
         None => nominal,
     };
     let mut door = Door::open(&arguments.listen)?;
-    let port = door.port_name()?;
+    let port = door.port_name().to_owned();
     let name = rig.name().to_owned();
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;

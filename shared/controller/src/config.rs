@@ -2,7 +2,7 @@
 
 use core::num::NonZeroU32;
 
-use crate::drive::DacConfig;
+use crate::drive::{DacConfig, DriveConfig};
 use crate::estimator::EstimatorConfig;
 use crate::law::{LawConfig, LawKind, Loop};
 use crate::parameters::{Parameters, id};
@@ -19,8 +19,8 @@ pub struct Config {
     pub law: LawConfig,
     /// What trips the supervisor.
     pub limits: Limits,
-    /// How a command becomes a code; used by the board alone.
-    pub dac: DacConfig,
+    /// What drives the valve.
+    pub drive: DriveConfig,
     /// Whether the board turns the sign of its encoder.
     pub encoder_inverted: bool,
 }
@@ -98,7 +98,7 @@ impl Default for Config {
                 null_offset: 0,
             },
             limits: Limits { position_min: -249, position_max: 25_145, encoder_step: 540 },
-            dac: DacConfig { null_code: 2048, inverted: false },
+            drive: DriveConfig::Dac(DacConfig { null_code: 2048, inverted: false }),
             encoder_inverted: false,
         }
     }
@@ -139,10 +139,7 @@ impl Config {
             },
             law: law(parameters, &divisor)?,
             limits,
-            dac: DacConfig {
-                null_code: unsigned(id::NULL_CODE) as u16,
-                inverted: get(id::OUTPUT_INVERTED) != 0,
-            },
+            drive: drive(parameters),
             encoder_inverted: get(id::ENCODER_INVERTED) != 0,
         })
     }
@@ -166,6 +163,17 @@ fn law(
         scale: divisor(id::SCALE)?,
         null_offset: parameters.scalar(id::NULL_OFFSET_COUNTS) as i16,
     })
+}
+
+fn drive(parameters: &Parameters) -> DriveConfig {
+    if parameters.scalar(id::STEPPER) == 0 {
+        DriveConfig::Dac(DacConfig {
+            null_code: parameters.scalar(id::NULL_CODE).unsigned_abs() as u16,
+            inverted: parameters.scalar(id::OUTPUT_INVERTED) != 0,
+        })
+    } else {
+        DriveConfig::Stepper { max_steps: parameters.scalar(id::MAX_STEPS) as i16 }
+    }
 }
 
 fn ensure(holds: bool, error: ConfigError) -> Result<(), ConfigError> {
@@ -215,9 +223,16 @@ mod tests {
         );
         assert_eq!((config.law.velocity_dead_band, config.law.dead_band), (5, 6));
         assert_eq!((config.law.null_offset, config.law.profile_span.get()), (-7, 8));
-        assert!(config.dac.inverted && config.encoder_inverted);
+        assert!(config.encoder_inverted);
+        assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: 2048, inverted: true }));
         assert_eq!((config.timing.late_sample_us, config.timing.host_silence_ms), (9, 10));
         assert_eq!(config.limits.encoder_step, 11);
+    }
+
+    #[test]
+    fn a_stepper_is_a_drive_stage_of_its_own() {
+        let config = with(&[(id::STEPPER, 1), (id::MAX_STEPS, 12)]).expect("they go together");
+        assert_eq!(config.drive, DriveConfig::Stepper { max_steps: 12 });
     }
 
     #[test]

@@ -1,13 +1,27 @@
-//! The drive stage of a solenoid valve: a 12-bit DAC (thesis 6.3.2.2).
+//! The drive stages: what becomes of a command at the output instant.
 //!
-//! The law's demand is limited to +-2048 counts. What the board writes to its converter is
-//! `clamp(null_code + polarity * counts, 0, 4095)`; only the board forms it.
+//! - **DAC** (solenoid valve, thesis 6.3.2.2): the command in counts of a 12-bit converter. The board
+//!   writes `clamp(null_code + polarity * counts, 0, 4095)`; only the board forms that code.
+//! - **Stepper** (thesis 6.3.2.1): the command is a spool location in steps. One pulse a sample goes
+//!   toward it, and the location is kept in SPLLOC, since nothing measures it.
 
-/// The largest command, counts: half the range of a 12-bit converter.
+/// The largest command of a DAC, counts: half the range of a 12-bit converter.
 pub const MAX_COUNTS: i16 = 2048;
 
 /// The largest code of the converter.
 pub const MAX_CODE: u16 = 4095;
+
+/// What drives the valve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveConfig {
+    /// A converter, for a solenoid.
+    Dac(DacConfig),
+    /// A translator of step pulses.
+    Stepper {
+        /// Furthest location from mid-travel, steps; at most [`MAX_COUNTS`].
+        max_steps: i16,
+    },
+}
 
 /// How commands become codes of the converter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,9 +32,22 @@ pub struct DacConfig {
     pub inverted: bool,
 }
 
-/// The demand within the limits of the DAC: -[`MAX_COUNTS`] to [`MAX_COUNTS`].
-pub(crate) fn limit(demand: i32) -> i16 {
-    demand.clamp(-i32::from(MAX_COUNTS), i32::from(MAX_COUNTS)) as i16
+impl DriveConfig {
+    /// The largest command to either side: counts of a DAC, steps of a stepper.
+    #[must_use]
+    pub fn largest(&self) -> i16 {
+        match self {
+            DriveConfig::Dac(_) => MAX_COUNTS,
+            DriveConfig::Stepper { max_steps } => *max_steps,
+        }
+    }
+
+    /// The demand within the limits of the stage.
+    pub(crate) fn limit(&self, demand: i32) -> i16 {
+        let largest = i32::from(self.largest());
+        // Not clamp(): it panics for limits that have crossed, and this path must not.
+        demand.min(largest).max(-largest) as i16
+    }
 }
 
 impl DacConfig {
@@ -33,26 +60,65 @@ impl DacConfig {
     }
 }
 
+/// Where the spool of a stepper valve is: SPLLOC, steps from mid-travel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SpoolLocation(i16);
+
+impl SpoolLocation {
+    /// Steps from mid-travel.
+    #[must_use]
+    pub fn steps(self) -> i16 {
+        self.0
+    }
+
+    /// The pulse toward `target`: -1, 0 or 1; the location is kept.
+    pub(crate) fn step_toward(&mut self, target: i16) -> i8 {
+        let step = (i32::from(target) - i32::from(self.0)).signum();
+        self.0 = self.0.saturating_add(step as i16);
+        step as i8
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const DAC: DacConfig = DacConfig { null_code: 2048, inverted: false };
+
     #[test]
-    fn the_demand_is_limited_to_the_range_of_the_converter() {
+    fn the_demand_is_limited_to_the_range_of_the_stage() {
         for (demand, counts) in
             [(0, 0), (2047, 2047), (2048, 2048), (2049, 2048), (-2049, -2048), (i32::MIN, -2048)]
         {
-            assert_eq!(limit(demand), counts);
+            assert_eq!(DriveConfig::Dac(DAC).limit(demand), counts);
+        }
+        let stepper = DriveConfig::Stepper { max_steps: 40 };
+        for (demand, steps) in [(0, 0), (40, 40), (41, 40), (-40, -40), (i32::MIN, -40)] {
+            assert_eq!(stepper.limit(demand), steps);
         }
     }
 
     #[test]
     fn null_is_the_null_code_and_polarity_turns_the_sign() {
-        let normal = DacConfig { null_code: 2048, inverted: false };
-        let inverted = DacConfig { null_code: 2048, inverted: true };
-        assert_eq!((normal.code(0), inverted.code(0)), (2048, 2048));
-        assert_eq!((normal.code(100), inverted.code(100)), (2148, 1948));
-        assert_eq!((normal.code(2048), normal.code(-2048)), (4095, 0));
+        let inverted = DacConfig { inverted: true, ..DAC };
+        assert_eq!((DAC.code(0), inverted.code(0)), (2048, 2048));
+        assert_eq!((DAC.code(100), inverted.code(100)), (2148, 1948));
+        assert_eq!((DAC.code(2048), DAC.code(-2048)), (4095, 0));
         assert_eq!((inverted.code(i16::MIN), inverted.code(i16::MAX)), (4095, 0));
+    }
+
+    #[test]
+    fn a_stepper_goes_one_pulse_a_sample_and_stays_at_its_target() {
+        let mut location = SpoolLocation::default();
+        let pulses: [i8; 5] = core::array::from_fn(|_| location.step_toward(3));
+        assert_eq!((pulses, location.steps()), ([1, 1, 1, 0, 0], 3));
+        assert_eq!((location.step_toward(-1), location.steps()), (-1, 2));
+    }
+
+    #[test]
+    fn the_ends_of_the_number_range_do_not_overflow() {
+        let mut location = SpoolLocation(i16::MAX);
+        assert_eq!((location.step_toward(i16::MAX), location.steps()), (0, i16::MAX));
+        assert_eq!((location.step_toward(i16::MIN), location.steps()), (-1, i16::MAX - 1));
     }
 }

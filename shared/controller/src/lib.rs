@@ -21,7 +21,7 @@
 //! | [`sequencer`] | timed moves: which setpoint is in force |
 //! | [`law`] | error, velocity and acceleration to an unlimited demand |
 //! | [`supervisor`] | modes, limits, fault latch: the last word on every command |
-//! | [`drive`] | the drive stage: limits of the DAC, and its code |
+//! | [`drive`] | the drive stages: counts of a DAC, pulses of a stepper |
 //!
 //! # What is promised
 //!
@@ -48,6 +48,7 @@ pub use sequencer::{Move, Sequence};
 pub use signal::{Command, Observation, Sample};
 pub use supervisor::{Fault, Mode, Refusal};
 
+use drive::{DriveConfig, SpoolLocation};
 use estimator::Estimator;
 use sequencer::Sequencer;
 use supervisor::Supervisor;
@@ -60,6 +61,7 @@ pub struct State {
     /// Modes, faults and the reference flag; requests go to it directly (`arm`, `start`, `stop`...).
     pub supervisor: Supervisor,
     observation: Observation,
+    location: SpoolLocation,
 }
 
 impl State {
@@ -69,14 +71,15 @@ impl State {
         &self.observation
     }
 
-    /// Arms, runs from k = 0 at the next sample, or says why not.
+    /// Runs from k = 0 at the next sample, or says why not.
     ///
     /// # Errors
     /// The [`Refusal`] that names what forbids the start.
     pub fn start(&mut self) -> Result<(), Refusal> {
-        self.supervisor.start()?;
+        self.supervisor.start(self.location)?;
         self.sequencer = Sequencer::default();
         self.estimator = Estimator::default();
+        self.observation = Observation::default();
         Ok(())
     }
 }
@@ -88,13 +91,17 @@ impl State {
 /// velocity and acceleration of a drive at rest are zero from the first sample on.
 pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) {
     let motion = state.estimator.update(&config.estimator, input.position);
+    if state.sequencer.is_over(sequence) {
+        state.supervisor.finish();
+    }
     let running = state.supervisor.mode() == Mode::Running;
     let setpoint = if running { state.sequencer.advance(sequence) } else { state.sequencer.setpoint() };
     let error = law::error(&config.law, setpoint, motion.position);
     let demand = law::demand(&config.law, setpoint, error, &motion);
     state.supervisor.watch(&config.limits, &motion);
-    let command = state.supervisor.permit(&config.law, drive::limit(demand));
+    let command = state.supervisor.permit(&config.law, config.drive.limit(demand));
     state.observation = Observation {
+        running,
         index: state.sequencer.index(),
         position: motion.position,
         velocity: motion.velocity,
@@ -104,22 +111,25 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
         command,
         pressure_1: input.pressure_1,
         pressure_2: input.pressure_2,
-        spool: input.spool,
+        spool: match config.drive {
+            DriveConfig::Dac(_) => input.spool,
+            DriveConfig::Stepper { .. } => state.location.steps(),
+        },
     };
-    if running && state.sequencer.is_over(sequence) {
-        state.supervisor.finish();
-    }
 }
 
 /// The second interrupt: what the drive stage does now, `delay` after the sample.
 ///
-/// A trip between the two calls (a stop request, a fault of the board) acts here: the command of a
-/// drive that may not move is null with the output disabled.
+/// The supervisor is asked again, since requests come between the two calls: after a stop the output
+/// is disabled, after an arming it is null, whatever the sample was made into. A stepper then walks to
+/// mid-travel one pulse a sample.
 #[must_use]
-pub fn output(state: &State) -> Command {
-    if state.supervisor.drives() {
-        Command { counts: state.observation.command, drive_enable: true }
-    } else {
-        Command::OFF
-    }
+pub fn output(config: &Config, state: &mut State) -> Command {
+    let drive_enable = state.supervisor.drives();
+    let counts = state.supervisor.permit(&config.law, state.observation.command);
+    let step = match config.drive {
+        DriveConfig::Dac(_) => 0,
+        DriveConfig::Stepper { .. } => state.location.step_toward(counts),
+    };
+    Command { counts, step, drive_enable }
 }

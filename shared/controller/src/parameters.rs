@@ -37,6 +37,8 @@ pub mod id {
     pub const PRESSURE_MAX_PA: u16 = 26;
     pub const SPOOL_MIN_NM: u16 = 27;
     pub const SPOOL_MAX_NM: u16 = 28;
+    pub const STEPPER: u16 = 29;
+    pub const MAX_STEPS: u16 = 30;
     /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
     pub const GAIN_PROFILE: u16 = 256;
 }
@@ -89,7 +91,7 @@ const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
 #[rustfmt::skip]
-pub static TABLE: [Parameter; 29] = [
+pub static TABLE: [Parameter; 31] = [
     scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
     scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
     scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
@@ -118,6 +120,8 @@ pub static TABLE: [Parameter; 29] = [
     scalar!(PRESSURE_MAX_PA, "pressure_max_pa", "Pa", 1, i32::MAX, 1_000_000, "", "Absolute pressure at full scale."),
     scalar!(SPOOL_MIN_NM, "spool_min_nm", "nm", i32::MIN, i32::MAX, -1_250_000, "", "Spool displacement at raw 0."),
     scalar!(SPOOL_MAX_NM, "spool_max_nm", "nm", i32::MIN, i32::MAX, 1_250_000, "", "Spool displacement at full scale."),
+    scalar!(STEPPER, "stepper", "", 0, 1, 0, "L(22)", "0: a DAC drives the valve. 1: a stepper does."),
+    scalar!(MAX_STEPS, "max_steps", "steps", 1, COMMAND_MAX, 40, "L(20)", "Furthest location of a stepper from mid-travel."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

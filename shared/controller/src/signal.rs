@@ -16,21 +16,26 @@ pub struct Sample {
 /// What the drive stage shall do from the output instant on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Command {
-    /// Valve command, -2048 to 2048 counts; positive means extension, 0 is the valve's null.
+    /// Valve command; positive means extension, 0 is the valve's null. DAC: -2048 to 2048 counts.
+    /// Stepper: the spool location asked for, steps.
     pub counts: i16,
+    /// Stepper: the pulse to give now, -1, 0 or 1. DAC: 0.
+    pub step: i8,
     /// The drive's enable line: gates the valve amplifier and, where there is one, the dump valve.
     pub drive_enable: bool,
 }
 
 impl Command {
     /// Null command, drive disabled: the safe output.
-    pub const OFF: Command = Command { counts: 0, drive_enable: false };
+    pub const OFF: Command = Command { counts: 0, step: 0, drive_enable: false };
 }
 
 /// A sample and what the controller made of it. The recorder's six channels and the telemetry are
 /// taken from here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Observation {
+    /// Whether the sample belongs to a run: the recorder stores those.
+    pub running: bool,
     /// k: the number of this sample since the start of the run (0 before one).
     pub index: u32,
     /// Encoder count.
@@ -43,12 +48,12 @@ pub struct Observation {
     pub setpoint: i32,
     /// Setpoint less position, saturated to 32 bits; 0 in open loop, which has no error.
     pub error: i32,
-    /// The command computed from this sample, -2048 to 2048 counts.
+    /// The command computed from this sample: counts of a DAC, steps of a stepper.
     pub command: i16,
     /// Chamber 1 pressure, raw.
     pub pressure_1: i16,
     /// Chamber 2 pressure, raw.
     pub pressure_2: i16,
-    /// Spool displacement, raw.
+    /// Spool displacement, raw; for a stepper SPLLOC at the sample, steps.
     pub spool: i16,
 }

@@ -13,6 +13,7 @@
 //!
 //! This is not a safety-rated function: a machine needs a hardware emergency stop.
 
+use crate::drive::SpoolLocation;
 use crate::estimator::Motion;
 use crate::law::{LawConfig, Loop};
 
@@ -88,12 +89,20 @@ pub enum Refusal {
     NotDisarmed = 4,
     /// There is no move to run.
     NoMoves = 5,
+    /// The spool of a stepper valve is still on its way to mid-travel.
+    ValveNotAtNull = 6,
 }
 
 impl Refusal {
     /// Every refusal, in the order of the codes.
-    pub const ALL: [Refusal; 5] =
-        [Refusal::NotArmed, Refusal::Running, Refusal::NotReferenced, Refusal::NotDisarmed, Refusal::NoMoves];
+    pub const ALL: [Refusal; 6] = [
+        Refusal::NotArmed,
+        Refusal::Running,
+        Refusal::NotReferenced,
+        Refusal::NotDisarmed,
+        Refusal::NoMoves,
+        Refusal::ValveNotAtNull,
+    ];
 
     /// The sent code.
     #[must_use]
@@ -144,6 +153,11 @@ impl Supervisor {
         self.referenced = true;
     }
 
+    /// Counts mean nothing any more, until the next reference.
+    pub fn clear_referenced(&mut self) {
+        self.referenced = false;
+    }
+
     /// Whether the drive is enabled.
     #[must_use]
     pub fn drives(&self) -> bool {
@@ -177,8 +191,9 @@ impl Supervisor {
     /// # Errors
     /// When the drive is not armed. From the disarmed mode this also trips: something means to move
     /// a cylinder that nobody has armed.
-    pub(crate) fn start(&mut self) -> Result<(), Refusal> {
+    pub(crate) fn start(&mut self, location: SpoolLocation) -> Result<(), Refusal> {
         match self.mode {
+            Mode::Armed if location != SpoolLocation::default() => Err(Refusal::ValveNotAtNull),
             Mode::Armed => {
                 self.mode = Mode::Running;
                 Ok(())

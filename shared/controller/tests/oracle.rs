@@ -51,7 +51,7 @@ fn agree(changes: &[(u16, i32)], setpoint: i32, positions: &[i32]) {
         sample(&config, &sequence, &mut state, &Sample { position, ..Sample::default() });
         let expected = oracle(&parameters, f64::from(setpoint), &history);
         assert_eq!(
-            f64::from(output(&state).counts),
+            f64::from(output(&config, &mut state).counts),
             expected,
             "{changes:?}, setpoint {setpoint}, positions {history:?}"
         );

@@ -108,11 +108,12 @@ proptest! {
                 Event::Trip(fault) => state.supervisor.trip(fault),
                 Event::Reference => state.supervisor.set_referenced(),
             }
-            let command = output(&state);
+            let command = output(&config, &mut state);
             let after = state.supervisor.mode();
             prop_assert!((-2048..=2048).contains(&command.counts));
+            prop_assert!(command.counts.unsigned_abs() <= config.drive.largest().unsigned_abs());
             if matches!(after, Mode::Disarmed | Mode::Fault(_)) {
-                prop_assert_eq!(command, Command::OFF);
+                prop_assert_eq!(Command { step: 0, ..command }, Command::OFF);
             }
             if matches!(before, Mode::Fault(_)) && before != after {
                 prop_assert!(matches!(event, Event::Arm), "only arm leaves a fault");
@@ -147,7 +148,7 @@ proptest! {
         for position in path {
             sample(&config, &one_move(setpoint), &mut state, &Sample { position, ..Sample::default() });
             sample(&config, &one_move(-setpoint), &mut mirror, &Sample { position: -position, ..Sample::default() });
-            prop_assert_eq!(output(&state).counts, -output(&mirror).counts);
+            prop_assert_eq!(output(&config, &mut state).counts, -output(&config, &mut mirror).counts);
         }
     }
 
@@ -160,10 +161,10 @@ proptest! {
         let sequence = one_move(8192);
         let mut state = running(&config);
         sample(&config, &sequence, &mut state, &Sample { position: start, ..Sample::default() });
-        prop_assert!(output(&state).drive_enable);
+        prop_assert!(output(&config, &mut state).drive_enable);
         let position = if down { start - step } else { start + step };
         sample(&config, &sequence, &mut state, &Sample { position, ..Sample::default() });
-        prop_assert_eq!(output(&state), Command::OFF);
+        prop_assert_eq!(output(&config, &mut state), Command::OFF);
         prop_assert_eq!(state.supervisor.mode(), Mode::Fault(Fault::EncoderStep));
         prop_assert_eq!(state.observation().index, 1, "the sample that tripped has its own number");
     }
@@ -177,7 +178,7 @@ proptest! {
         let mut state = running(&config);
         let input = Sample { position: input.position.max(-i32::MAX), ..input };
         sample(&config, &one_move(target), &mut state, &input);
-        prop_assert_eq!(i32::from(output(&state).counts), target.clamp(-2048, 2048));
+        prop_assert_eq!(i32::from(output(&config, &mut state).counts), target.clamp(-2048, 2048));
         prop_assert_eq!(state.observation().error, 0);
     }
 }
@@ -217,9 +218,11 @@ fn a_closed_loop_holds_its_last_setpoint_when_done_and_an_open_loop_goes_to_null
             sample(&config, &sequence, &mut state, &input);
             assert_eq!(state.observation().index, k);
         }
-        assert_eq!(state.supervisor.mode(), Mode::Done);
+        assert_eq!(state.supervisor.mode(), Mode::Running, "until the output of sample 5 is over");
         sample(&config, &sequence, &mut state, &input);
-        assert_eq!(output(&state), Command { counts: held, drive_enable: true });
+        assert_eq!(state.supervisor.mode(), Mode::Done);
+        assert!(!state.observation().running);
+        assert_eq!(output(&config, &mut state), Command { counts: held, step: 0, drive_enable: true });
     }
 }
 
@@ -230,7 +233,7 @@ fn an_armed_drive_stands_at_null_whatever_the_error() {
     state.supervisor.set_referenced();
     state.supervisor.arm(Loop::Closed).expect("referenced");
     sample(&config, &one_move(9000), &mut state, &Sample { position: 5000, ..Sample::default() });
-    assert_eq!(output(&state), Command { counts: 0, drive_enable: true });
+    assert_eq!(output(&config, &mut state), Command { counts: 0, step: 0, drive_enable: true });
 }
 
 #[test]
@@ -261,7 +264,7 @@ fn codes_of_faults_and_refusals_are_fixed_and_unique() {
     }
     assert_eq!(Fault::from_code(0), None);
     let refusals = Refusal::ALL.map(Refusal::code);
-    assert_eq!(refusals, [1, 2, 3, 4, 5]);
+    assert_eq!(refusals, [1, 2, 3, 4, 5, 6]);
     for refusal in Refusal::ALL {
         assert_eq!(Refusal::from_code(refusal.code()), Some(refusal));
     }
@@ -275,7 +278,7 @@ fn a_start_begins_anew_at_sample_zero_with_a_fresh_history() {
     let config = Config::new(&parameters).expect("they go together");
     let sequence = one_move(1000);
     let mut state = running(&config);
-    for position in [0, 300, 600, 1000, 1300, 1600] {
+    for position in [0, 300, 600, 1000, 1300, 1600, 1900] {
         sample(&config, &sequence, &mut state, &Sample { position, ..Sample::default() });
     }
     assert_eq!(state.supervisor.mode(), Mode::Done);
@@ -285,4 +288,59 @@ fn a_start_begins_anew_at_sample_zero_with_a_fresh_history() {
     sample(&config, &sequence, &mut state, &Sample { position: 1000, ..Sample::default() });
     let seen = state.observation();
     assert_eq!((seen.index, seen.velocity, seen.acceleration, seen.command), (0, 0, 0, 0));
+}
+
+/// A rig with a stepper, running towards a setpoint far away.
+fn stepper_at_work() -> (Config, Sequence, State) {
+    let mut parameters = wide_open();
+    parameters.set(id::STEPPER, 1).expect("in range");
+    let config = Config::new(&parameters).expect("they go together");
+    let (sequence, mut state) = (one_move(20_000), running(&config));
+    for k in 1..=5 {
+        sample(&config, &sequence, &mut state, &Sample::default());
+        let command = output(&config, &mut state);
+        assert_eq!(command, Command { counts: 40, step: 1, drive_enable: true });
+        assert_eq!(state.observation().spool, k - 1, "SPLLOC at the sample");
+    }
+    (config, sequence, state)
+}
+
+#[test]
+fn a_tripped_stepper_gets_target_zero_at_once_and_walks_there_one_pulse_a_sample() {
+    let (config, sequence, mut state) = stepper_at_work();
+    state.supervisor.trip(Fault::Stop);
+    let pulses: [i8; 7] = core::array::from_fn(|_| {
+        let command = output(&config, &mut state);
+        assert_eq!((command.counts, command.drive_enable), (0, false));
+        sample(&config, &sequence, &mut state, &Sample::default());
+        command.step
+    });
+    assert_eq!(pulses, [-1, -1, -1, -1, -1, 0, 0]);
+}
+
+#[test]
+fn a_stepper_that_is_not_at_null_yet_does_not_start() {
+    let (config, _, mut state) = stepper_at_work();
+    state.supervisor.disarm();
+    state.supervisor.arm(Loop::Closed).expect("referenced");
+    assert_eq!(state.start(), Err(Refusal::ValveNotAtNull));
+    let pulses: [i8; 6] = core::array::from_fn(|_| output(&config, &mut state).step);
+    assert_eq!(pulses, [-1, -1, -1, -1, -1, 0], "armed is null at once, whatever the last sample asked for");
+    assert_eq!(state.start(), Ok(()));
+}
+
+/// Stop and arm may both come between a sample and its output. Once the command of the stopped run
+/// was driven then, with the drive enabled.
+#[test]
+fn a_drive_that_is_re_armed_between_a_sample_and_its_output_is_at_null() {
+    let config = Config::new(&Parameters::default()).expect("defaults");
+    let mut state = running(&config);
+    sample(&config, &one_move(9000), &mut state, &Sample { position: 5000, ..Sample::default() });
+    assert_ne!(state.observation().command, 0);
+    state.supervisor.trip(Fault::Stop);
+    state.supervisor.arm(Loop::Closed).expect("referenced");
+    let null = Command { counts: 0, step: 0, drive_enable: true };
+    assert_eq!(output(&config, &mut state), null);
+    state.start().expect("armed");
+    assert_eq!(output(&config, &mut state), null, "nothing is driven before the first sample of a run");
 }

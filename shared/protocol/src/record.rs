@@ -65,6 +65,12 @@ impl RecordedSample {
 #[derive(Clone)]
 pub struct RecordCrc(Digest<'static, u32>);
 
+impl core::fmt::Debug for RecordCrc {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "RecordCrc({:08x})", self.clone().finish())
+    }
+}
+
 impl Default for RecordCrc {
     fn default() -> Self {
         RecordCrc::new()

@@ -9,7 +9,7 @@ impl Hybrid<2, 0, 0> for Oscillator {
     fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
         [x[1], -x[0]]
     }
-    fn guards(&self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+    fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
         []
     }
     fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
@@ -50,7 +50,7 @@ impl Hybrid<1, 0, 0> for Riccati {
     fn derivative(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
         [x[0] * x[0]]
     }
-    fn guards(&self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+    fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
         []
     }
     fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
@@ -114,7 +114,7 @@ impl Hybrid<2, 1, 0> for Ball {
     fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
         [x[1], -10.0]
     }
-    fn guards(&self, _: f64, x: &[f64; 2]) -> [f64; 1] {
+    fn guards(&mut self, _: f64, x: &[f64; 2]) -> [f64; 1] {
         [x[0]]
     }
     fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
@@ -150,7 +150,7 @@ impl Hybrid<1, 1, 0> for Dip {
     fn derivative(&mut self, _: f64, _: &[f64; 1]) -> [f64; 1] {
         [1.0]
     }
-    fn guards(&self, _: f64, x: &[f64; 1]) -> [f64; 1] {
+    fn guards(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
         [(x[0] - 0.6) * (x[0] - 0.6) - 0.0001]
     }
     fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
@@ -180,7 +180,7 @@ impl Hybrid<1, 0, 0> for Broken {
     fn derivative(&mut self, t: f64, _: &[f64; 1]) -> [f64; 1] {
         [if t > 0.5 { f64::NAN } else { 1.0 }]
     }
-    fn guards(&self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+    fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
         []
     }
     fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {

@@ -3,6 +3,8 @@
 
 use super::read::Reader;
 use super::{Rig, Value, whole_microseconds};
+use pneudrive_controller::Config;
+use pneudrive_controller::parameters::lookup;
 use pneudrive_controller::sequencer::MAX_MOVES;
 
 impl Reader<'_> {
@@ -15,6 +17,22 @@ impl Reader<'_> {
         self.check_sensors(rig);
         self.check_moves(rig);
         self.check_start(rig);
+        self.check_controller(rig);
+    }
+
+    /// The controller must take what the rig makes of its keys.
+    fn check_controller(&mut self, rig: &Rig) {
+        if !self.is_clean() {
+            return;
+        }
+        match rig.try_parameters().map(|parameters| Config::new(&parameters)) {
+            Ok(Ok(_)) => {}
+            Ok(Err(error)) => self.problem_at_key("controller", error.advice().to_owned()),
+            Err((id, value)) => {
+                let name = lookup(id).map_or("?", |parameter| parameter.name);
+                self.problem_at_key("controller", format!("its parameter {name} cannot be {value}"));
+            }
+        }
     }
 
     /// `lower` must not be above `upper` (with `strictly`: must be below it).

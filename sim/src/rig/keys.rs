@@ -263,7 +263,7 @@ pub static KEYS: &[Key] = &[
     integer("sensors.bits", 12, 8, 15, "", "Width of the converter."),
     number("sensors.noise_counts", 0.0, 0.0, 1000.0, "", "Standard deviation of the converter's noise."),
 
-    choice("operator.model", &[("solenoid", true), ("solenoid-empirical", false), ("stepper", false), ("on-off", false)], "L(2)", "What moves the spool."),
+    choice("operator.model", &[("solenoid", true), ("solenoid-empirical", true), ("stepper", true), ("on-off", true)], "L(2)", "What moves the spool."),
     number("operator.force_gain_n_per_mm", 25.0, 1e-3, 1e5, "C(81)", "Force of the coil per mm of command.").of(&["solenoid"]).spread(),
     number("operator.spring_n_per_mm", 25.0, 1e-3, 1e5, "C(82)", "Stiffness of the spool's spring.").of(&["solenoid"]).spread(),
     number("operator.spring_preload_n", 25.0, 0.0, 1e5, "C(83)", "Compression of the spring at mid-travel, which the mid-range of the coil balances.").of(&["solenoid"]),
@@ -286,7 +286,7 @@ pub static KEYS: &[Key] = &[
     number("operator.stop_damping_ratio", 0.5, 0.0, 10.0, "", "Damping ratio of the stops.").of(&["solenoid"]),
     number("operator.switch_time_s", 0.0, 0.0, 1.0, "", "Time from state to state of an on-off valve.").of(&["on-off"]),
 
-    choice("valve.model", &[("flow-node", true), ("single-restriction", false), ("multiple-flow-node", false), ("iso-6358", false)], "L(16)", "How the flows through the valve are formed."),
+    choice("valve.model", &[("flow-node", true), ("single-restriction", true), ("multiple-flow-node", false), ("iso-6358", false)], "L(16)", "How the flows through the valve are formed."),
     choice("valve.flow_force", &[("none", true), ("experimental", false), ("analytical", false)], "L(16)=4,5", "Force of the flow on the spool."),
     number("valve.spool_travel_mm", 1.0, 0.01, 100.0, "C(3)", "Travel of the spool to either side; also what a command of 2048 asks for."),
     number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap."),
@@ -319,7 +319,7 @@ pub static KEYS: &[Key] = &[
     number("actuator.rod_diameter_m", 0.025, 0.0, 2.0, "C(16)", "Diameter of the rod: on one side (asymmetric) or on both (symmetric).").of(&["asymmetric", "symmetric"]),
     number("actuator.residual_volume_1_m3", 2e-5, 1e-9, 1.0, "C(35)", "Dead volume of chamber 1 with its tube.").spread(),
     number("actuator.residual_volume_2_m3", 2e-5, 1e-9, 1.0, "C(36)", "Dead volume of chamber 2 with its tube.").spread(),
-    choice("actuator.leakage", &[("none", true), ("laminar", false), ("adiabatic", false)], "L(18)", "Leakage past the piston."),
+    choice("actuator.leakage", &[("none", true), ("laminar", true), ("adiabatic", true)], "L(18)", "Leakage past the piston."),
     number("actuator.leakage_coefficient", 0.0, 0.0, 1.0, "C(55)", "Laminar leakage, kg/(s Pa)."),
     number("actuator.passage_resistance", 20.0, 1e-3, 1e6, "C(56)", "Egli's resistance of the leakage passage."),
     number("actuator.passage_clearance_m", 1e-5, 1e-9, 1e-2, "C(57)", "Clearance of the leakage passage; the thesis's table has 1e-4, a slip."),

@@ -66,6 +66,7 @@ impl Rig {
         for setting in settings {
             reader.setting(&mut rig, setting);
         }
+        rig.choose_scale();
         if reader.problems.is_empty() {
             reader.check(&rig);
         }
@@ -74,6 +75,14 @@ impl Rig {
 }
 
 impl Rig {
+    /// The scale of the law follows the drive stage where the file does not give it (6.3.3).
+    fn choose_scale(&mut self) {
+        let scale = Rig::index("controller.scale");
+        if self.word("operator.model") == "stepper" && !self.set[scale] {
+            self.values[scale] = Some(Value::Integer(65_536));
+        }
+    }
+
     /// The rig, if all that must hold between its keys does; `source` is for messages.
     pub(super) fn checked(self, source: &str) -> Result<Rig, Problems> {
         let mut reader = Reader { source, text: "", lines: vec![None; KEYS.len()], problems: Vec::new() };
@@ -87,6 +96,11 @@ impl Reader<'_> {
     pub(super) fn problem_at_key(&mut self, path: &str, message: String) {
         let line = KEYS.iter().position(|key| key.path == path).and_then(|i| self.lines[i]);
         self.problem(line, path, message);
+    }
+
+    /// Whether nothing wrong was found so far.
+    pub(super) fn is_clean(&self) -> bool {
+        self.problems.is_empty()
     }
 
     fn problem(&mut self, line: Option<usize>, key: &str, message: String) {
@@ -170,6 +184,10 @@ impl Reader<'_> {
         } else {
             self.item(rig, path, None, &Item::Value(value));
         }
+        // What is typed last holds: targets replace the moves of the file.
+        if path == "test.targets" {
+            rig.set[Rig::index("test.moves")] = false;
+        }
         self.source = source;
     }
 }
@@ -245,7 +263,12 @@ fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
         Kind::Number { min, max } => number(key, item, min, max),
         Kind::Integer { min, max } => whole(key, item, min, max).map(Value::Integer),
         Kind::Switch => item.as_bool().map(Value::Switch).ok_or_else(|| "must be true or false".to_owned()),
-        Kind::Text => text(item, "must be a text in quotes").map(Value::Word),
+        Kind::Text => text(item, "must be a text in quotes")
+            .and_then(|text| {
+                let one_line = !text.contains(char::is_control);
+                one_line.then_some(text).ok_or_else(|| "must be one line".to_owned())
+            })
+            .map(Value::Word),
         Kind::Choice(options) => word(key, item, options),
         Kind::Integers { min, max, most } => integers(key, item, min, max, most),
         Kind::Moves => moves(item),

@@ -7,9 +7,15 @@ use super::keys::{KEYS, Kind};
 use super::{Rig, Value};
 
 /// Why a spread was refused.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("a spread must lie between 0 and 50 %, is {} %", .0 * 100.0)]
-pub struct SpreadError(f64);
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SpreadError {
+    /// The fraction is none that can be meant.
+    #[error("a spread must lie between 0 and 50 %, is {} %", .0 * 100.0)]
+    Fraction(f64),
+    /// The rig that was drawn is not valid: the file's values lie too close to a limit.
+    #[error("the rig that was drawn is not valid; choose a smaller spread\n{0}")]
+    Invalid(#[from] super::Problems),
+}
 
 /// ADC noise of a rig with a spread, counts: what a good 12-bit converter shows.
 const NOISE_COUNTS: f64 = 1.0;
@@ -20,10 +26,10 @@ impl Rig {
     /// the test stay as they are. The same seed draws the same rig.
     ///
     /// # Errors
-    /// For a fraction outside 0 to 0.5.
+    /// For a fraction outside 0 to 0.5, and when the rig that was drawn is not valid.
     pub fn spread(&self, fraction: f64, seed: u64) -> Result<Rig, SpreadError> {
         if !(0.0..=0.5).contains(&fraction) {
-            return Err(SpreadError(fraction));
+            return Err(SpreadError::Fraction(fraction));
         }
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut rig = self.clone();
@@ -38,7 +44,7 @@ impl Rig {
         rig.keep_coulomb_below_static();
         let noise = Rig::index("sensors.noise_counts");
         rig.values[noise] = Some(Value::Number(self.number("sensors.noise_counts").max(NOISE_COUNTS)));
-        Ok(rig)
+        Ok(rig.checked("the rig that was drawn")?)
     }
 
     fn keep_coulomb_below_static(&mut self) {

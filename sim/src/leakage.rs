@@ -1,0 +1,145 @@
+//! Leakage past the piston, from chamber 1 to chamber 2 (thesis 6.1.2).
+//!
+//! ```text
+//! mdot_L = K_L (P_1 - P_2)                                          laminar     (6.26, 6.27)
+//! mdot_L = +- sigma F P_o / sqrt(R T_o)                             adiabatic   (6.28 to 6.30)
+//! sigma  = sqrt((1 - r^2) / R_ch),   r = P_low/P_high <= 1,   R_ch = L_nh s/h
+//! F      = pi D h                                                   bore D, clearance h
+//! ```
+//!
+//! o is the source, the chamber of the higher pressure. The adiabatic law is Egli's, for narrow
+//! channels; it does not choke, but sigma ends at sqrt(1/R_ch). The thesis estimates s = 10 mm,
+//! h = 10 um and L_nh = 0.02, so R_ch = 20; its C(57) = 0.1 mm contradicts that and would leak like an
+//! open valve, and F is not stated (EQUATIONS section 5).
+//!
+//! At P_1 = P_2 the adiabatic law is continuous but has an infinite slope. It is kept; the
+//! integrator's error control meets it, and may take small steps there.
+//!
+//! The leakage enters both mass balances and carries the temperature T_L = T_o of its source:
+//!
+//! ```text
+//! chamber 1: flow -mdot_L at T_L,   chamber 2: flow +mdot_L at T_L       (6.15 to 6.18 as corrected)
+//! ```
+
+use std::f64::consts::PI;
+
+use crate::actuator::Air;
+use crate::gas::Gas;
+
+/// How the piston leaks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Leakage {
+    /// Not at all.
+    None,
+    /// In proportion to the pressure difference.
+    Laminar {
+        /// K_L, kg/(s Pa) (C(55)).
+        coefficient: f64,
+    },
+    /// Through the gap around the piston, after Egli.
+    Adiabatic {
+        /// R_ch (C(56)), above 0.
+        resistance: f64,
+        /// h, m (C(57)).
+        clearance: f64,
+        /// D, m (C(15)).
+        bore: f64,
+    },
+}
+
+impl Leakage {
+    /// mdot_L, kg/s, from chamber 1 to chamber 2; negative the other way.
+    #[must_use]
+    pub fn flow(&self, gas: &Gas, air: &[Air; 2]) -> f64 {
+        match *self {
+            Leakage::None => 0.0,
+            Leakage::Laminar { coefficient } => coefficient * (air[0].pressure - air[1].pressure),
+            Leakage::Adiabatic { resistance, clearance, bore } => {
+                let from = source(air);
+                let (high, low) = (&air[from], air[1 - from].pressure);
+                // P_o sqrt(1 - r^2), without the loss of digits at r = 1.
+                let drop = ((high.pressure - low) * (high.pressure + low)).sqrt();
+                let gap = PI * bore * clearance;
+                let flow = gap * drop / (resistance * gas.gas_constant * high.temperature).sqrt();
+                if from == 0 { flow } else { -flow }
+            }
+        }
+    }
+}
+
+/// The index of the chamber that air leaks from, whose temperature is T_L. At equal pressures nothing
+/// leaks and it is chamber 1's.
+#[must_use]
+pub fn source(air: &[Air; 2]) -> usize {
+    usize::from(air[1].pressure > air[0].pressure)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const THESIS: Leakage = Leakage::Adiabatic { resistance: 20.0, clearance: 1e-5, bore: 0.05 };
+
+    fn gas() -> Gas {
+        Gas::new(1.4, 286.76)
+    }
+
+    fn air(pressure: f64, temperature: f64) -> Air {
+        let [mass, exner] = Air::state_of(&gas(), pressure, temperature, 1e-4);
+        Air { mass, exner, pressure, temperature }
+    }
+
+    fn flow(leakage: Leakage, p_1: f64, t_1: f64, p_2: f64, t_2: f64) -> f64 {
+        leakage.flow(&gas(), &[air(p_1, t_1), air(p_2, t_2)])
+    }
+
+    #[test]
+    fn laminar_leakage_is_linear_in_the_pressure_difference_and_odd() {
+        let leakage = Leakage::Laminar { coefficient: 2e-9 };
+        assert!((flow(leakage, 4e5, 294.0, 3e5, 294.0) - 2e-4).abs() < 1e-18);
+        assert!((flow(leakage, 6e5, 310.0, 3e5, 280.0) - 6e-4).abs() < 1e-18);
+        assert_eq!(flow(leakage, 3e5, 280.0, 6e5, 310.0), -flow(leakage, 6e5, 310.0, 3e5, 280.0));
+    }
+
+    /// By hand: F = pi 0.05 1e-5 = 1.570796e-6 m2; r = 0.6, sigma = sqrt(0.64/20) = 0.178885;
+    /// sqrt(R T) = sqrt(286.76 294) = 290.3574; F sigma 5e5 / 290.3574 = 4.83874e-4 kg/s.
+    #[test]
+    fn the_gap_of_the_thesis_leaks_half_a_gram_a_second() {
+        let got = flow(THESIS, 5e5, 294.0, 3e5, 350.0);
+        assert!((got - 4.838_74e-4).abs() < 1e-9, "{got}");
+    }
+
+    #[test]
+    fn adiabatic_leakage_takes_pressure_and_temperature_of_its_source() {
+        let [cold, hot] = [294.0, 300.0];
+        let (forth, back) = (flow(THESIS, 5e5, cold, 3e5, hot), flow(THESIS, 3e5, cold, 5e5, hot));
+        assert!((back / forth + (cold / hot).sqrt()).abs() < 1e-14);
+        assert_eq!(source(&[air(5e5, cold), air(3e5, hot)]), 0);
+        assert_eq!(source(&[air(3e5, cold), air(5e5, hot)]), 1);
+    }
+
+    #[test]
+    fn exchanging_chambers_of_the_same_temperature_reverses_it() {
+        for (p_1, p_2) in [(5e5, 3e5), (5e5, 1e5), (300_001.0, 3e5)] {
+            assert_eq!(flow(THESIS, p_1, 294.0, p_2, 294.0), -flow(THESIS, p_2, 294.0, p_1, 294.0));
+        }
+    }
+
+    #[test]
+    fn nothing_leaks_at_equal_pressures_and_little_near_them() {
+        assert_eq!(flow(THESIS, 4e5, 294.0, 4e5, 310.0), 0.0);
+        for difference in [1e-9, -1e-9, 1e-3, -1e-3] {
+            let got = flow(THESIS, 4e5 + difference, 294.0, 4e5, 294.0);
+            assert!(got.abs() < 1e-7 && got * difference >= 0.0, "{difference}: {got}");
+        }
+        assert_eq!(flow(Leakage::None, 5e5, 294.0, 3e5, 294.0), 0.0);
+    }
+
+    #[test]
+    fn the_dimensionless_flow_ends_at_the_root_of_1_over_the_resistance() {
+        let full = PI * 0.05 * 1e-5 * 5e5 / (286.76_f64 * 294.0).sqrt();
+        let sigma = |low: f64| flow(THESIS, 5e5, 294.0, low, 294.0) / full;
+        assert!((sigma(0.0) - (1.0_f64 / 20.0).sqrt()).abs() < 1e-15);
+        assert!(sigma(1e5) < sigma(1e3) && sigma(1e3) < sigma(0.0));
+    }
+}

@@ -1,0 +1,167 @@
+//! The network by nested brackets, which cannot fail: the flow of the supply tube outside, each node
+//! inside it, its port innermost. Slow, and used only where Newton's method has no start or gets lost.
+
+use super::restriction::Approach;
+use super::{Network, Node, PortFlow, Station, mean_of_inflows};
+use crate::root::bracketed_root;
+use crate::valve::Conductances;
+
+/// Passes over the speeds of approach: half of the change is left after one, as a rule.
+const MOST_PASSES: u32 = 200;
+
+/// What surrounds one node, for given speeds of approach.
+struct NodeSide<'a> {
+    valve: &'a Conductances,
+    chamber: &'a Station,
+    port: PortFlow,
+    /// At supply land, exhaust land and port.
+    approaches: &'a [Approach; 3],
+}
+
+impl Network {
+    /// Nested brackets for given speeds of approach, which then follow from the flows, beginning at
+    /// rest: of several solutions this finds the one that air at rest comes to.
+    pub(super) fn by_brackets(
+        &mut self,
+        valve: &[Conductances; 2],
+        chambers: &[Station; 2],
+        ports: &[PortFlow; 2],
+    ) {
+        let mut approaches = [[Approach::NONE; 3]; 2];
+        for _ in 0..MOST_PASSES {
+            self.balance_supply(valve, chambers, ports, &approaches);
+            let found = [0, 1].map(|i| self.approaches(i, &chambers[i], ports[i]));
+            let change = approaches.as_flattened().iter().zip(found.as_flattened());
+            let change = change.map(|(old, new)| (old.factor - new.factor).abs()).fold(0.0, f64::max);
+            approaches = found;
+            if change < 1e-12 {
+                return;
+            }
+        }
+    }
+
+    /// How air approaches supply land, exhaust land and port of node `i` at its present flows.
+    pub(super) fn approaches(&self, i: usize, chamber: &Station, port: PortFlow) -> [Approach; 3] {
+        let node = &self.nodes[i];
+        let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
+        let supply =
+            Station { exner: self.supply_tube.far_end(self.supply.exner, total).exner, ..self.supply };
+        let here = node.station();
+        let (far, _) = self.port_station(&here, chamber, port, node.port_flow());
+        [
+            self.approach(&supply, node.supply_flow),
+            self.approach(&self.exhaust, node.exhaust_flow),
+            self.approach(&far, -node.port_flow()),
+        ]
+    }
+
+    /// The flow in the supply tube at which both nodes take just that much.
+    fn balance_supply(
+        &mut self,
+        valve: &[Conductances; 2],
+        chambers: &[Station; 2],
+        ports: &[PortFlow; 2],
+        approaches: &[[Approach; 3]; 2],
+    ) {
+        let highest = self.supply.exner.max(chambers[0].exner).max(chambers[1].exner);
+        let coldest = self.supply.temperature.min(chambers[0].temperature).min(chambers[1].temperature);
+        let most: f64 = valve.iter().map(|v| self.more_than_choked(v.supply / coldest, highest)).sum();
+        let mut excess = |total: f64| {
+            let at_valve = self.supply_tube.far_end(self.supply.exner, total).exner;
+            for i in 0..2 {
+                let side = NodeSide {
+                    valve: &valve[i],
+                    chamber: &chambers[i],
+                    port: ports[i],
+                    approaches: &approaches[i],
+                };
+                self.nodes[i] = self.node_by_brackets(&side, at_valve);
+            }
+            self.nodes[0].supply_flow + self.nodes[1].supply_flow - total
+        };
+        let bracket = [(-most, excess(-most)), (most, excess(most))];
+        let total = bracketed_root(&mut excess, bracket, 1e-16);
+        excess(total);
+    }
+
+    /// The node at a given pressure behind the supply tube: where its net flow is zero.
+    fn node_by_brackets(&self, side: &NodeSide, at_valve: f64) -> Node {
+        let Some(bore) = side.valve.port else { return self.open_node_by_brackets(side, at_valve) };
+        let net = |exner: f64| {
+            let node = self.node_at(exner, side, at_valve, |node| self.port_flow_at(node, side, bore));
+            node.port_flow() - self.port_flow_at(&node, side, bore)
+        };
+        let supply = at_valve * side.approaches[0].factor;
+        let chamber = side.chamber.exner * side.approaches[2].factor;
+        let lowest = at_valve.min(self.exhaust.exner).min(side.chamber.exner);
+        let highest = supply.max(self.exhaust.exner * side.approaches[1].factor).max(chamber);
+        let bracket = [(lowest, net(lowest)), (highest, net(highest))];
+        let exner = bracketed_root(net, bracket, 1e-13);
+        self.node_at(exner, side, at_valve, |node| self.port_flow_at(node, side, bore))
+    }
+
+    /// The same without a bore: the flow decides the node's pressure by the tube.
+    fn open_node_by_brackets(&self, side: &NodeSide, at_valve: f64) -> Node {
+        let node_for = |m: f64| {
+            let exner = self.far_of_cylinder(side.chamber, m);
+            self.node_at(exner, side, at_valve, |_| m)
+        };
+        let excess = |m: f64| node_for(m).port_flow() - m;
+        let highest = at_valve.max(self.exhaust.exner).max(side.chamber.exner);
+        let coldest = self.supply.temperature.min(side.chamber.temperature);
+        let most = self.more_than_choked((side.valve.supply + side.valve.exhaust) / coldest, 2.0 * highest);
+        let m = bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17);
+        node_for(m)
+    }
+
+    /// The land flows at a node pressure. Inflows do not depend on the node's temperature, and it
+    /// follows from them.
+    fn node_at(
+        &self,
+        exner: f64,
+        side: &NodeSide,
+        at_valve: f64,
+        through_port: impl Fn(&Node) -> f64,
+    ) -> Node {
+        let supply = Station { exner: at_valve, temperature: self.supply.temperature };
+        let mut node = Node {
+            exner,
+            temperature: supply.temperature,
+            carried: supply.temperature,
+            supply_flow: 0.0,
+            exhaust_flow: 0.0,
+        };
+        let [from_supply, from_exhaust, from_port] = *side.approaches;
+        let signed_root = |square: f64| square.abs().sqrt().copysign(square);
+        for _ in 0..2 {
+            let here = Station { exner, temperature: node.temperature };
+            let supply_flow = self.land(side.valve.supply, &supply, from_supply, &here).value;
+            let exhaust_flow = self.land(side.valve.exhaust, &self.exhaust, from_exhaust, &here).value;
+            node.supply_flow = signed_root(supply_flow);
+            node.exhaust_flow = signed_root(exhaust_flow);
+            let inflows = [
+                (node.supply_flow, supply.temperature * from_supply.factor),
+                (node.exhaust_flow, self.exhaust.temperature * from_exhaust.factor),
+                (-through_port(&node), side.chamber.temperature * from_port.factor),
+            ];
+            node.temperature = match side.valve.port {
+                Some(_) => mean_of_inflows(&inflows).unwrap_or(node.temperature),
+                None => side.chamber.temperature,
+            };
+        }
+        node
+    }
+
+    /// The flow through port and tube in series from a node into a chamber.
+    fn port_flow_at(&self, node: &Node, side: &NodeSide, bore: f64) -> f64 {
+        let here = node.station();
+        let excess = |m: f64| {
+            let (far, _) = self.port_station(&here, side.chamber, side.port, m);
+            m * m.abs() - self.port(bore, &here, &far, side.approaches[2]).value
+        };
+        let highest = node.exner.max(side.chamber.exner);
+        let coldest = node.temperature.min(side.chamber.temperature);
+        let most = self.more_than_choked(bore / coldest, highest);
+        bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17)
+    }
+}

@@ -1,0 +1,151 @@
+//! Empirical solenoid (6.32; thesis L(2) = 0): a damped oscillator that follows its command.
+//!
+//! ```text
+//! x_s'' = K_S (X_c - x_s) - K_D x_s'                    the state is neither dithered nor limited
+//! x     = clamp(play(x_s + dither), +-X_max)            what the valve sees
+//! ```
+//!
+//! Dither, hysteresis and limit act on a copy of the state (6.4.2; EQUATIONS section 11 rule 5); the
+//! play's memory is not limited.
+
+use super::{GUARDS, Request, SpoolState};
+use crate::dither::Dither;
+use crate::play::Play;
+
+/// The parameters of an empirical solenoid, SI.
+#[derive(Clone, Copy, Debug)]
+pub struct EmpiricalParameters {
+    /// Spool travel of one command count, m.
+    pub travel_per_count: f64,
+    /// C(37).
+    pub amplifier_gain: f64,
+    /// C(38), m.
+    pub saturation: f64,
+    /// K_S, 1/s^2 (C(50)).
+    pub stiffness_per_mass: f64,
+    /// K_D, 1/s (C(51)).
+    pub damping_per_mass: f64,
+    /// Half of the width of the hysteresis loop, m.
+    pub hysteresis_half_width: f64,
+    /// Dither on the spool position, m.
+    pub dither: Dither,
+    /// X_max, m (C(3)).
+    pub travel: f64,
+}
+
+/// An empirical solenoid with its modes.
+#[derive(Clone, Debug)]
+pub struct Empirical {
+    parameters: EmpiricalParameters,
+    counts: i16,
+    play: Play,
+    /// Whether the play's output is beyond the travel.
+    limited: bool,
+}
+
+const PLAY: usize = 0;
+const LIMIT: usize = 1;
+
+impl Empirical {
+    /// A solenoid with its spool at rest at mid-travel and a null command.
+    #[must_use]
+    pub fn new(parameters: EmpiricalParameters) -> Empirical {
+        let mut play = Play::new(parameters.hysteresis_half_width);
+        play.jump(0.0, parameters.dither.value(0.0), parameters.dither.direction(0.0));
+        Empirical { parameters, counts: 0, play, limited: false }
+    }
+
+    pub(super) fn commanded(&self) -> f64 {
+        f64::from(self.counts) * self.parameters.travel_per_count
+    }
+
+    /// The command reaches the spool through its acceleration alone: nothing jumps.
+    pub(super) fn drive(&mut self, request: Request) {
+        self.counts = request.counts;
+    }
+
+    fn input(&self, t: f64, spool: SpoolState) -> f64 {
+        spool.position + self.parameters.dither.value(t)
+    }
+
+    fn rate(&self, t: f64, spool: SpoolState) -> f64 {
+        spool.velocity + self.parameters.dither.rate(t)
+    }
+
+    pub(super) fn position(&self, t: f64, spool: SpoolState) -> f64 {
+        let travel = self.parameters.travel;
+        let unlimited = self.play.output(self.input(t, spool));
+        // Within a step the mode stays, so that the areas are smooth a little beyond the limit.
+        if self.limited { unlimited.clamp(-travel, travel) } else { unlimited }
+    }
+
+    pub(super) fn acceleration(&self, spool: SpoolState) -> f64 {
+        let p = &self.parameters;
+        let amplified = (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation);
+        p.stiffness_per_mass * (amplified - spool.position) - p.damping_per_mass * spool.velocity
+    }
+
+    pub(super) fn guards(&self, t: f64, spool: SpoolState) -> [f64; GUARDS] {
+        let input = self.input(t, spool);
+        let room = self.parameters.travel - self.play.output(input).abs();
+        let mut guards = [0.0; GUARDS];
+        guards[PLAY] = self.play.guard(input, self.rate(t, spool));
+        guards[LIMIT] = if self.limited { -room } else { room };
+        guards
+    }
+
+    pub(super) fn cross(&mut self, guard: usize, t: f64, spool: SpoolState) {
+        if guard == PLAY {
+            self.play.turn(self.input(t, spool));
+        } else {
+            self.limited = !self.limited;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn thesis() -> Empirical {
+        Empirical::new(EmpiricalParameters {
+            travel_per_count: 1e-3 / 2048.0,
+            amplifier_gain: 1.0,
+            saturation: 1e-3,
+            stiffness_per_mass: 36_000.0,
+            damping_per_mass: 100.0,
+            hysteresis_half_width: 0.05e-3,
+            dither: Dither { amplitude: 0.0, frequency_hz: 50.0, phase_cycles: 0.0 },
+            travel: 1e-3,
+        })
+    }
+
+    #[test]
+    fn at_its_command_and_at_rest_the_spool_stays() {
+        let mut empirical = thesis();
+        empirical.drive(Request { counts: 1024, step: 0 });
+        assert_eq!(empirical.acceleration(SpoolState { position: 0.5e-3, velocity: 0.0 }), 0.0);
+        assert_eq!(empirical.acceleration(SpoolState::default()), 36_000.0 * 0.5e-3);
+    }
+
+    #[test]
+    fn the_valve_sees_the_position_less_the_slack() {
+        let mut empirical = thesis();
+        empirical.cross(PLAY, 0.0, SpoolState { position: 0.05e-3, velocity: 1.0 });
+        let spool = SpoolState { position: 0.3e-3, velocity: 1.0 };
+        assert!((empirical.position(0.0, spool) - 0.25e-3).abs() < 1e-18);
+    }
+
+    #[test]
+    fn only_the_output_is_limited_and_not_the_memory_of_the_play() {
+        let mut empirical = thesis();
+        empirical.cross(PLAY, 0.0, SpoolState { position: 0.05e-3, velocity: 1.0 });
+        let beyond = SpoolState { position: 1.2e-3, velocity: 1.0 };
+        assert!(empirical.guards(0.0, beyond)[LIMIT] < 0.0);
+        empirical.cross(LIMIT, 0.0, beyond);
+        assert_eq!(empirical.position(0.0, beyond), 1e-3);
+        empirical.cross(PLAY, 0.0, beyond);
+        let back = SpoolState { position: 1.1e-3, velocity: -1.0 };
+        assert!(empirical.guards(0.0, back)[PLAY] >= 0.0, "held at 1.15 mm, beyond the limit");
+    }
+}

@@ -1,0 +1,206 @@
+//! Analytical solenoid (6.33; thesis L(2) = 1), driven by a command X_c in metres of spool travel:
+//!
+//! ```text
+//! u = clamp(gain X_c, +-saturation) + dither         the amplifier (thesis 5.3.2)
+//! s = play(u)                                        magnetic hysteresis (6.4.5)
+//! F = max(0, G_s (s + X_b)),   X_b = F_i / G_s       the coil pulls one way; X_b is its mid-range
+//! M x'' = F - F_i - K x - D x' - F_ind - dry friction + F_se
+//! ```
+//!
+//! X_b makes the null of the +-1 mm signal the middle of the coil's 0 to 2 mm (EQUATIONS section 7).
+//! F_ind is the force of the flow, F_se that of the spool's stops.
+
+use super::hysteresis::Hysteresis;
+use super::{GUARDS, Request, SpoolState};
+use crate::dither::Dither;
+use crate::friction::{Contact, DryFriction};
+use crate::stop::{Side, Stops};
+
+/// The parameters of a solenoid, SI.
+#[derive(Clone, Copy, Debug)]
+pub struct SolenoidParameters {
+    /// Spool travel of one command count, m.
+    pub travel_per_count: f64,
+    /// C(37).
+    pub amplifier_gain: f64,
+    /// C(38), m.
+    pub saturation: f64,
+    /// Half of the width of the hysteresis loop, m.
+    pub hysteresis_half_width: f64,
+    /// Dither of the amplifier, m of spool travel.
+    pub dither: Dither,
+    /// G_s, N/m.
+    pub force_gain: f64,
+    /// K_sp, N/m.
+    pub spring: f64,
+    /// F_i, N.
+    pub spring_preload: f64,
+    /// K_d, N s/m.
+    pub damping: f64,
+    /// M_s, kg.
+    pub spool_mass: f64,
+    /// Stiction and Coulomb friction of the spool.
+    pub friction: DryFriction,
+    /// The ends of the spool's travel.
+    pub stops: Stops,
+}
+
+/// A solenoid with its modes.
+#[derive(Clone, Debug)]
+pub struct Solenoid {
+    parameters: SolenoidParameters,
+    counts: i16,
+    hysteresis: Hysteresis,
+    contact: Contact,
+    side: Side,
+}
+
+const FRICTION: usize = 0;
+const STOPS: usize = 1;
+
+impl Solenoid {
+    /// A solenoid with its spool at rest at mid-travel and a null command, tested for breakaway.
+    #[must_use]
+    pub fn new(parameters: SolenoidParameters) -> Solenoid {
+        let p = &parameters;
+        let mut solenoid = Solenoid {
+            hysteresis: Hysteresis::new(p.hysteresis_half_width, p.dither, 0.0),
+            contact: Contact::Stuck,
+            side: p.stops.side(0.0),
+            counts: 0,
+            parameters,
+        };
+        solenoid.break_away(0.0, SpoolState::default(), 0.0);
+        solenoid
+    }
+
+    /// X_c, m.
+    pub(super) fn commanded(&self) -> f64 {
+        f64::from(self.counts) * self.parameters.travel_per_count
+    }
+
+    pub(super) fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
+        self.counts = request.counts;
+        let p = &self.parameters;
+        let amplified = (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation);
+        self.hysteresis.jump(t, amplified);
+        self.break_away(t, spool, flow_force);
+    }
+
+    /// A stuck spool is tested for breakaway after a jump of its force; a slipping one keeps its
+    /// mode (EQUATIONS section 11 rule 2).
+    fn break_away(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
+        if self.contact == Contact::Stuck {
+            self.contact = self.parameters.friction.at_rest(self.applied_force(t, spool, flow_force));
+        }
+    }
+
+    /// X_b, m.
+    fn bias(&self) -> f64 {
+        self.parameters.spring_preload / self.parameters.force_gain
+    }
+
+    /// All forces on the spool but dry friction, N.
+    fn applied_force(&self, t: f64, spool: SpoolState, flow_force: f64) -> f64 {
+        let p = &self.parameters;
+        let magnetic = (p.force_gain * (self.hysteresis.output(t) + self.bias())).max(0.0);
+        magnetic - p.spring_preload - p.spring * spool.position - p.damping * spool.velocity - flow_force
+            + p.stops.force(self.side, spool.position, spool.velocity)
+    }
+
+    pub(super) fn acceleration(&self, t: f64, spool: SpoolState, flow_force: f64) -> f64 {
+        if self.contact == Contact::Stuck {
+            return 0.0;
+        }
+        let applied = self.applied_force(t, spool, flow_force);
+        (applied - self.parameters.friction.force(self.contact, applied)) / self.parameters.spool_mass
+    }
+
+    pub(super) fn guards(&self, t: f64, spool: SpoolState, flow_force: f64) -> [f64; GUARDS] {
+        let applied = self.applied_force(t, spool, flow_force);
+        let mut guards = [0.0; GUARDS];
+        guards[FRICTION] = self.parameters.friction.guard(self.contact, applied, spool.velocity);
+        guards[STOPS] = self.parameters.stops.guard(self.side, spool.position);
+        guards
+    }
+
+    pub(super) fn cross(&mut self, guard: usize, t: f64, spool: &mut SpoolState, flow_force: f64) {
+        if guard == STOPS {
+            self.side = self.parameters.stops.after(self.side, spool.position);
+            return;
+        }
+        if self.contact != Contact::Stuck {
+            spool.velocity = 0.0;
+        }
+        let applied = self.applied_force(t, *spool, flow_force);
+        self.contact = self.parameters.friction.after(self.contact, applied);
+    }
+
+    /// The next kink of the magnetic force: of the hysteresis, or where the coil has no more current
+    /// to lose.
+    pub(super) fn next_instant(&self, t: f64) -> f64 {
+        self.hysteresis.next_instant().min(self.hysteresis.next_passage(t, -self.bias()))
+    }
+
+    /// Where the coil runs out of current nothing changes but the force's slope.
+    pub(super) fn pass_instant(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
+        if t >= self.hysteresis.next_instant() {
+            self.hysteresis.pass_instant();
+        }
+        self.break_away(t, spool, flow_force);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn thesis() -> Solenoid {
+        Solenoid::new(SolenoidParameters {
+            travel_per_count: 1e-3 / 2048.0,
+            amplifier_gain: 1.0,
+            saturation: 1e-3,
+            hysteresis_half_width: 0.05e-3,
+            dither: Dither { amplitude: 0.2e-3, frequency_hz: 50.0, phase_cycles: 0.0 },
+            force_gain: 25e3,
+            spring: 25e3,
+            spring_preload: 25.0,
+            damping: 2.3,
+            spool_mass: 0.023,
+            friction: DryFriction::symmetric(3.0, 2.0),
+            stops: Stops::new(-1e-3, 1e-3, 1e5, 5e-5, 0.5, 0.023),
+        })
+    }
+
+    const REST: SpoolState = SpoolState { position: 0.0, velocity: 0.0 };
+
+    #[test]
+    fn at_mid_range_the_coil_balances_the_preload() {
+        assert!(thesis().applied_force(0.0, REST, 0.0).abs() < 1e-12);
+        assert_eq!(thesis().contact, Contact::Stuck);
+    }
+
+    #[test]
+    fn a_command_moves_the_balance_by_itself_less_the_slack() {
+        let mut solenoid = thesis();
+        solenoid.drive(0.02, REST, Request { counts: 1024, step: 0 }, 0.0);
+        let balance = SpoolState { position: 0.45e-3, velocity: 0.0 };
+        assert!(solenoid.applied_force(0.02, balance, 0.0).abs() < 1e-9);
+        assert_eq!(solenoid.contact, Contact::Extending, "12 N break the spool away");
+    }
+
+    #[test]
+    fn the_coil_cannot_push() {
+        let mut solenoid = thesis();
+        solenoid.drive(0.01, REST, Request { counts: -2048, step: 0 }, 0.0);
+        let trough = 0.015;
+        let force = solenoid.applied_force(trough, REST, 0.0);
+        assert!(force >= -25.0 - 1e-9, "at most the preload pulls back: {force}");
+    }
+
+    #[test]
+    fn a_flow_force_pushes_an_open_spool_back() {
+        let with = thesis().applied_force(0.0, REST, 2.0);
+        assert!((with + 2.0).abs() < 1e-12);
+    }
+}
