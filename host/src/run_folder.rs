@@ -94,6 +94,7 @@ fn json_of(value: &Value) -> serde_json::Value {
         Value::Switch(on) => json!(on),
         Value::Word(word) => json!(word),
         Value::Integers(values) => json!(values),
+        Value::Numbers(values) => json!(values),
         Value::Moves(moves) => json!(moves),
     }
 }

@@ -10,6 +10,7 @@
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
 use crate::actuator::{Actuator, Air};
+use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::friction::Contact;
 use crate::gas::Gas;
 use crate::integrator::{Event, Hybrid};
@@ -56,6 +57,7 @@ pub(crate) struct Assembly {
     pub load: Load,
     pub operator: Operator,
     pub network: Network,
+    pub flow_force: FlowForce,
     load_contact: Contact,
     load_side: Side,
     ports: [PortFlow; 2],
@@ -82,6 +84,7 @@ impl Assembly {
         load: Load,
         operator: Operator,
         network: Network,
+        flow_force: FlowForce,
         x: &StateVector,
     ) -> Assembly {
         let mut assembly = Assembly {
@@ -95,6 +98,7 @@ impl Assembly {
             load,
             operator,
             network,
+            flow_force,
         };
         assembly.load_contact = assembly.load.friction.at_rest(assembly.applied_to_load(x));
         assembly.find_port_directions(0.0, x);
@@ -116,9 +120,35 @@ impl Assembly {
         self.operator.position(t, spool_state(x))
     }
 
-    /// Force of the flow on the spool, N.
-    fn flow_force(&mut self, _: f64, _: &StateVector) -> f64 {
-        0.0
+    /// Force of the flow on the spool, N, by the flows at this very state (EQUATIONS section 11
+    /// rule 7).
+    fn flow_force(&mut self, t: f64, x: &StateVector) -> f64 {
+        if self.flow_force == FlowForce::None {
+            return 0.0;
+        }
+        let nodes = self.nodes(t, x);
+        let spool = self.spool(t, x);
+        let pressure = |exner| self.gas.pressure(exner);
+        let flows = ValveFlows {
+            supply: Source {
+                pressure: pressure(nodes[0].supply_exner),
+                temperature: self.network.supply().temperature,
+            },
+            exhaust: Source {
+                pressure: pressure(self.network.exhaust().exner),
+                temperature: self.network.exhaust().temperature,
+            },
+            nodes: nodes.map(|node| NodeFlows {
+                supply: node.supply_flow,
+                exhaust: node.exhaust_flow,
+                pressure: pressure(node.exner),
+                port_pressure: pressure(node.port_exner),
+            }),
+            land_areas: self.valve.land_areas(spool),
+            path_area: path_area(self.valve.spool_diameter, self.valve.rod_diameter),
+            opening: (spool - self.valve.null_offset) / self.valve.travel,
+        };
+        self.flow_force.force(&self.gas, &flows)
     }
 
     fn find_port_directions(&mut self, t: f64, x: &StateVector) {

@@ -10,6 +10,7 @@
 //! | [`gas`] | the ideal gas and its flow through a restriction |
 //! | [`operator`], [`valve`], [`tubing`], [`actuator`], [`leakage`], [`load`] | one physical part each, its equations on top |
 //! | [`friction`], [`stop`], [`play`], [`dither`] | what several parts share: stiction, mechanical stops, hysteresis |
+//! | [`flow_law`], [`discharge`], [`iso6358`], [`flow_force`] | laws of flow through a restriction, and its force on the spool |
 //! | [`network`] | the flows that valve, tubes and chambers agree on |
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`integrator`] | Runge-Kutta with dense output and located events |
@@ -21,10 +22,14 @@
 
 pub mod actuator;
 mod assembly;
+pub mod discharge;
 pub mod dither;
+pub mod flow_force;
+pub mod flow_law;
 pub mod friction;
 pub mod gas;
 pub mod integrator;
+pub mod iso6358;
 pub mod leakage;
 pub mod load;
 pub mod network;

@@ -26,6 +26,7 @@
 mod brackets;
 mod restriction;
 
+use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
 use crate::tubing::{FarEnd, Tube};
 use crate::valve::Conductances;
@@ -62,6 +63,10 @@ pub struct Node {
     pub supply_flow: f64,
     /// e, kg/s, from the exhaust; negative when air leaves.
     pub exhaust_flow: f64,
+    /// w in front of the supply land, behind the supply's tube.
+    pub supply_exner: f64,
+    /// w at the far side of the port.
+    pub port_exner: f64,
 }
 
 impl Node {
@@ -80,6 +85,15 @@ impl Node {
     }
 }
 
+/// The laws of flow of lands and ports.
+#[derive(Clone, Copy, Debug)]
+pub struct Laws {
+    /// Between supply or exhaust and a node.
+    pub land: FlowLaw,
+    /// Between a node and its tube.
+    pub port: FlowLaw,
+}
+
 /// What the network joins, and the last solution, from which the next one starts.
 #[derive(Clone, Debug)]
 pub struct Network {
@@ -88,6 +102,7 @@ pub struct Network {
     exhaust: Station,
     supply_tube: Tube,
     cylinder_tube: Tube,
+    laws: Laws,
     /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
     mach: f64,
     nodes: [Node; 2],
@@ -145,6 +160,7 @@ impl Network {
         exhaust: Station,
         supply_tube: Tube,
         cylinder_tube: Tube,
+        laws: Laws,
         port_area: Option<f64>,
     ) -> Network {
         let node = Node {
@@ -153,6 +169,8 @@ impl Network {
             carried: supply.temperature,
             supply_flow: 0.0,
             exhaust_flow: 0.0,
+            supply_exner: supply.exner,
+            port_exner: supply.exner,
         };
         Network {
             gas,
@@ -160,11 +178,24 @@ impl Network {
             exhaust,
             supply_tube,
             cylinder_tube,
+            laws,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
             nodes: [node; 2],
             started: false,
             work: NetworkWork::default(),
         }
+    }
+
+    /// The supply, in front of its tube.
+    #[must_use]
+    pub fn supply(&self) -> &Station {
+        &self.supply
+    }
+
+    /// The exhaust.
+    #[must_use]
+    pub fn exhaust(&self) -> &Station {
+        &self.exhaust
     }
 
     /// The flows for the open areas, chambers and port directions of this instant.
@@ -187,8 +218,12 @@ impl Network {
             }
         }
         let mut solved = self.nodes;
-        for (node, lands) in solved.iter_mut().zip(valve) {
+        let total = solved[0].supply_flow + solved[1].supply_flow;
+        let supply_exner = self.supply_tube.far_end(self.supply.exner, total).exner;
+        for ((node, lands), chamber) in solved.iter_mut().zip(valve).zip(chambers) {
             node.carried = self.carried(node, lands.port);
+            node.supply_exner = supply_exner;
+            node.port_exner = self.far_of_cylinder(chamber, node.port_flow());
         }
         self.started |= solved.iter().all(Node::is_finite);
         if !solved.iter().all(Node::is_finite) {
@@ -346,7 +381,18 @@ mod tests {
         let station = |pressure| Station { exner: gas.exner(pressure), temperature: 294.0 };
         let tube = if tube { Tube::empirical(&gas, 0.4, 0.00465) } else { Tube::none() };
         let port_area = approach.then(|| thesis_valve().port_area());
-        (gas, Network::new(gas, station(589e3), station(101.3e3), tube, tube, port_area))
+        (
+            gas,
+            Network::new(
+                gas,
+                station(589e3),
+                station(101.3e3),
+                tube,
+                tube,
+                Laws { land: FlowLaw::Orifice, port: FlowLaw::Orifice },
+                port_area,
+            ),
+        )
     }
 
     fn network(tube: bool) -> (Gas, Network) {

@@ -9,12 +9,15 @@ use pneudrive_controller::{Command, Sample};
 use crate::actuator::{Actuator, Air};
 use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, StateVector, slot};
 use crate::dither::Dither;
+use crate::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
+use crate::flow_law::FlowLaw;
 use crate::friction::DryFriction;
 use crate::gas::Gas;
 use crate::integrator::{IntegrationError, Integrator, Method, Work};
+use crate::iso6358::Iso6358;
 use crate::leakage::Leakage;
 use crate::load::Load;
-use crate::network::{Network, NetworkWork, Station};
+use crate::network::{Laws, Network, NetworkWork, Station};
 use crate::operator::empirical::{Empirical, EmpiricalParameters};
 use crate::operator::on_off::OnOff;
 use crate::operator::solenoid::{Solenoid, SolenoidParameters};
@@ -107,8 +110,16 @@ impl Plant {
         let gas = gas(rig);
         let actuator = actuator(rig);
         let x = initial_state(rig, &gas, &actuator);
-        let assembly =
-            Assembly::new(gas, valve(rig), actuator, load(rig), operator(rig), network(rig, gas), &x);
+        let assembly = Assembly::new(
+            gas,
+            valve(rig),
+            actuator,
+            load(rig),
+            operator(rig),
+            network(rig, gas),
+            flow_force(rig),
+            &x,
+        );
         Plant {
             assembly,
             integrator: Integrator::new(accuracy.method, accuracy.tolerance, SCALE, x),
@@ -254,9 +265,35 @@ fn valve(rig: &Rig) -> Valve {
         sleeve_diameter: metres("valve.sleeve_diameter_mm"),
         spool_diameter: metres("valve.spool_diameter_mm"),
         port_diameter: metres("valve.port_diameter_mm"),
-        has_node: rig.word("valve.model") != "single-restriction",
+        has_node: matches!(rig.word("valve.model"), "flow-node" | "multiple-flow-node"),
+        land_law: land_law(rig),
+        travel: spool_travel(rig),
+        rod_diameter: metres("valve.spool_rod_diameter_mm"),
         discharge_supply: rig.number("valve.discharge_supply"),
         discharge_exhaust: rig.number("valve.discharge_exhaust"),
+    }
+}
+
+fn land_law(rig: &Rig) -> FlowLaw {
+    let number = |path: &str| rig.optional_number(path).unwrap_or(0.0);
+    match (rig.word("valve.model"), rig.word("valve.discharge_model")) {
+        ("iso-6358", _) => FlowLaw::Iso6358(Iso6358 {
+            sonic_conductance: number("valve.sonic_conductance_m3_per_s_pa"),
+            critical_ratio: number("valve.critical_ratio"),
+        }),
+        (_, "perry") => FlowLaw::Perry,
+        _ => FlowLaw::Orifice,
+    }
+}
+
+fn flow_force(rig: &Rig) -> FlowForce {
+    match rig.word("valve.flow_force") {
+        "analytical" => FlowForce::Analytical,
+        "experimental" => FlowForce::Experimental {
+            inlet: rig.polynomial("valve.flow_force_inlet").unwrap_or(DEFAULT_INLET),
+            outlet: rig.polynomial("valve.flow_force_outlet").unwrap_or(DEFAULT_OUTLET),
+        },
+        _ => FlowForce::None,
     }
 }
 
@@ -270,7 +307,9 @@ fn network(rig: &Rig, gas: Gas) -> Network {
         _ => Tube::empirical(&gas, rig.number("tubing.drop_slope"), rig.number("tubing.reference_flow_kg_s")),
     };
     let port_area = rig.switch("valve.upstream_mach").then(|| valve(rig).port_area());
-    Network::new(gas, station("supply"), station("exhaust"), tube, tube, port_area)
+    let law = land_law(rig);
+    let laws = Laws { land: law, port: law };
+    Network::new(gas, station("supply"), station("exhaust"), tube, tube, laws, port_area)
 }
 
 fn actuator(rig: &Rig) -> Actuator {

@@ -37,6 +37,8 @@ pub enum Value {
     Word(String),
     /// Whole numbers.
     Integers(Vec<i64>),
+    /// Real numbers.
+    Numbers(Vec<f64>),
     /// [time in s, counts].
     Moves(Vec<(f64, i64)>),
 }
@@ -99,6 +101,15 @@ impl Rig {
         match self.value(path) {
             Some(Value::Integer(value)) => *value,
             _ => panic!("{path} has no whole number"),
+        }
+    }
+
+    /// The twelve coefficients of a polynomial, if the key has them.
+    #[must_use]
+    pub fn polynomial(&self, path: &str) -> Option<[f64; 12]> {
+        match self.value(path) {
+            Some(Value::Numbers(values)) => values.as_slice().try_into().ok(),
+            _ => None,
         }
     }
 

@@ -14,6 +14,7 @@
 
 use std::f64::consts::PI;
 
+use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
 
 /// The dimensions of the valve that its flow depends on, SI.
@@ -31,6 +32,12 @@ pub struct Valve {
     pub port_diameter: f64,
     /// Whether the flow node is there: the bore of the port between it and the tube.
     pub has_node: bool,
+    /// What the lands are: orifices by their areas, or a component by its conductance at full opening.
+    pub land_law: FlowLaw,
+    /// Spool travel to either side, m.
+    pub travel: f64,
+    /// Diameter of the spool between its lands, m.
+    pub rod_diameter: f64,
     /// C_d of the lands to the supply, and of the ports.
     pub discharge_supply: f64,
     /// C_d of the lands to the exhaust.
@@ -77,7 +84,15 @@ impl Valve {
     pub(crate) fn conductances(&self, gas: &Gas, spool: f64) -> [Conductances; 2] {
         let [land_1, land_2] = self.land_areas(spool);
         let constant = gas.flow_constant();
-        let of = |discharge: f64, area: f64| constant * (discharge * area) * (discharge * area);
+        let of = |discharge: f64, area: f64| match self.land_law {
+            FlowLaw::Orifice => constant * (discharge * area) * (discharge * area),
+            FlowLaw::Perry => constant * area * area,
+            // The conductance is that of full opening, and goes with the area of the edge.
+            FlowLaw::Iso6358(component) => {
+                let part = area / self.edge_area(self.travel - self.lap);
+                component.conductance() * part * part
+            }
+        };
         let port = self.has_node.then(|| of(self.discharge_supply, self.port_area()));
         let node = |supply_land, exhaust_land| Conductances {
             supply: of(self.discharge_supply, supply_land),
@@ -97,6 +112,9 @@ pub(crate) fn thesis_valve() -> Valve {
         spool_diameter: 9.98e-3,
         port_diameter: 3.3e-3,
         has_node: true,
+        land_law: FlowLaw::Orifice,
+        travel: 1e-3,
+        rod_diameter: 6e-3,
         discharge_supply: 0.8,
         discharge_exhaust: 0.8,
     }

@@ -65,7 +65,8 @@ impl Network {
     ) {
         let highest = self.supply.exner.max(chambers[0].exner).max(chambers[1].exner);
         let coldest = self.supply.temperature.min(chambers[0].temperature).min(chambers[1].temperature);
-        let most: f64 = valve.iter().map(|v| self.more_than_choked(v.supply / coldest, highest)).sum();
+        let most: f64 =
+            valve.iter().map(|v| self.more_than_choked(&self.laws.land, v.supply / coldest, highest)).sum();
         let mut excess = |total: f64| {
             let at_valve = self.supply_tube.far_end(self.supply.exner, total).exner;
             for i in 0..2 {
@@ -109,7 +110,11 @@ impl Network {
         let excess = |m: f64| node_for(m).port_flow() - m;
         let highest = at_valve.max(self.exhaust.exner).max(side.chamber.exner);
         let coldest = self.supply.temperature.min(side.chamber.temperature);
-        let most = self.more_than_choked((side.valve.supply + side.valve.exhaust) / coldest, 2.0 * highest);
+        let most = self.more_than_choked(
+            &self.laws.land,
+            (side.valve.supply + side.valve.exhaust) / coldest,
+            2.0 * highest,
+        );
         let m = bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17);
         node_for(m)
     }
@@ -130,6 +135,8 @@ impl Network {
             carried: supply.temperature,
             supply_flow: 0.0,
             exhaust_flow: 0.0,
+            supply_exner: at_valve,
+            port_exner: side.chamber.exner,
         };
         let [from_supply, from_exhaust, from_port] = *side.approaches;
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);
@@ -161,7 +168,7 @@ impl Network {
         };
         let highest = node.exner.max(side.chamber.exner);
         let coldest = node.temperature.min(side.chamber.temperature);
-        let most = self.more_than_choked(bore / coldest, highest);
+        let most = self.more_than_choked(&self.laws.port, bore / coldest, highest);
         bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17)
     }
 }

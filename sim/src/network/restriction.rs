@@ -2,6 +2,7 @@
 //! how the air approaches it.
 
 use super::{Network, Node, PortFlow, Station};
+use crate::flow_law::FlowLaw;
 
 /// A signed square of a flow from a first place to a second, with its slopes over both Exner
 /// pressures and over the flow itself (by its speed of approach).
@@ -60,6 +61,7 @@ impl Network {
     /// stagnation pressures decide its direction.
     pub(super) fn restriction(
         &self,
+        law: &FlowLaw,
         conductance: f64,
         (first, approach_1): (&Station, Approach),
         (second, approach_2): (&Station, Approach),
@@ -67,7 +69,7 @@ impl Network {
         let forward = first.exner * approach_1.factor >= second.exner * approach_2.factor;
         let (up, approach, down) =
             if forward { (first, approach_1, second) } else { (second, approach_2, first) };
-        let psi = self.gas.flow_function(up.exner * approach.factor, down.exner);
+        let psi = law.flow_function(&self.gas, up.exner * approach.factor, down.exner);
         let k = conductance / (up.temperature * approach.factor);
         // Over anything that changes the factor by df: w changes by w df and T by T df.
         let by_factor = psi.by_upstream * up.exner - psi.value / approach.factor;
@@ -89,7 +91,7 @@ impl Network {
         approach: Approach,
         node: &Station,
     ) -> SquareFlow {
-        self.restriction(conductance, (source, approach), (node, Approach::NONE))
+        self.restriction(&self.laws.land, conductance, (source, approach), (node, Approach::NONE))
     }
 
     /// The port between a node and the far end of its tube, whose air has the same temperature: the
@@ -102,7 +104,7 @@ impl Network {
         approach: Approach,
     ) -> SquareFlow {
         let near = Station { exner: node.exner, temperature: far.temperature };
-        self.restriction(conductance, (&near, Approach::NONE), (far, approach))
+        self.restriction(&self.laws.port, conductance, (&near, Approach::NONE), (far, approach))
     }
 
     /// w at the valve's end of a cylinder's tube for a flow `m` into the cylinder.
@@ -156,8 +158,8 @@ impl Network {
 
     /// A flow that a restriction cannot reach, at whatever Mach number it is approached: a bracket's
     /// end with a sign that rounding cannot turn.
-    pub(super) fn more_than_choked(&self, conductance: f64, upstream: f64) -> f64 {
+    pub(super) fn more_than_choked(&self, law: &FlowLaw, conductance: f64, upstream: f64) -> f64 {
         let upstream = 0.5 * (self.gas.heat_capacity_ratio + 1.0) * upstream;
-        1.01 * (conductance * self.gas.flow_function(upstream, 0.0).value).sqrt()
+        1.01 * (conductance * law.flow_function(&self.gas, upstream, 0.0).value).sqrt()
     }
 }

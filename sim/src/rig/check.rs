@@ -69,6 +69,14 @@ impl Reader<'_> {
             let message = "a dither needs a frequency; write dither_mm = 0 for none";
             self.problem_at_key("operator.dither_hz", message.to_owned());
         }
+        for key in ["valve.sonic_conductance_m3_per_s_pa", "valve.critical_ratio"] {
+            if rig.word("valve.model") == "iso-6358" && rig.optional_number(key).is_none() {
+                self.problem_at_key(
+                    key,
+                    "valve.model = \"iso-6358\" needs it; the data sheet has it".to_owned(),
+                );
+            }
+        }
         if rig.integer("encoder.polarity") == 0 {
             self.problem_at_key("encoder.polarity", "must be 1 or -1".to_owned());
         }

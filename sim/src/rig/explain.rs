@@ -49,6 +49,7 @@ fn range(kind: &Kind) -> String {
             options.iter().map(word).collect::<Vec<_>>().join(", ")
         }
         Kind::Integers { min, max, most } => format!("1 to {most} whole numbers from {min} to {max}"),
+        Kind::Numbers { count } => format!("{count} numbers"),
         Kind::Moves => "list of [time in s, counts] in order of time".to_owned(),
         Kind::Text => "text".to_owned(),
         Kind::NotBuilt => "not built yet".to_owned(),
@@ -71,6 +72,7 @@ impl std::fmt::Display for Value {
             Value::Switch(on) => write!(f, "{on}"),
             Value::Word(word) => write!(f, "{word:?}"),
             Value::Integers(values) => write!(f, "{values:?}"),
+            Value::Numbers(values) => write!(f, "{values:?}"),
             Value::Moves(moves) => {
                 let moves: Vec<String> =
                     moves.iter().map(|(time, target)| format!("[{time}, {target}]")).collect();

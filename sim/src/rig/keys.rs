@@ -33,6 +33,11 @@ pub enum Kind {
         /// Most entries.
         most: usize,
     },
+    /// A list of real numbers.
+    Numbers {
+        /// How many.
+        count: usize,
+    },
     /// A list of [time in s, whole number].
     Moves,
     /// Text.
@@ -286,8 +291,10 @@ pub static KEYS: &[Key] = &[
     number("operator.stop_damping_ratio", 0.5, 0.0, 10.0, "", "Damping ratio of the stops.").of(&["solenoid"]),
     number("operator.switch_time_s", 0.0, 0.0, 1.0, "", "Time from state to state of an on-off valve.").of(&["on-off"]),
 
-    choice("valve.model", &[("flow-node", true), ("single-restriction", true), ("multiple-flow-node", false), ("iso-6358", false)], "L(16)", "How the flows through the valve are formed."),
-    choice("valve.flow_force", &[("none", true), ("experimental", false), ("analytical", false)], "L(16)=4,5", "Force of the flow on the spool."),
+    choice("valve.model", &[("flow-node", true), ("single-restriction", true), ("multiple-flow-node", false), ("iso-6358", true)], "L(16)", "How the flows through the valve are formed."),
+    choice("valve.flow_force", &[("none", true), ("experimental", true), ("analytical", true)], "L(16)=4,5", "Force of the flow on the spool."),
+    key("valve.flow_force_inlet", Kind::Numbers { count: 12 }, Default::Absent("a stand-in fitted to the force of a free jet; Louis and Logan's coefficients are not published in the thesis"), "6.34", "C_Fin: coefficients of the powers 0 to 11 of the opening, for the experimental flow force of air that goes in."),
+    key("valve.flow_force_outlet", Kind::Numbers { count: 12 }, Default::Absent("as flow_force_inlet"), "6.34", "C_Fout: the same for air that comes out."),
     number("valve.spool_travel_mm", 1.0, 0.01, 100.0, "C(3)", "Travel of the spool to either side; also what a command of 2048 asks for."),
     number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap."),
     number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve."),
@@ -298,7 +305,7 @@ pub static KEYS: &[Key] = &[
     number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").spread(),
     number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").spread(),
     number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built(),
-    choice("valve.discharge_model", &[("constant", true), ("perry", false)], "L(17)", "How the coefficient of discharge depends on the pressure ratio."),
+    choice("valve.discharge_model", &[("constant", true), ("perry", true)], "L(17)", "How the coefficient of discharge depends on the pressure ratio."),
     number("valve.land_length_m", 0.01, 0.0, 1.0, "C(70)", "Length of the lands, for flow forces."),
     switch("valve.upstream_mach", true, "C(54)", "Whether the approach velocity at the ports counts; false sets every upstream Mach number to zero."),
     number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null."),

@@ -271,6 +271,7 @@ fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
             .map(Value::Word),
         Kind::Choice(options) => word(key, item, options),
         Kind::Integers { min, max, most } => integers(key, item, min, max, most),
+        Kind::Numbers { count } => numbers(item, count),
         Kind::Moves => moves(item),
         Kind::NotBuilt => not_built(key, item),
     }
@@ -335,6 +336,13 @@ fn integers(key: &Key, item: &Item, min: i64, max: i64, most: usize) -> Result<V
     }
     let values = array.iter().map(|value| whole(key, &Item::Value(value.clone()), min, max));
     values.collect::<Result<_, _>>().map(Value::Integers)
+}
+
+fn numbers(item: &Item, count: usize) -> Result<Value, String> {
+    let message = || format!("must be a list of {count} numbers");
+    let array = item.as_array().filter(|array| array.len() == count).ok_or_else(message)?;
+    let values = array.iter().map(|value| real(&Item::Value(value.clone())).ok_or_else(message));
+    values.collect::<Result<_, _>>().map(Value::Numbers)
 }
 
 fn moves(item: &Item) -> Result<Value, String> {

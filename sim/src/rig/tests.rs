@@ -98,8 +98,8 @@ fn everything_wrong_is_said_at_once() {
 
 #[test]
 fn a_model_that_is_not_built_is_refused_in_just_those_words() {
-    let message = only_problem("[valve]\nmodel = \"iso-6358\"\n");
-    assert!(message.contains("valve.model = \"iso-6358\" is not built yet"), "{message}");
+    let message = only_problem("[tubing]\nmodel = \"dynamic\"\n");
+    assert!(message.contains("tubing.model = \"dynamic\" is not built yet"), "{message}");
     let message = only_problem("[controller]\nlearn_null_offset = true\n");
     assert!(message.contains("controller.learn_null_offset is not built yet"), "{message}");
     let message = only_problem("[tubing]\nlag_s = 0.001\n");
