@@ -1,5 +1,7 @@
 //! The headline: the same samples give the same commands, equal in every bit, on every rung.
 
+use std::sync::atomic::AtomicBool;
+
 use pneudrive::client::{Client, Record};
 use pneudrive_controller::Observation;
 use pneudrive_hil_tests::{Target, VirtualTarget};
@@ -25,7 +27,7 @@ fn run_on(client: &mut Client, rig: &Rig) {
     client.download_test(rig).expect("a disarmed rig takes a test");
     client.arm().expect("referenced");
     client.start().expect("armed");
-    assert_eq!(client.follow(|_| {}).expect("no fault").mode, Mode::Done);
+    assert_eq!(client.follow(&AtomicBool::new(false), |_| {}).expect("no fault").mode, Mode::Done);
 }
 
 /// What the recorder stores of an observation.
@@ -119,7 +121,7 @@ fn a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it() {
     client.arm().expect("referenced");
     client.start().expect("armed");
     client.stop().expect("an answer");
-    let error = client.follow(|_| {}).expect_err("stopped").to_string();
+    let error = client.follow(&AtomicBool::new(false), |_| {}).expect_err("stopped").to_string();
     assert!(error.contains("stop (a stop was requested)"), "{error}");
     client.arm().expect("arming leaves the fault");
     assert_eq!(client.status().expect("an answer").mode, Mode::Armed);
@@ -132,4 +134,53 @@ fn a_rig_without_a_record_says_so() {
     let mut client = target.connect().expect("a rig that answers");
     let error = client.record(|_, _| {}).expect_err("no record").to_string();
     assert!(error.contains("nothing has been recorded"), "{error}");
+}
+
+/// A second program must reach the rig while the first one follows a run.
+#[test]
+fn a_stop_from_another_program_reaches_a_running_rig() {
+    let rig = rig("servo-b", &["test.duration_s=3000"]);
+    let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
+    let (mut first, mut second) = (target.connect().expect("a rig"), target.connect().expect("the same rig"));
+    first.download_test(&rig).expect("disarmed");
+    first.arm().expect("referenced");
+    first.start().expect("armed");
+    second.stop().expect("an answer");
+    let error = first.follow(&AtomicBool::new(false), |_| {}).expect_err("stopped").to_string();
+    assert!(error.contains("stop (a stop was requested)"), "{error}");
+}
+
+#[test]
+fn an_interrupted_run_is_stopped() {
+    let rig = rig("servo-b", &["test.duration_s=3000"]);
+    let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
+    let mut client = target.connect().expect("a rig that answers");
+    client.download_test(&rig).expect("disarmed");
+    client.arm().expect("referenced");
+    client.start().expect("armed");
+    client.follow(&AtomicBool::new(true), |_| {}).expect_err("stopped");
+    assert_eq!(client.status().expect("an answer").mode, Mode::Fault);
+}
+
+#[test]
+fn a_rig_that_is_given_another_period_keeps_that_time() {
+    let file = rig("servo-b", &["test.duration_s=0.5"]);
+    let other = rig("servo-b", &["test.duration_s=0.5", "controller.period_s=0.002"]);
+    let target = VirtualTarget::start(&file, "tcp:127.0.0.1:0").expect("a virtual rig");
+    let mut client = target.connect().expect("a rig that answers");
+    client.import_parameters(&other.parameters()).expect("disarmed");
+    drop(client);
+    assert_equal_in_every_integer(&target, &other);
+}
+
+#[test]
+fn the_record_of_a_stepper_drive_is_the_simulation() {
+    let settings = [
+        "operator.model=stepper",
+        "test.duration_s=5",
+        "test.moves=[[0.0, 8192], [0.3, 16384], [1.72, 8192]]",
+    ];
+    let rig = rig("servo-b", &settings);
+    let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
+    assert_equal_in_every_integer(&target, &rig);
 }

@@ -42,8 +42,16 @@ pub struct RigChoice {
     #[arg(value_name = "RIG")]
     pub rig: String,
     /// Change a key of the rig, such as load.mass_kg=2.5; may be given again
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
     pub settings: Vec<String>,
+}
+
+/// `key=value` with something on both sides.
+fn setting(text: &str) -> Result<String, String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("write KEY=VALUE, such as load.mass_kg=2.5".to_owned()),
+    }
 }
 
 /// How a run is integrated.
@@ -146,7 +154,7 @@ pub struct Virtual {
     #[command(flatten)]
     pub rig: RigChoice,
     /// Where to listen: pty, or tcp:HOST:PORT (port 0 for any free one)
-    #[arg(long, value_name = "pty|tcp:ADDR")]
+    #[arg(long, value_name = "pty|tcp:ADDR", value_parser = door)]
     pub listen: String,
     /// Run tests as fast as they go instead of in real time
     #[arg(long)]
@@ -162,11 +170,33 @@ pub struct Virtual {
     pub seed: u64,
 }
 
+/// Where a virtual rig can listen.
+fn door(text: &str) -> Result<String, String> {
+    match text.strip_prefix("tcp:") {
+        Some(address) if address.trim_start_matches('/').contains(':') => Ok(text.to_owned()),
+        None if text == "pty" => Ok(text.to_owned()),
+        _ => Err("write pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000".to_owned()),
+    }
+}
+
+/// The name of a port, brought into the form that `port::open` takes.
+fn port(text: &str) -> Result<String, String> {
+    let address = text.strip_prefix("tcp:").map(|address| address.trim_start_matches('/'));
+    match address {
+        Some(address) if address.contains(':') => Ok(format!("tcp://{address}")),
+        Some(_) => Err("the port number is missing; write tcp://HOST:PORT".to_owned()),
+        None if text.is_empty() || text == "pty:" => {
+            Err("the name is empty; write pty:PATH or a device".to_owned())
+        }
+        None => Ok(text.to_owned()),
+    }
+}
+
 /// The port of a rig.
 #[derive(Debug, Args)]
 pub struct PortChoice {
     /// A device (/dev/ttyACM0, COM3), pty:PATH or tcp://HOST:PORT
-    #[arg(long, short, value_name = "PORT")]
+    #[arg(long, short, value_name = "PORT", value_parser = port)]
     pub port: String,
 }
 

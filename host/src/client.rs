@@ -1,5 +1,6 @@
 //! Requests to a rig, each asked again until it is answered.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -107,7 +108,7 @@ impl Client {
             }
         }
         bail!(
-            "no answer from {} within {:.1} s; is it a rig, powered and with this firmware?",
+            "no answer from {} within {:.1} s; is it a rig, powered and with this firmware, and does no other program talk to it?",
             self.name,
             (ANSWER_WAIT * ATTEMPTS).as_secs_f64()
         )
@@ -291,12 +292,17 @@ impl Client {
         Ok(())
     }
 
-    /// Follows a run to its end; `progress` is given the status now and then.
+    /// Follows a run to its end; `progress` is given the status now and then. Stops the rig once
+    /// `interrupted` is set.
     ///
     /// # Errors
     /// When the drive trips, the run is ended by someone else, or the rig stops answering.
-    pub fn follow(&mut self, mut progress: impl FnMut(&Status)) -> Result<Status> {
+    pub fn follow(&mut self, interrupted: &AtomicBool, mut progress: impl FnMut(&Status)) -> Result<Status> {
         loop {
+            if interrupted.load(Ordering::Relaxed) {
+                self.stop()?;
+                bail!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name);
+            }
             let status = self.status()?;
             progress(&status);
             match status.mode {

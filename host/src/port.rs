@@ -29,7 +29,12 @@ pub fn open(name: &str) -> Result<Box<dyn Link>> {
     }
     let path = name.strip_prefix("pty:").unwrap_or(name);
     let port = serialport::new(path, BAUD).timeout(READ_WAIT).open();
-    let port = port.with_context(|| format!("cannot open {path}{}", available()))?;
+    let port = port.map_err(|error| match error.kind() {
+        serialport::ErrorKind::NoDevice if error.description.contains("lock") => {
+            anyhow::anyhow!("another program has {path} open; end it first")
+        }
+        _ => anyhow::Error::new(error).context(format!("cannot open {path}{}", available())),
+    })?;
     Ok(Box::new(port))
 }
 

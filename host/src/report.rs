@@ -15,7 +15,7 @@ use crate::run_folder;
 use crate::transient::Transient;
 
 /// Marks a page as ours, so that writing it again replaces nothing else.
-const GENERATOR: &str = "<meta name=\"generator\" content=\"pneudrive\">";
+pub const GENERATOR: &str = "<meta name=\"generator\" content=\"pneudrive\">";
 
 /// A page in the making.
 pub struct Report<'a> {

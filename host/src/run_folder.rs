@@ -32,6 +32,18 @@ pub fn write(folder: &Path, rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<
     put(&json_path, &(text + "\n"))
 }
 
+/// Makes a folder if it is not there, and makes sure that it can be written to, before long work.
+///
+/// # Errors
+/// When it cannot.
+pub fn make_writable(folder: &Path) -> Result<()> {
+    let probe = folder.join(format!(".pneudrive-{}.partial", std::process::id()));
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(&probe, ""))
+        .and_then(|()| fs::remove_file(&probe))
+        .with_context(|| format!("cannot write into the folder {}; choose another", folder.display()))
+}
+
 /// Refuses to replace a file that does not hold `mark`: it is somebody's own.
 ///
 /// # Errors

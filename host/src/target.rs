@@ -186,10 +186,10 @@ fn indices(record: &Record) -> impl Iterator<Item = i32> {
     before.chain((0..).step_by(step as usize))
 }
 
-fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
+/// The value of a parameter; equal entries at the end of a list are said once, as in a rig file.
+pub(crate) fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
     let values: Vec<i32> = (first..first + len).filter_map(|id| parameters.get(id)).collect();
     let last = values.last().copied().unwrap_or(0);
-    // Equal entries at the end are said once, as in a rig file.
     let repeated = values.iter().rev().take_while(|&&value| value == last).count();
     let kept = values.len() - repeated + 1;
     values[..kept.min(values.len())].iter().map(ToString::to_string).collect::<Vec<_>>().join(",")

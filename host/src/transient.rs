@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 use crate::run_folder::StoredRun;
 use crate::target::TargetFile;
@@ -39,7 +39,7 @@ impl Transient {
             Ok(Transient::of_run(&path.display().to_string(), &StoredRun::read(path)?))
         } else {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            Transient::of_target(&name, &TargetFile::read(path)?)
+            Transient::of_target(&name, &TargetFile::read(path)?).with_context(|| path.display().to_string())
         }
     }
 

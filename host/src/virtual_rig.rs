@@ -114,12 +114,12 @@ impl Board for VirtualBoard {
         self.count_offset = counts.saturating_sub(self.plant.sample().position);
     }
 
-    /// The plant's clock is that of the configuration, which may not be the rig file's any more.
+    /// The plant's clock is that of the configuration, which may not be the rig file's any more; a live
+    /// plant keeps its own.
     fn run_begins(&mut self, config: &Config) {
         self.running = true;
         if !self.pace.live {
             let timing = &config.timing;
-            self.period_us = u64::from(timing.period_us.get());
             self.plant = Plant::new(&self.rig, Accuracy::default(), self.seed)
                 .with_timing(self.period_us, u64::from(timing.delay_us.get()));
         }
@@ -204,6 +204,9 @@ impl VirtualRig {
 
     /// One sample and its output.
     fn tick(&mut self) -> Result<()> {
+        if !self.board.pace.live {
+            self.board.period_us = u64::from(self.control.config().timing.period_us.get());
+        }
         self.control.on_sample(&mut self.board);
         self.control.on_output(&mut self.board);
         self.board.running = self.control.state().supervisor.mode() == Mode::Running;

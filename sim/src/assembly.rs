@@ -65,6 +65,18 @@ pub(crate) struct Assembly {
     solved: Option<(f64, StateVector, [Node; 2])>,
 }
 
+/// The components that an assembly is made of.
+#[derive(Clone, Debug)]
+pub(crate) struct Parts {
+    pub gas: Gas,
+    pub valve: Valve,
+    pub actuator: Actuator,
+    pub load: Load,
+    pub operator: Operator,
+    pub network: Network,
+    pub flow_force: FlowForce,
+}
+
 /// Everything that follows from a state at one instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effects {
@@ -77,28 +89,19 @@ pub(crate) struct Effects {
 
 impl Assembly {
     /// The drive at rest in the state `x` with a null command, its bodies tested for breakaway.
-    pub fn new(
-        gas: Gas,
-        valve: Valve,
-        actuator: Actuator,
-        load: Load,
-        operator: Operator,
-        network: Network,
-        flow_force: FlowForce,
-        x: &StateVector,
-    ) -> Assembly {
+    pub fn new(parts: Parts, x: &StateVector) -> Assembly {
         let mut assembly = Assembly {
             load_contact: Contact::Stuck,
-            load_side: load.stops.side(x[slot::POSITION]),
+            load_side: parts.load.stops.side(x[slot::POSITION]),
             ports: [PortFlow::Charging; 2],
             solved: None,
-            gas,
-            valve,
-            actuator,
-            load,
-            operator,
-            network,
-            flow_force,
+            gas: parts.gas,
+            valve: parts.valve,
+            actuator: parts.actuator,
+            load: parts.load,
+            operator: parts.operator,
+            network: parts.network,
+            flow_force: parts.flow_force,
         };
         assembly.load_contact = assembly.load.friction.at_rest(assembly.applied_to_load(x));
         assembly.find_port_directions(0.0, x);
@@ -111,6 +114,7 @@ impl Assembly {
         let before = self.spool(t, x);
         self.operator.drive(t, spool_state(x), request, flow_force);
         if self.spool(t, x) != before {
+            self.network.expect_jump();
             self.find_port_directions(t, x);
         }
     }
@@ -300,5 +304,6 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
             }
         }
         self.solved = None;
+        self.network.expect_jump();
     }
 }

@@ -48,4 +48,4 @@ pub mod valve;
 pub use integrator::{IntegrationError, Method};
 pub use plant::{Accuracy, Plant};
 pub use rig::Rig;
-pub use run::{Run, run};
+pub use run::{Run, run, run_watched};

@@ -74,6 +74,16 @@ impl Node {
         Station { exner: self.exner, temperature: self.temperature }
     }
 
+    const NOT_A_NUMBER: Node = Node {
+        exner: f64::NAN,
+        temperature: f64::NAN,
+        carried: f64::NAN,
+        supply_flow: f64::NAN,
+        exhaust_flow: f64::NAN,
+        supply_exner: f64::NAN,
+        port_exner: f64::NAN,
+    };
+
     fn is_finite(&self) -> bool {
         (self.exner + self.temperature + self.supply_flow + self.exhaust_flow).is_finite()
     }
@@ -106,8 +116,10 @@ pub struct Network {
     /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
     mach: f64,
     nodes: [Node; 2],
-    /// Whether `nodes` is a solution.
-    started: bool,
+    /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
+    far: bool,
+    /// Solutions that were not found since the last one that was.
+    failures: u32,
     /// Work done so far.
     pub work: NetworkWork,
 }
@@ -126,6 +138,11 @@ pub struct NetworkWork {
 /// Flows are solved to this change in the last correction, kg/s. The error after it is far smaller,
 /// the convergence being quadratic but for the node temperature.
 const FLOW_TOLERANCE: f64 = 1e-12;
+
+/// After so many failures, with a step ten times shorter each time, the solution that was followed has
+/// come to its end: with upstream Mach numbers a land that is wider than its port has none below M = 1
+/// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
+const MOST_FAILURES: u32 = 8;
 
 /// Newton takes about 4 iterations from the last solution; many more mean a bad start.
 const MOST_ITERATIONS: u32 = 20;
@@ -181,9 +198,20 @@ impl Network {
             laws,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
             nodes: [node; 2],
-            started: false,
+            far: true,
+            failures: 0,
             work: NetworkWork::default(),
         }
+    }
+
+    /// The next solution may be far from the last one: the spool has jumped, or a mode changed.
+    pub fn expect_jump(&mut self) {
+        self.far = true;
+    }
+
+    /// Whether there is no solution yet to start from.
+    fn is_at_rest(&self) -> bool {
+        self.nodes.iter().all(|node| node.supply_flow == 0.0 && node.exhaust_flow == 0.0)
     }
 
     /// The supply, in front of its tube.
@@ -206,9 +234,15 @@ impl Network {
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
         self.work.solutions += 1;
-        // A trial step too large may leave no numbers; the last solution is not spoilt by it.
+        // A trial step too large may lead to where there is no solution, or leave no numbers: it is
+        // told so, and the last solution is not spoilt by it.
         let last = self.nodes;
-        if !(self.started && self.newton(valve, chambers, ports)) {
+        if self.is_at_rest() || !self.newton(valve, chambers, ports) {
+            self.failures += 1;
+            if !self.far && self.failures < MOST_FAILURES {
+                self.nodes = last;
+                return [Node::NOT_A_NUMBER; 2];
+            }
             self.work.bracketed += 1;
             self.by_brackets(valve, chambers, ports);
             // Sharpens what the brackets found; they are the answer where it fails again.
@@ -219,14 +253,16 @@ impl Network {
         }
         let mut solved = self.nodes;
         let total = solved[0].supply_flow + solved[1].supply_flow;
-        let supply_exner = self.supply_tube.far_end(self.supply.exner, total).exner;
+        let supply_exner = self.supply_tube.far_end(&self.supply, total).exner;
         for ((node, lands), chamber) in solved.iter_mut().zip(valve).zip(chambers) {
             node.carried = self.carried(node, lands.port);
             node.supply_exner = supply_exner;
             node.port_exner = self.far_of_cylinder(chamber, node.port_flow());
         }
-        self.started |= solved.iter().all(Node::is_finite);
-        if !solved.iter().all(Node::is_finite) {
+        if solved.iter().all(Node::is_finite) {
+            self.far = false;
+            self.failures = 0;
+        } else {
             self.nodes = last;
         }
         solved
@@ -237,7 +273,7 @@ impl Network {
         for _ in 0..MOST_ITERATIONS {
             self.work.iterations += 1;
             let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
-            let at_valve = self.supply_tube.far_end(self.supply.exner, total);
+            let at_valve = self.supply_tube.far_end(&self.supply, total);
             let mut fixed = [Correction { exner: 0.0, supply: 0.0, exhaust: 0.0 }; 2];
             let mut per_total = fixed;
             for i in 0..2 {

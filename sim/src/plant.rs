@@ -7,7 +7,7 @@
 use pneudrive_controller::{Command, Sample};
 
 use crate::actuator::{Actuator, Air};
-use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, StateVector, slot};
+use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, Parts, SCALE, STATES, StateVector, slot};
 use crate::dither::Dither;
 use crate::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
 use crate::flow_law::FlowLaw;
@@ -110,16 +110,16 @@ impl Plant {
         let gas = gas(rig);
         let actuator = actuator(rig);
         let x = initial_state(rig, &gas, &actuator);
-        let assembly = Assembly::new(
+        let parts = Parts {
             gas,
-            valve(rig),
+            valve: valve(rig),
             actuator,
-            load(rig),
-            operator(rig),
-            network(rig, gas),
-            flow_force(rig),
-            &x,
-        );
+            load: load(rig),
+            operator: operator(rig),
+            network: network(rig, gas),
+            flow_force: flow_force(rig),
+        };
+        let assembly = Assembly::new(parts, &x);
         Plant {
             assembly,
             integrator: Integrator::new(accuracy.method, accuracy.tolerance, SCALE, x),
@@ -297,19 +297,36 @@ fn flow_force(rig: &Rig) -> FlowForce {
     }
 }
 
+/// The tube from the supply, and those to the cylinder. With the multiple flow node a restriction at
+/// the cylinder stands for the tube (6.55 to 6.60), and the supply has none.
+fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
+    if rig.word("valve.model") == "multiple-flow-node" {
+        let bore = rig.number("tubing.diameter_mm") * 1e-3;
+        return (Tube::none(), Tube::connector(gas, rig.number("valve.discharge_supply"), bore));
+    }
+    let tube = match rig.word("tubing.model") {
+        "none" => Tube::none(),
+        "analytical" => Tube::analytical(
+            gas,
+            rig.number("tubing.length_m"),
+            rig.number("tubing.diameter_mm") * 1e-3,
+            rig.number("tubing.friction_factor"),
+        ),
+        _ => Tube::empirical(gas, rig.number("tubing.drop_slope"), rig.number("tubing.reference_flow_kg_s")),
+    };
+    (tube, tube)
+}
+
 fn network(rig: &Rig, gas: Gas) -> Network {
     let station = |table: &str| Station {
         exner: gas.exner(rig.number(&format!("{table}.pressure_pa"))),
         temperature: rig.number(&format!("{table}.temperature_k")),
     };
-    let tube = match rig.word("tubing.model") {
-        "none" => Tube::none(),
-        _ => Tube::empirical(&gas, rig.number("tubing.drop_slope"), rig.number("tubing.reference_flow_kg_s")),
-    };
+    let (supply_tube, cylinder_tube) = tubes(rig, &gas);
     let port_area = rig.switch("valve.upstream_mach").then(|| valve(rig).port_area());
     let law = land_law(rig);
     let laws = Laws { land: law, port: law };
-    Network::new(gas, station("supply"), station("exhaust"), tube, tube, laws, port_area)
+    Network::new(gas, station("supply"), station("exhaust"), supply_tube, cylinder_tube, laws, port_area)
 }
 
 fn actuator(rig: &Rig) -> Actuator {

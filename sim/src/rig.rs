@@ -152,6 +152,19 @@ impl Rig {
     /// When that test does not fit this rig.
     pub fn with_test_of(&self, other: &Rig) -> Result<Rig, Problems> {
         let mut rig = self.clone();
+        let control_loop = Rig::index("controller.loop");
+        if other.set[control_loop] && other.values[control_loop] != self.values[control_loop] {
+            return Err(Problems(vec![Problem {
+                source: other.name().to_owned(),
+                line: None,
+                key: "controller.loop".to_owned(),
+                message: format!(
+                    "its test is for the {} loop, the rig's is {}: the moves would mean something else",
+                    other.word("controller.loop"),
+                    self.word("controller.loop")
+                ),
+            }]));
+        }
         for (index, _) in KEYS.iter().enumerate().filter(|(_, key)| key.table() == "test") {
             rig.values[index] = other.values[index].clone();
             rig.set[index] = other.set[index];

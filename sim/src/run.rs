@@ -50,6 +50,18 @@ impl Rows {
 /// # Errors
 /// When the integration cannot go on.
 pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
+    run_watched(rig, accuracy, |_, _| {})
+}
+
+/// The same; `progress` is given samples done and samples in all.
+///
+/// # Errors
+/// When the integration cannot go on.
+pub fn run_watched(
+    rig: &Rig,
+    accuracy: Accuracy,
+    mut progress: impl FnMut(u32, u32),
+) -> Result<Run, IntegrationError> {
     let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
     let sequence = rig.sequence();
     let mut state = State::default();
@@ -75,6 +87,7 @@ pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
             fault = fault.or(Some((kind, seen.index)));
         }
         observations.push(seen);
+        progress(seen.index, rig.last_sample());
         // A row at an instant with an output shows the state after it.
         plant.command(output(&config, &mut state));
         rows.catch_up(&mut plant, &seen, (k + 1) * period)?;

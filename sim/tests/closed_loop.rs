@@ -82,3 +82,14 @@ fn merson_gives_the_same_transient_as_dormand_prince() {
     let farthest = farthest.fold(0.0, f64::max);
     assert!(farthest < 1e-7, "{farthest} m");
 }
+
+/// Once a drawn coefficient of discharge of 1 made the flows search for a solution for ever.
+#[test]
+fn rigs_drawn_with_the_largest_spread_run_without_a_search() {
+    for seed in 1..=6 {
+        let nominal = Rig::builtin("servo-b").expect("a built-in rig");
+        let rig = nominal.spread(0.5, seed).expect("a valid rig");
+        let run = run(&rig, Accuracy { tolerance: 1e-8, ..Accuracy::default() }).expect("a transient");
+        assert!(run.work.network.bracketed < 20, "seed {seed}: {:?}", run.work.network);
+    }
+}

@@ -12,7 +12,7 @@ use super::{load_rig, simulate};
 use crate::cli::Demo;
 use crate::client::Client;
 use crate::report::Report;
-use crate::run_folder::{self, StoredRun};
+use crate::run_folder::{self, StoredRun, make_writable};
 use crate::target::TargetFile;
 use crate::transient::Transient;
 use crate::virtual_rig::{Background, Door, Pace, VirtualRig};
@@ -34,6 +34,7 @@ fn on_the_rig(port: &str, model: &Rig, out: &Path) -> Result<(PathBuf, TargetFil
 }
 
 pub(super) fn execute(arguments: &Demo) -> Result<()> {
+    make_writable(&arguments.out)?;
     let model = load_rig(&arguments.rig, &[])?;
     let real = model.spread(arguments.spread, arguments.seed)?;
     let percent = 100.0 * arguments.spread;

@@ -7,6 +7,7 @@ use pneudrive_protocol::{Mode, Status};
 use super::load_rig;
 use crate::cli::{ConfigAction, Device, DeviceAction};
 use crate::client::Client;
+use crate::target::parameter_text;
 use crate::words;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
@@ -70,15 +71,19 @@ fn config(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {
         ConfigAction::Get { name: None } => {
             let parameters = client.parameters()?;
-            for parameter in TABLE.iter().filter(|parameter| parameter.len == 1) {
-                let value = parameters.get(parameter.id).unwrap_or(0);
+            for parameter in &TABLE {
+                let value = parameter_text(&parameters, parameter.id, parameter.len);
                 say!("{:<28} {value:>12} {:<14} {}", parameter.name, parameter.unit, parameter.meaning);
             }
             Ok(())
         }
         ConfigAction::Get { name: Some(name) } => {
-            let (parameter, entry) = parameter_of(name)?;
             let parameters = client.parameters()?;
+            if let Some(list) = by_name(name).filter(|parameter| parameter.len > 1) {
+                say!("{name} = {}", parameter_text(&parameters, list.id, list.len));
+                return Ok(());
+            }
+            let (parameter, entry) = parameter_of(name)?;
             let value = parameters.get(parameter.id + entry).unwrap_or(0);
             say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
             Ok(())
@@ -106,6 +111,12 @@ fn parameter_of(text: &str) -> Result<(&'static Parameter, u16)> {
     };
     let parameter = by_name(name)
         .ok_or_else(|| anyhow!("there is no parameter {name}; `pneudrive device config get` lists them"))?;
+    if parameter.len > 1 && !text.ends_with(']') {
+        bail!(
+            "{name} is a list: name an entry, such as {name}[3], with the entries 0 to {}",
+            parameter.len - 1
+        );
+    }
     match entry {
         Some(entry) if entry < parameter.len => Ok((parameter, entry)),
         _ => bail!("{name} has the entries 0 to {}", parameter.len - 1),

@@ -4,10 +4,12 @@ use anyhow::{Result, bail};
 
 use crate::cli::Overlay;
 use crate::deviation::{Deviation, deviations, table};
-use crate::report::Report;
+use crate::report::{GENERATOR, Report};
+use crate::run_folder::refuse_foreign;
 use crate::transient::Transient;
 
 pub(super) fn execute(arguments: &Overlay) -> Result<()> {
+    refuse_foreign(&arguments.out, GENERATOR)?;
     let reference = Transient::read(&arguments.reference)?;
     let mut transients = vec![reference];
     for path in &arguments.others {

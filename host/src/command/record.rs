@@ -7,9 +7,11 @@ use anyhow::Result;
 use super::Progress;
 use crate::cli::Record;
 use crate::client::Client;
+use crate::run_folder::make_writable;
 use crate::target::TargetFile;
 
 pub(super) fn execute(arguments: &Record) -> Result<()> {
+    make_writable(&arguments.dir)?;
     let mut client = Client::connect(&arguments.port.port)?;
     let (path, file) = record(&mut client, &arguments.dir)?;
     say!("{}: {} samples", path.display(), file.samples.len());

@@ -1,22 +1,26 @@
 //! `pneudrive simulate`.
 
 use anyhow::{Context, Result};
-use pneudrive_sim::{Rig, Run, run};
+use pneudrive_sim::{Rig, Run, run_watched};
 
-use super::{accuracy, load_choice, load_rig};
+use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
 use crate::report::Report;
-use crate::run_folder::{self, StoredRun};
+use crate::run_folder::{self, StoredRun, make_writable};
 use crate::transient::Transient;
 use crate::words;
 
 pub(super) fn execute(arguments: &Simulate) -> Result<()> {
+    make_writable(&arguments.out)?;
     let mut rig = load_choice(&arguments.rig)?;
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
     }
     let accuracy = accuracy(&arguments.integration);
-    let run = run(&rig, accuracy).with_context(|| format!("{} cannot be simulated", rig.name()))?;
+    let mut progress = Progress::new("simulating");
+    let run = run_watched(&rig, accuracy, |done, all| progress.at(u64::from(done), u64::from(all)));
+    progress.done();
+    let run = run.with_context(|| format!("{} cannot be simulated", rig.name()))?;
     run_folder::write(&arguments.out, &rig, accuracy, &run)?;
     let transient = Transient::of_run("simulated", &StoredRun::of(&rig, &run));
     let title = format!("{}, simulated", rig.name());

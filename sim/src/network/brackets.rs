@@ -44,8 +44,7 @@ impl Network {
     pub(super) fn approaches(&self, i: usize, chamber: &Station, port: PortFlow) -> [Approach; 3] {
         let node = &self.nodes[i];
         let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
-        let supply =
-            Station { exner: self.supply_tube.far_end(self.supply.exner, total).exner, ..self.supply };
+        let supply = Station { exner: self.supply_tube.far_end(&self.supply, total).exner, ..self.supply };
         let here = node.station();
         let (far, _) = self.port_station(&here, chamber, port, node.port_flow());
         [
@@ -68,7 +67,7 @@ impl Network {
         let most: f64 =
             valve.iter().map(|v| self.more_than_choked(&self.laws.land, v.supply / coldest, highest)).sum();
         let mut excess = |total: f64| {
-            let at_valve = self.supply_tube.far_end(self.supply.exner, total).exner;
+            let at_valve = self.supply_tube.far_end(&self.supply, total).exner;
             for i in 0..2 {
                 let side = NodeSide {
                     valve: &valve[i],

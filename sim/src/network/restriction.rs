@@ -109,7 +109,7 @@ impl Network {
 
     /// w at the valve's end of a cylinder's tube for a flow `m` into the cylinder.
     pub(super) fn far_of_cylinder(&self, chamber: &Station, m: f64) -> f64 {
-        self.cylinder_tube.far_end(chamber.exner, -m).exner
+        self.cylinder_tube.far_end(chamber, -m).exner
     }
 
     /// The far end of a cylinder's tube for a port flow `m` into the cylinder, with its slope over m.
@@ -120,7 +120,7 @@ impl Network {
         port: PortFlow,
         m: f64,
     ) -> (Station, f64) {
-        let far = self.cylinder_tube.far_end(chamber.exner, -m);
+        let far = self.cylinder_tube.far_end(chamber, -m);
         let temperature = match port {
             PortFlow::Charging => node.temperature,
             PortFlow::Discharging => chamber.temperature,

@@ -7,6 +7,11 @@ use pneudrive_controller::Config;
 use pneudrive_controller::parameters::lookup;
 use pneudrive_controller::sequencer::MAX_MOVES;
 
+/// The largest coefficient of discharge with upstream Mach numbers. At 1 a choked port behind a wide
+/// land is approached at M = 1, and its flow equation has a double root: M = C_d (5/6)^3 (1 + M^2/5)^3
+/// for n = 1.4. Close to 1 the solution is nearly double, and is not found reliably.
+pub(super) const MOST_DISCHARGE: f64 = 0.9;
+
 impl Reader<'_> {
     /// Notes everything that does not go together.
     pub(super) fn check(&mut self, rig: &Rig) {
@@ -47,6 +52,14 @@ impl Reader<'_> {
     fn check_pressures(&mut self, rig: &Rig) {
         let why = "air must flow from the supply to the exhaust";
         self.check_order(rig, "exhaust.pressure_pa", "supply.pressure_pa", true, why);
+        for key in ["valve.discharge_supply", "valve.discharge_exhaust"] {
+            if rig.switch("valve.upstream_mach") && rig.number(key) > MOST_DISCHARGE {
+                let message = format!(
+                    "must not be above {MOST_DISCHARGE} with upstream_mach: a port that loses nothing has no steady flow"
+                );
+                self.problem_at_key(key, message);
+            }
+        }
     }
 
     fn check_timing(&mut self, rig: &Rig) {

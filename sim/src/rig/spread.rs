@@ -3,6 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::check::MOST_DISCHARGE;
 use super::keys::{KEYS, Kind};
 use super::{Rig, Value};
 
@@ -38,7 +39,8 @@ impl Rig {
             if let (Some(Value::Number(value)), Kind::Number { min, max }) =
                 (&mut rig.values[index], key.kind)
             {
-                *value = (*value * (1.0 + fraction * draw)).clamp(min, max);
+                let most = if key.name().starts_with("discharge") { MOST_DISCHARGE } else { max };
+                *value = (*value * (1.0 + fraction * draw)).clamp(min, most);
             }
         }
         rig.keep_coulomb_below_static();
