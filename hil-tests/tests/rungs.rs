@@ -60,7 +60,7 @@ fn assert_equal_in_every_integer(target: &impl Target, rig: &Rig) {
 
 #[test]
 fn the_record_of_the_virtual_rig_is_the_simulation_in_closed_loop() {
-    for name in ["servo-b", "servo-b-tuned"] {
+    for name in ["servo-a", "servo-b", "servo-b-tuned", "servo-c"] {
         let rig = rig(
             name,
             &["test.duration_s=5", "test.moves=[[0.0, 8192], [0.3, 16384], [1.72, 8192], [3.2, 12000]]"],

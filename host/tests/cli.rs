@@ -140,7 +140,10 @@ fn rig_list_show_and_explain_tell_what_there_is() {
         "load.mass_kg\n  Moving mass.\n  unit       kg\n  range      0.001 to 100000\n  default    1.6\n  thesis     C(17)\n= 0"
     );
     assert!(transcript(folder.path(), "rig explain nonsense").ends_with("= 1"));
-    assert!(transcript(folder.path(), "rig show nonsense").contains("built in: servo-b, servo-b-tuned"));
+    assert!(
+        transcript(folder.path(), "rig show nonsense")
+            .contains("built in: servo-a, servo-b, servo-b-tuned, servo-c")
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers,
-//! position and velocity of the spool. The modes say on which smooth piece of the equations the
+//! position and velocity of the spool, and the pressure ratios of lagged tubes. The modes say on which smooth piece of the equations the
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
 use crate::actuator::{Actuator, Air};
@@ -15,13 +15,14 @@ use crate::friction::Contact;
 use crate::gas::Gas;
 use crate::integrator::{Event, Hybrid};
 use crate::load::Load;
-use crate::network::{Network, Node, PortFlow};
+use crate::network::{Network, Node, PortFlow, Station};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
+use crate::tubing::Tube;
 use crate::valve::Valve;
 
 /// Number of states.
-pub(crate) const STATES: usize = 8;
+pub(crate) const STATES: usize = 11;
 /// Guards read from the state: stiction and stops of the load, then those of the operator.
 pub(crate) const GUARDS: usize = LOAD_GUARDS + operator::GUARDS;
 /// Guards that need the flows: the direction of the air in each port.
@@ -38,11 +39,13 @@ pub(crate) mod slot {
     pub const EXNER: [usize; 2] = [3, 5];
     pub const SPOOL: usize = 6;
     pub const SPOOL_VELOCITY: usize = 7;
+    /// Pressure behind a lagged tube over that at its known end: supply, cylinder 1, cylinder 2.
+    pub const RATIO: [usize; 3] = [8, 9, 10];
 }
 
 /// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
-/// to themselves, hence small), m, m/s.
-pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1.0, 1e-5, 1.0, 1e-3, 1.0];
+/// to themselves, hence small), m, m/s; ratios of pressures.
+pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1.0, 1e-5, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0];
 
 const LOAD_FRICTION: usize = 0;
 const LOAD_STOPS: usize = 1;
@@ -58,6 +61,7 @@ pub(crate) struct Assembly {
     pub operator: Operator,
     pub network: Network,
     pub flow_force: FlowForce,
+    lag: Option<Lag>,
     load_contact: Contact,
     load_side: Side,
     ports: [PortFlow; 2],
@@ -75,6 +79,36 @@ pub(crate) struct Parts {
     pub operator: Operator,
     pub network: Network,
     pub flow_force: FlowForce,
+    pub lag: Option<Lag>,
+}
+
+/// Tubes whose pressure ratio follows the flow with a first-order lag (thesis 7.2.1; EQUATIONS section
+/// 4): to the network they are no tubes, and the pressures behind them are states.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lag {
+    /// s.
+    pub time: f64,
+    pub supply: Station,
+    pub supply_tube: Tube,
+    pub cylinder_tube: Tube,
+}
+
+impl Lag {
+    /// The pressure ratio that a flow will come to.
+    fn settled_ratio(&self, gas: &Gas, tube: &Tube, known: &Station, flow: f64) -> f64 {
+        gas.pressure(tube.far_end(known, flow).exner) / gas.pressure(known.exner)
+    }
+
+    /// Rates of the three ratios.
+    fn derivative(&self, gas: &Gas, x: &StateVector, chambers: [Station; 2], nodes: &[Node; 2]) -> [f64; 3] {
+        let total = nodes[0].supply_flow + nodes[1].supply_flow;
+        let settled = [
+            self.settled_ratio(gas, &self.supply_tube, &self.supply, total),
+            self.settled_ratio(gas, &self.cylinder_tube, &chambers[0], -nodes[0].port_flow()),
+            self.settled_ratio(gas, &self.cylinder_tube, &chambers[1], -nodes[1].port_flow()),
+        ];
+        std::array::from_fn(|i| (settled[i] - x[slot::RATIO[i]]) / self.time)
+    }
 }
 
 /// Everything that follows from a state at one instant.
@@ -102,6 +136,7 @@ impl Assembly {
             operator: parts.operator,
             network: parts.network,
             flow_force: parts.flow_force,
+            lag: parts.lag,
         };
         assembly.load_contact = assembly.load.friction.at_rest(assembly.applied_to_load(x));
         assembly.find_port_directions(0.0, x);
@@ -174,13 +209,26 @@ impl Assembly {
         match &self.solved {
             Some((at, solved, nodes)) if *at == spool && solved == x => *nodes,
             _ => {
-                let stations = self.air(x).map(|air| air.station());
+                let stations = self.ends_at_valve(x);
                 let conductances = self.valve.conductances(&self.gas, spool);
                 let nodes = self.network.solve(&conductances, &stations, &self.ports);
                 self.solved = Some((spool, *x, nodes));
                 nodes
             }
         }
+    }
+
+    /// The known ends of the network: the chambers, or what lagged tubes make of them; the supply
+    /// likewise.
+    fn ends_at_valve(&mut self, x: &StateVector) -> [Station; 2] {
+        let mut stations = self.air(x).map(|air| air.station());
+        if let Some(lag) = &self.lag {
+            let part = |i: usize| self.gas.exner(x[slot::RATIO[i]]);
+            self.network.set_supply(lag.supply.exner * part(0));
+            stations[0].exner *= part(1);
+            stations[1].exner *= part(2);
+        }
+        stations
     }
 
     fn actuator_force(&self, x: &StateVector) -> f64 {
@@ -250,6 +298,12 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         let [spool, spool_velocity] = self.operator.derivative(t, spool_state(x), flow_force);
         slope[slot::SPOOL] = spool;
         slope[slot::SPOOL_VELOCITY] = spool_velocity;
+        if let Some(lag) = &self.lag {
+            let rates = lag.derivative(&self.gas, x, air.map(|air| air.station()), &nodes);
+            for (place, rate) in slot::RATIO.into_iter().zip(rates) {
+                slope[place] = rate;
+            }
+        }
         slope
     }
 

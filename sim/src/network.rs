@@ -220,6 +220,11 @@ impl Network {
         &self.supply
     }
 
+    /// Sets the Exner pressure of the supply.
+    pub fn set_supply(&mut self, exner: f64) {
+        self.supply.exner = exner;
+    }
+
     /// The exhaust.
     #[must_use]
     pub fn exhaust(&self) -> &Station {

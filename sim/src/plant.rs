@@ -7,7 +7,7 @@
 use pneudrive_controller::{Command, Sample};
 
 use crate::actuator::{Actuator, Air};
-use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, Parts, SCALE, STATES, StateVector, slot};
+use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, Lag, Parts, SCALE, STATES, StateVector, slot};
 use crate::dither::Dither;
 use crate::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
 use crate::flow_law::FlowLaw;
@@ -118,6 +118,7 @@ impl Plant {
             operator: operator(rig),
             network: network(rig, gas),
             flow_force: flow_force(rig),
+            lag: lag(rig, &gas),
         };
         let assembly = Assembly::new(parts, &x);
         Plant {
@@ -297,6 +298,20 @@ fn flow_force(rig: &Rig) -> FlowForce {
     }
 }
 
+fn lag(rig: &Rig, gas: &Gas) -> Option<Lag> {
+    let time = rig.number("tubing.lag_s");
+    let (supply_tube, cylinder_tube) = tubes(rig, gas);
+    (time > 0.0).then_some(Lag { time, supply: station(rig, gas, "supply"), supply_tube, cylinder_tube })
+}
+
+/// Supply or exhaust.
+fn station(rig: &Rig, gas: &Gas, table: &str) -> Station {
+    Station {
+        exner: gas.exner(rig.number(&format!("{table}.pressure_pa"))),
+        temperature: rig.number(&format!("{table}.temperature_k")),
+    }
+}
+
 /// The tube from the supply, and those to the cylinder. With the multiple flow node a restriction at
 /// the cylinder stands for the tube (6.55 to 6.60), and the supply has none.
 fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
@@ -318,15 +333,23 @@ fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
 }
 
 fn network(rig: &Rig, gas: Gas) -> Network {
-    let station = |table: &str| Station {
-        exner: gas.exner(rig.number(&format!("{table}.pressure_pa"))),
-        temperature: rig.number(&format!("{table}.temperature_k")),
+    // Lagged tubes are states of the assembly, not part of the network.
+    let (supply_tube, cylinder_tube) = match lag(rig, &gas) {
+        Some(_) => (Tube::none(), Tube::none()),
+        None => tubes(rig, &gas),
     };
-    let (supply_tube, cylinder_tube) = tubes(rig, &gas);
     let port_area = rig.switch("valve.upstream_mach").then(|| valve(rig).port_area());
     let law = land_law(rig);
     let laws = Laws { land: law, port: law };
-    Network::new(gas, station("supply"), station("exhaust"), supply_tube, cylinder_tube, laws, port_area)
+    Network::new(
+        gas,
+        station(rig, &gas, "supply"),
+        station(rig, &gas, "exhaust"),
+        supply_tube,
+        cylinder_tube,
+        laws,
+        port_area,
+    )
 }
 
 fn actuator(rig: &Rig) -> Actuator {
@@ -460,6 +483,9 @@ fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {
     let volumes = actuator.volumes(position, 0.0);
     let mut x = [0.0; STATES];
     x[slot::POSITION] = position;
+    for ratio in slot::RATIO {
+        x[ratio] = 1.0;
+    }
     for i in 0..2 {
         let [mass, exner] = Air::state_of(gas, pressures[i], temperatures[i], volumes[i].volume);
         x[slot::MASS[i]] = mass;

@@ -93,3 +93,24 @@ fn rigs_drawn_with_the_largest_spread_run_without_a_search() {
         assert!(run.work.network.bracketed < 20, "seed {seed}: {:?}", run.work.network);
     }
 }
+
+#[test]
+fn every_built_in_rig_runs_its_test_without_a_fault() {
+    for (name, _) in pneudrive_sim::rig::BUILTIN {
+        let run = simulate(name);
+        assert_eq!(run.fault, None, "{name}");
+        let rig = Rig::builtin(name).expect("a built-in rig");
+        assert_eq!(rig.unused(), Vec::<&str>::new(), "{name}");
+        assert!(run.rows.iter().all(|row| row.values().iter().all(|value| value.is_finite())), "{name}");
+    }
+}
+
+/// Thesis 7.2.1: the drive with the stepper is stable, and rests away from its setpoint; the dead
+/// zone of the profile is +-255 counts (EQUATIONS section 9).
+#[test]
+fn drive_a_is_stable_and_rests_within_the_dead_zone_of_its_profile() {
+    let run = simulate("servo-a");
+    let rest = positions(&run, 1.2, 1.72);
+    assert!(peak_to_peak(&rest) < 0.5, "{} mm", peak_to_peak(&rest));
+    assert!((rest[0] - HIGH).abs() < 255.0 * 0.01205, "{} mm", rest[0] - HIGH);
+}

@@ -88,3 +88,8 @@ fn rodless_drive_in_open_loop() {
 fn single_restriction_valve() {
     agrees("A_open_single", f64::INFINITY, 1e-7, 1.0);
 }
+
+#[test]
+fn tubes_that_lag_behind_the_flow() {
+    agrees("A_open_taulag", f64::INFINITY, 1e-7, 1.0);
+}

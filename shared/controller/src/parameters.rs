@@ -105,7 +105,7 @@ pub static TABLE: [Parameter; 31] = [
     scalar!(VELOCITY_DEAD_BAND, "velocity_dead_band", "counts/window", 0, COUNT_MAX, 0, "C(45)", "Velocities below it count as standstill; 0: off."),
     scalar!(DEAD_BAND_COUNTS, "dead_band_counts", "counts", 0, COUNT_MAX, 0, "C(27)", "Errors below it ask for nothing; 0: off."),
     scalar!(SCALE, "scale", "", 1, COUNT_MAX, 256, "L(68)", "The law's sum is divided by it to give valve counts: 256 solenoid, 65536 stepper."),
-    scalar!(NULL_OFFSET_COUNTS, "null_offset_counts", "counts", -COMMAND_MAX, COMMAND_MAX, 0, "8.2.3", "Command at which the valve is at its null; added to the demand."),
+    scalar!(NULL_OFFSET_COUNTS, "null_offset_counts", "counts", -COMMAND_MAX, COMMAND_MAX, 0, "8.2.3", "Added to the demand of a closed loop: the command at which the valve is at its null."),
     scalar!(POSITION_MIN_COUNTS, "position_min_counts", "counts", -COUNT_MAX, COUNT_MAX, -249, "", "Below it the supervisor trips."),
     scalar!(POSITION_MAX_COUNTS, "position_max_counts", "counts", -COUNT_MAX, COUNT_MAX, 25_145, "", "Above it the supervisor trips."),
     scalar!(ENCODER_STEP_COUNTS, "encoder_step_counts", "counts", 1, COUNT_MAX, 540, "", "A longer step in one sample trips the supervisor."),

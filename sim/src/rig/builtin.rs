@@ -4,8 +4,10 @@ use super::Rig;
 
 /// Name and file of each built-in rig.
 pub const BUILTIN: &[(&str, &str)] = &[
+    ("servo-a", include_str!("../../rigs/servo-a.toml")),
     ("servo-b", include_str!("../../rigs/servo-b.toml")),
     ("servo-b-tuned", include_str!("../../rigs/servo-b-tuned.toml")),
+    ("servo-c", include_str!("../../rigs/servo-c.toml")),
 ];
 
 /// The file of a built-in rig.

@@ -318,7 +318,7 @@ pub static KEYS: &[Key] = &[
     number("tubing.diameter_mm", 4.0, 0.1, 500.0, "C(13)", "Bore of the tubes; with the multiple flow node that of the restriction at the cylinder."),
     number("tubing.length_m", 1.0, 0.0, 1000.0, "", "Length of each tube.").of(&["analytical", "dynamic"]),
     number("tubing.friction_factor", 0.005, 1e-5, 1.0, "", "Fanning friction factor.").of(&["analytical", "dynamic"]),
-    number("tubing.lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure drop; 0: solved together with the valve.").not_built(),
+    number("tubing.lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure ratio; 0: solved together with the valve."),
 
     choice("actuator.model", &[("asymmetric", true), ("symmetric", true), ("rotary-vane", false)], "L(18)", "Kind of cylinder; a symmetric one is rodless, or has a rod on both sides."),
     number("actuator.stroke_m", 0.3, 1e-3, 20.0, "C(14)", "Length of the stroke."),

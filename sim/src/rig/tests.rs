@@ -102,9 +102,9 @@ fn a_model_that_is_not_built_is_refused_in_just_those_words() {
     assert!(message.contains("tubing.model = \"dynamic\" is not built yet"), "{message}");
     let message = only_problem("[controller]\nlearn_null_offset = true\n");
     assert!(message.contains("controller.learn_null_offset is not built yet"), "{message}");
-    let message = only_problem("[tubing]\nlag_s = 0.001\n");
-    assert!(message.contains("tubing.lag_s is not built yet"), "{message}");
-    read("[tubing]\nlag_s = 0\n[controller]\nlearn_null_offset = false\n");
+    let message = only_problem("[actuator]\nheat_transfer_w_per_m2_k = 5\n");
+    assert!(message.contains("actuator.heat_transfer_w_per_m2_k is not built yet"), "{message}");
+    read("[actuator]\nheat_transfer_w_per_m2_k = 0\n[controller]\nlearn_null_offset = false\n");
 }
 
 #[test]
