@@ -1,0 +1,136 @@
+//! The network against the reference, against its own brackets, and against the audit's figures.
+
+use super::*;
+use crate::valve::thesis_valve;
+
+fn network_with(tube: bool, approach: bool) -> (Gas, Network) {
+    let gas = Gas::new(1.4, 286.76);
+    let station = |pressure| Station { exner: gas.exner(pressure), temperature: 294.0 };
+    let tube = if tube { Tube::empirical(&gas, 0.4, 0.00465) } else { Tube::none() };
+    let port_area = approach.then(|| thesis_valve().port_area());
+    (
+        gas,
+        Network::new(
+            gas,
+            station(589e3),
+            station(101.3e3),
+            tube,
+            tube,
+            Laws { land: FlowLaw::Orifice, port: FlowLaw::Orifice },
+            port_area,
+        ),
+    )
+}
+
+fn network(tube: bool) -> (Gas, Network) {
+    network_with(tube, false)
+}
+
+fn chambers(gas: &Gas, p1: f64, p2: f64) -> [Station; 2] {
+    [p1, p2].map(|p| Station { exner: gas.exner(p), temperature: 294.0 })
+}
+
+/// The reference transients start here: their first row has these flows.
+#[test]
+fn flows_at_null_are_those_of_the_reference() {
+    let (gas, mut network) = network(true);
+    let valve = thesis_valve().conductances(&gas, 0.0);
+    let nodes = network.solve(&valve, &chambers(&gas, 325_325.0, 400_000.0), &[PortFlow::Charging; 2]);
+    assert!((nodes[0].port_flow() - 0.000126884223).abs() < 1e-12, "{}", nodes[0].port_flow());
+    assert!((nodes[1].port_flow() - 5.62145138e-05).abs() < 1e-12, "{}", nodes[1].port_flow());
+}
+
+#[test]
+fn newton_and_brackets_agree_everywhere() {
+    for (tube, approach) in [(false, false), (true, false), (true, true)] {
+        for spool in [-0.9e-3, -0.2e-3, -1e-6, 0.0, 1e-5, 0.3e-3, 1e-3] {
+            for (p1, p2) in [(110e3, 580e3), (325e3, 400e3), (588e3, 102e3), (650e3, 650e3)] {
+                let (gas, mut newton) = network_with(tube, approach);
+                let mut brackets = newton.clone();
+                let valve = thesis_valve().conductances(&gas, spool);
+                let chambers = chambers(&gas, p1, p2);
+                let mut ports = [PortFlow::Charging; 2];
+                for _ in 0..2 {
+                    let nodes = newton.solve(&valve, &chambers, &ports);
+                    ports = nodes.map(|n| {
+                        if n.port_flow() >= 0.0 { PortFlow::Charging } else { PortFlow::Discharging }
+                    });
+                }
+                brackets.by_brackets(&valve, &chambers, &ports);
+                for (a, b) in newton.nodes.iter().zip(&brackets.nodes) {
+                    let what =
+                        format!("tube {tube}, approach {approach}, x {spool}, P {p1} {p2}: {a:?} {b:?}");
+                    assert!((a.supply_flow - b.supply_flow).abs() < 1e-10, "{what}");
+                    assert!((a.exhaust_flow - b.exhaust_flow).abs() < 1e-10, "{what}");
+                    assert!((a.exner - b.exner).abs() < 1e-7, "{what}");
+                }
+            }
+        }
+    }
+}
+
+/// EQUATIONS section 2: the blocked-port pressure at null is 475.6 kPa, not the mean.
+#[test]
+fn the_blocked_port_pressure_at_null_is_0_81_of_the_supply() {
+    let (gas, mut network) = network(false);
+    let valve = thesis_valve().conductances(&gas, 0.0);
+    let (mut low, mut high) = (101.3e3, 589e3);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let flow = network.solve(&valve, &chambers(&gas, middle, middle), &[PortFlow::Charging; 2])[0];
+        if flow.port_flow() > 0.0 { low = middle } else { high = middle }
+    }
+    assert!((low - 475.6e3).abs() < 100.0, "{low}");
+}
+
+/// Once a trial step with an absurd state spoilt every solution after it.
+#[test]
+fn a_state_that_is_no_number_does_not_spoil_the_next_solution() {
+    let (gas, mut network) = network_with(true, true);
+    let valve = thesis_valve().conductances(&gas, 0.2e-3);
+    let ports = [PortFlow::Charging, PortFlow::Discharging];
+    let good = chambers(&gas, 325e3, 400e3);
+    let before = network.solve(&valve, &good, &ports)[0].port_flow();
+    for exner in [f64::NAN, -1.0, f64::INFINITY] {
+        let bad = [Station { exner, temperature: 294.0 }; 2];
+        network.solve(&valve, &bad, &ports);
+        let after = network.solve(&valve, &good, &ports)[0].port_flow();
+        assert!((after - before).abs() < 1e-15, "{exner}: {after} {before}");
+    }
+}
+
+#[test]
+fn a_warm_start_needs_few_iterations() {
+    let (gas, mut network) = network(true);
+    let valve = thesis_valve().conductances(&gas, 0.2e-3);
+    let ports = [PortFlow::Charging, PortFlow::Discharging];
+    network.solve(&valve, &chambers(&gas, 325e3, 400e3), &ports);
+    network.work = NetworkWork::default();
+    for step in 1..=100 {
+        network.solve(&valve, &chambers(&gas, 325e3 + 50.0 * f64::from(step), 400e3), &ports);
+    }
+    assert_eq!(network.work.bracketed, 0);
+    assert!(network.work.iterations <= 3 * 100, "{:?}", network.work);
+}
+
+/// EQUATIONS section 1: the approach raises the flow by 1 % at 0.05 mm and by 21 to 50 % at 1 mm,
+/// and reaches M = 0.57 (supply side 317 kPa, no tubes).
+#[test]
+fn approaching_air_raises_the_flow_as_far_as_the_audit_says() {
+    let flow = |approach: bool, spool: f64, p1: f64| {
+        let (gas, template) = network_with(false, approach);
+        let supply = Station { exner: gas.exner(317e3), temperature: 294.0 };
+        let mut network = Network { supply, ..template };
+        let valve = thesis_valve().conductances(&gas, spool);
+        let chambers = chambers(&gas, p1, p1);
+        network.solve(&valve, &chambers, &[PortFlow::Charging; 2])[0]
+    };
+    for (spool, p1, percent) in [(0.05e-3, 280e3, 1.3), (1e-3, 110e3, 20.7), (1e-3, 280e3, 50.0)] {
+        let with = flow(true, spool, p1);
+        let rise = 100.0 * (with.port_flow() / flow(false, spool, p1).port_flow() - 1.0);
+        assert!((rise - percent).abs() < 0.05, "{spool} {p1}: {rise} %");
+    }
+    let supply_flow = flow(true, 1e-3, 110e3).supply_flow;
+    let mach = supply_flow / (thesis_valve().port_area() * 317e3) * (286.76_f64 * 294.0 / 1.4).sqrt();
+    assert!((mach - 0.57).abs() < 0.005, "{mach}");
+}
