@@ -140,8 +140,13 @@ impl VirtualRig {
     /// A rig with the true parameters of `rig`, powered on. `seed` is for sensor noise.
     ///
     /// # Errors
-    /// When the rig's controller parameters are refused, which a checked rig's are not.
+    /// For a rig with the simulator's own controller.
     pub fn new(rig: Rig, seed: u64, pace: Pace) -> Result<VirtualRig> {
+        if rig.word("controller.model") == "continuous" {
+            bail!(
+                "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
+            );
+        }
         let board = VirtualBoard::new(rig, seed, pace);
         let mut control = Box::<Control>::default();
         control

@@ -10,6 +10,7 @@
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
 use crate::actuator::{Actuator, Air};
+use crate::continuous::ContinuousLaw;
 use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::friction::Contact;
 use crate::gas::Gas;
@@ -23,7 +24,8 @@ use crate::valve::Valve;
 
 /// Number of states.
 pub(crate) const STATES: usize = 11;
-/// Guards read from the state: stiction and stops of the load, then those of the operator.
+/// Guards read from the state: stiction and stops of the load, the entry of the gain profile, then
+/// those of the operator.
 pub(crate) const GUARDS: usize = LOAD_GUARDS + operator::GUARDS;
 /// Guards that need the flows: the direction of the air in each port.
 pub(crate) const FLOW_GUARDS: usize = 2;
@@ -49,7 +51,8 @@ pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1.0, 1e-5, 1.0, 1e-3, 1.0
 
 const LOAD_FRICTION: usize = 0;
 const LOAD_STOPS: usize = 1;
-const LOAD_GUARDS: usize = 2;
+const PROFILE_INDEX: usize = 2;
+const LOAD_GUARDS: usize = 3;
 
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
@@ -62,6 +65,7 @@ pub(crate) struct Assembly {
     pub network: Network,
     pub flow_force: FlowForce,
     lag: Option<Lag>,
+    continuous: Option<ContinuousLaw>,
     load_contact: Contact,
     load_side: Side,
     ports: [PortFlow; 2],
@@ -80,6 +84,7 @@ pub(crate) struct Parts {
     pub network: Network,
     pub flow_force: FlowForce,
     pub lag: Option<Lag>,
+    pub continuous: Option<ContinuousLaw>,
 }
 
 /// Tubes whose pressure ratio follows the flow with a first-order lag (thesis 7.2.1; EQUATIONS section
@@ -137,6 +142,7 @@ impl Assembly {
             network: parts.network,
             flow_force: parts.flow_force,
             lag: parts.lag,
+            continuous: parts.continuous,
         };
         assembly.load_contact = assembly.load.friction.at_rest(assembly.applied_to_load(x));
         assembly.find_port_directions(0.0, x);
@@ -152,6 +158,23 @@ impl Assembly {
             self.network.expect_jump();
             self.find_port_directions(t, x);
         }
+    }
+
+    /// The target of the continuous controller changes, at a sample instant.
+    pub fn set_target(&mut self, x: &StateVector, target: i32) {
+        if let Some(law) = &mut self.continuous {
+            law.set_target(target, x[slot::POSITION]);
+        }
+    }
+
+    /// The command of the continuous controller, counts: every state has its own.
+    pub fn follow(&mut self, x: &StateVector) -> Option<f64> {
+        self.continuous.as_ref()?;
+        let acceleration = self.load.acceleration(self.applied_to_load(x), self.load_contact);
+        let law = self.continuous.as_ref()?;
+        let command = law.command(x[slot::POSITION], x[slot::VELOCITY], acceleration);
+        self.operator.follow(command);
+        Some(command)
     }
 
     /// Where the spool is, m.
@@ -294,6 +317,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         let applied = self.load.applied_force(force, self.load_side, position, velocity);
         slope[slot::POSITION] = velocity;
         slope[slot::VELOCITY] = self.load.acceleration(applied, self.load_contact);
+        self.follow(x);
         let flow_force = self.flow_force(t, x);
         let [spool, spool_velocity] = self.operator.derivative(t, spool_state(x), flow_force);
         slope[slot::SPOOL] = spool;
@@ -308,11 +332,13 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     }
 
     fn guards(&mut self, t: f64, x: &StateVector) -> [f64; GUARDS] {
+        self.follow(x);
         let on_load = self.applied_to_load(x);
         let flow_force = self.flow_force(t, x);
         let mut guards = [0.0; GUARDS];
         guards[LOAD_FRICTION] = self.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
         guards[LOAD_STOPS] = self.load.stops.guard(self.load_side, x[slot::POSITION]);
+        guards[PROFILE_INDEX] = self.continuous.as_ref().map_or(1.0, |law| law.guard(x[slot::POSITION]));
         guards[LOAD_GUARDS..].copy_from_slice(&self.operator.guards(t, spool_state(x), flow_force));
         guards
     }
@@ -344,7 +370,13 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
             Event::Guard(LOAD_STOPS) => {
                 self.load_side = self.load.stops.after(self.load_side, x[slot::POSITION]);
             }
+            Event::Guard(PROFILE_INDEX) => {
+                if let Some(law) = &mut self.continuous {
+                    law.cross(x[slot::POSITION]);
+                }
+            }
             Event::Guard(guard) => {
+                self.follow(x);
                 let flow_force = self.flow_force(t, x);
                 let mut spool = spool_state(x);
                 self.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);

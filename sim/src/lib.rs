@@ -15,6 +15,7 @@
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`integrator`] | Runge-Kutta with dense output and located events |
 //! | [`sensors`], [`plant`] | what the controller sees: a command in, a sample out |
+//! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
 //!
 //! Everything is SI after loading. Transcendental functions come from `libm`, so that a run gives
@@ -22,6 +23,7 @@
 
 pub mod actuator;
 mod assembly;
+pub mod continuous;
 pub mod discharge;
 pub mod dither;
 pub mod flow_force;

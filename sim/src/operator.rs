@@ -67,6 +67,16 @@ impl Operator {
         }
     }
 
+    /// A command that changes all the time, in counts of a DAC (the continuous controller). Solenoids
+    /// alone can follow one.
+    pub fn follow(&mut self, counts: f64) {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.follow(counts),
+            Operator::Empirical(empirical) => empirical.follow(counts),
+            Operator::Stepper(_) | Operator::OnOff(_) => {}
+        }
+    }
+
     /// The spool position that the request in force asks for, m.
     #[must_use]
     pub fn commanded(&self) -> f64 {

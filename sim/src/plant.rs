@@ -4,10 +4,11 @@
 //! all of them see the same samples in every bit. Time is whole microseconds; samples are read off
 //! the dense output of the integrator and cost no step.
 
-use pneudrive_controller::{Command, Sample};
+use pneudrive_controller::{Command, Config, Sample};
 
 use crate::actuator::{Actuator, Air};
 use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, Lag, Parts, SCALE, STATES, StateVector, slot};
+use crate::continuous::ContinuousLaw;
 use crate::dither::Dither;
 use crate::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
 use crate::flow_law::FlowLaw;
@@ -119,6 +120,7 @@ impl Plant {
             network: network(rig, gas),
             flow_force: flow_force(rig),
             lag: lag(rig, &gas),
+            continuous: continuous(rig),
         };
         let assembly = Assembly::new(parts, &x);
         Plant {
@@ -162,6 +164,19 @@ impl Plant {
     /// Has `command` take effect at the output of the present sample.
     pub fn command(&mut self, command: Command) {
         self.due = Some(Request { counts: command.counts, step: command.step });
+    }
+
+    /// The target of a continuous controller changes at the present sample, in counts.
+    pub fn set_target(&mut self, target: i32) {
+        let at = self.sample_time_of(self.k);
+        let assembly = &mut self.assembly;
+        self.integrator.cut(at, |x| assembly.set_target(x, target));
+    }
+
+    /// The command of a continuous controller at the present sample, counts.
+    pub fn continuous_command(&mut self) -> Option<f64> {
+        let x = self.integrator.state(self.sample_time_of(self.k));
+        self.assembly.follow(&x)
     }
 
     /// To sample k + 1.
@@ -217,6 +232,7 @@ impl Plant {
 
     fn snapshot(&mut self, t: f64) -> Snapshot {
         let x = self.integrator.state(t);
+        self.assembly.follow(&x);
         let Effects { air, nodes, actuator_force, friction_force, acceleration } =
             self.assembly.effects(t, &x);
         Snapshot {
@@ -296,6 +312,12 @@ fn flow_force(rig: &Rig) -> FlowForce {
         },
         _ => FlowForce::None,
     }
+}
+
+fn continuous(rig: &Rig) -> Option<ContinuousLaw> {
+    let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
+    let pulse = rig.number("encoder.mm_per_count") * 1e-3;
+    (rig.word("controller.model") == "continuous").then(|| ContinuousLaw::new(&config, pulse))
 }
 
 fn lag(rig: &Rig, gas: &Gas) -> Option<Lag> {

@@ -80,20 +80,38 @@ pub fn run_watched(
     let mut plant = Plant::new(rig, accuracy, 0);
     let mut observations = Vec::new();
     let mut fault = None;
+    let mut target = None;
     for k in 0..=u64::from(rig.last_sample()) {
         sample(&config, &sequence, &mut state, &plant.sample());
-        let seen = *state.observation();
+        let mut seen = *state.observation();
+        if let Some(command) = continuous(&mut plant, &mut target, seen.setpoint) {
+            seen.command = command;
+        }
         if let Mode::Fault(kind) = state.supervisor.mode() {
             fault = fault.or(Some((kind, seen.index)));
         }
         observations.push(seen);
         progress(seen.index, rig.last_sample());
         // A row at an instant with an output shows the state after it.
-        plant.command(output(&config, &mut state));
+        let command = output(&config, &mut state);
+        if target.is_none() {
+            plant.command(command);
+        }
         rows.catch_up(&mut plant, &seen, (k + 1) * period)?;
         if k < u64::from(rig.last_sample()) {
             plant.next_sample()?;
         }
     }
     Ok(Run { rows: rows.rows, observations, fault, work: plant.work() })
+}
+
+/// Gives a continuous controller its target where it changes, and tells its command, rounded to counts;
+/// None for a sampled one.
+fn continuous(plant: &mut Plant, target: &mut Option<i32>, setpoint: i32) -> Option<i16> {
+    plant.continuous_command()?;
+    if *target != Some(setpoint) {
+        *target = Some(setpoint);
+        plant.set_target(setpoint);
+    }
+    plant.continuous_command().map(|command| command.round() as i16)
 }

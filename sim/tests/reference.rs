@@ -93,3 +93,8 @@ fn single_restriction_valve() {
 fn tubes_that_lag_behind_the_flow() {
     agrees("A_open_taulag", f64::INFINITY, 1e-7, 1.0);
 }
+
+#[test]
+fn continuous_controller() {
+    agrees("B_closed_cont", 0.70, 1e-6, 10.0);
+}

@@ -37,7 +37,7 @@ pub struct EmpiricalParameters {
 #[derive(Clone, Debug)]
 pub struct Empirical {
     parameters: EmpiricalParameters,
-    counts: i16,
+    counts: f64,
     play: Play,
     /// Whether the play's output is beyond the travel.
     limited: bool,
@@ -52,16 +52,20 @@ impl Empirical {
     pub fn new(parameters: EmpiricalParameters) -> Empirical {
         let mut play = Play::new(parameters.hysteresis_half_width);
         play.jump(0.0, parameters.dither.value(0.0), parameters.dither.direction(0.0));
-        Empirical { parameters, counts: 0, play, limited: false }
+        Empirical { parameters, counts: 0.0, play, limited: false }
     }
 
     pub(super) fn commanded(&self) -> f64 {
-        f64::from(self.counts) * self.parameters.travel_per_count
+        self.counts * self.parameters.travel_per_count
     }
 
     /// The command reaches the spool through its acceleration alone: nothing jumps.
     pub(super) fn drive(&mut self, request: Request) {
-        self.counts = request.counts;
+        self.counts = f64::from(request.counts);
+    }
+
+    pub(super) fn follow(&mut self, counts: f64) {
+        self.counts = counts;
     }
 
     fn input(&self, t: f64, spool: SpoolState) -> f64 {

@@ -49,7 +49,7 @@ pub struct SolenoidParameters {
 #[derive(Clone, Debug)]
 pub struct Solenoid {
     parameters: SolenoidParameters,
-    counts: i16,
+    counts: f64,
     hysteresis: Hysteresis,
     contact: Contact,
     side: Side,
@@ -67,7 +67,7 @@ impl Solenoid {
             hysteresis: Hysteresis::new(p.hysteresis_half_width, p.dither, 0.0),
             contact: Contact::Stuck,
             side: p.stops.side(0.0),
-            counts: 0,
+            counts: 0.0,
             parameters,
         };
         solenoid.break_away(0.0, SpoolState::default(), 0.0);
@@ -76,15 +76,24 @@ impl Solenoid {
 
     /// X_c, m.
     pub(super) fn commanded(&self) -> f64 {
-        f64::from(self.counts) * self.parameters.travel_per_count
+        self.counts * self.parameters.travel_per_count
     }
 
     pub(super) fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
-        self.counts = request.counts;
-        let p = &self.parameters;
-        let amplified = (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation);
-        self.hysteresis.jump(t, amplified);
+        self.counts = f64::from(request.counts);
+        self.hysteresis.jump(t, self.amplified());
         self.break_away(t, spool, flow_force);
+    }
+
+    /// Without a slack there is no memory: the output is the input at any time.
+    pub(super) fn follow(&mut self, counts: f64) {
+        self.counts = counts;
+        self.hysteresis.follow(self.amplified());
+    }
+
+    fn amplified(&self) -> f64 {
+        let p = &self.parameters;
+        (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation)
     }
 
     /// A stuck spool is tested for breakaway after a jump of its force; a slipping one keeps its

@@ -90,9 +90,28 @@ impl Reader<'_> {
                 );
             }
         }
+        self.check_continuous(rig);
         if rig.integer("encoder.polarity") == 0 {
             self.problem_at_key("encoder.polarity", "must be 1 or -1".to_owned());
         }
+    }
+
+    /// What the continuous controller cannot drive.
+    fn check_continuous(&mut self, rig: &Rig) {
+        if rig.word("controller.model") != "continuous" {
+            return;
+        }
+        let refused = match rig.word("operator.model") {
+            "solenoid" if rig.number("operator.hysteresis_percent") > 0.0 => {
+                "with a solenoid it needs operator.hysteresis_percent = 0; a play on a command that changes all the time is not built yet"
+            }
+            "stepper" | "on-off" => "it drives solenoids; a stepper and an on-off valve need samples",
+            _ if rig.word("controller.loop") == "open" => {
+                "it closes the loop; an open loop is for the sampled one"
+            }
+            _ => return,
+        };
+        self.problem_at_key("controller.model", format!("\"continuous\": {refused}"));
     }
 
     fn check_friction(&mut self, rig: &Rig) {

@@ -237,7 +237,7 @@ pub static KEYS: &[Key] = &[
     number("exhaust.pressure_pa", 101_300.0, 1e4, 4e6, "C(7)", "Absolute pressure of the surroundings, into which the valve exhausts."),
     number("exhaust.temperature_k", 294.0, 150.0, 600.0, "C(8)", "Temperature of the surroundings."),
 
-    choice("controller.model", &[("sampled", true), ("continuous", false)], "L(22)", "Sampled: the controller that is flashed. Continuous: the simulator's own, in floats."),
+    choice("controller.model", &[("sampled", true), ("continuous", true)], "L(22)", "Sampled: the controller that is flashed. Continuous: the simulator's own, in floats."),
     choice("controller.law", &[("gain-profile", true), ("proportional", true), ("moore-proportional", false), ("on-off", false)], "L(22), L(8)", "How the position error becomes a demand."),
     choice("controller.loop", &[("closed", true), ("open", true)], "L(3)", "Open: moves are valve commands, nothing is fed back."),
     number("controller.period_s", 0.0013, 1e-4, 0.1, "C(41)", "Sample period; whole microseconds."),

@@ -1,0 +1,136 @@
+//! The continuous controller: the simulator's own, in real numbers (thesis 6.3.1, L(22) = 1; EQUATIONS
+//! section 9 and section 11 rule 8).
+//!
+//! ```text
+//! n_p = target - y/pulse,   i = min(floor(|n_p| / span), 255)
+//! n_v = y' Wv T / pulse,    n_a = y'' Wv Wa T^2 / pulse
+//! n   = clamp((Kp[i] n_p - Kv n_v - Ka n_a) / scale + null offset, +-2048)
+//! ```
+//!
+//! The windows Wv T and Wa T give n_v and n_a the units of the sampled law, so that the same gains
+//! mean the same. y'' includes the friction, so the command jumps at stick and slip. The index of the
+//! profile is a mode: each change of it is an event. The target changes at sample instants alone.
+
+use pneudrive_controller::law::{LawConfig, LawKind};
+use pneudrive_controller::{Config, drive};
+
+/// The law on one target, and the entry of the profile that it is in.
+#[derive(Clone, Debug)]
+pub struct ContinuousLaw {
+    law: LawConfig,
+    /// m.
+    pulse: f64,
+    /// Wv T, s.
+    velocity_window: f64,
+    /// Wa T, s.
+    acceleration_window: f64,
+    /// Counts.
+    target: f64,
+    index: usize,
+}
+
+impl ContinuousLaw {
+    /// The law of a controller's configuration, for an encoder pulse in m.
+    #[must_use]
+    pub fn new(config: &Config, pulse: f64) -> ContinuousLaw {
+        let period = f64::from(config.timing.period_us.get()) / 1e6;
+        ContinuousLaw {
+            law: config.law.clone(),
+            pulse,
+            velocity_window: f64::from(config.estimator.velocity_window) * period,
+            acceleration_window: f64::from(config.estimator.acceleration_window) * period,
+            target: 0.0,
+            index: 0,
+        }
+    }
+
+    /// A new target, in counts.
+    pub fn set_target(&mut self, target: i32, position: f64) {
+        self.target = f64::from(target);
+        self.index = (self.spans(position).floor() as usize).min(self.last_index());
+    }
+
+    fn last_index(&self) -> usize {
+        self.law.gain_profile.len() - 1
+    }
+
+    /// n_p.
+    fn error(&self, position: f64) -> f64 {
+        self.target - position / self.pulse
+    }
+
+    fn spans(&self, position: f64) -> f64 {
+        self.error(position).abs() / f64::from(self.law.profile_span.get())
+    }
+
+    /// The command in DAC counts, -2048 to 2048, for the motion in SI.
+    #[must_use]
+    pub fn command(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
+        let gain = match self.law.kind {
+            LawKind::GainProfile => self.law.gain_profile[self.index],
+            LawKind::Proportional => self.law.proportional_gain,
+        };
+        let n_v = velocity * self.velocity_window / self.pulse;
+        let n_a = acceleration * self.velocity_window * self.acceleration_window / self.pulse;
+        let sum = f64::from(gain) * self.error(position)
+            - f64::from(self.law.velocity_gain) * n_v
+            - f64::from(self.law.acceleration_gain) * n_a;
+        let demand = sum / f64::from(self.law.scale.get()) + f64::from(self.law.null_offset);
+        demand.clamp(-f64::from(drive::MAX_COUNTS), f64::from(drive::MAX_COUNTS))
+    }
+
+    /// Not negative as long as the error is in the present entry of the profile.
+    #[must_use]
+    pub fn guard(&self, position: f64) -> f64 {
+        let (spans, index) = (self.spans(position), self.index as f64);
+        let above = if self.index == self.last_index() { 1.0 } else { index + 1.0 - spans };
+        if self.index == 0 { above } else { above.min(spans - index) }
+    }
+
+    /// The entry after the guard has become negative.
+    pub fn cross(&mut self, position: f64) {
+        if self.spans(position) > self.index as f64 + 0.5 {
+            self.index = (self.index + 1).min(self.last_index());
+        } else {
+            self.index = self.index.saturating_sub(1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law() -> ContinuousLaw {
+        let mut law = ContinuousLaw::new(&Config::default(), 0.01205e-3);
+        law.set_target(8192, 8192.5 * 0.01205e-3);
+        law
+    }
+
+    /// The reference transient of the continuous drive B begins with this command.
+    #[test]
+    fn half_a_pulse_of_error_asks_for_16_counts() {
+        assert!((law().command(8192.5 * 0.01205e-3, 0.0, 0.0) + 16.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn velocity_and_acceleration_count_as_in_the_sampled_law() {
+        // 1 m/s moves 539.4 counts in 6.5 ms, EQUATIONS section 9; gains are 1 and the scale is 256.
+        let at = 8192.0 * 0.01205e-3;
+        assert!((law().command(at, 1.0, 0.0) + 539.42 / 256.0).abs() < 1e-4);
+        let n_a = 6.5e-3 * 3.9e-3 / 0.01205e-3;
+        assert!((law().command(at, 0.0, 1.0) + n_a / 256.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_index_changes_where_the_guard_says() {
+        let mut law = law();
+        let at = |counts: f64| counts * 0.01205e-3;
+        assert!(law.guard(at(8188.5)) > 0.0 && law.guard(at(8187.5)) < 0.0);
+        law.cross(at(8188.0));
+        assert_eq!(law.index, 1);
+        assert!(law.guard(at(8187.5)) > 0.0 && law.guard(at(8188.5)) < 0.0);
+        law.cross(at(8188.0));
+        assert_eq!(law.index, 0);
+    }
+}
