@@ -30,7 +30,7 @@ use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
 use crate::tubing::{FarEnd, Tube};
 use crate::valve::Conductances;
-use restriction::SquareFlow;
+use restriction::{Approach, SquareFlow};
 
 /// A place with an Exner pressure and a temperature.
 #[derive(Clone, Copy, Debug)]
@@ -116,6 +116,8 @@ pub struct Network {
     /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
     mach: f64,
     nodes: [Node; 2],
+    /// Whether `nodes` is a solution.
+    started: bool,
     /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
     far: bool,
     /// Solutions that were not found since the last one that was.
@@ -142,7 +144,7 @@ const FLOW_TOLERANCE: f64 = 1e-12;
 /// After so many failures, with a step ten times shorter each time, the solution that was followed has
 /// come to its end: with upstream Mach numbers a land that is wider than its port has none below M = 1
 /// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
-const MOST_FAILURES: u32 = 8;
+const MOST_FAILURES: u32 = 5;
 
 /// Newton takes about 4 iterations from the last solution; many more mean a bad start.
 const MOST_ITERATIONS: u32 = 20;
@@ -198,6 +200,7 @@ impl Network {
             laws,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
             nodes: [node; 2],
+            started: false,
             far: true,
             failures: 0,
             work: NetworkWork::default(),
@@ -207,11 +210,6 @@ impl Network {
     /// The next solution may be far from the last one: the spool has jumped, or a mode changed.
     pub fn expect_jump(&mut self) {
         self.far = true;
-    }
-
-    /// Whether there is no solution yet to start from.
-    fn is_at_rest(&self) -> bool {
-        self.nodes.iter().all(|node| node.supply_flow == 0.0 && node.exhaust_flow == 0.0)
     }
 
     /// The supply, in front of its tube.
@@ -242,7 +240,7 @@ impl Network {
         // A trial step too large may lead to where there is no solution, or leave no numbers: it is
         // told so, and the last solution is not spoilt by it.
         let last = self.nodes;
-        if self.is_at_rest() || !self.newton(valve, chambers, ports) {
+        if !(self.started && self.newton(valve, chambers, ports)) {
             self.failures += 1;
             if !self.far && self.failures < MOST_FAILURES {
                 self.nodes = last;
@@ -265,6 +263,7 @@ impl Network {
             node.port_exner = self.far_of_cylinder(chamber, node.port_flow());
         }
         if solved.iter().all(Node::is_finite) {
+            self.started = true;
             self.far = false;
             self.failures = 0;
         } else {
@@ -275,6 +274,7 @@ impl Network {
 
     /// Newton's method from the last solution; false where it does not converge.
     fn newton(&mut self, valve: &[Conductances; 2], chambers: &[Station; 2], ports: &[PortFlow; 2]) -> bool {
+        self.begin_flows(valve);
         for _ in 0..MOST_ITERATIONS {
             self.work.iterations += 1;
             let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
@@ -304,6 +304,23 @@ impl Network {
             }
         }
         false
+    }
+
+    /// A land that was shut and has opened begins with what its pressures drive through it: from no flow
+    /// at all a square has no slope to follow.
+    fn begin_flows(&mut self, valve: &[Conductances; 2]) {
+        let signed_root = |square: f64| square.abs().sqrt().copysign(square);
+        for (i, lands) in valve.iter().enumerate() {
+            let (node, here) = (self.nodes[i], self.nodes[i].station());
+            if node.supply_flow == 0.0 && lands.supply > 0.0 {
+                let square = self.land(lands.supply, &self.supply, Approach::NONE, &here).value;
+                self.nodes[i].supply_flow = signed_root(square);
+            }
+            if node.exhaust_flow == 0.0 && lands.exhaust > 0.0 {
+                let square = self.land(lands.exhaust, &self.exhaust, Approach::NONE, &here).value;
+                self.nodes[i].exhaust_flow = signed_root(square);
+            }
+        }
     }
 
     /// Applies a correction and tells its largest change of a flow.
