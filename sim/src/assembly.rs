@@ -57,15 +57,7 @@ const LOAD_GUARDS: usize = 3;
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
 pub(crate) struct Assembly {
-    pub gas: Gas,
-    pub valve: Valve,
-    pub actuator: Actuator,
-    pub load: Load,
-    pub operator: Operator,
-    pub network: Network,
-    pub flow_force: FlowForce,
-    lag: Option<Lag>,
-    continuous: Option<ContinuousLaw>,
+    pub parts: Parts,
     load_contact: Contact,
     load_side: Side,
     ports: [PortFlow; 2],
@@ -134,17 +126,9 @@ impl Assembly {
             load_side: parts.load.stops.side(x[slot::POSITION]),
             ports: [PortFlow::Charging; 2],
             solved: None,
-            gas: parts.gas,
-            valve: parts.valve,
-            actuator: parts.actuator,
-            load: parts.load,
-            operator: parts.operator,
-            network: parts.network,
-            flow_force: parts.flow_force,
-            lag: parts.lag,
-            continuous: parts.continuous,
+            parts,
         };
-        assembly.load_contact = assembly.load.friction.at_rest(assembly.applied_to_load(x));
+        assembly.load_contact = assembly.parts.load.friction.at_rest(assembly.applied_to_load(x));
         assembly.find_port_directions(0.0, x);
         assembly
     }
@@ -153,52 +137,52 @@ impl Assembly {
     pub fn drive(&mut self, t: f64, x: &StateVector, request: Request) {
         let flow_force = self.flow_force(t, x);
         let before = self.spool(t, x);
-        self.operator.drive(t, spool_state(x), request, flow_force);
+        self.parts.operator.drive(t, spool_state(x), request, flow_force);
         if self.spool(t, x) != before {
-            self.network.expect_jump();
+            self.parts.network.expect_jump();
             self.find_port_directions(t, x);
         }
     }
 
     /// The target of the continuous controller changes, at a sample instant.
     pub fn set_target(&mut self, x: &StateVector, target: i32) {
-        if let Some(law) = &mut self.continuous {
+        if let Some(law) = &mut self.parts.continuous {
             law.set_target(target, x[slot::POSITION]);
         }
     }
 
     /// The command of the continuous controller, counts: every state has its own.
     pub fn follow(&mut self, x: &StateVector) -> Option<f64> {
-        self.continuous.as_ref()?;
-        let acceleration = self.load.acceleration(self.applied_to_load(x), self.load_contact);
-        let law = self.continuous.as_ref()?;
+        self.parts.continuous.as_ref()?;
+        let acceleration = self.parts.load.acceleration(self.applied_to_load(x), self.load_contact);
+        let law = self.parts.continuous.as_ref()?;
         let command = law.command(x[slot::POSITION], x[slot::VELOCITY], acceleration);
-        self.operator.follow(command);
+        self.parts.operator.follow(command);
         Some(command)
     }
 
     /// Where the spool is, m.
     pub fn spool(&self, t: f64, x: &StateVector) -> f64 {
-        self.operator.position(t, spool_state(x))
+        self.parts.operator.position(t, spool_state(x))
     }
 
     /// Force of the flow on the spool, N, by the flows at this very state (EQUATIONS section 11
     /// rule 7).
     fn flow_force(&mut self, t: f64, x: &StateVector) -> f64 {
-        if self.flow_force == FlowForce::None {
+        if self.parts.flow_force == FlowForce::None {
             return 0.0;
         }
         let nodes = self.nodes(t, x);
         let spool = self.spool(t, x);
-        let pressure = |exner| self.gas.pressure(exner);
+        let pressure = |exner| self.parts.gas.pressure(exner);
         let flows = ValveFlows {
             supply: Source {
                 pressure: pressure(nodes[0].supply_exner),
-                temperature: self.network.supply().temperature,
+                temperature: self.parts.network.supply().temperature,
             },
             exhaust: Source {
-                pressure: pressure(self.network.exhaust().exner),
-                temperature: self.network.exhaust().temperature,
+                pressure: pressure(self.parts.network.exhaust().exner),
+                temperature: self.parts.network.exhaust().temperature,
             },
             nodes: nodes.map(|node| NodeFlows {
                 supply: node.supply_flow,
@@ -206,11 +190,11 @@ impl Assembly {
                 pressure: pressure(node.exner),
                 port_pressure: pressure(node.port_exner),
             }),
-            land_areas: self.valve.land_areas(spool),
-            path_area: path_area(self.valve.spool_diameter, self.valve.rod_diameter),
-            opening: (spool - self.valve.null_offset) / self.valve.travel,
+            land_areas: self.parts.valve.land_areas(spool),
+            path_area: path_area(self.parts.valve.spool_diameter, self.parts.valve.rod_diameter),
+            opening: (spool - self.parts.valve.null_offset) / self.parts.valve.travel,
         };
-        self.flow_force.force(&self.gas, &flows)
+        self.parts.flow_force.force(&self.parts.gas, &flows)
     }
 
     fn find_port_directions(&mut self, t: f64, x: &StateVector) {
@@ -222,8 +206,8 @@ impl Assembly {
     }
 
     fn air(&self, x: &StateVector) -> [Air; 2] {
-        let volumes = self.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
-        [0, 1].map(|i| Air::of_state(&self.gas, x[slot::MASS[i]], x[slot::EXNER[i]], volumes[i].volume))
+        let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
+        [0, 1].map(|i| Air::of_state(&self.parts.gas, x[slot::MASS[i]], x[slot::EXNER[i]], volumes[i].volume))
     }
 
     /// The flows at a state; solved once for each.
@@ -233,8 +217,8 @@ impl Assembly {
             Some((at, solved, nodes)) if *at == spool && solved == x => *nodes,
             _ => {
                 let stations = self.ends_at_valve(x);
-                let conductances = self.valve.conductances(&self.gas, spool);
-                let nodes = self.network.solve(&conductances, &stations, &self.ports);
+                let conductances = self.parts.valve.conductances(&self.parts.gas, spool);
+                let nodes = self.parts.network.solve(&conductances, &stations, &self.ports);
                 self.solved = Some((spool, *x, nodes));
                 nodes
             }
@@ -245,9 +229,9 @@ impl Assembly {
     /// likewise.
     fn ends_at_valve(&mut self, x: &StateVector) -> [Station; 2] {
         let mut stations = self.air(x).map(|air| air.station());
-        if let Some(lag) = &self.lag {
-            let part = |i: usize| self.gas.exner(x[slot::RATIO[i]]);
-            self.network.set_supply(lag.supply.exner * part(0));
+        if let Some(lag) = &self.parts.lag {
+            let part = |i: usize| self.parts.gas.exner(x[slot::RATIO[i]]);
+            self.parts.network.set_supply(lag.supply.exner * part(0));
             stations[0].exner *= part(1);
             stations[1].exner *= part(2);
         }
@@ -255,13 +239,13 @@ impl Assembly {
     }
 
     fn actuator_force(&self, x: &StateVector) -> f64 {
-        let [p1, p2] = slot::EXNER.map(|i| self.gas.pressure(x[i]));
-        self.actuator.force(p1, p2)
+        let [p1, p2] = slot::EXNER.map(|i| self.parts.gas.pressure(x[i]));
+        self.parts.actuator.force(p1, p2)
     }
 
     fn applied_to_load(&self, x: &StateVector) -> f64 {
         let force = self.actuator_force(x);
-        self.load.applied_force(force, self.load_side, x[slot::POSITION], x[slot::VELOCITY])
+        self.parts.load.applied_force(force, self.load_side, x[slot::POSITION], x[slot::VELOCITY])
     }
 
     /// Everything that follows from a state.
@@ -269,15 +253,15 @@ impl Assembly {
     /// Looking leaves no trace: the network goes on from where the integrator left it.
     pub fn effects(&mut self, t: f64, x: &StateVector) -> Effects {
         let applied = self.applied_to_load(x);
-        let left = (self.network.clone(), self.solved);
+        let left = (self.parts.network.clone(), self.solved);
         let nodes = self.nodes(t, x);
-        (self.network, self.solved) = left;
+        (self.parts.network, self.solved) = left;
         Effects {
             air: self.air(x),
             nodes,
             actuator_force: self.actuator_force(x),
-            friction_force: self.load.friction.force(self.load_contact, applied),
-            acceleration: self.load.acceleration(applied, self.load_contact),
+            friction_force: self.parts.load.friction.force(self.load_contact, applied),
+            acceleration: self.parts.load.acceleration(applied, self.load_contact),
         }
     }
 
@@ -301,29 +285,29 @@ fn direction(port_flow: f64) -> PortFlow {
 
 impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     fn derivative(&mut self, t: f64, x: &StateVector) -> StateVector {
-        let volumes = self.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
+        let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
         let air = self.air(x);
         let nodes = self.nodes(t, x);
-        let leak = self.actuator.leak(&self.gas, &air);
+        let leak = self.parts.actuator.leak(&self.parts.gas, &air);
         let mut slope = [0.0; STATES];
         for i in 0..2 {
             let port = (nodes[i].port_flow(), self.carried(i, &nodes[i], &air[i]));
-            let [mass, exner] = air[i].derivative(&self.gas, volumes[i], [port, leak.into_chamber(i)]);
+            let [mass, exner] = air[i].derivative(&self.parts.gas, volumes[i], [port, leak.into_chamber(i)]);
             slope[slot::MASS[i]] = mass;
             slope[slot::EXNER[i]] = exner;
         }
-        let force = self.actuator.force(air[0].pressure, air[1].pressure);
+        let force = self.parts.actuator.force(air[0].pressure, air[1].pressure);
         let (position, velocity) = (x[slot::POSITION], x[slot::VELOCITY]);
-        let applied = self.load.applied_force(force, self.load_side, position, velocity);
+        let applied = self.parts.load.applied_force(force, self.load_side, position, velocity);
         slope[slot::POSITION] = velocity;
-        slope[slot::VELOCITY] = self.load.acceleration(applied, self.load_contact);
+        slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
         self.follow(x);
         let flow_force = self.flow_force(t, x);
-        let [spool, spool_velocity] = self.operator.derivative(t, spool_state(x), flow_force);
+        let [spool, spool_velocity] = self.parts.operator.derivative(t, spool_state(x), flow_force);
         slope[slot::SPOOL] = spool;
         slope[slot::SPOOL_VELOCITY] = spool_velocity;
-        if let Some(lag) = &self.lag {
-            let rates = lag.derivative(&self.gas, x, air.map(|air| air.station()), &nodes);
+        if let Some(lag) = &self.parts.lag {
+            let rates = lag.derivative(&self.parts.gas, x, air.map(|air| air.station()), &nodes);
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {
                 slope[place] = rate;
             }
@@ -336,10 +320,11 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         let on_load = self.applied_to_load(x);
         let flow_force = self.flow_force(t, x);
         let mut guards = [0.0; GUARDS];
-        guards[LOAD_FRICTION] = self.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
-        guards[LOAD_STOPS] = self.load.stops.guard(self.load_side, x[slot::POSITION]);
-        guards[PROFILE_INDEX] = self.continuous.as_ref().map_or(1.0, |law| law.guard(x[slot::POSITION]));
-        guards[LOAD_GUARDS..].copy_from_slice(&self.operator.guards(t, spool_state(x), flow_force));
+        guards[LOAD_FRICTION] = self.parts.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
+        guards[LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
+        guards[PROFILE_INDEX] =
+            self.parts.continuous.as_ref().map_or(1.0, |law| law.guard(x[slot::POSITION]));
+        guards[LOAD_GUARDS..].copy_from_slice(&self.parts.operator.guards(t, spool_state(x), flow_force));
         guards
     }
 
@@ -352,26 +337,27 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     }
 
     fn next_instant(&self, t: f64) -> f64 {
-        self.operator.next_instant(t)
+        self.parts.operator.next_instant(t)
     }
 
     fn cross(&mut self, event: Event, t: f64, x: &mut StateVector) {
         match event {
             Event::Instant => {
                 let flow_force = self.flow_force(t, x);
-                self.operator.pass_instant(t, spool_state(x), flow_force);
+                self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }
             Event::Guard(LOAD_FRICTION) => {
                 if self.load_contact != Contact::Stuck {
                     x[slot::VELOCITY] = 0.0;
                 }
-                self.load_contact = self.load.friction.after(self.load_contact, self.applied_to_load(x));
+                self.load_contact =
+                    self.parts.load.friction.after(self.load_contact, self.applied_to_load(x));
             }
             Event::Guard(LOAD_STOPS) => {
-                self.load_side = self.load.stops.after(self.load_side, x[slot::POSITION]);
+                self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION]);
             }
             Event::Guard(PROFILE_INDEX) => {
-                if let Some(law) = &mut self.continuous {
+                if let Some(law) = &mut self.parts.continuous {
                     law.cross(x[slot::POSITION]);
                 }
             }
@@ -379,7 +365,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
                 self.follow(x);
                 let flow_force = self.flow_force(t, x);
                 let mut spool = spool_state(x);
-                self.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);
+                self.parts.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);
                 x[slot::SPOOL_VELOCITY] = spool.velocity;
             }
             Event::FlowGuard(port) => {
@@ -390,6 +376,6 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
             }
         }
         self.solved = None;
-        self.network.expect_jump();
+        self.parts.network.expect_jump();
     }
 }

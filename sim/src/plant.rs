@@ -147,7 +147,7 @@ impl Plant {
     pub fn sample(&mut self) -> Sample {
         let t = self.sample_time_of(self.k);
         let x = self.integrator.state(t);
-        let pressures = slot::EXNER.map(|i| self.assembly.gas.pressure(x[i]));
+        let pressures = slot::EXNER.map(|i| self.assembly.parts.gas.pressure(x[i]));
         self.sensors.read(x[slot::POSITION], pressures, self.assembly.spool(t, &x))
     }
 
@@ -242,7 +242,7 @@ impl Plant {
             pressures: air.map(|air| air.pressure),
             temperatures: air.map(|air| air.temperature),
             spool: self.assembly.spool(t, &x),
-            spool_command: self.assembly.operator.commanded(),
+            spool_command: self.assembly.parts.operator.commanded(),
             mass_flows: nodes.map(|node| node.port_flow()),
             actuator_force,
             friction: friction_force,
@@ -260,7 +260,7 @@ impl Plant {
     /// What the run has cost so far.
     #[must_use]
     pub fn work(&self) -> PlantWork {
-        PlantWork { integrator: self.integrator.work, network: self.assembly.network.work }
+        PlantWork { integrator: self.integrator.work, network: self.assembly.parts.network.work }
     }
 }
 
