@@ -64,7 +64,7 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
 
 /// Headings of the table.
 pub const HEADINGS: [&str; 7] =
-    ["channel", "unit", "mean", "std deviation", "mean square", "largest", "of range"];
+    ["channel", "unit", "mean", "std deviation", "mean square", "largest", "rms / range"];
 
 /// The table's cells.
 #[must_use]
@@ -73,12 +73,17 @@ pub fn cells(deviation: &Deviation) -> [String; 7] {
     [
         deviation.channel.to_owned(),
         deviation.unit.to_owned(),
-        format!("{:.4}", deviation.mean),
-        format!("{:.4}", deviation.standard_deviation),
-        format!("{:.4}", deviation.mean_square),
-        format!("{:.4}", deviation.largest),
+        number(deviation.mean),
+        number(deviation.standard_deviation),
+        number(deviation.mean_square),
+        number(deviation.largest),
         if percent.is_nan() { "-".to_owned() } else { format!("{percent:.2} %") },
     ]
+}
+
+/// Four decimals, and no zero with a sign.
+fn number(value: f64) -> String {
+    format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0)
 }
 
 /// The deviations as a table of text.
