@@ -151,6 +151,9 @@ impl Air {
 }
 
 #[cfg(test)]
+mod charging;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -134,3 +134,41 @@ fn approaching_air_raises_the_flow_as_far_as_the_audit_says() {
     let mach = supply_flow / (thesis_valve().port_area() * 317e3) * (286.76_f64 * 294.0 / 1.4).sqrt();
     assert!((mach - 0.57).abs() < 0.005, "{mach}");
 }
+
+/// Fig. 7.5 of the thesis: with a flow node the flow saturates beyond the opening at which a land is as
+/// wide as the port; through a single restriction it goes on growing with the area.
+#[test]
+fn the_flow_of_a_node_saturates_and_that_of_a_single_restriction_does_not() {
+    let flow = |has_node: bool, spool: f64| {
+        let (gas, mut network) = network(false);
+        let valve = crate::valve::Valve { has_node, ..thesis_valve() }.conductances(&gas, spool);
+        network.solve(&valve, &chambers(&gas, 200e3, 200e3), &[PortFlow::Charging, PortFlow::Discharging])[0]
+            .port_flow()
+    };
+    let growth = |has_node| flow(has_node, 1e-3) / flow(has_node, 0.5e-3);
+    // Twice the area: 6 % more through the node, nearly twice as much through the land alone.
+    assert!(growth(true) < 1.06, "{}", growth(true));
+    assert!(growth(false) > 1.95, "{}", growth(false));
+}
+
+/// At the null both lands are alike and so are their flows, between the pressures of a blocked port.
+#[test]
+fn blocked_port_pressures_cross_at_the_null_where_the_land_flows_are_equal() {
+    let node = |spool: f64, port: usize| {
+        let (gas, mut network) = network(false);
+        let valve = thesis_valve().conductances(&gas, spool);
+        let (mut low, mut high) = (101.3e3, 589e3);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            let nodes = network.solve(&valve, &chambers(&gas, middle, middle), &[PortFlow::Charging; 2]);
+            if nodes[port].port_flow() > 0.0 { low = middle } else { high = middle }
+        }
+        let nodes = network.solve(&valve, &chambers(&gas, low, low), &[PortFlow::Charging; 2]);
+        (low, nodes[port])
+    };
+    let ((p1, node_1), (p2, _)) = (node(0.0, 0), node(0.0, 1));
+    assert!((p1 - p2).abs() < 1.0, "{p1} {p2}");
+    assert!((node_1.supply_flow + node_1.exhaust_flow).abs() < 1e-6 * node_1.supply_flow);
+    assert!(node(0.02e-3, 0).0 > p1 && node(0.02e-3, 1).0 < p1, "and part on either side of it");
+    assert!(node(-0.02e-3, 0).0 < p1 && node(-0.02e-3, 1).0 > p1);
+}
