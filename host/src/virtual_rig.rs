@@ -28,7 +28,7 @@ pub struct Pace {
     pub live: bool,
 }
 
-/// Samples between two looks at the port, at full speed.
+/// Most samples between two looks at the port.
 const SAMPLES_AT_ONCE: u32 = 64;
 
 /// Most samples that are made up for after the computer was busy with something else.
@@ -120,6 +120,7 @@ impl Board for VirtualBoard {
         self.running = true;
         if !self.pace.live {
             let timing = &config.timing;
+            self.period_us = u64::from(timing.period_us.get());
             self.plant = Plant::new(&self.rig, Accuracy::default(), self.seed)
                 .with_timing(self.period_us, u64::from(timing.delay_us.get()));
         }
@@ -201,7 +202,11 @@ impl VirtualRig {
             self.board.since += Duration::from_micros(now_us - self.board.time_us);
         }
         let due = self.board.time_us <= now_us;
-        while self.board.time_us <= now_us {
+        // A few at a time: the port is looked at in between, also by a computer that is behind.
+        for _ in 0..SAMPLES_AT_ONCE {
+            if self.board.time_us > now_us {
+                break;
+            }
             self.tick()?;
         }
         Ok(due && self.board.moves())

@@ -15,9 +15,9 @@ pub struct Dither {
     pub phase_cycles: f64,
 }
 
-/// |cos| below which an instant counts as an extremum: what rounding of the time to 53 bits makes of
-/// an exact one, with a hundredfold margin.
-const AT_EXTREMUM: f64 = 1e-10;
+/// |cos| below which an instant counts as an extremum: more than rounding of the time to 53 bits makes
+/// of an exact one, and not less than what [`Dither::next`] counts as passed.
+const AT_EXTREMUM: f64 = 1e-8;
 
 /// The cycle at a crest and at a trough.
 pub(crate) const CREST: f64 = 0.25;

@@ -237,6 +237,11 @@ impl Network {
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
         self.work.solutions += 1;
+        let usable = |value: f64| value.is_finite() && value > 0.0;
+        let in_order = |chamber: &Station| usable(chamber.exner) && usable(chamber.temperature);
+        if !(chambers.iter().all(in_order) && valve.iter().all(|lands| lands.supply.is_finite())) {
+            return [Node::NOT_A_NUMBER; 2];
+        }
         // A trial step too large may lead to where there is no solution, or leave no numbers: it is
         // told so, and the last solution is not spoilt by it.
         let last = self.nodes;

@@ -91,6 +91,10 @@ pub fn run_watched(
             fault = fault.or(Some((kind, seen.index)));
         }
         observations.push(seen);
+        // The supervisor has the last word on the simulator's own controller, too: it ends the run.
+        if target.is_some() && fault.is_some() {
+            break;
+        }
         progress(seen.index, rig.last_sample());
         // A row at an instant with an output shows the state after it.
         let command = output(&config, &mut state);

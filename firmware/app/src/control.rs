@@ -1,6 +1,7 @@
 //! The half with a deadline: sensors in, command out, record, watch the clock.
 
 use pneudrive_controller::config::ConfigError;
+use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::parameters::{SetError, id};
 use pneudrive_controller::{
     Config, Fault, Mode, Move, Observation, Parameters, Refusal, Sequence, State, output, sample,
@@ -203,14 +204,15 @@ impl Control {
         Ok(())
     }
 
-    /// A new meaning of counts takes the reference with it, a new timing the moves, and a record is
-    /// not to be read with parameters that it was not taken with.
+    /// A new meaning of counts takes the reference with it, a new timing, loop or drive stage the moves,
+    /// and a record is not to be read with parameters that it was not taken with.
     fn forget_what_depends(&mut self, changed: &Parameters, config: &Config) {
         let encoder = |p: &Parameters| (p.get(id::ENCODER_PM_PER_COUNT), p.get(id::ENCODER_INVERTED));
         if encoder(changed) != encoder(&self.parameters) {
             self.state.supervisor.clear_referenced();
         }
-        if config.timing != self.config.timing {
+        let meaning = |c: &Config| (c.timing, c.law.control_loop, matches!(c.drive, DriveConfig::Dac(_)));
+        if meaning(config) != meaning(&self.config) {
             self.test = Test::default();
         }
         if *changed != self.parameters {

@@ -1,7 +1,8 @@
 //! `pneudrive run`.
 
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 use anyhow::{Result, bail};
 use pneudrive_controller::Parameters;
@@ -46,33 +47,76 @@ pub(super) fn run_test(client: &mut Client, rig: &Rig, with_parameters: bool) ->
     }
     warn_of_a_full_recorder(client, rig)?;
     client.download_test(rig)?;
+    let interrupts = Interrupts::watch();
     client.arm()?;
-    client.start()?;
+    if let Err(error) = wait_for_null(client, rig).and_then(|()| client.start()) {
+        client.disarm()?;
+        return Err(error);
+    }
     let mut progress = Progress::new("running");
-    let interrupted = interrupts();
-    let followed = client.follow(&interrupted, |status| {
+    let followed = client.follow(interrupts.seen(), |status| {
         progress.at(u64::from(status.index), u64::from(status.duration_samples));
     });
     progress.done();
     followed.map(|_| ())
 }
 
-/// Set by Ctrl-C from the first run on: a run that is interrupted is stopped, not left alone.
-fn interrupts() -> Arc<AtomicBool> {
-    static INTERRUPTED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
-    Arc::clone(INTERRUPTED.get_or_init(|| {
-        let flag = Arc::new(AtomicBool::new(false));
-        let set = Arc::clone(&flag);
-        if ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)).is_err() {
-            eprintln!("note: Ctrl-C will not stop the rig; use `pneudrive device stop`");
+/// The spool of a stepper valve walks to mid-travel one step a sample; a start before that is refused.
+fn wait_for_null(client: &mut Client, rig: &Rig) -> Result<()> {
+    for _ in 0..100 {
+        if rig.word("operator.model") != "stepper" || client.status()?.spool == 0 {
+            break;
         }
-        flag
-    }))
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    Ok(())
+}
+
+/// Ctrl-C while the drive is armed or running: the rig is stopped, not left alone. At other times the
+/// program ends as usual.
+struct Interrupts;
+
+static SEEN: AtomicBool = AtomicBool::new(false);
+static WATCHED: AtomicBool = AtomicBool::new(false);
+
+/// Exit code of a program that Ctrl-C has ended.
+const INTERRUPTED: i32 = 130;
+
+impl Interrupts {
+    fn watch() -> Interrupts {
+        static INSTALLED: Once = Once::new();
+        INSTALLED.call_once(|| {
+            let handler = || {
+                if WATCHED.load(Ordering::Relaxed) {
+                    SEEN.store(true, Ordering::Relaxed);
+                } else {
+                    std::process::exit(INTERRUPTED);
+                }
+            };
+            if ctrlc::set_handler(handler).is_err() {
+                eprintln!("note: Ctrl-C will not stop the rig; use `pneudrive device stop`");
+            }
+        });
+        WATCHED.store(true, Ordering::Relaxed);
+        Interrupts
+    }
+
+    fn seen(&self) -> &AtomicBool {
+        &SEEN
+    }
+}
+
+impl Drop for Interrupts {
+    fn drop(&mut self) {
+        WATCHED.store(false, Ordering::Relaxed);
+    }
 }
 
 /// Says how much of a long test the recorder will hold.
 fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig) -> Result<()> {
-    let capacity = client.info()?.record_capacity;
+    // The recorder sets the whole of its ring aside for samples from before the start.
+    let before = rig.integer("test.pre_trigger") as u32;
+    let capacity = client.info()?.record_capacity.saturating_sub(before);
     let stored = rig.last_sample() / rig.integer("test.decimation").max(1) as u32 + 1;
     if stored > capacity {
         let least = rig.last_sample().div_ceil(capacity.saturating_sub(1).max(1));

@@ -71,6 +71,12 @@ impl State {
         &self.observation
     }
 
+    /// SPLLOC: where the spool of a stepper valve is; mid-travel for a DAC.
+    #[must_use]
+    pub fn spool_location(&self) -> SpoolLocation {
+        self.location
+    }
+
     /// Runs from k = 0 at the next sample, or says why not.
     ///
     /// # Errors
@@ -122,13 +128,18 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
 ///
 /// The supervisor is asked again, since requests come between the two calls: after a stop the output
 /// is disabled, after an arming it is null, whatever the sample was made into. A stepper then walks to
-/// mid-travel one pulse a sample.
+/// mid-travel one pulse a sample; its translator stays enabled until the spool is there, for a spool
+/// left open would go on moving the cylinder.
 #[must_use]
 pub fn output(config: &Config, state: &mut State) -> Command {
-    let drive_enable = state.supervisor.drives();
+    let walking = state.location != SpoolLocation::default();
+    let drive_enable = state.supervisor.drives() || walking;
     let counts = state.supervisor.permit(&config.law, state.observation.command);
     let step = match config.drive {
-        DriveConfig::Dac(_) => 0,
+        DriveConfig::Dac(_) => {
+            state.location = SpoolLocation::default();
+            0
+        }
         DriveConfig::Stepper { .. } => state.location.step_toward(counts),
     };
     Command { counts, step, drive_enable }

@@ -108,12 +108,15 @@ proptest! {
                 Event::Trip(fault) => state.supervisor.trip(fault),
                 Event::Reference => state.supervisor.set_referenced(),
             }
+            let walking = state.spool_location().steps() != 0;
             let command = output(&config, &mut state);
             let after = state.supervisor.mode();
             prop_assert!((-2048..=2048).contains(&command.counts));
             prop_assert!(command.counts.unsigned_abs() <= config.drive.largest().unsigned_abs());
             if matches!(after, Mode::Disarmed | Mode::Fault(_)) {
-                prop_assert_eq!(Command { step: 0, ..command }, Command::OFF);
+                prop_assert_eq!(command.counts, 0);
+                let stepper = matches!(config.drive, pneudrive_controller::drive::DriveConfig::Stepper { .. });
+                prop_assert_eq!(command.drive_enable, stepper && walking, "only a spool on its way is powered");
             }
             if matches!(before, Mode::Fault(_)) && before != after {
                 prop_assert!(matches!(event, Event::Arm), "only arm leaves a fault");
@@ -121,7 +124,7 @@ proptest! {
             if after == Mode::Running && before != Mode::Running {
                 prop_assert!(before == Mode::Armed && matches!(event, Event::Start));
             }
-            if command.drive_enable && config.law.control_loop == Loop::Closed {
+            if after == Mode::Running && config.law.control_loop == Loop::Closed {
                 prop_assert!(state.supervisor.is_referenced());
             }
             before = after;
@@ -309,13 +312,14 @@ fn stepper_at_work() -> (Config, Sequence, State) {
 fn a_tripped_stepper_gets_target_zero_at_once_and_walks_there_one_pulse_a_sample() {
     let (config, sequence, mut state) = stepper_at_work();
     state.supervisor.trip(Fault::Stop);
-    let pulses: [i8; 7] = core::array::from_fn(|_| {
+    let pulses: [(i8, bool); 7] = core::array::from_fn(|_| {
         let command = output(&config, &mut state);
-        assert_eq!((command.counts, command.drive_enable), (0, false));
+        assert_eq!(command.counts, 0);
         sample(&config, &sequence, &mut state, &Sample::default());
-        command.step
+        (command.step, command.drive_enable)
     });
-    assert_eq!(pulses, [-1, -1, -1, -1, -1, 0, 0]);
+    let walking = (-1, true);
+    assert_eq!(pulses, [walking, walking, walking, walking, walking, (0, false), (0, false)]);
 }
 
 #[test]
@@ -343,4 +347,14 @@ fn a_drive_that_is_re_armed_between_a_sample_and_its_output_is_at_null() {
     assert_eq!(output(&config, &mut state), null);
     state.start().expect("armed");
     assert_eq!(output(&config, &mut state), null, "nothing is driven before the first sample of a run");
+}
+
+#[test]
+fn a_drive_that_is_changed_to_a_dac_forgets_where_a_stepper_was() {
+    let (_, _, mut state) = stepper_at_work();
+    let dac = Config::new(&wide_open()).expect("they go together");
+    state.supervisor.disarm();
+    let _ = output(&dac, &mut state);
+    state.supervisor.arm(Loop::Closed).expect("referenced");
+    assert_eq!(state.start(), Ok(()));
 }
