@@ -12,6 +12,7 @@
 //! | [`friction`], [`stop`], [`play`], [`dither`] | what several parts share: stiction, mechanical stops, hysteresis |
 //! | [`flow_law`], [`discharge`], [`iso6358`], [`flow_force`] | laws of flow through a restriction, and its force on the spool |
 //! | [`network`] | the flows that valve, tubes and chambers agree on |
+//! | `build` | a rig's keys into its components |
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`integrator`] | Runge-Kutta with dense output and located events |
 //! | [`sensors`], [`plant`] | what the controller sees: a command in, a sample out |
@@ -23,6 +24,7 @@
 
 pub mod actuator;
 mod assembly;
+mod build;
 pub mod continuous;
 pub mod discharge;
 pub mod dither;

@@ -172,7 +172,7 @@ impl Reader<'_> {
         {
             self.problem_at_key("test.targets", "give either targets or moves, not both".to_owned());
         }
-        let balanced = crate::plant::equilibrium_pressure_1(rig);
+        let balanced = crate::build::equilibrium_pressure_1(rig);
         if rig.optional_number("test.pressure_1_pa").is_none() && !(1e4..=5e6).contains(&balanced) {
             let message = format!(
                 "no pressure in chamber 1 balances it at the start (it would be {balanced:.0} Pa); give test.pressure_1_pa"

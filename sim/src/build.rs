@@ -1,0 +1,296 @@
+//! From a rig to its components: every key of the plant, in SI, into the part that it belongs to.
+
+use pneudrive_controller::Config;
+
+use crate::actuator::{Actuator, Air};
+use crate::assembly::{Lag, Parts, STATES, StateVector, slot};
+use crate::continuous::ContinuousLaw;
+use crate::dither::Dither;
+use crate::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
+use crate::flow_law::FlowLaw;
+use crate::friction::DryFriction;
+use crate::gas::Gas;
+use crate::iso6358::Iso6358;
+use crate::leakage::Leakage;
+use crate::load::Load;
+use crate::network::{Laws, Network, Station};
+use crate::operator::Operator;
+use crate::operator::empirical::{Empirical, EmpiricalParameters};
+use crate::operator::on_off::OnOff;
+use crate::operator::solenoid::{Solenoid, SolenoidParameters};
+use crate::operator::stepper::Stepper;
+use crate::rig::Rig;
+use crate::stop::Stops;
+use crate::tubing::Tube;
+use crate::valve::Valve;
+
+/// The components of a rig, and the state in which its test begins.
+pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
+    let gas = gas(rig);
+    let actuator = actuator(rig);
+    let x = initial_state(rig, &gas, &actuator);
+    let parts = Parts {
+        gas,
+        valve: valve(rig),
+        actuator,
+        load: load(rig),
+        operator: operator(rig),
+        network: network(rig, gas),
+        flow_force: flow_force(rig),
+        lag: lag(rig, &gas),
+        continuous: continuous(rig),
+    };
+    (parts, x)
+}
+
+/// P_1 at which the load of a rig is in equilibrium at the start of its test, Pa.
+pub(crate) fn equilibrium_pressure_1(rig: &Rig) -> f64 {
+    let standing = load(rig).standing_force(rig.number("test.position_m"));
+    actuator(rig).balancing_pressure_1(rig.number("test.pressure_2_pa"), -standing)
+}
+
+fn gas(rig: &Rig) -> Gas {
+    Gas::new(rig.number("gas.heat_capacity_ratio"), rig.number("gas.gas_constant_j_per_kg_k"))
+}
+
+fn valve(rig: &Rig) -> Valve {
+    let metres = |path: &str| rig.number(path) * 1e-3;
+    Valve {
+        null_offset: metres("valve.null_offset_mm"),
+        lap: metres("valve.underlap_mm"),
+        sleeve_diameter: metres("valve.sleeve_diameter_mm"),
+        spool_diameter: metres("valve.spool_diameter_mm"),
+        port_diameter: metres("valve.port_diameter_mm"),
+        has_node: matches!(rig.word("valve.model"), "flow-node" | "multiple-flow-node"),
+        land_law: land_law(rig),
+        travel: spool_travel(rig),
+        rod_diameter: metres("valve.spool_rod_diameter_mm"),
+        discharge_supply: rig.number("valve.discharge_supply"),
+        discharge_exhaust: rig.number("valve.discharge_exhaust"),
+    }
+}
+
+fn land_law(rig: &Rig) -> FlowLaw {
+    let number = |path: &str| rig.optional_number(path).unwrap_or(0.0);
+    match (rig.word("valve.model"), rig.word("valve.discharge_model")) {
+        ("iso-6358", _) => FlowLaw::Iso6358(Iso6358 {
+            sonic_conductance: number("valve.sonic_conductance_m3_per_s_pa"),
+            critical_ratio: number("valve.critical_ratio"),
+        }),
+        (_, "perry") => FlowLaw::Perry,
+        _ => FlowLaw::Orifice,
+    }
+}
+
+fn flow_force(rig: &Rig) -> FlowForce {
+    match rig.word("valve.flow_force") {
+        "analytical" => FlowForce::Analytical,
+        "experimental" => FlowForce::Experimental {
+            inlet: rig.polynomial("valve.flow_force_inlet").unwrap_or(DEFAULT_INLET),
+            outlet: rig.polynomial("valve.flow_force_outlet").unwrap_or(DEFAULT_OUTLET),
+        },
+        _ => FlowForce::None,
+    }
+}
+
+fn continuous(rig: &Rig) -> Option<ContinuousLaw> {
+    let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
+    let pulse = rig.number("encoder.mm_per_count") * 1e-3;
+    (rig.word("controller.model") == "continuous").then(|| ContinuousLaw::new(&config, pulse))
+}
+
+fn lag(rig: &Rig, gas: &Gas) -> Option<Lag> {
+    let time = rig.number("tubing.lag_s");
+    let (supply_tube, cylinder_tube) = tubes(rig, gas);
+    (time > 0.0).then_some(Lag { time, supply: station(rig, gas, "supply"), supply_tube, cylinder_tube })
+}
+
+/// Supply or exhaust.
+fn station(rig: &Rig, gas: &Gas, table: &str) -> Station {
+    Station {
+        exner: gas.exner(rig.number(&format!("{table}.pressure_pa"))),
+        temperature: rig.number(&format!("{table}.temperature_k")),
+    }
+}
+
+/// The tube from the supply, and those to the cylinder. With the multiple flow node a restriction at
+/// the cylinder stands for the tube (6.55 to 6.60), and the supply has none.
+fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
+    if rig.word("valve.model") == "multiple-flow-node" {
+        let bore = rig.number("tubing.diameter_mm") * 1e-3;
+        return (Tube::none(), Tube::connector(gas, rig.number("valve.discharge_supply"), bore));
+    }
+    let tube = match rig.word("tubing.model") {
+        "none" => Tube::none(),
+        "analytical" => Tube::analytical(
+            gas,
+            rig.number("tubing.length_m"),
+            rig.number("tubing.diameter_mm") * 1e-3,
+            rig.number("tubing.friction_factor"),
+        ),
+        _ => Tube::empirical(gas, rig.number("tubing.drop_slope"), rig.number("tubing.reference_flow_kg_s")),
+    };
+    (tube, tube)
+}
+
+fn network(rig: &Rig, gas: Gas) -> Network {
+    // Lagged tubes are states of the assembly, not part of the network.
+    let (supply_tube, cylinder_tube) = match lag(rig, &gas) {
+        Some(_) => (Tube::none(), Tube::none()),
+        None => tubes(rig, &gas),
+    };
+    let port_area = rig.switch("valve.upstream_mach").then(|| valve(rig).port_area());
+    let law = land_law(rig);
+    let laws = Laws { land: law, port: law };
+    Network::new(
+        gas,
+        station(rig, &gas, "supply"),
+        station(rig, &gas, "exhaust"),
+        supply_tube,
+        cylinder_tube,
+        laws,
+        port_area,
+    )
+}
+
+fn actuator(rig: &Rig) -> Actuator {
+    let rod_diameter = rig.number("actuator.rod_diameter_m");
+    let [blind, rod_side, rod] = Actuator::areas(rig.number("actuator.bore_m"), rod_diameter);
+    let symmetric = rig.word("actuator.model") == "symmetric";
+    Actuator {
+        stroke: rig.number("actuator.stroke_m"),
+        area_1: if symmetric { rod_side } else { blind },
+        area_2: rod_side,
+        rod_area: if symmetric { 0.0 } else { rod },
+        residual_volumes: [
+            rig.number("actuator.residual_volume_1_m3"),
+            rig.number("actuator.residual_volume_2_m3"),
+        ],
+        ambient_pressure: rig.number("exhaust.pressure_pa"),
+        leakage: leakage(rig),
+    }
+}
+
+fn leakage(rig: &Rig) -> Leakage {
+    match rig.word("actuator.leakage") {
+        "laminar" => Leakage::Laminar { coefficient: rig.number("actuator.leakage_coefficient") },
+        "adiabatic" => Leakage::Adiabatic {
+            resistance: rig.number("actuator.passage_resistance"),
+            clearance: rig.number("actuator.passage_clearance_m"),
+            bore: rig.number("actuator.bore_m"),
+        },
+        _ => Leakage::None,
+    }
+}
+
+fn load(rig: &Rig) -> Load {
+    let mass = rig.number("load.mass_kg");
+    Load {
+        mass,
+        viscous: rig.number("load.viscous_n_s_per_m"),
+        constant_force: rig.number("load.constant_force_n"),
+        spring: rig.number("load.spring_n_per_m"),
+        incline: rig.number("load.incline_deg").to_radians(),
+        friction: DryFriction {
+            static_extend: rig.number("load.static_extend_n"),
+            coulomb_extend: rig.number("load.coulomb_extend_n"),
+            static_retract: rig.number("load.static_retract_n"),
+            coulomb_retract: rig.number("load.coulomb_retract_n"),
+        },
+        stops: Stops::new(
+            0.0,
+            rig.number("actuator.stroke_m"),
+            rig.number("load.stop_stiffness_n_per_m"),
+            rig.number("load.stop_region_m"),
+            rig.number("load.stop_damping_ratio"),
+            mass,
+        ),
+    }
+}
+
+fn operator(rig: &Rig) -> Operator {
+    match rig.word("operator.model") {
+        "solenoid-empirical" => Operator::Empirical(empirical(rig)),
+        "stepper" => Operator::Stepper(Stepper::new(rig.number("operator.mm_per_step") * 1e-3)),
+        "on-off" => Operator::OnOff(OnOff::new(spool_travel(rig), rig.number("operator.switch_time_s"))),
+        _ => Operator::Solenoid(solenoid(rig)),
+    }
+}
+
+/// X_max, m.
+fn spool_travel(rig: &Rig) -> f64 {
+    rig.number("valve.spool_travel_mm") * 1e-3
+}
+
+/// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the 2 mm range wide.
+fn hysteresis_half_width(rig: &Rig) -> f64 {
+    rig.number("operator.hysteresis_percent") / 100.0 * 1e-3
+}
+
+fn dither(rig: &Rig) -> Dither {
+    Dither {
+        amplitude: rig.number("operator.dither_mm") * 1e-3,
+        frequency_hz: rig.number("operator.dither_hz"),
+        phase_cycles: rig.number("operator.dither_phase_deg") / 360.0,
+    }
+}
+
+fn empirical(rig: &Rig) -> Empirical {
+    Empirical::new(EmpiricalParameters {
+        travel_per_count: spool_travel(rig) / 2048.0,
+        amplifier_gain: rig.number("operator.amplifier_gain"),
+        saturation: rig.number("operator.saturation_mm") * 1e-3,
+        stiffness_per_mass: rig.number("operator.stiffness_per_mass_per_s2"),
+        damping_per_mass: rig.number("operator.damping_per_s"),
+        hysteresis_half_width: hysteresis_half_width(rig),
+        dither: dither(rig),
+        travel: spool_travel(rig),
+    })
+}
+
+fn solenoid(rig: &Rig) -> Solenoid {
+    let spool_mass = rig.number("operator.spool_mass_kg");
+    Solenoid::new(SolenoidParameters {
+        travel_per_count: spool_travel(rig) / 2048.0,
+        amplifier_gain: rig.number("operator.amplifier_gain"),
+        saturation: rig.number("operator.saturation_mm") * 1e-3,
+        hysteresis_half_width: hysteresis_half_width(rig),
+        dither: dither(rig),
+        force_gain: rig.number("operator.force_gain_n_per_mm") * 1e3,
+        spring: rig.number("operator.spring_n_per_mm") * 1e3,
+        spring_preload: rig.number("operator.spring_preload_n"),
+        damping: rig.number("operator.damping_n_s_per_m"),
+        spool_mass,
+        friction: DryFriction::symmetric(
+            rig.number("operator.static_friction_n"),
+            rig.number("operator.coulomb_friction_n"),
+        ),
+        stops: Stops::new(
+            -spool_travel(rig),
+            spool_travel(rig),
+            rig.number("operator.stop_stiffness_n_per_m"),
+            rig.number("operator.stop_region_m"),
+            rig.number("operator.stop_damping_ratio"),
+            spool_mass,
+        ),
+    })
+}
+
+fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {
+    let position = rig.number("test.position_m");
+    let pressure_1 = rig.optional_number("test.pressure_1_pa").unwrap_or_else(|| equilibrium_pressure_1(rig));
+    let pressures = [pressure_1, rig.number("test.pressure_2_pa")];
+    let temperatures = [rig.number("test.temperature_1_k"), rig.number("test.temperature_2_k")];
+    let volumes = actuator.volumes(position, 0.0);
+    let mut x = [0.0; STATES];
+    x[slot::POSITION] = position;
+    for ratio in slot::RATIO {
+        x[ratio] = 1.0;
+    }
+    for i in 0..2 {
+        let [mass, exner] = Air::state_of(gas, pressures[i], temperatures[i], volumes[i].volume);
+        x[slot::MASS[i]] = mass;
+        x[slot::EXNER[i]] = exner;
+    }
+    x
+}
