@@ -9,14 +9,16 @@
 //! position and velocity of the spool, and the pressure ratios of lagged tubes. The modes say on which smooth piece of the equations the
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
-use crate::actuator::{Actuator, Air};
+use crate::actuator::Actuator;
+use crate::air::Air;
+use crate::air::Station;
 use crate::continuous::ContinuousLaw;
 use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::friction::Contact;
 use crate::gas::Gas;
 use crate::integrator::{Event, Hybrid};
 use crate::load::Load;
-use crate::network::{Network, Node, PortFlow, Station};
+use crate::network::{Network, Node, PortFlow};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
 use crate::tubing::Tube;

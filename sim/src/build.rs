@@ -2,7 +2,9 @@
 
 use pneudrive_controller::Config;
 
-use crate::actuator::{Actuator, Air};
+use crate::actuator::Actuator;
+use crate::air::Air;
+use crate::air::Station;
 use crate::assembly::{Lag, Parts, STATES, StateVector, slot};
 use crate::continuous::ContinuousLaw;
 use crate::dither::Dither;
@@ -13,7 +15,7 @@ use crate::gas::Gas;
 use crate::iso6358::Iso6358;
 use crate::leakage::Leakage;
 use crate::load::Load;
-use crate::network::{Laws, Network, Station};
+use crate::network::{Laws, Network};
 use crate::operator::Operator;
 use crate::operator::empirical::{Empirical, EmpiricalParameters};
 use crate::operator::on_off::OnOff;

@@ -23,7 +23,7 @@
 
 use std::f64::consts::PI;
 
-use crate::actuator::Air;
+use crate::air::Air;
 use crate::gas::Gas;
 
 /// How the piston leaks.

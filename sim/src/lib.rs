@@ -7,7 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`rig`] | rig files: the table of keys, reading, checking, explaining, the built-in rigs |
-//! | [`gas`] | the ideal gas and its flow through a restriction |
+//! | [`gas`], [`air`] | the ideal gas and its flow through a restriction; the air in one place |
 //! | [`operator`], [`valve`], [`tubing`], [`actuator`], [`leakage`], [`load`] | one physical part each, its equations on top |
 //! | [`friction`], [`stop`], [`play`], [`dither`] | what several parts share: stiction, mechanical stops, hysteresis |
 //! | [`flow_law`], [`discharge`], [`iso6358`], [`flow_force`] | laws of flow through a restriction, and its force on the spool |
@@ -23,6 +23,7 @@
 //! the same bits on every machine.
 
 pub mod actuator;
+pub mod air;
 mod assembly;
 mod build;
 pub mod continuous;

@@ -26,20 +26,12 @@
 mod brackets;
 mod restriction;
 
+use crate::air::Station;
 use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
 use crate::tubing::{FarEnd, Tube};
 use crate::valve::Conductances;
 use restriction::{Approach, SquareFlow};
-
-/// A place with an Exner pressure and a temperature.
-#[derive(Clone, Copy, Debug)]
-pub struct Station {
-    /// w.
-    pub exner: f64,
-    /// K.
-    pub temperature: f64,
-}
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

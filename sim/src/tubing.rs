@@ -30,8 +30,8 @@
 mod connector;
 mod pipe;
 
+use crate::air::Station;
 use crate::gas::Gas;
-use crate::network::Station;
 use connector::Connector;
 use pipe::Pipe;
 

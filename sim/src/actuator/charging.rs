@@ -12,6 +12,7 @@
 //! V dP/dt = n R T_s mdot.
 
 use super::*;
+use crate::air::Station;
 use crate::integrator::{Event, Hybrid, Integrator, Method};
 
 const VOLUME: f64 = 3e-4;

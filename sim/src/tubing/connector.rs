@@ -16,8 +16,8 @@
 //! r_s = (2 + s e)/(2 + s (e+1)).
 
 use super::{Ratio, STEEPEST};
+use crate::air::Station;
 use crate::gas::Gas;
-use crate::network::Station;
 
 /// Four reach rounding at any flow; one is to spare.
 const MOST_ITERATIONS: u32 = 5;

@@ -27,8 +27,8 @@
 //! P_far/mdot.
 
 use super::{Ratio, STEEPEST};
+use crate::air::Station;
 use crate::gas::Gas;
-use crate::network::Station;
 use crate::root::bracketed_root;
 
 /// 4fL/D below which a pipe has no drop worth the name.
