@@ -30,6 +30,17 @@ fn run_on(client: &mut Client, rig: &Rig) {
     assert_eq!(client.follow(&AtomicBool::new(false), |_| {}).expect("no fault").mode, Mode::Done);
 }
 
+/// A rig in the middle of a run that will not end by itself, and who started it.
+fn in_a_long_run() -> (VirtualTarget, Client) {
+    let rig = rig("servo-b", &["test.duration_s=3000"]);
+    let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
+    let mut client = target.connect().expect("a rig that answers");
+    client.download_test(&rig).expect("disarmed");
+    client.arm().expect("referenced");
+    client.start().expect("armed");
+    (target, client)
+}
+
 /// What the recorder stores of an observation.
 fn recorded(seen: &Observation) -> RecordedSample {
     RecordedSample {
@@ -114,12 +125,7 @@ fn each_start_begins_from_the_same_state() {
 
 #[test]
 fn a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it() {
-    let rig = rig("servo-b", &["test.duration_s=3000"]);
-    let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
-    let mut client = target.connect().expect("a rig that answers");
-    client.download_test(&rig).expect("disarmed");
-    client.arm().expect("referenced");
-    client.start().expect("armed");
+    let (_target, mut client) = in_a_long_run();
     client.stop().expect("an answer");
     let error = client.follow(&AtomicBool::new(false), |_| {}).expect_err("stopped").to_string();
     assert!(error.contains("stop (a stop was requested)"), "{error}");
@@ -139,25 +145,15 @@ fn a_rig_without_a_record_says_so() {
 /// A second program must reach the rig while the first one follows a run.
 #[test]
 fn a_stop_from_another_program_reaches_a_running_rig() {
-    let rig = rig("servo-b", &["test.duration_s=3000"]);
-    let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
-    let (mut first, mut second) = (target.connect().expect("a rig"), target.connect().expect("the same rig"));
-    first.download_test(&rig).expect("disarmed");
-    first.arm().expect("referenced");
-    first.start().expect("armed");
-    second.stop().expect("an answer");
+    let (target, mut first) = in_a_long_run();
+    target.connect().expect("the same rig").stop().expect("an answer");
     let error = first.follow(&AtomicBool::new(false), |_| {}).expect_err("stopped").to_string();
     assert!(error.contains("stop (a stop was requested)"), "{error}");
 }
 
 #[test]
 fn an_interrupted_run_is_stopped() {
-    let rig = rig("servo-b", &["test.duration_s=3000"]);
-    let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
-    let mut client = target.connect().expect("a rig that answers");
-    client.download_test(&rig).expect("disarmed");
-    client.arm().expect("referenced");
-    client.start().expect("armed");
+    let (_target, mut client) = in_a_long_run();
     client.follow(&AtomicBool::new(true), |_| {}).expect_err("stopped");
     assert_eq!(client.status().expect("an answer").mode, Mode::Fault);
 }

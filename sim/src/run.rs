@@ -84,11 +84,10 @@ pub fn run_watched(
     for k in 0..=u64::from(rig.last_sample()) {
         sample(&config, &sequence, &mut state, &plant.sample());
         let mut seen = *state.observation();
-        if let Some(command) = continuous(&mut plant, &mut target, seen.setpoint) {
-            seen.command = command;
-        }
         if let Mode::Fault(kind) = state.supervisor.mode() {
             fault = fault.or(Some((kind, seen.index)));
+        } else if let Some(command) = continuous(&mut plant, &mut target, seen.setpoint) {
+            seen.command = command;
         }
         observations.push(seen);
         // The supervisor has the last word on the simulator's own controller, too: it ends the run.

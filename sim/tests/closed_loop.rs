@@ -114,3 +114,29 @@ fn drive_a_is_stable_and_rests_within_the_dead_zone_of_its_profile() {
     assert!(peak_to_peak(&rest) < 0.5, "{} mm", peak_to_peak(&rest));
     assert!((rest[0] - HIGH).abs() < 255.0 * 0.01205, "{} mm", rest[0] - HIGH);
 }
+
+/// The trip's sample has the null command that the supervisor permits, and the run ends there.
+#[test]
+fn the_supervisor_ends_a_run_of_the_continuous_controller() {
+    let settings =
+        ["controller.model=continuous", "operator.hysteresis_percent=0", "safety.max_speed_m_s=0.3"];
+    let rig = Rig::read_with("test", "", &settings.map(str::to_owned)).expect("valid");
+    let run = run(&rig, Accuracy::default()).expect("a transient");
+    let last = run.observations.last().expect("samples");
+    assert_eq!(run.fault, Some((pneudrive_controller::Fault::EncoderStep, last.index)));
+    assert_eq!(last.command, 0);
+}
+
+/// Lock step, as an emulated board has it: a command in, a sample out.
+#[test]
+fn advancing_a_plant_by_its_commands_repeats_the_run_that_they_come_from() {
+    use pneudrive_controller::Command;
+    let run = simulate("servo-b-tuned");
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let mut plant = pneudrive_sim::Plant::new(&rig, Accuracy::default(), 0);
+    for pair in run.observations.windows(2) {
+        let command = Command { counts: pair[0].command, step: 0, drive_enable: true };
+        let sample = plant.advance(command).expect("a transient");
+        assert_eq!((sample.position, sample.spool), (pair[1].position, pair[1].spool), "{}", pair[1].index);
+    }
+}
