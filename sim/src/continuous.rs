@@ -68,7 +68,8 @@ impl ContinuousLaw {
     pub fn command(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
         let gain = match self.law.kind {
             LawKind::GainProfile => self.law.gain_profile[self.index],
-            LawKind::Proportional => self.law.proportional_gain,
+            // A checked rig has no relay and no dead zone here.
+            LawKind::Proportional | LawKind::MooreProportional | LawKind::OnOff => self.law.proportional_gain,
         };
         let n_v = velocity * self.velocity_window / self.pulse;
         let n_a = acceleration * self.velocity_window * self.acceleration_window / self.pulse;

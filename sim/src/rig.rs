@@ -24,6 +24,9 @@ use std::num::NonZeroU32;
 
 use keys::{Default, KEYS, Key};
 
+/// The laws, in the order of the controller's parameter.
+const LAWS: [&str; 4] = ["gain-profile", "proportional", "moore-proportional", "on-off"];
+
 /// The value of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
@@ -266,7 +269,10 @@ impl Rig {
             (id::PERIOD_US, self.microseconds("controller.period_s") as i32),
             (id::DELAY_US, self.microseconds("controller.delay_s") as i32),
             (id::OPEN_LOOP, choice("controller.loop", "open")),
-            (id::LAW, choice("controller.law", "proportional")),
+            (
+                id::LAW,
+                LAWS.iter().position(|&law| law == self.word("controller.law")).map_or(0, |i| i as i32),
+            ),
             (id::PROFILE_SPAN_COUNTS, whole("controller.profile_span_counts")),
             (id::PROPORTIONAL_GAIN, whole("controller.proportional_gain")),
             (id::VELOCITY_GAIN, whole("controller.velocity_gain")),
@@ -291,9 +297,22 @@ impl Rig {
             (id::SPOOL_MAX_NM, scaled("sensors.spool_max_mm", 1e6)),
             (id::STEPPER, choice("operator.model", "stepper")),
             (id::MAX_STEPS, whole("operator.max_steps")),
+            (id::DEAD_ZONE_COUNTS, whole("controller.dead_zone_counts")),
+            (id::RELAY_HYSTERESIS_COUNTS, whole("controller.relay_hysteresis_counts")),
         ];
+        if self.word("controller.law") == "on-off" {
+            values.push((id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()));
+        }
         values.extend(self.gain_profile().into_iter().zip(id::GAIN_PROFILE..).map(|(gain, id)| (id, gain)));
         values
+    }
+
+    /// k5 on raw pressures, from counts of error per kPa.
+    fn pressure_feedback_gain(&self) -> i32 {
+        let range = self.number("sensors.pressure_max_pa") - self.number("sensors.pressure_min_pa");
+        let kpa_per_raw = range / 1e3 / f64::from((1 << self.integer("sensors.bits")) - 1);
+        let scale = self.integer("controller.scale") as f64;
+        (self.number("controller.pressure_feedback_gain") * kpa_per_raw * scale).round() as i32
     }
 
     /// The gain profile, its last entry repeated to 256.

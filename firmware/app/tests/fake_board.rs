@@ -281,8 +281,8 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
         "Config { first_id: 7, values: [1000, 2000] }"
     );
     assert_eq!(
-        bench.ask(RequestBody::ConfigGet { first_id: 30, count: 2 }),
-        "Refused(UnknownParameter { id: 31 })"
+        bench.ask(RequestBody::ConfigGet { first_id: 33, count: 2 }),
+        "Refused(UnknownParameter { id: 34 })"
     );
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());

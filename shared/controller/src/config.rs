@@ -94,6 +94,9 @@ impl Default for Config {
                 acceleration_gain: 1,
                 velocity_dead_band: 0,
                 dead_band: 0,
+                dead_zone: 102,
+                relay_hysteresis: 0,
+                pressure_feedback_gain: 775,
                 scale: SCALE,
                 null_offset: 0,
             },
@@ -152,7 +155,12 @@ fn law(
     let unsigned = |id| parameters.scalar(id).unsigned_abs();
     Ok(LawConfig {
         control_loop: if parameters.scalar(id::OPEN_LOOP) == 0 { Loop::Closed } else { Loop::Open },
-        kind: if parameters.scalar(id::LAW) == 0 { LawKind::GainProfile } else { LawKind::Proportional },
+        kind: match parameters.scalar(id::LAW) {
+            1 => LawKind::Proportional,
+            2 => LawKind::MooreProportional,
+            3 => LawKind::OnOff,
+            _ => LawKind::GainProfile,
+        },
         gain_profile: parameters.gain_profile,
         profile_span: divisor(id::PROFILE_SPAN_COUNTS)?,
         proportional_gain: unsigned(id::PROPORTIONAL_GAIN) as u16,
@@ -160,6 +168,9 @@ fn law(
         acceleration_gain: unsigned(id::ACCELERATION_GAIN) as u16,
         velocity_dead_band: unsigned(id::VELOCITY_DEAD_BAND),
         dead_band: unsigned(id::DEAD_BAND_COUNTS),
+        dead_zone: unsigned(id::DEAD_ZONE_COUNTS) as u16,
+        relay_hysteresis: unsigned(id::RELAY_HYSTERESIS_COUNTS),
+        pressure_feedback_gain: unsigned(id::PRESSURE_FEEDBACK_GAIN) as u16,
         scale: divisor(id::SCALE)?,
         null_offset: parameters.scalar(id::NULL_OFFSET_COUNTS) as i16,
     })

@@ -1,19 +1,30 @@
-//! Velocity and acceleration as differences of encoder counts (thesis 6.3.3, flags L(14), L(52), L(77)).
+//! Velocity and acceleration as differences of encoder counts (thesis 6.3.3, flags L(14), L(52), L(77)),
+//! and the quasi-transient part of the pressure difference.
 //!
 //! ```text
 //! n_v[k] = n[k] - n[k - Wv]          counts per Wv samples
 //! n_a[k] = n_v[k] - n_v[k - Wa]      counts per Wv and Wa samples
+//! n_q[k] = q[k] - mean of q          q = raw P1 - raw P2
 //! ```
 //!
 //! The thesis's "vary mode" is lost; EQUATIONS section 9 resolves it to these windows (5 and 3
 //! samples by default). One history of positions serves both: n_a needs n at k, k - Wv, k - Wa and
 //! k - Wv - Wa. Values are exact: no rounding, no overflow (34 bits at most, held in 64).
+//!
+//! The mean of q forgets with a time constant of 64 samples, so that a standing pressure difference
+//! (a load's weight) is no feedback: Burrows' servomechanism has it so (Burrows and Webb, "Further study
+//! of a low-pressure on-off pneumatic servomechanism"; the time constant is our choice).
+
+use crate::signal::Sample;
 
 /// Positions kept; the sum of both windows must be smaller.
 const HISTORY: usize = 128;
 
 /// Longest window, samples. Two of them and the present sample fit the history.
 pub const MAX_WINDOW_SAMPLES: u8 = 63;
+
+/// The mean of the pressure difference forgets in 2^this samples.
+const MEAN_SHIFT: u32 = 6;
 
 /// The windows, in samples, 1 to [`MAX_WINDOW_SAMPLES`] each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +46,8 @@ pub struct Motion {
     pub velocity: i64,
     /// `n_a[k]`, counts per velocity window per acceleration window.
     pub acceleration: i64,
+    /// `n_q[k]`, raw: the quasi-transient part of the pressure difference.
+    pub pressure: i32,
 }
 
 /// The history of positions. Its first sample fills it, so a drive at rest has no velocity.
@@ -42,34 +55,40 @@ pub struct Motion {
 pub struct Estimator {
     positions: [i32; HISTORY],
     newest: usize,
+    /// 2^MEAN_SHIFT times the mean of q.
+    pressures: i32,
     primed: bool,
 }
 
 impl Default for Estimator {
     fn default() -> Self {
-        Estimator { positions: [0; HISTORY], newest: 0, primed: false }
+        Estimator { positions: [0; HISTORY], newest: 0, pressures: 0, primed: false }
     }
 }
 
 impl Estimator {
-    /// Takes `n[k]` and tells the motion at k.
-    pub(crate) fn update(&mut self, config: &EstimatorConfig, position: i32) -> Motion {
+    /// Takes the sample k and tells the motion at k.
+    pub(crate) fn update(&mut self, config: &EstimatorConfig, input: &Sample) -> Motion {
+        let difference = i32::from(input.pressure_1) - i32::from(input.pressure_2);
         if !self.primed {
-            self.positions = [position; HISTORY];
+            self.positions = [input.position; HISTORY];
+            self.pressures = difference << MEAN_SHIFT;
             self.primed = true;
         }
         self.newest = (self.newest + 1) % HISTORY;
-        self.positions[self.newest] = position;
+        self.positions[self.newest] = input.position;
+        self.pressures += difference - (self.pressures >> MEAN_SHIFT);
 
         let v = usize::from(config.velocity_window);
         let a = usize::from(config.acceleration_window);
         let velocity = self.back(0) - self.back(v);
         let velocity_before = self.back(a) - self.back(a + v);
         Motion {
-            position,
+            position: input.position,
             step: self.back(0) - self.back(1),
             velocity,
             acceleration: velocity - velocity_before,
+            pressure: difference - (self.pressures >> MEAN_SHIFT),
         }
     }
 
@@ -83,13 +102,21 @@ impl Estimator {
 mod tests {
     use super::*;
 
+    fn at(position: i32) -> Sample {
+        Sample { position, ..Sample::default() }
+    }
+
+    fn pressures(pressure_1: i16, pressure_2: i16) -> Sample {
+        Sample { pressure_1, pressure_2, ..Sample::default() }
+    }
+
     const THESIS: EstimatorConfig = EstimatorConfig { velocity_window: 5, acceleration_window: 3 };
 
     #[test]
     fn a_drive_at_rest_has_no_velocity_from_the_first_sample_on() {
         let mut estimator = Estimator::default();
         for _ in 0..20 {
-            let motion = estimator.update(&THESIS, 8192);
+            let motion = estimator.update(&THESIS, &at(8192));
             assert_eq!((motion.velocity, motion.acceleration, motion.step), (0, 0, 0));
         }
     }
@@ -97,7 +124,7 @@ mod tests {
     #[test]
     fn constant_speed_is_counts_per_window_without_acceleration() {
         let mut estimator = Estimator::default();
-        let motion = (0..20).map(|k| estimator.update(&THESIS, 7 * k)).last().expect("samples");
+        let motion = (0..20).map(|k| estimator.update(&THESIS, &at(7 * k))).last().expect("samples");
         assert_eq!((motion.velocity, motion.acceleration, motion.step), (35, 0, 7));
     }
 
@@ -105,7 +132,7 @@ mod tests {
     fn constant_acceleration_is_the_product_of_the_windows() {
         // n = k^2: n_v = 10 k - 25, n_a = 10 * 3.
         let mut estimator = Estimator::default();
-        let motion = (0..20).map(|k| estimator.update(&THESIS, k * k)).last().expect("samples");
+        let motion = (0..20).map(|k| estimator.update(&THESIS, &at(k * k))).last().expect("samples");
         assert_eq!((motion.velocity, motion.acceleration), (10 * 19 - 25, 30));
     }
 
@@ -114,7 +141,7 @@ mod tests {
         let longest =
             EstimatorConfig { velocity_window: MAX_WINDOW_SAMPLES, acceleration_window: MAX_WINDOW_SAMPLES };
         let mut estimator = Estimator::default();
-        let motion = (0..300).map(|k| estimator.update(&longest, k * k)).last().expect("samples");
+        let motion = (0..300).map(|k| estimator.update(&longest, &at(k * k))).last().expect("samples");
         assert_eq!(motion.velocity, 299 * 299 - (299 - 63) * (299 - 63));
         assert_eq!(motion.acceleration, 2 * 63 * 63);
     }
@@ -122,9 +149,35 @@ mod tests {
     #[test]
     fn the_ends_of_the_count_range_do_not_overflow() {
         let mut estimator = Estimator::default();
-        estimator.update(&THESIS, i32::MIN);
-        let motion = estimator.update(&THESIS, i32::MAX);
+        estimator.update(&THESIS, &at(i32::MIN));
+        let motion = estimator.update(&THESIS, &at(i32::MAX));
         assert_eq!(motion.velocity, (1 << 32) - 1);
         assert_eq!(motion.acceleration, (1 << 32) - 1);
+    }
+
+    #[test]
+    fn a_step_of_pressure_is_fed_back_and_forgotten() {
+        let mut estimator = Estimator::default();
+        assert_eq!(estimator.update(&THESIS, &pressures(1000, 2000)).pressure, 0, "standing from the start");
+        let after = |n: usize, estimator: &mut Estimator| {
+            (0..n)
+                .map(|_| estimator.update(&THESIS, &pressures(1640, 2000)).pressure)
+                .last()
+                .expect("samples")
+        };
+        assert_eq!(after(1, &mut estimator), 630, "640 less what the mean took of it");
+        let after_64 = after(63, &mut estimator);
+        assert!((230..=240).contains(&after_64), "640 / e after 64 samples: {after_64}");
+        assert!((0..=1).contains(&after(1000, &mut estimator)), "a standing difference is no feedback");
+    }
+
+    #[test]
+    fn the_ends_of_the_pressure_range_do_not_overflow() {
+        let mut estimator = Estimator::default();
+        estimator.update(&THESIS, &pressures(i16::MIN, i16::MAX));
+        for _ in 0..1000 {
+            let motion = estimator.update(&THESIS, &pressures(i16::MAX, i16::MIN));
+            assert!(motion.pressure.abs() <= 2 * 65_535);
+        }
     }
 }

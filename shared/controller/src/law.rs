@@ -1,4 +1,4 @@
-//! The control law (thesis 6.3.3, Appendix IX): error, velocity and acceleration to a demand.
+//! The control laws (thesis 6.3.3, Appendix IX): error, velocity and acceleration to a demand.
 //!
 //! ```text
 //! n_p    = setpoint - position
@@ -7,12 +7,23 @@
 //! demand = n_DAC1 / scale + null offset                 toward zero
 //! ```
 //!
-//! The proportional law is the same with one gain. Inside the position dead band the demand is the
-//! null offset alone; inside the velocity dead band n_v counts as 0. Open loop: the demand is the
-//! setpoint.
+//! - **Gain profile**: as above.
+//! - **Proportional**: the same with one gain for Kp[i].
+//! - **Moore's proportional** (L(22) = 13; the thesis has no equation of it): the proportional law, and
+//!   in the direction of the error the command that takes the spool across the dead zone of the valve,
+//!   `demand = n_DAC1 / scale + sign(n_p) dead zone + null offset`. The profile's high gains on small
+//!   errors, "based on the findings of Moore" (Appendix IX), do the same.
+//! - **On-off** (L(22) = 2): Burrows' relay with a dead zone and hysteresis, on position, velocity and
+//!   quasi-transient pressure ([`Motion::pressure`], gain k5 = C(68)). The [`Relay`] switches on
+//!   `s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale`; its demand is the full range to either side, or 0.
+//!
+//! Inside the position dead band the demand is the null offset alone; inside the velocity dead band n_v
+//! counts as 0. For the on-off law the position dead band is the relay's dead zone, and there is no null
+//! offset: a closed valve has none. Open loop: the demand is the setpoint.
 
 use core::num::NonZeroU32;
 
+use crate::drive::MAX_COUNTS;
 use crate::estimator::Motion;
 use crate::fixed::{divide_toward_zero, saturate};
 
@@ -35,6 +46,10 @@ pub enum LawKind {
     GainProfile,
     /// One gain (thesis C(21)).
     Proportional,
+    /// One gain, and a step across the dead zone of the valve.
+    MooreProportional,
+    /// A relay: the valve is shut or wide open.
+    OnOff,
 }
 
 /// The law's constants. Gains are plain numbers; `scale` makes the demand valve counts.
@@ -58,6 +73,12 @@ pub struct LawConfig {
     pub velocity_dead_band: u32,
     /// |n_p| below this asks for nothing; 0 switches it off.
     pub dead_band: u32,
+    /// Moore's proportional law: the command that takes the spool across the dead zone, counts.
+    pub dead_zone: u16,
+    /// On-off law: the relay drops out this much below its dead zone, counts of error.
+    pub relay_hysteresis: u32,
+    /// On-off law: k5, on the raw quasi-transient pressure difference.
+    pub pressure_feedback_gain: u16,
     /// L_DAC: 256 for the solenoid, 65536 for the stepper.
     pub scale: NonZeroU32,
     /// Added to the demand: the command at which the valve is at its null, counts.
@@ -72,39 +93,110 @@ pub(crate) fn error(config: &LawConfig, setpoint: i32, position: i32) -> i32 {
     }
 }
 
-/// The demand in valve counts, before the limits of the drive stage.
-pub(crate) fn demand(config: &LawConfig, setpoint: i32, error: i32, motion: &Motion) -> i32 {
-    match config.control_loop {
-        Loop::Open => setpoint,
-        Loop::Closed => closed_loop_demand(config, error, motion),
+/// The relay of the on-off law, and which way it is switched: -1, 0 or 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Relay(i8);
+
+impl Relay {
+    /// Picks up where |s| reaches the dead zone, drops out where it is `hysteresis` below.
+    fn switch(&mut self, s: i32, dead_zone: u32, hysteresis: u32) -> i8 {
+        let side = s.signum() as i8;
+        let picks_up = s.unsigned_abs() >= dead_zone;
+        let holds = side == self.0 && s.unsigned_abs() >= dead_zone.saturating_sub(hysteresis);
+        self.0 = if picks_up || holds { side } else { 0 };
+        self.0
     }
 }
 
-fn closed_loop_demand(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
+/// The demand in valve counts, before the limits of the drive stage.
+pub(crate) fn demand(
+    config: &LawConfig,
+    relay: &mut Relay,
+    setpoint: i32,
+    error: i32,
+    motion: &Motion,
+) -> i32 {
+    match (config.control_loop, config.kind) {
+        (Loop::Open, _) => setpoint,
+        (Loop::Closed, LawKind::OnOff) => {
+            let side =
+                relay.switch(weighed(config, error, motion), config.dead_band, config.relay_hysteresis);
+            i32::from(side) * i32::from(MAX_COUNTS)
+        }
+        (Loop::Closed, _) => proportional_demand(config, error, motion),
+    }
+}
+
+fn proportional_demand(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
     let demand = if error.unsigned_abs() < config.dead_band {
         0
     } else {
-        let velocity = if motion.velocity.unsigned_abs() < u64::from(config.velocity_dead_band) {
-            0
-        } else {
-            motion.velocity
-        };
-        // 32 + 16, 33 + 16 and 34 + 16 bits: the sum is exact in 64.
-        let sum = i64::from(position_gain(config, error)) * i64::from(error)
-            - i64::from(config.velocity_gain) * velocity
-            - i64::from(config.acceleration_gain) * motion.acceleration;
-        divide_toward_zero(saturate(sum), config.scale)
+        weighed(config, error, motion).saturating_add(across_dead_zone(config, error))
     };
     demand.saturating_add(i32::from(config.null_offset))
+}
+
+/// (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale.
+fn weighed(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
+    let still = motion.velocity.unsigned_abs() < u64::from(config.velocity_dead_band);
+    let velocity = if still { 0 } else { motion.velocity };
+    // 32 + 16, 33 + 16, 34 + 16 and 17 + 16 bits: the sum is exact in 64.
+    let sum = i64::from(position_gain(config, error)) * i64::from(error)
+        - i64::from(config.velocity_gain) * velocity
+        - i64::from(config.acceleration_gain) * motion.acceleration
+        - i64::from(pressure_gain(config)) * i64::from(motion.pressure);
+    divide_toward_zero(saturate(sum), config.scale)
 }
 
 /// Kp for this error.
 fn position_gain(config: &LawConfig, error: i32) -> u16 {
     match config.kind {
-        LawKind::Proportional => config.proportional_gain,
         LawKind::GainProfile => {
             let index = (error.unsigned_abs() / config.profile_span).min(PROFILE_LEN as u32 - 1);
             config.gain_profile[index as usize]
         }
+        LawKind::Proportional | LawKind::MooreProportional | LawKind::OnOff => config.proportional_gain,
+    }
+}
+
+/// k5: the on-off law alone feeds the pressure back.
+fn pressure_gain(config: &LawConfig) -> u16 {
+    match config.kind {
+        LawKind::OnOff => config.pressure_feedback_gain,
+        LawKind::GainProfile | LawKind::Proportional | LawKind::MooreProportional => 0,
+    }
+}
+
+/// What Moore's law adds in the direction of the error.
+fn across_dead_zone(config: &LawConfig, error: i32) -> i32 {
+    match config.kind {
+        LawKind::MooreProportional => error.signum() * i32::from(config.dead_zone),
+        LawKind::GainProfile | LawKind::Proportional | LawKind::OnOff => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_relay_picks_up_at_its_dead_zone_and_drops_out_below_it_by_the_hysteresis() {
+        let mut relay = Relay::default();
+        let inputs = [9, 10, 8, 7, 6, 9, -9, -10, -7, -6];
+        let states = inputs.map(|s| relay.switch(s, 10, 3));
+        assert_eq!(states, [0, 1, 1, 1, 0, 0, 0, -1, -1, 0]);
+    }
+
+    #[test]
+    fn a_relay_that_is_thrown_over_does_not_hold_on_the_other_side() {
+        let mut relay = Relay(1);
+        assert_eq!(relay.switch(-8, 10, 3), 0);
+        assert_eq!(relay.switch(-10, 10, 3), -1);
+    }
+
+    #[test]
+    fn a_relay_without_a_dead_zone_follows_the_sign() {
+        let mut relay = Relay::default();
+        assert_eq!([5, 1, 0, -1, i32::MIN, i32::MAX].map(|s| relay.switch(s, 0, 9)), [1, 1, 0, -1, -1, 1]);
     }
 }

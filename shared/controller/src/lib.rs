@@ -50,6 +50,7 @@ pub use supervisor::{Fault, Mode, Refusal};
 
 use drive::{DriveConfig, SpoolLocation};
 use estimator::Estimator;
+use law::Relay;
 use sequencer::Sequencer;
 use supervisor::Supervisor;
 
@@ -60,6 +61,7 @@ pub struct State {
     sequencer: Sequencer,
     /// Modes, faults and the reference flag; requests go to it directly (`arm`, `start`, `stop`...).
     pub supervisor: Supervisor,
+    relay: Relay,
     observation: Observation,
     location: SpoolLocation,
 }
@@ -85,6 +87,7 @@ impl State {
         self.supervisor.start(self.location)?;
         self.sequencer = Sequencer::default();
         self.estimator = Estimator::default();
+        self.relay = Relay::default();
         self.observation = Observation::default();
         Ok(())
     }
@@ -96,14 +99,14 @@ impl State {
 /// The first sample after a start fills the estimator's history with its own count, so that the
 /// velocity and acceleration of a drive at rest are zero from the first sample on.
 pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) {
-    let motion = state.estimator.update(&config.estimator, input.position);
+    let motion = state.estimator.update(&config.estimator, input);
     if state.sequencer.is_over(sequence) {
         state.supervisor.finish();
     }
     let running = state.supervisor.mode() == Mode::Running;
     let setpoint = if running { state.sequencer.advance(sequence) } else { state.sequencer.setpoint() };
     let error = law::error(&config.law, setpoint, motion.position);
-    let demand = law::demand(&config.law, setpoint, error, &motion);
+    let demand = law::demand(&config.law, &mut state.relay, setpoint, error, &motion);
     state.supervisor.watch(&config.limits, &motion);
     let command = state.supervisor.permit(&config.law, config.drive.limit(demand));
     state.observation = Observation {

@@ -39,6 +39,9 @@ pub mod id {
     pub const SPOOL_MAX_NM: u16 = 28;
     pub const STEPPER: u16 = 29;
     pub const MAX_STEPS: u16 = 30;
+    pub const DEAD_ZONE_COUNTS: u16 = 31;
+    pub const RELAY_HYSTERESIS_COUNTS: u16 = 32;
+    pub const PRESSURE_FEEDBACK_GAIN: u16 = 33;
     /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
     pub const GAIN_PROFILE: u16 = 256;
 }
@@ -91,13 +94,13 @@ const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
 #[rustfmt::skip]
-pub static TABLE: [Parameter; 31] = [
+pub static TABLE: [Parameter; 34] = [
     scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
     scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
     scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
-    scalar!(LAW, "law", "", 0, 1, 0, "L(8)", "0: gain profile. 1: proportional."),
+    scalar!(LAW, "law", "", 0, 3, 0, "L(8), L(22)", "0: gain profile. 1: proportional. 2: Moore's proportional. 3: on-off."),
     scalar!(PROFILE_SPAN_COUNTS, "profile_span_counts", "counts", 1, 65_535, 4, "L(67)", "Range of error that one entry of the gain profile covers."),
-    scalar!(PROPORTIONAL_GAIN, "proportional_gain", "", 0, GAIN_MAX, 1, "C(21)", "Gain of the proportional law."),
+    scalar!(PROPORTIONAL_GAIN, "proportional_gain", "", 0, GAIN_MAX, 1, "C(21)", "Gain of the laws without a profile."),
     scalar!(VELOCITY_GAIN, "velocity_gain", "", 0, GAIN_MAX, 1, "C(43)", "Gain on counts per velocity window."),
     scalar!(ACCELERATION_GAIN, "acceleration_gain", "", 0, GAIN_MAX, 1, "C(44)", "Gain on counts per velocity and acceleration window."),
     scalar!(VELOCITY_WINDOW_SAMPLES, "velocity_window_samples", "samples", 1, WINDOW_MAX, 5, "L(52)", "Samples over which the velocity is a difference of counts."),
@@ -122,6 +125,9 @@ pub static TABLE: [Parameter; 31] = [
     scalar!(SPOOL_MAX_NM, "spool_max_nm", "nm", i32::MIN, i32::MAX, 1_250_000, "", "Spool displacement at full scale."),
     scalar!(STEPPER, "stepper", "", 0, 1, 0, "L(22)", "0: a DAC drives the valve. 1: a stepper does."),
     scalar!(MAX_STEPS, "max_steps", "steps", 1, COMMAND_MAX, 40, "L(20)", "Furthest location of a stepper from mid-travel."),
+    scalar!(DEAD_ZONE_COUNTS, "dead_zone_counts", "counts", 0, COMMAND_MAX, 102, "", "Moore's law adds it in the direction of the error: what takes the spool across its dead zone (0.05 mm)."),
+    scalar!(RELAY_HYSTERESIS_COUNTS, "relay_hysteresis_counts", "counts", 0, COUNT_MAX, 0, "", "The relay of the on-off law drops out this much below dead_band_counts, at which it picks up."),
+    scalar!(PRESSURE_FEEDBACK_GAIN, "pressure_feedback_gain", "", 0, GAIN_MAX, 775, "C(68)", "Gain of the on-off law on the raw quasi-transient pressure difference."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

@@ -23,38 +23,63 @@ fn oracle(parameters: &Parameters, setpoint: f64, positions: &[f64]) -> f64 {
     let n_v_used = if n_v.abs() < get(id::VELOCITY_DEAD_BAND) { 0.0 } else { n_v };
     let raw = gain * n_p - get(id::VELOCITY_GAIN) * n_v_used - get(id::ACCELERATION_GAIN) * n_a;
     let saturated = raw.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
-    let demand =
-        if n_p.abs() < get(id::DEAD_BAND_COUNTS) { 0.0 } else { (saturated / get(id::SCALE)).trunc() };
+    let across = if get(id::LAW) == 2.0 { get(id::DEAD_ZONE_COUNTS) * sign(n_p) } else { 0.0 };
+    let demand = if n_p.abs() < get(id::DEAD_BAND_COUNTS) {
+        0.0
+    } else {
+        (saturated / get(id::SCALE)).trunc() + across
+    };
     (demand + get(id::NULL_OFFSET_COUNTS)).clamp(-2048.0, 2048.0)
+}
+
+fn sign(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.signum() }
+}
+
+/// A controller that runs toward one setpoint, with limits that nothing reaches.
+struct Bench {
+    parameters: Parameters,
+    config: Config,
+    sequence: Sequence,
+    state: State,
+}
+
+impl Bench {
+    fn new(changes: &[(u16, i32)], setpoint: i32) -> Bench {
+        let mut parameters = Parameters::default();
+        parameters.set(id::POSITION_MIN_COUNTS, -i32::MAX).expect("in range");
+        parameters.set(id::POSITION_MAX_COUNTS, i32::MAX).expect("in range");
+        parameters.set(id::ENCODER_STEP_COUNTS, i32::MAX).expect("in range");
+        for &(id, value) in changes {
+            parameters.set(id, value).expect("in range");
+        }
+        let config = Config::new(&parameters).expect("they go together");
+        let mut sequence = Sequence::new(1000);
+        sequence.push(Move { at_sample: 0, target: setpoint }).expect("room");
+        let mut state = State::default();
+        state.supervisor.set_referenced();
+        state.supervisor.arm(config.law.control_loop).expect("referenced");
+        state.start().expect("armed");
+        Bench { parameters, config, sequence, state }
+    }
+
+    /// The command for one sample.
+    fn step(&mut self, position: i32, [pressure_1, pressure_2]: [i16; 2]) -> i16 {
+        let input = Sample { position, pressure_1, pressure_2, spool: 0 };
+        sample(&self.config, &self.sequence, &mut self.state, &input);
+        output(&self.config, &mut self.state).counts
+    }
 }
 
 /// Runs the controller over the positions and compares every command with the oracle's.
 fn agree(changes: &[(u16, i32)], setpoint: i32, positions: &[i32]) {
-    let mut parameters = Parameters::default();
-    parameters.set(id::POSITION_MIN_COUNTS, -i32::MAX).expect("in range");
-    parameters.set(id::POSITION_MAX_COUNTS, i32::MAX).expect("in range");
-    parameters.set(id::ENCODER_STEP_COUNTS, i32::MAX).expect("in range");
-    for &(id, value) in changes {
-        parameters.set(id, value).expect("in range");
-    }
-    let config = Config::new(&parameters).expect("they go together");
-    let mut sequence = Sequence::new(1000);
-    sequence.push(Move { at_sample: 0, target: setpoint }).expect("room");
-    let mut state = State::default();
-    state.supervisor.set_referenced();
-    state.supervisor.arm(config.law.control_loop).expect("referenced");
-    state.start().expect("armed");
-
+    let mut bench = Bench::new(changes, setpoint);
     let mut history = Vec::new();
     for &position in positions {
         history.push(f64::from(position));
-        sample(&config, &sequence, &mut state, &Sample { position, ..Sample::default() });
-        let expected = oracle(&parameters, f64::from(setpoint), &history);
-        assert_eq!(
-            f64::from(output(&config, &mut state).counts),
-            expected,
-            "{changes:?}, setpoint {setpoint}, positions {history:?}"
-        );
+        let expected = oracle(&bench.parameters, f64::from(setpoint), &history);
+        let counts = bench.step(position, [0, 0]);
+        assert_eq!(f64::from(counts), expected, "{changes:?}, setpoint {setpoint}, positions {history:?}");
     }
 }
 
@@ -80,6 +105,60 @@ fn the_proportional_law_is_one_gain() {
     for error in errors() {
         for gain in [0, 1, 300, 65_535] {
             agree(&[(id::LAW, 1), (id::PROPORTIONAL_GAIN, gain)], error, &[0]);
+        }
+    }
+}
+
+/// Moore's law is the proportional one and a step across the dead zone of the valve.
+#[test]
+fn moores_law_steps_across_the_dead_zone_in_the_direction_of_the_error() {
+    for error in errors() {
+        for (gain, dead_zone) in [(0, 102), (300, 102), (300, 0), (65_535, 2048)] {
+            let moore = [(id::LAW, 2), (id::PROPORTIONAL_GAIN, gain), (id::DEAD_ZONE_COUNTS, dead_zone)];
+            agree(&moore, error, &[0]);
+        }
+        agree(&[(id::LAW, 2), (id::DEAD_BAND_COUNTS, 10), (id::NULL_OFFSET_COUNTS, 7)], error, &[0]);
+    }
+}
+
+/// The relay in real numbers: s, and which way it is switched.
+fn relay(side: f64, s: f64, dead_zone: f64, hysteresis: f64) -> f64 {
+    let now = sign(s);
+    match s.abs() {
+        s if s >= dead_zone => now,
+        s if now == side && s >= (dead_zone - hysteresis).max(0.0) => now,
+        _ => 0.0,
+    }
+}
+
+/// Burrows' law on a path with every direction of error, velocity and pressure.
+#[test]
+fn the_on_off_law_is_a_relay_on_position_velocity_and_quasi_transient_pressure() {
+    for (dead_zone, hysteresis, scale) in [(0, 0, 256), (8, 0, 256), (8, 3, 256), (40, 60, 1)] {
+        let changes = [
+            (id::LAW, 3),
+            (id::PROPORTIONAL_GAIN, 256),
+            (id::VELOCITY_GAIN, 100),
+            (id::ACCELERATION_GAIN, 0),
+            (id::DEAD_BAND_COUNTS, dead_zone),
+            (id::RELAY_HYSTERESIS_COUNTS, hysteresis),
+            (id::SCALE, scale),
+        ];
+        let (mut controller, mut history) = (Bench::new(&changes, 0), vec![0.0; 5]); // at 0 before k = 0
+        let (mut side, mut mean) = (0.0, None);
+        for k in 0..400 {
+            let position = (f64::from(k) / 20.0).sin() * 30.0;
+            let (p1, p2) = (2000 + (k * 7) % 300, 2000 - (k * 11) % 200);
+            history.push(position.trunc());
+            let q = f64::from(p1 - p2);
+            let acc: &mut f64 = mean.get_or_insert(64.0 * q);
+            *acc += q - (*acc / 64.0).floor();
+            let n_q = q - (*acc / 64.0).floor();
+            let (n, before) = (history[history.len() - 1], history[history.len() - 6]);
+            let s = ((-256.0 * n - 100.0 * (n - before) - 775.0 * n_q) / f64::from(scale)).trunc();
+            side = relay(side, s, f64::from(dead_zone), f64::from(hysteresis));
+            let counts = controller.step(position.trunc() as i32, [p1 as i16, p2 as i16]);
+            assert_eq!(f64::from(counts), side * 2048.0, "k {k}, s {s}");
         }
     }
 }

@@ -109,6 +109,14 @@ impl Reader<'_> {
             _ if rig.word("controller.loop") == "open" => {
                 "it closes the loop; an open loop is for the sampled one"
             }
+            _ if !matches!(rig.word("controller.law"), "gain-profile" | "proportional") => {
+                "it has the laws gain-profile and proportional; relays and steps across a dead zone are sampled"
+            }
+            _ if rig.integer("controller.dead_band_counts") > 0
+                || rig.integer("controller.velocity_dead_band") > 0 =>
+            {
+                "it has no dead bands; they are for the sampled one"
+            }
             _ => return,
         };
         self.problem_at_key("controller.model", format!("\"continuous\": {refused}"));

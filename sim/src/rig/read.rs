@@ -66,7 +66,7 @@ impl Rig {
         for setting in settings {
             reader.setting(&mut rig, setting);
         }
-        rig.choose_scale();
+        rig.suit_drive_stage();
         if reader.problems.is_empty() {
             reader.check(&rig);
         }
@@ -75,11 +75,15 @@ impl Rig {
 }
 
 impl Rig {
-    /// The scale of the law follows the drive stage where the file does not give it (6.3.3).
-    fn choose_scale(&mut self) {
-        let scale = Rig::index("controller.scale");
-        if self.word("operator.model") == "stepper" && !self.set[scale] {
-            self.values[scale] = Some(Value::Integer(65_536));
+    /// What is counted in commands follows the drive stage where the file does not give it: the scale of
+    /// the law (6.3.3), and the dead zone of the valve, 0.05 mm.
+    fn suit_drive_stage(&mut self) {
+        let of_stepper = [("controller.scale", 65_536), ("controller.dead_zone_counts", 4)];
+        for (path, value) in of_stepper {
+            let index = Rig::index(path);
+            if self.word("operator.model") == "stepper" && !self.set[index] {
+                self.values[index] = Some(Value::Integer(value));
+            }
         }
     }
 

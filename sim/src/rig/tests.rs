@@ -181,6 +181,32 @@ fn the_controller_is_given_what_the_rig_says() {
 }
 
 #[test]
+fn counts_of_a_command_default_to_those_of_the_drive_stage() {
+    let (dac, stepper) = (read(""), read("[operator]\nmodel = \"stepper\"\n"));
+    let of = |rig: &Rig| [id::SCALE, id::DEAD_ZONE_COUNTS].map(|id| rig.parameters().get(id));
+    assert_eq!((of(&dac), of(&stepper)), ([Some(256), Some(102)], [Some(65_536), Some(4)]));
+    let given = read("[operator]\nmodel = \"stepper\"\n[controller]\nscale = 256\ndead_zone_counts = 0\n");
+    assert_eq!(of(&given), [Some(256), Some(0)]);
+}
+
+#[test]
+fn the_pressure_feedback_of_a_relay_is_counts_of_error_for_a_kpa() {
+    let rig = read("[controller]\nlaw = \"on-off\"\n");
+    // 1 MPa in 4095 raw counts, 12.4 counts a kPa, times the scale: 12.4 * 0.2442 * 256.
+    assert_eq!(rig.parameters().get(id::PRESSURE_FEEDBACK_GAIN), Some(775));
+    let message = only_problem("[controller]\nlaw = \"on-off\"\npressure_feedback_gain = 2000\n");
+    assert!(message.contains("its parameter pressure_feedback_gain cannot be 125031"), "{message}");
+}
+
+#[test]
+fn every_law_is_the_controllers_of_its_name() {
+    for (number, law) in ["gain-profile", "proportional", "moore-proportional", "on-off"].iter().enumerate() {
+        let rig = read(&format!("[controller]\nlaw = \"{law}\"\n"));
+        assert_eq!(rig.parameters().get(id::LAW), Some(number as i32), "{law}");
+    }
+}
+
+#[test]
 fn the_last_entry_of_the_gain_profile_repeats() {
     let parameters = read("[controller]\ngain_profile = [900, 300]\n").parameters();
     let entry = |i: u16| parameters.get(id::GAIN_PROFILE + i);
