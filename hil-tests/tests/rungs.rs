@@ -71,11 +71,21 @@ fn assert_equal_in_every_integer(target: &impl Target, rig: &Rig) {
 
 #[test]
 fn the_record_of_the_virtual_rig_is_the_simulation_in_closed_loop() {
-    for name in ["servo-a", "servo-b", "servo-b-tuned", "servo-c"] {
+    for name in ["servo-a", "servo-a-tuned", "servo-b", "servo-b-tuned", "servo-c", "servo-c-tuned"] {
         let rig = rig(
             name,
             &["test.duration_s=5", "test.moves=[[0.0, 8192], [0.3, 16384], [1.72, 8192], [3.2, 12000]]"],
         );
+        let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
+        assert_equal_in_every_integer(&target, &rig);
+    }
+}
+
+/// Moore's law, the relay and the valve that is thrown over; as long as the recorder holds.
+#[test]
+fn the_record_of_the_virtual_rig_is_the_simulation_of_the_other_built_in_rigs() {
+    for name in ["lut-stepper", "lut-solenoid", "burrows", "bang-bang"] {
+        let rig = rig(name, &["test.duration_s=2.1"]);
         let target = VirtualTarget::start(&rig, "tcp:127.0.0.1:0").expect("a virtual rig");
         assert_equal_in_every_integer(&target, &rig);
     }

@@ -148,8 +148,7 @@ fn rig_list_show_and_explain_tell_what_there_is() {
     );
     assert!(transcript(folder.path(), "rig explain nonsense").ends_with("= 1"));
     assert!(
-        transcript(folder.path(), "rig show nonsense")
-            .contains("built in: servo-a, servo-b, servo-b-tuned, servo-c")
+        transcript(folder.path(), "rig show nonsense").contains("built in: servo-a, servo-a-tuned, servo-b,")
     );
 }
 

@@ -115,6 +115,72 @@ fn drive_a_is_stable_and_rests_within_the_dead_zone_of_its_profile() {
     assert!((rest[0] - HIGH).abs() < 255.0 * 0.01205, "{} mm", rest[0] - HIGH);
 }
 
+#[test]
+fn the_tuned_drive_a_stands_still_within_an_eighth_of_a_millimetre() {
+    let run = simulate("servo-a-tuned");
+    for (from, until, setpoint) in [(1.2, 1.72, HIGH), (2.6, 3.1, LOW)] {
+        let rest = positions(&run, from, until);
+        assert_eq!(peak_to_peak(&rest), 0.0, "held by stiction, exactly");
+        assert!((rest[0] - setpoint).abs() < 0.125, "{} mm from the setpoint", rest[0] - setpoint);
+    }
+    assert!(positions(&run, 0.3, 1.72).into_iter().fold(0.0, f64::max) < HIGH + 0.125);
+}
+
+#[test]
+fn the_tuned_drive_c_stands_still_within_half_a_millimetre() {
+    let run = simulate("servo-c-tuned");
+    for (from, until, setpoint) in [(1.0, 1.72, HIGH), (2.4, 3.1, LOW)] {
+        let rest = positions(&run, from, until);
+        assert_eq!(peak_to_peak(&rest), 0.0, "held by stiction, exactly");
+        assert!((rest[0] - setpoint).abs() < 0.5, "{} mm from the setpoint", rest[0] - setpoint);
+    }
+}
+
+/// Thesis 7.3.1 and 7.3.2: the solenoid "had better response to input signal in terms of start-up delay
+/// and stability" than the stepper, on the same cylinder and load.
+#[test]
+fn the_solenoid_valve_brings_the_heavy_drive_closer_and_sooner_than_the_stepper() {
+    let solenoid = Rig::builtin("lut-solenoid").expect("a built-in rig");
+    let stepper = Rig::builtin("lut-stepper").expect("a built-in rig");
+    let stepper = stepper.with_test_of(&solenoid).expect("the same cylinder");
+    let [stepper, solenoid] = [stepper, solenoid].map(|rig| run(&rig, Accuracy::default()).expect("a run"));
+    let first_motion = |run: &Run| {
+        let row = run.rows.iter().find(|row| row.time > 0.3 && row.plant.velocity != 0.0);
+        row.map(|row| row.time - 0.3).expect("it moves")
+    };
+    assert!(first_motion(&solenoid) < first_motion(&stepper));
+    let rest = |run: &Run| positions(run, 2.7, 3.0);
+    assert_eq!((peak_to_peak(&rest(&stepper)), peak_to_peak(&rest(&solenoid))), (0.0, 0.0));
+    assert!((rest(&solenoid)[0] - LOW).abs() < (rest(&stepper)[0] - LOW).abs());
+}
+
+/// Thesis 7.3.3: the valve has three states, and the relay with pressure feedback brings the load into
+/// its dead zone; without velocity and pressure feedback it goes on swinging.
+#[test]
+fn burrows_relay_comes_to_rest_in_its_dead_zone_by_its_feedback_alone() {
+    let run_with = |settings: &[&str]| {
+        let text = pneudrive_sim::rig::builtin("burrows").expect("a built-in rig");
+        let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+        run(&Rig::read_with("burrows", text, &settings).expect("valid"), Accuracy::default()).expect("a run")
+    };
+    let fed_back = run_with(&[]);
+    let last = fed_back.observations.last().expect("samples");
+    assert!(last.error.unsigned_abs() < 60 && last.command == 0, "{last:?}");
+    assert!(fed_back.observations.iter().all(|seen| [0, 2048, -2048].contains(&seen.command)));
+    assert_eq!(peak_to_peak(&positions(&fed_back, 2.0, 3.0)), 0.0);
+    let blind = run_with(&["controller.velocity_gain=0", "controller.pressure_feedback_gain=0"]);
+    assert!(peak_to_peak(&positions(&blind, 2.0, 3.0)) > 1.0);
+}
+
+/// Thesis 4.1: from stop to stop.
+#[test]
+fn the_bang_bang_drive_goes_from_stop_to_stop() {
+    let run = simulate("bang-bang");
+    let (out, back) = (positions(&run, 1.5, 1.6), positions(&run, 3.0, 3.1));
+    assert!(out.iter().all(|mm| (300.0..301.0).contains(mm)), "{out:?}");
+    assert!(back.iter().all(|mm| (-1.0..0.0).contains(mm)), "{back:?}");
+}
+
 /// The trip's sample has the null command that the supervisor permits, and the run ends there.
 #[test]
 fn the_supervisor_ends_a_run_of_the_continuous_controller() {

@@ -5,9 +5,15 @@ use super::Rig;
 /// Name and file of each built-in rig.
 pub const BUILTIN: &[(&str, &str)] = &[
     ("servo-a", include_str!("../../rigs/servo-a.toml")),
+    ("servo-a-tuned", include_str!("../../rigs/servo-a-tuned.toml")),
     ("servo-b", include_str!("../../rigs/servo-b.toml")),
     ("servo-b-tuned", include_str!("../../rigs/servo-b-tuned.toml")),
     ("servo-c", include_str!("../../rigs/servo-c.toml")),
+    ("servo-c-tuned", include_str!("../../rigs/servo-c-tuned.toml")),
+    ("lut-stepper", include_str!("../../rigs/lut-stepper.toml")),
+    ("lut-solenoid", include_str!("../../rigs/lut-solenoid.toml")),
+    ("burrows", include_str!("../../rigs/burrows.toml")),
+    ("bang-bang", include_str!("../../rigs/bang-bang.toml")),
 ];
 
 /// The file of a built-in rig.
