@@ -41,8 +41,6 @@ struct VirtualBoard {
     pace: Pace,
     plant: Plant,
     running: bool,
-    /// Added to the plant's count: what a reference has set.
-    count_offset: i32,
     period_us: u64,
     time_us: u64,
     since: Instant,
@@ -53,7 +51,6 @@ impl VirtualBoard {
     fn new(rig: Rig, seed: u64, pace: Pace) -> VirtualBoard {
         let plant = Plant::new(&rig, Accuracy::default(), seed);
         VirtualBoard {
-            count_offset: 0,
             period_us: u64::from(rig.period_us().get()),
             rig,
             seed,
@@ -91,8 +88,7 @@ impl Board for VirtualBoard {
     }
 
     fn read_sensors(&mut self, _: &Config) -> Sample {
-        let sample = self.plant.sample();
-        Sample { position: sample.position.saturating_add(self.count_offset), ..sample }
+        self.plant.sample()
     }
 
     /// The amplifier of a disabled drive holds the valve at its null.
@@ -108,10 +104,6 @@ impl Board for VirtualBoard {
 
     fn host_clock_ms(&self) -> Option<u64> {
         (!self.pace.fast).then(|| self.since.elapsed().as_millis() as u64)
-    }
-
-    fn set_position(&mut self, counts: i32) {
-        self.count_offset = counts.saturating_sub(self.plant.sample().position);
     }
 
     /// The plant's clock is that of the configuration, which may not be the rig file's any more; a live
@@ -219,7 +211,7 @@ impl VirtualRig {
         }
         self.control.on_sample(&mut self.board);
         self.control.on_output(&mut self.board);
-        self.board.running = self.control.state().supervisor.mode() == Mode::Running;
+        self.board.running = matches!(self.control.state().supervisor.mode(), Mode::Running | Mode::Homing);
         self.board.next_sample();
         self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))
     }

@@ -12,6 +12,12 @@ pub(crate) fn fault_name(fault: Fault) -> &'static str {
         Fault::LateSample => "late-sample",
         Fault::HostSilent => "host-silent",
         Fault::CommandWhileDisarmed => "command-while-disarmed",
+        Fault::SensorRange => "sensor-range",
+        Fault::NoMotion => "no-motion",
+        Fault::HomingFailed => "homing-failed",
+        Fault::BadConfiguration => "bad-configuration",
+        Fault::Watchdog => "watchdog",
+        Fault::Panic => "panic",
     }
 }
 
@@ -29,6 +35,14 @@ pub(crate) fn fault_meaning(code: u8) -> &'static str {
         Some(Fault::LateSample) => "a sample came too late",
         Some(Fault::HostSilent) => "the host was silent for too long while a move ran",
         Some(Fault::CommandWhileDisarmed) => "a run was asked for while the drive was disarmed",
+        Some(Fault::SensorRange) => "a pressure sensor reads what no pressure is: it is open, or shorted",
+        Some(Fault::NoMotion) => {
+            "the valve is wide open and nothing moves: look for swapped tubes, the encoder, the spool, the supply"
+        }
+        Some(Fault::HomingFailed) => "the homing run found neither stop nor switch",
+        Some(Fault::BadConfiguration) => "the stored configuration is damaged; load one and save it",
+        Some(Fault::Watchdog) => "the watchdog has reset the board",
+        Some(Fault::Panic) => "the firmware broke down and has reset the board",
         None => "a fault that this version does not know",
     }
 }
@@ -44,7 +58,7 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
                 "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
             }
             Some(Refusal::NotReferenced) => {
-                "the axis is not referenced, so closed loop is refused (`pneudrive device reference COUNTS`)"
+                "the axis is not referenced, so closed loop is refused (`pneudrive device reference COUNTS`, or `pneudrive device home`)"
                     .to_owned()
             }
             Some(Refusal::NotDisarmed) => {
@@ -52,6 +66,12 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
             }
             Some(Refusal::ValveNotAtNull) => {
                 "the spool is still on its way to mid-travel; try again in a moment".to_owned()
+            }
+            Some(Refusal::BeyondEnd) => {
+                "a setpoint lies beyond a software end position (end_min_counts, end_max_counts)".to_owned()
+            }
+            Some(Refusal::NoConfiguration) => {
+                "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
             }
             Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
             None => format!("refused for a reason that this version does not know (code {code})"),
@@ -64,6 +84,7 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
         Refused::TooManyMoves => "the test has more moves than the firmware holds".to_owned(),
         Refused::NoRecord => "nothing has been recorded; run a test first (`pneudrive run`)".to_owned(),
         Refused::RecordRange { samples } => format!("the record has only {samples} samples"),
+        Refused::NotStored => "the board could not write its flash".to_owned(),
         Refused::Unknown => {
             "the firmware does not know this request; it is older than this program".to_owned()
         }

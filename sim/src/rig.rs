@@ -6,9 +6,11 @@
 
 mod builtin;
 mod check;
+mod controller;
 mod explain;
 pub mod keys;
 mod read;
+mod schedule;
 mod spread;
 
 pub use builtin::{BUILTIN, builtin};
@@ -17,15 +19,7 @@ pub use read::{Problem, Problems};
 pub use spread::SpreadError;
 pub(crate) use spread::unit_interval;
 
-use pneudrive_controller::parameters::id;
-use pneudrive_controller::sequencer::MAX_MOVES;
-use pneudrive_controller::{Move, Parameters, Sequence};
-use std::num::NonZeroU32;
-
 use keys::{Default, KEYS, Key};
-
-/// The laws, in the order of the controller's parameter.
-const LAWS: [&str; 4] = ["gain-profile", "proportional", "moore-proportional", "on-off"];
 
 /// The value of a key.
 #[derive(Clone, Debug, PartialEq)]
@@ -192,138 +186,6 @@ impl Rig {
 
     fn model_of(&self, key: &Key) -> &str {
         self.word(&format!("{}.model", key.table()))
-    }
-
-    /// A value in whole microseconds, from a key in seconds.
-    #[must_use]
-    pub fn microseconds(&self, path: &str) -> u64 {
-        whole_microseconds(self.number(path)).unwrap_or(0)
-    }
-
-    /// The sample period.
-    #[must_use]
-    pub fn period_us(&self) -> NonZeroU32 {
-        let period = u32::try_from(self.microseconds("controller.period_s")).ok();
-        period.and_then(NonZeroU32::new).expect("checked to be 100 us at least")
-    }
-
-    /// The moves: [time in s, counts].
-    #[must_use]
-    pub fn moves(&self) -> Vec<(f64, i64)> {
-        match (self.value("test.targets"), self.value("test.moves")) {
-            (Some(Value::Integers(targets)), _) => {
-                let each = self.number("controller.forced_exit_s");
-                targets.iter().enumerate().map(|(i, &target)| (i as f64 * each, target)).collect()
-            }
-            (_, Some(Value::Moves(moves))) => moves.clone(),
-            _ => Vec::new(),
-        }
-    }
-
-    /// The last sample number of the test.
-    #[must_use]
-    pub fn last_sample(&self) -> u32 {
-        let period = u64::from(self.period_us().get());
-        u32::try_from(self.microseconds("test.duration_s") / period).unwrap_or(u32::MAX)
-    }
-
-    /// The test as the controller takes it.
-    #[must_use]
-    pub fn sequence(&self) -> Sequence {
-        let mut sequence = Sequence::new(self.last_sample());
-        for (time_s, target) in self.moves().into_iter().take(MAX_MOVES) {
-            let time_us = u32::try_from(whole_microseconds(time_s).unwrap_or(0)).unwrap_or(u32::MAX);
-            let target = i32::try_from(target).unwrap_or(i32::MAX);
-            sequence
-                .push(Move::at_time_us(time_us, self.period_us(), target))
-                .expect("checked to be in order and few enough");
-        }
-        sequence
-    }
-
-    /// The controller's parameters that this rig asks for.
-    #[must_use]
-    pub fn parameters(&self) -> Parameters {
-        self.try_parameters()
-            .unwrap_or_else(|(id, value)| panic!("parameter {id} = {value} of a checked rig"))
-    }
-
-    /// The same for a rig that has not been checked, or the id and value that is out of range.
-    fn try_parameters(&self) -> Result<Parameters, (u16, i32)> {
-        let mut parameters = Parameters::default();
-        for (id, value) in self.parameter_values() {
-            parameters.set(id, value).map_err(|_| (id, value))?;
-        }
-        Ok(parameters)
-    }
-
-    fn parameter_values(&self) -> Vec<(u16, i32)> {
-        let whole = |path: &str| i32::try_from(self.integer(path)).unwrap_or(i32::MAX);
-        let scaled = |path: &str, factor: f64| (self.number(path) * factor).round() as i32;
-        let choice = |path: &str, word: &str| i32::from(self.word(path) == word);
-        let pulse_m = self.number("encoder.mm_per_count") * 1e-3;
-        let counts = |metres: f64| (metres / pulse_m).floor() as i32;
-        let margin = self.number("safety.position_margin_mm") * 1e-3;
-        let step = self.number("safety.max_speed_m_s") * self.number("controller.period_s");
-        let mut values = vec![
-            (id::PERIOD_US, self.microseconds("controller.period_s") as i32),
-            (id::DELAY_US, self.microseconds("controller.delay_s") as i32),
-            (id::OPEN_LOOP, choice("controller.loop", "open")),
-            (
-                id::LAW,
-                LAWS.iter().position(|&law| law == self.word("controller.law")).map_or(0, |i| i as i32),
-            ),
-            (id::PROFILE_SPAN_COUNTS, whole("controller.profile_span_counts")),
-            (id::PROPORTIONAL_GAIN, whole("controller.proportional_gain")),
-            (id::VELOCITY_GAIN, whole("controller.velocity_gain")),
-            (id::ACCELERATION_GAIN, whole("controller.acceleration_gain")),
-            (id::VELOCITY_WINDOW_SAMPLES, whole("controller.velocity_window_samples")),
-            (id::ACCELERATION_WINDOW_SAMPLES, whole("controller.acceleration_window_samples")),
-            (id::VELOCITY_DEAD_BAND, whole("controller.velocity_dead_band")),
-            (id::DEAD_BAND_COUNTS, whole("controller.dead_band_counts")),
-            (id::SCALE, whole("controller.scale")),
-            (id::NULL_OFFSET_COUNTS, whole("controller.null_offset_counts")),
-            (id::POSITION_MIN_COUNTS, counts(-margin)),
-            (id::POSITION_MAX_COUNTS, counts(self.number("actuator.stroke_m") + margin)),
-            (id::ENCODER_STEP_COUNTS, (step / pulse_m).ceil() as i32),
-            (id::LATE_SAMPLE_US, whole("safety.late_sample_us")),
-            (id::HOST_SILENCE_MS, scaled("safety.host_silence_s", 1e3)),
-            (id::ENCODER_INVERTED, i32::from(self.integer("encoder.polarity") < 0)),
-            (id::ENCODER_PM_PER_COUNT, scaled("encoder.mm_per_count", 1e9)),
-            (id::SENSOR_BITS, whole("sensors.bits")),
-            (id::PRESSURE_MIN_PA, scaled("sensors.pressure_min_pa", 1.0)),
-            (id::PRESSURE_MAX_PA, scaled("sensors.pressure_max_pa", 1.0)),
-            (id::SPOOL_MIN_NM, scaled("sensors.spool_min_mm", 1e6)),
-            (id::SPOOL_MAX_NM, scaled("sensors.spool_max_mm", 1e6)),
-            (id::STEPPER, choice("operator.model", "stepper")),
-            (id::MAX_STEPS, whole("operator.max_steps")),
-            (id::DEAD_ZONE_COUNTS, whole("controller.dead_zone_counts")),
-            (id::RELAY_HYSTERESIS_COUNTS, whole("controller.relay_hysteresis_counts")),
-        ];
-        if self.word("controller.law") == "on-off" {
-            values.push((id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()));
-        }
-        values.extend(self.gain_profile().into_iter().zip(id::GAIN_PROFILE..).map(|(gain, id)| (id, gain)));
-        values
-    }
-
-    /// k5 on raw pressures, from counts of error per kPa.
-    fn pressure_feedback_gain(&self) -> i32 {
-        let range = self.number("sensors.pressure_max_pa") - self.number("sensors.pressure_min_pa");
-        let kpa_per_raw = range / 1e3 / f64::from((1 << self.integer("sensors.bits")) - 1);
-        let scale = self.integer("controller.scale") as f64;
-        (self.number("controller.pressure_feedback_gain") * kpa_per_raw * scale).round() as i32
-    }
-
-    /// The gain profile, its last entry repeated to 256.
-    fn gain_profile(&self) -> Vec<i32> {
-        let given: &[i64] = match self.value("controller.gain_profile") {
-            Some(Value::Integers(given)) => given,
-            _ => &[],
-        };
-        let last = given.last().copied().unwrap_or(0);
-        let entries = given.iter().copied().chain(std::iter::repeat(last));
-        entries.take(256).map(|gain| gain as i32).collect()
     }
 }
 

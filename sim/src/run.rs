@@ -66,8 +66,8 @@ pub fn run_watched(
     let sequence = rig.sequence();
     let mut state = State::default();
     state.supervisor.set_referenced();
-    state.supervisor.arm(config.law.control_loop).expect("referenced and not running");
-    state.start().expect("armed");
+    state.supervisor.arm().expect("a new drive does not run");
+    state.start(&config, &sequence).expect("a checked rig has moves that may be run");
 
     let period = u64::from(rig.period_us().get());
     let row_period = rig.optional_number("test.trace_period_s").and_then(whole_microseconds);

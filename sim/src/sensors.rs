@@ -46,6 +46,8 @@ pub struct Sensors {
     pulse: f64,
     pressure: Converter,
     spool: Converter,
+    /// The homing switch is closed below this position, m; without a switch below none.
+    home_switch: f64,
     noise_counts: f64,
     random: ChaCha8Rng,
 }
@@ -67,6 +69,9 @@ impl Sensors {
                 max: rig.number("sensors.spool_max_mm") * 1e-3,
                 bits,
             },
+            home_switch: rig
+                .optional_number("sensors.home_switch_mm")
+                .map_or(f64::NEG_INFINITY, |mm| mm * 1e-3),
             noise_counts: rig.number("sensors.noise_counts"),
             random: ChaCha8Rng::seed_from_u64(seed),
         }
@@ -80,6 +85,7 @@ impl Sensors {
             pressure_1: self.pressure.raw(pressures[0], noise[0]),
             pressure_2: self.pressure.raw(pressures[1], noise[1]),
             spool: self.spool.raw(spool, noise[2]),
+            home_switch: position < self.home_switch,
         }
     }
 

@@ -25,9 +25,6 @@ pub trait Board {
     /// means nothing: in runs that prove two rungs equal, and in rigs faster than the clock.
     fn host_clock_ms(&self) -> Option<u64>;
 
-    /// Sets the encoder's counter: the axis stands at this position now.
-    fn set_position(&mut self, counts: i32);
-
     /// A run begins with the next sample. A simulated plant goes back to its initial state and takes
     /// over the timing; a real board does nothing.
     fn run_begins(&mut self, _: &Config) {}

@@ -1,7 +1,7 @@
 //! The half with a deadline: sensors in, command out, record, watch the clock.
 
 use pneudrive_controller::config::ConfigError;
-use pneudrive_controller::drive::DriveConfig;
+use pneudrive_controller::drive::{DriveConfig, MAX_COUNTS};
 use pneudrive_controller::parameters::{SetError, id};
 use pneudrive_controller::{
     Config, Fault, Mode, Move, Observation, Parameters, Refusal, Sequence, State, output, sample,
@@ -254,14 +254,34 @@ impl Control {
         if self.state.supervisor.drives() { Err(Refusal::NotDisarmed) } else { Ok(()) }
     }
 
-    /// Enables the drive with the valve at null, and empties the recorder.
+    /// Enables the drive with the valve at null, and empties the recorder. What the last run has learned
+    /// of the valve's null becomes part of the parameters.
     ///
     /// # Errors
     /// The supervisor's refusal.
     pub fn arm(&mut self) -> Result<(), Refusal> {
-        self.state.supervisor.arm(self.config.law.control_loop)?;
+        self.take_over_null_offset();
+        self.state.supervisor.arm()?;
         self.recorder.arm(self.test.decimation, self.test.pre_trigger);
         Ok(())
+    }
+
+    /// The next run starts where the last one has learned to. Between runs only, and not before the next
+    /// one: a record is read with the parameters that it was taken with.
+    fn take_over_null_offset(&mut self) {
+        let learned = self.state.learned_null_offset(&self.config);
+        if learned == 0 || matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
+            return;
+        }
+        let largest = i32::from(MAX_COUNTS);
+        let old = self.parameters.get(id::NULL_OFFSET_COUNTS).unwrap_or(0);
+        let new = old.saturating_add(learned).clamp(-largest, largest);
+        if self.parameters.set(id::NULL_OFFSET_COUNTS, new).is_ok()
+            && let Ok(config) = Config::new(&self.parameters)
+        {
+            self.config = config;
+            self.state.forget_null_offset();
+        }
     }
 
     /// Disables the drive.
@@ -272,12 +292,9 @@ impl Control {
     /// Runs the test from the next sample on.
     ///
     /// # Errors
-    /// The supervisor's refusal, and that of a test without moves.
+    /// The controller's refusal.
     pub fn start(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
-        if self.test.sequence.moves().is_empty() && self.state.supervisor.mode() == Mode::Armed {
-            return Err(Refusal::NoMoves);
-        }
-        self.state.start()?;
+        self.state.start(&self.config, &self.test.sequence)?;
         self.record();
         self.recorder.start();
         self.clock = Clock::default();
@@ -295,10 +312,19 @@ impl Control {
     ///
     /// # Errors
     /// When the drive is enabled.
-    pub fn reference(&mut self, board: &mut impl Board, counts: i32) -> Result<(), Refusal> {
+    pub fn reference(&mut self, counts: i32) -> Result<(), Refusal> {
         self.must_be_disarmed()?;
-        board.set_position(counts);
-        self.state.supervisor.set_referenced();
+        self.state.reference(counts);
+        Ok(())
+    }
+
+    /// Homes the axis from the next sample on.
+    ///
+    /// # Errors
+    /// The controller's refusal.
+    pub fn home(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.state.home()?;
+        self.host_heard(board);
         Ok(())
     }
 

@@ -6,12 +6,12 @@
 
 use embedded_io::Write;
 use pneudrive_controller::parameters::SetError;
-use pneudrive_controller::sequencer::SequenceError;
+use pneudrive_controller::sequencer::{Arrival, SequenceError};
 use pneudrive_controller::{Mode, Move};
 use pneudrive_protocol::{
-    self as protocol, Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, MAX_FRAME, MAX_VALUES, MIN_VERSION,
-    RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody, Status, Values,
-    decode_request, encode,
+    self as protocol, Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, MAX_FRAME, MAX_VALUES,
+    MIN_VERSION, Motion, RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody, Request,
+    RequestBody, Status, Values, decode_request, encode,
 };
 
 use crate::board::Board;
@@ -138,7 +138,7 @@ fn carry_out<'a, B: Board>(
             ReplyBody::Done
         }
         RequestBody::Reference { position_counts } => {
-            done(control.reference(board, position_counts).map_err(not_now))
+            done(control.reference(position_counts).map_err(not_now))
         }
         RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => {
             let last_sample = duration_us / control.config().timing.period_us;
@@ -148,6 +148,11 @@ fn carry_out<'a, B: Board>(
             let next = Move::at_time_us(time_us, control.config().timing.period_us, target);
             done(control.push_move(next).map_err(move_refused))
         }
+        RequestBody::Home => done(control.home(board).map_err(not_now)),
+        RequestBody::Motion => ReplyBody::Motion(motion(control)),
+        RequestBody::ConfigSave => ReplyBody::Refused(Refused::NotStored),
+        RequestBody::ConfigState => ReplyBody::ConfigState(ConfigState::default()),
+        RequestBody::Events { .. } => ReplyBody::Events { total: 0, first: 0, events: &[] },
         RequestBody::RecordInfo => record_info(control),
         RequestBody::RecordRead { first, count } => chunk(control, first, count, &mut scratch.samples),
     }
@@ -188,6 +193,8 @@ fn status(control: &Control, damaged_frames: u32) -> Status {
         Mode::Armed => (protocol::Mode::Armed, 0),
         Mode::Running => (protocol::Mode::Running, 0),
         Mode::Done => (protocol::Mode::Done, 0),
+        // Version 1 has no word for it; `Motion` of version 2 has.
+        Mode::Homing => (protocol::Mode::Running, 0),
         Mode::Fault(fault) => (protocol::Mode::Fault, fault.code()),
     };
     Status {
@@ -205,6 +212,22 @@ fn status(control: &Control, damaged_frames: u32) -> Status {
         spool: seen.spool,
         recorded: control.recorder.len() as u32,
         damaged_frames,
+    }
+}
+
+fn motion(control: &Control) -> Motion {
+    let (state, moves) = (control.state(), control.state().sequencer());
+    Motion {
+        homing: state.supervisor.mode() == Mode::Homing,
+        arrival: match moves.arrival() {
+            Arrival::Idle => 0,
+            Arrival::Moving => 1,
+            Arrival::Arrived => 2,
+            Arrival::NotReached => 3,
+        },
+        begun: moves.begun() as u16,
+        not_reached: moves.not_reached(),
+        learned_null_offset: state.learned_null_offset(control.config()),
     }
 }
 

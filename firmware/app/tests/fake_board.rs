@@ -28,7 +28,7 @@ impl Board for FakeBoard {
     }
     fn read_sensors(&mut self, _: &Config) -> Sample {
         self.position += 3;
-        Sample { position: self.position, pressure_1: 100, pressure_2: 200, spool: 2000 }
+        Sample { position: self.position, pressure_1: 100, pressure_2: 200, spool: 2000, home_switch: false }
     }
     fn drive(&mut self, _: &Config, command: Command) {
         self.driven.push(command);
@@ -38,9 +38,6 @@ impl Board for FakeBoard {
     }
     fn host_clock_ms(&self) -> Option<u64> {
         self.host_clock_ms
-    }
-    fn set_position(&mut self, counts: i32) {
-        self.position = counts;
     }
     fn run_begins(&mut self, _: &Config) {
         self.runs += 1;
@@ -169,7 +166,9 @@ fn a_new_rig_is_disarmed_with_the_valve_at_null() {
 #[test]
 fn closed_loop_is_refused_before_the_axis_is_referenced() {
     let mut bench = Bench::default();
-    bench.refused(RequestBody::Arm, Refusal::NotReferenced);
+    bench.armed(9, 1, 0);
+    bench.refused(RequestBody::Start, Refusal::NotReferenced);
+    assert_eq!(bench.mode(), Mode::Armed);
 }
 
 #[test]
@@ -281,8 +280,8 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
         "Config { first_id: 7, values: [1000, 2000] }"
     );
     assert_eq!(
-        bench.ask(RequestBody::ConfigGet { first_id: 33, count: 2 }),
-        "Refused(UnknownParameter { id: 34 })"
+        bench.ask(RequestBody::ConfigGet { first_id: id::DIRECTION_SETUP_US, count: 2 }),
+        "Refused(UnknownParameter { id: 53 })"
     );
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
@@ -444,7 +443,7 @@ fn a_reference_sets_the_counter_and_a_new_encoder_takes_the_reference_away() {
     set(&mut bench, id::VELOCITY_GAIN, 5);
     assert!(bench.app.control.state().supervisor.is_referenced(), "a gain changes no counts");
     set(&mut bench, id::ENCODER_INVERTED, 1);
-    bench.refused(RequestBody::Arm, Refusal::NotReferenced);
+    assert!(!bench.app.control.state().supervisor.is_referenced());
 }
 
 #[test]

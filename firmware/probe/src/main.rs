@@ -11,7 +11,6 @@ use core::panic::PanicInfo;
 
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::drive::DacConfig;
-use pneudrive_controller::law::Loop;
 use pneudrive_controller::parameters::{self, Parameter, SetError};
 use pneudrive_controller::sequencer::SequenceError;
 use pneudrive_controller::{Command, Config, Fault, Move, Parameters, Refusal, Sample, Sequence, State};
@@ -34,11 +33,14 @@ probes! {
         pneudrive_controller::sample(config, sequence, state, input);
     probe_output(config: &Config, state: &mut State) -> Command = pneudrive_controller::output(config, state);
     probe_state() -> State = State::default();
-    probe_start(state: &mut State) -> Result<(), Refusal> = state.start();
+    probe_start(config: &Config, sequence: &Sequence, state: &mut State) -> Result<(), Refusal> =
+        state.start(config, sequence);
+    probe_home(state: &mut State) -> Result<(), Refusal> = state.home();
+    probe_reference_at(state: &mut State, position: i32) = state.reference(position);
+    probe_learned(state: &State, config: &Config) -> i32 = state.learned_null_offset(config);
 
     probe_reference(state: &mut State) = state.supervisor.set_referenced();
-    probe_arm(state: &mut State, control_loop: Loop) -> Result<(), Refusal> =
-        state.supervisor.arm(control_loop);
+    probe_arm(state: &mut State) -> Result<(), Refusal> = state.supervisor.arm();
     probe_disarm(state: &mut State) = state.supervisor.disarm();
     probe_trip(state: &mut State, fault: Fault) = state.supervisor.trip(fault);
     probe_fault(code: u8) -> Option<Fault> = Fault::from_code(code);

@@ -130,7 +130,7 @@ fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig) -> Result<()> {
 /// Says which parameters of the rig are not those of the file: the run is the rig's, not the file's.
 /// With another loop or period the moves would mean something else: that is refused.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
-    for id in [id::OPEN_LOOP, id::STEPPER, id::PERIOD_US] {
+    for id in [id::OPEN_LOOP, id::STEPPER, id::PERIOD_US, id::ON_ARRIVAL] {
         let (on_rig, in_file) = (rig.get(id), file.get(id));
         if on_rig != in_file {
             let parameter = lookup(id).map_or("?", |parameter| parameter.name);

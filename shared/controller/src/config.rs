@@ -2,11 +2,13 @@
 
 use core::num::NonZeroU32;
 
-use crate::drive::{DacConfig, DriveConfig};
+use crate::drive::{DacConfig, DriveConfig, Translator};
 use crate::estimator::EstimatorConfig;
+use crate::homing::{HomingConfig, HomingKind};
 use crate::law::{LawConfig, LawKind, Loop};
+use crate::limits::Limits;
 use crate::parameters::{Parameters, id};
-use crate::supervisor::Limits;
+use crate::sequencer::MotionConfig;
 
 /// Everything that stays as it is while the controller runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,6 +19,10 @@ pub struct Config {
     pub estimator: EstimatorConfig,
     /// Gains, profile and scale.
     pub law: LawConfig,
+    /// When a move is complete.
+    pub motion: MotionConfig,
+    /// The run that gives counts their meaning.
+    pub homing: HomingConfig,
     /// What trips the supervisor.
     pub limits: Limits,
     /// What drives the valve.
@@ -49,6 +55,12 @@ pub enum ConfigError {
     PressureRangeEmpty,
     /// `spool_min_nm` must be below `spool_max_nm`.
     SpoolRangeEmpty,
+    /// `end_min_counts` must be below `end_max_counts`.
+    EndPositionsCrossed,
+    /// `homing_command_counts` must not be 0.
+    HomingStandsStill,
+    /// `direction_setup_us` and `pulse_width_us` together must be less than `period_us`.
+    PulseTooLong,
     /// A divisor (`period_us`, `delay_us`, `profile_span_counts`, `scale`) is not positive.
     DivisorNotPositive,
 }
@@ -62,6 +74,11 @@ impl ConfigError {
             ConfigError::PositionLimitsCrossed => "position_min_counts must be below position_max_counts",
             ConfigError::PressureRangeEmpty => "pressure_min_pa must be below pressure_max_pa",
             ConfigError::SpoolRangeEmpty => "spool_min_nm must be below spool_max_nm",
+            ConfigError::EndPositionsCrossed => "end_min_counts must be below end_max_counts",
+            ConfigError::HomingStandsStill => "homing_command_counts must be other than 0",
+            ConfigError::PulseTooLong => {
+                "direction_setup_us and pulse_width_us together must be less than period_us"
+            }
             ConfigError::DivisorNotPositive => {
                 "period_us, delay_us, profile_span_counts and scale must be positive"
             }
@@ -99,8 +116,33 @@ impl Default for Config {
                 pressure_feedback_gain: 775,
                 scale: SCALE,
                 null_offset: 0,
+                learning_gain: 0,
             },
-            limits: Limits { position_min: -249, position_max: 25_145, encoder_step: 540 },
+            motion: MotionConfig {
+                on_arrival: false,
+                tolerance: 8,
+                monitoring: 0,
+                dwell: 0,
+                forced_exit: 1093,
+            },
+            homing: HomingConfig {
+                kind: HomingKind::Stop,
+                command: -200,
+                position: 0,
+                still_samples: 384,
+                timeout_samples: 7692,
+            },
+            limits: Limits {
+                position_min: -249,
+                position_max: 25_145,
+                encoder_step: 540,
+                sensor_low: 0,
+                sensor_high: 4095,
+                sensor_samples: 4,
+                no_motion_samples: 384,
+                end_min: -i32::MAX,
+                end_max: i32::MAX,
+            },
             drive: DriveConfig::Dac(DacConfig { null_code: 2048, inverted: false }),
             encoder_inverted: false,
         }
@@ -120,14 +162,14 @@ impl Config {
         let period_us = divisor(id::PERIOD_US)?;
         let delay_us = divisor(id::DELAY_US)?;
         ensure(delay_us < period_us, ConfigError::DelayNotBelowPeriod)?;
-        let limits = Limits {
-            position_min: get(id::POSITION_MIN_COUNTS),
-            position_max: get(id::POSITION_MAX_COUNTS),
-            encoder_step: unsigned(id::ENCODER_STEP_COUNTS),
-        };
+        let limits = limits(parameters, period_us);
         ensure(limits.position_min < limits.position_max, ConfigError::PositionLimitsCrossed)?;
+        ensure(limits.end_min < limits.end_max, ConfigError::EndPositionsCrossed)?;
         ensure(get(id::PRESSURE_MIN_PA) < get(id::PRESSURE_MAX_PA), ConfigError::PressureRangeEmpty)?;
         ensure(get(id::SPOOL_MIN_NM) < get(id::SPOOL_MAX_NM), ConfigError::SpoolRangeEmpty)?;
+        ensure(get(id::HOMING_COMMAND_COUNTS) != 0, ConfigError::HomingStandsStill)?;
+        let pulse_us = unsigned(id::DIRECTION_SETUP_US).saturating_add(unsigned(id::PULSE_WIDTH_US));
+        ensure(pulse_us < period_us.get(), ConfigError::PulseTooLong)?;
 
         Ok(Config {
             timing: Timing {
@@ -141,6 +183,8 @@ impl Config {
                 acceleration_window: unsigned(id::ACCELERATION_WINDOW_SAMPLES) as u8,
             },
             law: law(parameters, &divisor)?,
+            motion: motion(parameters, period_us),
+            homing: homing(parameters, period_us),
             limits,
             drive: drive(parameters),
             encoder_inverted: get(id::ENCODER_INVERTED) != 0,
@@ -173,7 +217,58 @@ fn law(
         pressure_feedback_gain: unsigned(id::PRESSURE_FEEDBACK_GAIN) as u16,
         scale: divisor(id::SCALE)?,
         null_offset: parameters.scalar(id::NULL_OFFSET_COUNTS) as i16,
+        learning_gain: unsigned(id::LEARNING_GAIN) as u16,
     })
+}
+
+/// Whole samples in a time.
+fn samples(time_us: u32, period_us: NonZeroU32) -> u32 {
+    time_us / period_us
+}
+
+/// Whole samples in a time, from milliseconds: up to an hour, which fits 32 bits of microseconds.
+fn samples_of_ms(time_ms: u32, period_us: NonZeroU32) -> u32 {
+    samples(time_ms.saturating_mul(1000), period_us)
+}
+
+fn motion(parameters: &Parameters, period_us: NonZeroU32) -> MotionConfig {
+    let unsigned = |id| parameters.scalar(id).unsigned_abs();
+    MotionConfig {
+        on_arrival: parameters.scalar(id::ON_ARRIVAL) != 0,
+        tolerance: unsigned(id::TOLERANCE_COUNTS),
+        monitoring: samples(unsigned(id::MONITORING_US), period_us),
+        dwell: samples(unsigned(id::DWELL_US), period_us),
+        // A move at sample s ends with the first sample at which the time is over, as a timed one would.
+        forced_exit: unsigned(id::FORCED_EXIT_US).div_ceil(period_us.get()),
+    }
+}
+
+fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
+    let unsigned = |id| parameters.scalar(id).unsigned_abs();
+    HomingConfig {
+        kind: if parameters.scalar(id::HOMING_SWITCH) == 0 { HomingKind::Stop } else { HomingKind::Switch },
+        command: parameters.scalar(id::HOMING_COMMAND_COUNTS) as i16,
+        position: parameters.scalar(id::HOMING_POSITION_COUNTS),
+        still_samples: samples_of_ms(unsigned(id::HOMING_STILL_MS), period_us),
+        timeout_samples: samples_of_ms(unsigned(id::HOMING_TIMEOUT_MS), period_us),
+    }
+}
+
+fn limits(parameters: &Parameters, period_us: NonZeroU32) -> Limits {
+    let get = |id| parameters.scalar(id);
+    let no_motion_ms = get(id::NO_MOTION_MS).unsigned_abs();
+    Limits {
+        position_min: get(id::POSITION_MIN_COUNTS),
+        position_max: get(id::POSITION_MAX_COUNTS),
+        encoder_step: get(id::ENCODER_STEP_COUNTS).unsigned_abs(),
+        sensor_low: get(id::SENSOR_LOW_RAW) as i16,
+        sensor_high: get(id::SENSOR_HIGH_RAW) as i16,
+        sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
+        // A time below a period is one sample, not "off".
+        no_motion_samples: samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0)),
+        end_min: get(id::END_MIN_COUNTS),
+        end_max: get(id::END_MAX_COUNTS),
+    }
 }
 
 fn drive(parameters: &Parameters) -> DriveConfig {
@@ -183,7 +278,13 @@ fn drive(parameters: &Parameters) -> DriveConfig {
             inverted: parameters.scalar(id::OUTPUT_INVERTED) != 0,
         })
     } else {
-        DriveConfig::Stepper { max_steps: parameters.scalar(id::MAX_STEPS) as i16 }
+        DriveConfig::Stepper {
+            max_steps: parameters.scalar(id::MAX_STEPS) as i16,
+            translator: Translator {
+                pulse_width_us: parameters.scalar(id::PULSE_WIDTH_US).unsigned_abs(),
+                direction_setup_us: parameters.scalar(id::DIRECTION_SETUP_US).unsigned_abs(),
+            },
+        }
     }
 }
 
@@ -243,7 +344,7 @@ mod tests {
     #[test]
     fn a_stepper_is_a_drive_stage_of_its_own() {
         let config = with(&[(id::STEPPER, 1), (id::MAX_STEPS, 12)]).expect("they go together");
-        assert_eq!(config.drive, DriveConfig::Stepper { max_steps: 12 });
+        assert!(matches!(config.drive, DriveConfig::Stepper { max_steps: 12, .. }));
     }
 
     #[test]

@@ -20,7 +20,19 @@ pub enum DriveConfig {
     Stepper {
         /// Furthest location from mid-travel, steps; at most [`MAX_COUNTS`].
         max_steps: i16,
+        /// What the translator needs of its two lines.
+        translator: Translator,
     },
+}
+
+/// The timing of a step/direction translator. The board keeps it, by hardware timers as a rule: the
+/// direction stands for `direction_setup_us` before the pulse, which lasts `pulse_width_us`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Translator {
+    /// Length of a pulse, us.
+    pub pulse_width_us: u32,
+    /// The direction stands so long before the pulse, us.
+    pub direction_setup_us: u32,
 }
 
 /// How commands become codes of the converter.
@@ -38,7 +50,7 @@ impl DriveConfig {
     pub fn largest(&self) -> i16 {
         match self {
             DriveConfig::Dac(_) => MAX_COUNTS,
-            DriveConfig::Stepper { max_steps } => *max_steps,
+            DriveConfig::Stepper { max_steps, .. } => *max_steps,
         }
     }
 
@@ -92,7 +104,10 @@ mod tests {
         {
             assert_eq!(DriveConfig::Dac(DAC).limit(demand), counts);
         }
-        let stepper = DriveConfig::Stepper { max_steps: 40 };
+        let stepper = DriveConfig::Stepper {
+            max_steps: 40,
+            translator: Translator { pulse_width_us: 10, direction_setup_us: 10 },
+        };
         for (demand, steps) in [(0, 0), (40, 40), (41, 40), (-40, -40), (i32::MIN, -40)] {
             assert_eq!(stepper.limit(demand), steps);
         }

@@ -18,7 +18,7 @@
 //!   `s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale`; its demand is the full range to either side, or 0.
 //!
 //! Inside the position dead band the demand is the null offset alone; inside the velocity dead band n_v
-//! counts as 0. For the on-off law the position dead band is the relay's dead zone, and there is no null
+//! counts as 0. What was learned of the null ([`crate::learning`]) is added to the null offset. For the on-off law the position dead band is the relay's dead zone, and there is no null
 //! offset: a closed valve has none. Open loop: the demand is the setpoint.
 
 use core::num::NonZeroU32;
@@ -26,6 +26,7 @@ use core::num::NonZeroU32;
 use crate::drive::MAX_COUNTS;
 use crate::estimator::Motion;
 use crate::fixed::{divide_toward_zero, saturate};
+use crate::learning::NullOffset;
 
 /// Entries of the gain profile (thesis 6.3.3).
 pub const PROFILE_LEN: usize = 256;
@@ -83,6 +84,8 @@ pub struct LawConfig {
     pub scale: NonZeroU32,
     /// Added to the demand: the command at which the valve is at its null, counts.
     pub null_offset: i16,
+    /// How much of the error at rest goes into the null offset; 0: nothing is learned.
+    pub learning_gain: u16,
 }
 
 /// n_p, saturated to 32 bits; 0 in open loop.
@@ -108,10 +111,17 @@ impl Relay {
     }
 }
 
+/// What the laws remember from sample to sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Memory {
+    pub relay: Relay,
+    pub null_offset: NullOffset,
+}
+
 /// The demand in valve counts, before the limits of the drive stage.
 pub(crate) fn demand(
     config: &LawConfig,
-    relay: &mut Relay,
+    memory: &mut Memory,
     setpoint: i32,
     error: i32,
     motion: &Motion,
@@ -119,21 +129,24 @@ pub(crate) fn demand(
     match (config.control_loop, config.kind) {
         (Loop::Open, _) => setpoint,
         (Loop::Closed, LawKind::OnOff) => {
-            let side =
-                relay.switch(weighed(config, error, motion), config.dead_band, config.relay_hysteresis);
+            let s = weighed(config, error, motion);
+            let side = memory.relay.switch(s, config.dead_band, config.relay_hysteresis);
             i32::from(side) * i32::from(MAX_COUNTS)
         }
-        (Loop::Closed, _) => proportional_demand(config, error, motion),
+        (Loop::Closed, _) => {
+            let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts(config.scale));
+            from_null(config, error, motion).saturating_add(null)
+        }
     }
 }
 
-fn proportional_demand(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
-    let demand = if error.unsigned_abs() < config.dead_band {
+/// The demand as the valve's null has it.
+fn from_null(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
+    if error.unsigned_abs() < config.dead_band {
         0
     } else {
         weighed(config, error, motion).saturating_add(across_dead_zone(config, error))
-    };
-    demand.saturating_add(i32::from(config.null_offset))
+    }
 }
 
 /// (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale.

@@ -18,9 +18,12 @@
 //! | [`parameters`] | the one table of parameters: id, unit, range, default, meaning, thesis name |
 //! | [`config`] | the validated, immutable form of the parameters that the law runs on |
 //! | [`estimator`] | velocity and acceleration as differences of counts |
-//! | [`sequencer`] | timed moves: which setpoint is in force |
+//! | [`sequencer`] | moves: which setpoint is in force, and whether it is reached |
 //! | [`law`] | error, velocity and acceleration to an unlimited demand |
-//! | [`supervisor`] | modes, limits, fault latch: the last word on every command |
+//! | [`learning`] | the command at which the valve is at its null, learned at rest |
+//! | [`homing`] | the run that gives counts their meaning |
+//! | [`limits`] | what an axis may do |
+//! | [`supervisor`] | modes and fault latch: the last word on every command |
 //! | [`drive`] | the drive stages: counts of a DAC, pulses of a stepper |
 //!
 //! # What is promised
@@ -36,7 +39,10 @@ pub mod config;
 pub mod drive;
 pub mod estimator;
 mod fixed;
+pub mod homing;
 pub mod law;
+pub mod learning;
+pub mod limits;
 pub mod parameters;
 pub mod sequencer;
 pub mod signal;
@@ -49,8 +55,10 @@ pub use signal::{Command, Observation, Sample};
 pub use supervisor::{Fault, Mode, Refusal};
 
 use drive::{DriveConfig, SpoolLocation};
-use estimator::Estimator;
-use law::Relay;
+use estimator::{Estimator, Motion};
+use homing::{Homing, Progress};
+use law::{Loop, Memory};
+use limits::Evidence;
 use sequencer::Sequencer;
 use supervisor::Supervisor;
 
@@ -59,11 +67,15 @@ use supervisor::Supervisor;
 pub struct State {
     estimator: Estimator,
     sequencer: Sequencer,
-    /// Modes, faults and the reference flag; requests go to it directly (`arm`, `start`, `stop`...).
+    homing: Homing,
+    /// Modes, faults and the reference flag; requests go to it directly (`arm`, `disarm`, `trip`).
     pub supervisor: Supervisor,
-    relay: Relay,
+    law: Memory,
     observation: Observation,
     location: SpoolLocation,
+    /// The encoder's own count, and what is taken off it to make a position.
+    encoder: i32,
+    origin: i32,
 }
 
 impl State {
@@ -79,16 +91,77 @@ impl State {
         self.location
     }
 
+    /// How the moves of the run stand.
+    #[must_use]
+    pub fn sequencer(&self) -> &Sequencer {
+        &self.sequencer
+    }
+
+    /// What this run has learned of the valve's null, counts: the next run starts with the null offset
+    /// of the parameters, so it is to be added there.
+    #[must_use]
+    pub fn learned_null_offset(&self, config: &Config) -> i32 {
+        self.law.null_offset.counts(config.law.scale)
+    }
+
+    /// What was learned has become part of the parameters.
+    pub fn forget_null_offset(&mut self) {
+        self.law = Memory::default();
+    }
+
     /// Runs from k = 0 at the next sample, or says why not.
     ///
     /// # Errors
     /// The [`Refusal`] that names what forbids the start.
-    pub fn start(&mut self) -> Result<(), Refusal> {
-        self.supervisor.start(self.location)?;
+    pub fn start(&mut self, config: &Config, sequence: &Sequence) -> Result<(), Refusal> {
+        if self.supervisor.mode() == Mode::Armed {
+            check_moves(config, sequence)?;
+        }
+        self.supervisor.start(config.law.control_loop, self.location)?;
+        self.begin_anew();
+        Ok(())
+    }
+
+    /// Homes the axis from the next sample on, or says why not.
+    ///
+    /// # Errors
+    /// The [`Refusal`] that names what forbids it.
+    pub fn home(&mut self) -> Result<(), Refusal> {
+        self.supervisor.home(self.location)?;
+        self.homing = Homing::default();
+        self.begin_anew();
+        Ok(())
+    }
+
+    fn begin_anew(&mut self) {
         self.sequencer = Sequencer::default();
         self.estimator = Estimator::default();
-        self.relay = Relay::default();
+        self.law = Memory::default();
         self.observation = Observation::default();
+    }
+
+    /// The axis stands at `position` now: counts mean positions from here on. The drive must be
+    /// disabled; who calls this sees to it.
+    pub fn reference(&mut self, position: i32) {
+        self.set_origin(position);
+        self.supervisor.set_referenced();
+    }
+
+    fn set_origin(&mut self, position: i32) {
+        self.origin = self.encoder.wrapping_sub(position);
+        self.estimator = Estimator::default();
+    }
+}
+
+/// What a run may not begin with.
+fn check_moves(config: &Config, sequence: &Sequence) -> Result<(), Refusal> {
+    let moves = sequence.moves();
+    let closed = config.law.control_loop == Loop::Closed;
+    if moves.is_empty() {
+        Err(Refusal::NoMoves)
+    } else if closed && !moves.iter().all(|next| config.limits.allows(next.target)) {
+        Err(Refusal::BeyondEnd)
+    } else {
         Ok(())
     }
 }
@@ -99,24 +172,19 @@ impl State {
 /// The first sample after a start fills the estimator's history with its own count, so that the
 /// velocity and acceleration of a drive at rest are zero from the first sample on.
 pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) {
-    let motion = state.estimator.update(&config.estimator, input);
-    if state.sequencer.is_over(sequence) {
-        state.supervisor.finish();
-    }
-    let running = state.supervisor.mode() == Mode::Running;
-    let setpoint = if running { state.sequencer.advance(sequence) } else { state.sequencer.setpoint() };
-    let error = law::error(&config.law, setpoint, motion.position);
-    let demand = law::demand(&config.law, &mut state.relay, setpoint, error, &motion);
-    state.supervisor.watch(&config.limits, &motion);
+    let motion = state.estimate(config, input);
+    let target = state.target(config, sequence, motion.position);
+    state.watch(config, input, &motion);
+    let demand = state.demand(config, &target, &motion, input.home_switch);
     let command = state.supervisor.permit(&config.law, config.drive.limit(demand));
     state.observation = Observation {
-        running,
+        running: target.running,
         index: state.sequencer.index(),
         position: motion.position,
         velocity: motion.velocity,
         acceleration: motion.acceleration,
-        setpoint,
-        error,
+        setpoint: target.setpoint,
+        error: target.error,
         command,
         pressure_1: input.pressure_1,
         pressure_2: input.pressure_2,
@@ -125,6 +193,80 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
             DriveConfig::Stepper { .. } => state.location.steps(),
         },
     };
+}
+
+/// Where the drive shall be at a sample.
+struct Target {
+    running: bool,
+    setpoint: i32,
+    error: i32,
+}
+
+/// The stages of [`sample`], in their order.
+impl State {
+    fn estimate(&mut self, config: &Config, input: &Sample) -> Motion {
+        self.encoder = input.position;
+        let position = input.position.wrapping_sub(self.origin);
+        self.estimator.update(&config.estimator, &Sample { position, ..*input })
+    }
+
+    fn target(&mut self, config: &Config, sequence: &Sequence, position: i32) -> Target {
+        let rests = self.sequencer.rests();
+        let was_running = self.supervisor.mode() == Mode::Running;
+        let over = was_running && self.sequencer.is_over(&config.motion, sequence);
+        if over {
+            self.sequencer.close();
+            self.supervisor.finish();
+        }
+        let running = was_running && !over;
+        let moved_on = running && self.sequencer.advance(&config.motion, sequence);
+        if rests && (moved_on || over) {
+            self.law.null_offset.learn(config.law.learning_gain, self.observation.error);
+        }
+        let setpoint = self.sequencer.setpoint();
+        let error = law::error(&config.law, setpoint, position);
+        if running {
+            self.sequencer.judge(&config.motion, error);
+        }
+        Target { running, setpoint, error }
+    }
+
+    fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
+        let half = config.drive.largest() / 2;
+        let holds = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
+        let closed = config.law.control_loop == Loop::Closed;
+        let evidence = Evidence {
+            motion,
+            input,
+            referenced: self.supervisor.is_referenced(),
+            pushes: holds && closed && self.observation.command.unsigned_abs() > half.unsigned_abs(),
+        };
+        self.supervisor.watch(&config.limits, &evidence);
+    }
+
+    fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, home_switch: bool) -> i32 {
+        if self.supervisor.mode() == Mode::Homing {
+            return self.seek(config, motion, home_switch);
+        }
+        let demand = law::demand(&config.law, &mut self.law, target.setpoint, target.error, motion);
+        match config.law.control_loop {
+            Loop::Open if self.supervisor.is_referenced() => config.limits.hold_back(demand, motion.position),
+            _ => demand,
+        }
+    }
+
+    /// A sample of the homing run.
+    fn seek(&mut self, config: &Config, motion: &Motion, home_switch: bool) -> i32 {
+        match self.homing.advance(&config.homing, motion, home_switch) {
+            Progress::Seeking(command) => return i32::from(command),
+            Progress::Found => {
+                self.set_origin(config.homing.position);
+                self.supervisor.homed();
+            }
+            Progress::TimedOut => self.supervisor.trip(Fault::HomingFailed),
+        }
+        0
+    }
 }
 
 /// The second interrupt: what the drive stage does now, `delay` after the sample.

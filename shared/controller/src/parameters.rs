@@ -42,6 +42,25 @@ pub mod id {
     pub const DEAD_ZONE_COUNTS: u16 = 31;
     pub const RELAY_HYSTERESIS_COUNTS: u16 = 32;
     pub const PRESSURE_FEEDBACK_GAIN: u16 = 33;
+    pub const TOLERANCE_COUNTS: u16 = 34;
+    pub const MONITORING_US: u16 = 35;
+    pub const DWELL_US: u16 = 36;
+    pub const FORCED_EXIT_US: u16 = 37;
+    pub const ON_ARRIVAL: u16 = 38;
+    pub const LEARNING_GAIN: u16 = 39;
+    pub const END_MIN_COUNTS: u16 = 40;
+    pub const END_MAX_COUNTS: u16 = 41;
+    pub const SENSOR_LOW_RAW: u16 = 42;
+    pub const SENSOR_HIGH_RAW: u16 = 43;
+    pub const SENSOR_SAMPLES: u16 = 44;
+    pub const NO_MOTION_MS: u16 = 45;
+    pub const HOMING_SWITCH: u16 = 46;
+    pub const HOMING_COMMAND_COUNTS: u16 = 47;
+    pub const HOMING_POSITION_COUNTS: u16 = 48;
+    pub const HOMING_STILL_MS: u16 = 49;
+    pub const HOMING_TIMEOUT_MS: u16 = 50;
+    pub const PULSE_WIDTH_US: u16 = 51;
+    pub const DIRECTION_SETUP_US: u16 = 52;
     /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
     pub const GAIN_PROFILE: u16 = 256;
 }
@@ -90,11 +109,14 @@ const COUNT_MAX: i32 = i32::MAX;
 const GAIN_MAX: i32 = u16::MAX as i32;
 const WINDOW_MAX: i32 = crate::estimator::MAX_WINDOW_SAMPLES as i32;
 const COMMAND_MAX: i32 = crate::drive::MAX_COUNTS as i32;
+const RAW_MAX: i32 = i16::MAX as i32;
+const TIME_MAX: i32 = i32::MAX;
+const HOUR_MS: i32 = 3_600_000;
 const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
 #[rustfmt::skip]
-pub static TABLE: [Parameter; 34] = [
+pub static TABLE: [Parameter; 53] = [
     scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
     scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
     scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
@@ -113,7 +135,7 @@ pub static TABLE: [Parameter; 34] = [
     scalar!(POSITION_MAX_COUNTS, "position_max_counts", "counts", -COUNT_MAX, COUNT_MAX, 25_145, "", "Above it the supervisor trips."),
     scalar!(ENCODER_STEP_COUNTS, "encoder_step_counts", "counts", 1, COUNT_MAX, 540, "", "A longer step in one sample trips the supervisor."),
     scalar!(LATE_SAMPLE_US, "late_sample_us", "us", 1, 100_000, 100, "", "A sample later than this trips the supervisor."),
-    scalar!(HOST_SILENCE_MS, "host_silence_ms", "ms", 0, 3_600_000, 500, "", "Silence of the host that trips a running move; 0: off."),
+    scalar!(HOST_SILENCE_MS, "host_silence_ms", "ms", 0, HOUR_MS, 500, "", "Silence of the host that trips a running move; 0: off."),
     scalar!(NULL_CODE, "null_code", "", 0, CODE_MAX, 2048, "", "Code of the converter at which the valve is at its null."),
     scalar!(OUTPUT_INVERTED, "output_inverted", "", 0, 1, 0, "", "1: a larger code retracts."),
     scalar!(ENCODER_INVERTED, "encoder_inverted", "", 0, 1, 0, "", "1: the encoder counts down when the rod extends."),
@@ -128,6 +150,25 @@ pub static TABLE: [Parameter; 34] = [
     scalar!(DEAD_ZONE_COUNTS, "dead_zone_counts", "counts", 0, COMMAND_MAX, 102, "", "Moore's law adds it in the direction of the error: what takes the spool across its dead zone (0.05 mm)."),
     scalar!(RELAY_HYSTERESIS_COUNTS, "relay_hysteresis_counts", "counts", 0, COUNT_MAX, 0, "", "The relay of the on-off law drops out this much below dead_band_counts, at which it picks up."),
     scalar!(PRESSURE_FEEDBACK_GAIN, "pressure_feedback_gain", "", 0, GAIN_MAX, 775, "C(68)", "Gain of the on-off law on the raw quasi-transient pressure difference."),
+    scalar!(TOLERANCE_COUNTS, "tolerance_counts", "counts", 0, COUNT_MAX, 8, "", "A move has arrived inside this error."),
+    scalar!(MONITORING_US, "monitoring_us", "us", 0, TIME_MAX, 0, "", "Exact stop: time inside the tolerance after which a move has arrived. 0: fast stop, at the first sample inside."),
+    scalar!(DWELL_US, "dwell_us", "us", 0, TIME_MAX, 0, "", "From the arrival of a move to the next one, with on_arrival."),
+    scalar!(FORCED_EXIT_US, "forced_exit_us", "us", 1, TIME_MAX, 1_420_000, "C(31)", "A move ends after this time, arrived or not, with on_arrival."),
+    scalar!(ON_ARRIVAL, "on_arrival", "", 0, 1, 0, "L(11)", "0: moves begin at their times. 1: each also waits for the end of the one before."),
+    scalar!(LEARNING_GAIN, "learning_gain", "", 0, GAIN_MAX, 0, "8.2.3", "How much of the error at rest goes into the null offset; 0: nothing is learned, 1: the thesis."),
+    scalar!(END_MIN_COUNTS, "end_min_counts", "counts", -COUNT_MAX, COUNT_MAX, -COUNT_MAX, "", "Software end position: lower setpoints are refused, an open loop pushes no further."),
+    scalar!(END_MAX_COUNTS, "end_max_counts", "counts", -COUNT_MAX, COUNT_MAX, COUNT_MAX, "", "The other software end position."),
+    scalar!(SENSOR_LOW_RAW, "sensor_low_raw", "", -1, RAW_MAX, 0, "", "A pressure at or below it is that of an open sensor and trips; -1: off."),
+    scalar!(SENSOR_HIGH_RAW, "sensor_high_raw", "", 1, RAW_MAX, 4095, "", "A pressure at or above it is that of a shorted sensor and trips; 32767: off."),
+    scalar!(SENSOR_SAMPLES, "sensor_samples", "samples", 1, 10_000, 4, "", "Samples on end that a pressure must stay there to trip."),
+    scalar!(NO_MOTION_MS, "no_motion_ms", "ms", 0, HOUR_MS, 500, "", "A closed loop that asks for half of the valve or more and does not move for so long trips; 0: off."),
+    scalar!(HOMING_SWITCH, "homing_switch", "", 0, 1, 0, "", "A homing run ends 0: at a stop, 1: at the edge of a switch."),
+    scalar!(HOMING_COMMAND_COUNTS, "homing_command_counts", "counts", -COMMAND_MAX, COMMAND_MAX, -200, "", "Valve command towards the stop or the switch; not 0."),
+    scalar!(HOMING_POSITION_COUNTS, "homing_position_counts", "counts", -COUNT_MAX, COUNT_MAX, 0, "", "The position there."),
+    scalar!(HOMING_STILL_MS, "homing_still_ms", "ms", 1, HOUR_MS, 500, "", "Standing still for so long is being at the stop."),
+    scalar!(HOMING_TIMEOUT_MS, "homing_timeout_ms", "ms", 1, HOUR_MS, 10_000, "", "A longer homing run trips."),
+    scalar!(PULSE_WIDTH_US, "pulse_width_us", "us", 1, 1000, 10, "", "Length of a stepper's pulse."),
+    scalar!(DIRECTION_SETUP_US, "direction_setup_us", "us", 1, 1000, 10, "", "A stepper's direction stands so long before the pulse."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

@@ -1,7 +1,15 @@
-//! Timed moves: which setpoint is in force at sample k.
+//! Moves: which setpoint is in force at sample k, and whether the axis has come there.
 //!
 //! A move whose time is <= k * period is in force at sample k (DESIGN section 4). The times are
 //! turned into sample numbers once, when the sequence is made, so that a sample compares integers.
+//!
+//! With [`MotionConfig::on_arrival`] a move also waits for the end of the one before (thesis 6.3.2: the
+//! position dead band and the forced exit are checked at the second interrupt, and the new position is
+//! in effect at the next sample). A move ends
+//!
+//! - `dwell` after it has arrived: at the first sample inside the tolerance (fast stop, `monitoring` = 0),
+//!   or after `monitoring` samples on end inside it (exact stop);
+//! - or at the forced exit, arrived or not.
 
 /// The most moves one sequence holds.
 pub const MAX_MOVES: usize = 64;
@@ -76,23 +84,127 @@ impl Sequence {
     }
 }
 
+/// When a move counts as complete, and what follows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MotionConfig {
+    /// Whether a move waits for the end of the one before.
+    pub on_arrival: bool,
+    /// An error of this much is inside, counts.
+    pub tolerance: u32,
+    /// Samples on end inside the tolerance that an exact stop takes; 0: a fast stop.
+    pub monitoring: u32,
+    /// From the arrival to the end of the move, samples.
+    pub dwell: u32,
+    /// A move ends after so many samples, arrived or not.
+    pub forced_exit: u32,
+}
+
+/// How the move in force stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arrival {
+    /// There is no move in force.
+    #[default]
+    Idle,
+    /// On its way.
+    Moving,
+    /// Arrived.
+    Arrived,
+    /// The forced exit, the next move or the end of the run came first.
+    NotReached,
+}
+
 /// Where a run stands in its sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sequencer {
     taken: u32,
     next_move: usize,
     setpoint: i32,
+    arrival: Arrival,
+    /// Moves that ended without arriving.
+    not_reached: u32,
+    /// Samples of the move in force, and how many of them on end were inside.
+    age: u32,
+    inside: u32,
+    /// Samples since the arrival.
+    rested: u32,
+    ended: bool,
 }
 
 impl Sequencer {
-    /// Takes sample k and tells the setpoint in force at it: 0 before the first move.
-    pub(crate) fn advance(&mut self, sequence: &Sequence) -> i32 {
-        while let Some(due) = sequence.moves().get(self.next_move).filter(|m| m.at_sample <= self.taken) {
-            self.setpoint = due.target;
-            self.next_move += 1;
+    /// Takes sample k. Whether a move has begun with it; the setpoint is 0 before the first one.
+    pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
+        let before = self.next_move;
+        while let Some(due) = self.due(config, sequence) {
+            self.close();
+            *self = Sequencer {
+                setpoint: due.target,
+                next_move: self.next_move + 1,
+                arrival: Arrival::Moving,
+                age: 0,
+                inside: 0,
+                rested: 0,
+                ended: false,
+                ..*self
+            };
         }
         self.taken = self.taken.saturating_add(1);
-        self.setpoint
+        self.next_move != before
+    }
+
+    /// The next move, if its time has come and it need not wait for the one before.
+    fn due(&self, config: &MotionConfig, sequence: &Sequence) -> Option<Move> {
+        let waits = config.on_arrival && self.next_move > 0 && !self.ended;
+        sequence.moves().get(self.next_move).filter(|next| !waits && next.at_sample <= self.taken).copied()
+    }
+
+    /// Judges the move in force by the error at this sample.
+    pub(crate) fn judge(&mut self, config: &MotionConfig, error: i32) {
+        self.age = self.age.saturating_add(1);
+        let inside = error.unsigned_abs() <= config.tolerance;
+        self.inside = if inside { self.inside.saturating_add(1) } else { 0 };
+        match self.arrival {
+            Arrival::Moving if self.inside > config.monitoring => self.arrival = Arrival::Arrived,
+            Arrival::Arrived => self.rested = self.rested.saturating_add(1),
+            _ => {}
+        }
+        let rested = self.arrival == Arrival::Arrived && self.rested >= config.dwell;
+        if rested || self.age >= config.forced_exit {
+            self.ended = true;
+        }
+        if self.ended && config.on_arrival {
+            self.close();
+        }
+    }
+
+    /// What is not arrived by now has not been reached.
+    pub(crate) fn close(&mut self) {
+        if self.arrival == Arrival::Moving {
+            self.arrival = Arrival::NotReached;
+            self.not_reached = self.not_reached.saturating_add(1);
+        }
+    }
+
+    /// How the move in force stands.
+    #[must_use]
+    pub fn arrival(&self) -> Arrival {
+        self.arrival
+    }
+
+    /// Whether the move in force has arrived and is still inside its tolerance.
+    pub(crate) fn rests(&self) -> bool {
+        self.arrival == Arrival::Arrived && self.inside > 0
+    }
+
+    /// Moves of this run that ended without arriving.
+    #[must_use]
+    pub fn not_reached(&self) -> u32 {
+        self.not_reached
+    }
+
+    /// Moves of this run that have begun.
+    #[must_use]
+    pub fn begun(&self) -> usize {
+        self.next_move
     }
 
     /// The setpoint last in force.
@@ -105,16 +217,35 @@ impl Sequencer {
         self.taken.saturating_sub(1)
     }
 
-    /// Whether the last sample of the run has been taken.
-    pub(crate) fn is_over(&self, sequence: &Sequence) -> bool {
-        self.taken > sequence.duration_samples
+    /// Whether the last sample of the run has been taken, or the last move has ended that others wait
+    /// for.
+    pub(crate) fn is_over(&self, config: &MotionConfig, sequence: &Sequence) -> bool {
+        let through = config.on_arrival && self.ended && self.next_move >= sequence.moves().len();
+        through || self.taken > sequence.duration_samples
     }
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use core::num::NonZeroU32;
+    use std::vec::Vec;
+
+    const TIMED: MotionConfig =
+        MotionConfig { on_arrival: false, tolerance: 2, monitoring: 0, dwell: 0, forced_exit: 100 };
+    const FAST: MotionConfig = MotionConfig { on_arrival: true, ..TIMED };
+
+    /// The setpoints while an axis has these errors.
+    fn setpoints(config: &MotionConfig, sequence: &Sequence, errors: &[i32]) -> (Vec<i32>, Sequencer) {
+        let mut sequencer = Sequencer::default();
+        let seen = errors.iter().map(|&error| {
+            sequencer.advance(config, sequence);
+            sequencer.judge(config, error);
+            sequencer.setpoint()
+        });
+        (seen.collect(), sequencer)
+    }
 
     fn sequence(moves: &[(u32, i32)], duration_samples: u32) -> Sequence {
         let mut sequence = Sequence::new(duration_samples);
@@ -137,16 +268,14 @@ mod tests {
     #[test]
     fn the_last_of_the_due_moves_holds() {
         let sequence = sequence(&[(0, 10), (2, 20), (2, 30), (4, 40)], 100);
-        let mut sequencer = Sequencer::default();
-        let setpoints: [i32; 6] = core::array::from_fn(|_| sequencer.advance(&sequence));
+        let (setpoints, sequencer) = setpoints(&TIMED, &sequence, &[9; 6]);
         assert_eq!(setpoints, [10, 10, 30, 30, 40, 40]);
-        assert_eq!(sequencer.setpoint(), 40);
+        assert_eq!((sequencer.begun(), sequencer.not_reached()), (4, 3), "the last one is on its way");
     }
 
     #[test]
     fn before_the_first_move_the_setpoint_is_zero() {
-        let mut sequencer = Sequencer::default();
-        assert_eq!(sequencer.advance(&sequence(&[(1, 7)], 9)), 0);
+        assert_eq!(setpoints(&TIMED, &sequence(&[(1, 7)], 9), &[0]).0, [0]);
     }
 
     #[test]
@@ -154,11 +283,62 @@ mod tests {
         let sequence = sequence(&[(0, 1)], 3);
         let mut sequencer = Sequencer::default();
         let over: [bool; 4] = core::array::from_fn(|_| {
-            sequencer.advance(&sequence);
-            sequencer.is_over(&sequence)
+            sequencer.advance(&TIMED, &sequence);
+            sequencer.is_over(&TIMED, &sequence)
         });
         assert_eq!(over, [false, false, false, true]);
         assert_eq!(sequencer.index(), 3);
+    }
+
+    #[test]
+    fn a_fast_stop_goes_on_at_the_sample_after_the_first_one_inside() {
+        let sequence = sequence(&[(0, 10), (0, 20), (0, 30)], 100);
+        let (setpoints, sequencer) = setpoints(&FAST, &sequence, &[10, 3, -2, 9, 2, 9]);
+        assert_eq!(setpoints, [10, 10, 10, 20, 20, 30]);
+        assert_eq!((sequencer.arrival(), sequencer.not_reached()), (Arrival::Moving, 0));
+    }
+
+    #[test]
+    fn an_exact_stop_must_stay_inside_for_the_monitoring_time() {
+        let exact = MotionConfig { monitoring: 2, ..FAST };
+        let sequence = sequence(&[(0, 10), (0, 20)], 100);
+        let (setpoints, _) = setpoints(&exact, &sequence, &[0, 0, 9, 0, 0, 0, 9]);
+        assert_eq!(setpoints, [10, 10, 10, 10, 10, 10, 20], "two samples inside are not enough");
+    }
+
+    #[test]
+    fn a_dwell_comes_between_the_arrival_and_the_next_move() {
+        let dwell = MotionConfig { dwell: 2, ..FAST };
+        let (setpoints, _) = setpoints(&dwell, &sequence(&[(0, 10), (0, 20)], 100), &[9, 0, 5, 5, 5]);
+        assert_eq!(setpoints, [10, 10, 10, 10, 20], "arrived is arrived, also when it is pushed away");
+    }
+
+    #[test]
+    fn a_forced_exit_ends_a_move_that_does_not_arrive_and_says_so() {
+        let forced = MotionConfig { forced_exit: 3, ..FAST };
+        let sequence = sequence(&[(0, 10), (0, 20)], 100);
+        let (seen, sequencer) = setpoints(&forced, &sequence, &[9, 9, 9, 9]);
+        assert_eq!(seen, [10, 10, 10, 20]);
+        assert_eq!(sequencer.not_reached(), 1);
+        let (_, sequencer) = setpoints(&forced, &sequence, &[9, 9, 9, 9, 9, 9]);
+        assert_eq!((sequencer.arrival(), sequencer.not_reached()), (Arrival::NotReached, 2));
+        assert!(sequencer.is_over(&forced, &sequence), "the last move has ended");
+    }
+
+    #[test]
+    fn a_move_that_waits_for_the_one_before_also_waits_for_its_time() {
+        let (setpoints, _) = setpoints(&FAST, &sequence(&[(0, 10), (4, 20)], 100), &[0; 6]);
+        assert_eq!(setpoints, [10, 10, 10, 10, 20, 20]);
+    }
+
+    #[test]
+    fn a_timed_run_lasts_to_its_end_whatever_has_arrived() {
+        let sequence = sequence(&[(0, 10)], 100);
+        let (_, mut sequencer) = setpoints(&TIMED, &sequence, &[0; 5]);
+        assert_eq!(sequencer.arrival(), Arrival::Arrived);
+        assert!(!sequencer.is_over(&TIMED, &sequence));
+        sequencer.close();
+        assert_eq!((sequencer.arrival(), sequencer.not_reached()), (Arrival::Arrived, 0));
     }
 
     #[test]

@@ -11,6 +11,8 @@ pub struct Sample {
     pub pressure_2: i16,
     /// Spool displacement as converted, 0 to 2^bits - 1.
     pub spool: i16,
+    /// Whether the homing switch is closed; false without one.
+    pub home_switch: bool,
 }
 
 /// What the drive stage shall do from the output instant on.

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! disarmed --arm--> armed --start--> running --end of the moves--> done
+//!                   armed --home--> homing --stop or switch found--> armed, referenced
 //!
 //! disarm: from every mode but fault to disarmed
 //! trip:   from every mode to fault (a stop, a limit, the board); arm: from fault to armed
@@ -14,8 +15,8 @@
 //! This is not a safety-rated function: a machine needs a hardware emergency stop.
 
 use crate::drive::SpoolLocation;
-use crate::estimator::Motion;
 use crate::law::{LawConfig, Loop};
+use crate::limits::{Evidence, Limits, Watch};
 
 /// What the drive is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +32,8 @@ pub enum Mode {
     Done,
     /// Tripped: drive disabled, valve at null, until re-armed.
     Fault(Fault),
+    /// On the way to the stop or the switch that gives counts their meaning.
+    Homing,
 }
 
 /// Why the supervisor tripped. The codes are stored and sent: they never change.
@@ -49,17 +52,35 @@ pub enum Fault {
     HostSilent = 5,
     /// A run was asked for while the drive was disarmed.
     CommandWhileDisarmed = 6,
+    /// A pressure sensor reads what no pressure is: open, or shorted.
+    SensorRange = 7,
+    /// The valve is wide open and nothing moves.
+    NoMotion = 8,
+    /// The homing run found neither stop nor switch.
+    HomingFailed = 9,
+    /// The stored configuration is damaged.
+    BadConfiguration = 10,
+    /// The watchdog reset the board.
+    Watchdog = 11,
+    /// The firmware broke down and reset the board.
+    Panic = 12,
 }
 
 impl Fault {
     /// Every fault, in the order of the codes.
-    pub const ALL: [Fault; 6] = [
+    pub const ALL: [Fault; 12] = [
         Fault::Stop,
         Fault::PositionOutside,
         Fault::EncoderStep,
         Fault::LateSample,
         Fault::HostSilent,
         Fault::CommandWhileDisarmed,
+        Fault::SensorRange,
+        Fault::NoMotion,
+        Fault::HomingFailed,
+        Fault::BadConfiguration,
+        Fault::Watchdog,
+        Fault::Panic,
     ];
 
     /// The stored and sent code.
@@ -91,17 +112,23 @@ pub enum Refusal {
     NoMoves = 5,
     /// The spool of a stepper valve is still on its way to mid-travel.
     ValveNotAtNull = 6,
+    /// A setpoint lies beyond a software end position.
+    BeyondEnd = 7,
+    /// The stored configuration is damaged: load or save one first.
+    NoConfiguration = 8,
 }
 
 impl Refusal {
     /// Every refusal, in the order of the codes.
-    pub const ALL: [Refusal; 6] = [
+    pub const ALL: [Refusal; 8] = [
         Refusal::NotArmed,
         Refusal::Running,
         Refusal::NotReferenced,
         Refusal::NotDisarmed,
         Refusal::NoMoves,
         Refusal::ValveNotAtNull,
+        Refusal::BeyondEnd,
+        Refusal::NoConfiguration,
     ];
 
     /// The sent code.
@@ -117,22 +144,12 @@ impl Refusal {
     }
 }
 
-/// What the axis may do before the supervisor trips.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Lowest position, counts: the retracted end less the margin.
-    pub position_min: i32,
-    /// Highest position, counts: the extended end plus the margin.
-    pub position_max: i32,
-    /// Furthest step of the encoder in one sample, counts.
-    pub encoder_step: u32,
-}
-
 /// The mode, the reference flag and the fault latch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Supervisor {
     mode: Mode,
     referenced: bool,
+    watch: Watch,
 }
 
 impl Supervisor {
@@ -161,19 +178,19 @@ impl Supervisor {
     /// Whether the drive is enabled.
     #[must_use]
     pub fn drives(&self) -> bool {
-        matches!(self.mode, Mode::Armed | Mode::Running | Mode::Done)
+        matches!(self.mode, Mode::Armed | Mode::Running | Mode::Done | Mode::Homing)
     }
 
     /// Enables the drive with the valve at null; leaves the fault mode.
     ///
     /// # Errors
-    /// While a run is on, and in closed loop before the axis is referenced.
-    pub fn arm(&mut self, control_loop: Loop) -> Result<(), Refusal> {
+    /// While a run is on.
+    pub fn arm(&mut self) -> Result<(), Refusal> {
         match self.mode {
-            Mode::Running => Err(Refusal::Running),
-            _ if control_loop == Loop::Closed && !self.referenced => Err(Refusal::NotReferenced),
+            Mode::Running | Mode::Homing => Err(Refusal::Running),
             _ => {
                 self.mode = Mode::Armed;
+                self.watch = Watch::default();
                 Ok(())
             }
         }
@@ -189,22 +206,46 @@ impl Supervisor {
     /// Lets the law drive from the next sample on.
     ///
     /// # Errors
-    /// When the drive is not armed. From the disarmed mode this also trips: something means to move
-    /// a cylinder that nobody has armed.
-    pub(crate) fn start(&mut self, location: SpoolLocation) -> Result<(), Refusal> {
+    /// When the drive is not armed, or a closed loop has no reference. From the disarmed mode this also
+    /// trips: something means to move a cylinder that nobody has armed.
+    pub(crate) fn start(&mut self, control_loop: Loop, location: SpoolLocation) -> Result<(), Refusal> {
+        if self.mode == Mode::Armed && control_loop == Loop::Closed && !self.referenced {
+            return Err(Refusal::NotReferenced);
+        }
+        self.set_off(Mode::Running, location)
+    }
+
+    /// Lets the homing run drive from the next sample on; counts mean nothing until it has ended.
+    ///
+    /// # Errors
+    /// As for a start, but for the reference.
+    pub(crate) fn home(&mut self, location: SpoolLocation) -> Result<(), Refusal> {
+        self.set_off(Mode::Homing, location)?;
+        self.referenced = false;
+        Ok(())
+    }
+
+    /// From armed to a mode that moves.
+    fn set_off(&mut self, mode: Mode, location: SpoolLocation) -> Result<(), Refusal> {
         match self.mode {
             Mode::Armed if location != SpoolLocation::default() => Err(Refusal::ValveNotAtNull),
             Mode::Armed => {
-                self.mode = Mode::Running;
+                self.mode = mode;
                 Ok(())
             }
-            Mode::Running => Err(Refusal::Running),
+            Mode::Running | Mode::Homing => Err(Refusal::Running),
             Mode::Disarmed => {
                 self.trip(Fault::CommandWhileDisarmed);
                 Err(Refusal::NotArmed)
             }
             Mode::Done | Mode::Fault(_) => Err(Refusal::NotArmed),
         }
+    }
+
+    /// The homing run has ended: counts mean positions, the valve is at null.
+    pub(crate) fn homed(&mut self) {
+        self.mode = Mode::Armed;
+        self.referenced = true;
     }
 
     /// Disables the drive and latches the fault. The first fault stays.
@@ -221,24 +262,21 @@ impl Supervisor {
         }
     }
 
-    /// Trips when the motion is beyond the limits of an enabled drive. A disarmed axis may be
-    /// pushed by hand.
-    pub(crate) fn watch(&mut self, limits: &Limits, motion: &Motion) {
+    /// Trips when an enabled drive is beyond its limits. A disarmed axis may be pushed by hand.
+    pub(crate) fn watch(&mut self, limits: &Limits, seen: &Evidence) {
         if !self.drives() {
             return;
         }
-        if motion.step.unsigned_abs() > u64::from(limits.encoder_step) {
-            self.trip(Fault::EncoderStep);
-        } else if motion.position < limits.position_min || motion.position > limits.position_max {
-            self.trip(Fault::PositionOutside);
+        if let Some(fault) = self.watch.judge(limits, seen) {
+            self.trip(fault);
         }
     }
 
     /// The command that may go to the drive stage: the law's while running, and while a closed loop
-    /// holds its last setpoint; else null.
+    /// holds its last setpoint; the homing run's; else null.
     pub(crate) fn permit(&self, law: &LawConfig, command: i16) -> i16 {
         match (self.mode, law.control_loop) {
-            (Mode::Running, _) | (Mode::Done, Loop::Closed) => command,
+            (Mode::Running | Mode::Homing, _) | (Mode::Done, Loop::Closed) => command,
             _ => 0,
         }
     }

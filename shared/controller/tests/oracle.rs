@@ -50,6 +50,8 @@ impl Bench {
         parameters.set(id::POSITION_MIN_COUNTS, -i32::MAX).expect("in range");
         parameters.set(id::POSITION_MAX_COUNTS, i32::MAX).expect("in range");
         parameters.set(id::ENCODER_STEP_COUNTS, i32::MAX).expect("in range");
+        parameters.set(id::SENSOR_LOW_RAW, -1).expect("in range");
+        parameters.set(id::NO_MOTION_MS, 0).expect("in range");
         for &(id, value) in changes {
             parameters.set(id, value).expect("in range");
         }
@@ -58,14 +60,14 @@ impl Bench {
         sequence.push(Move { at_sample: 0, target: setpoint }).expect("room");
         let mut state = State::default();
         state.supervisor.set_referenced();
-        state.supervisor.arm(config.law.control_loop).expect("referenced");
-        state.start().expect("armed");
+        state.supervisor.arm().expect("referenced");
+        state.start(&config, &sequence).expect("armed");
         Bench { parameters, config, sequence, state }
     }
 
     /// The command for one sample.
     fn step(&mut self, position: i32, [pressure_1, pressure_2]: [i16; 2]) -> i16 {
-        let input = Sample { position, pressure_1, pressure_2, spool: 0 };
+        let input = Sample { position, pressure_1, pressure_2, ..Sample::default() };
         sample(&self.config, &self.sequence, &mut self.state, &input);
         output(&self.config, &mut self.state).counts
     }

@@ -39,7 +39,8 @@
 //!   old PC can read.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
 //!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1. A new version adds a file of its own.
+//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` those that version 2 has
+//!   added. A new version adds a file of its own.
 //!
 //! # What is promised
 //!
@@ -49,15 +50,17 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod event;
 pub mod frame;
 pub mod message;
 pub mod record;
 pub mod values;
 
+pub use event::Event;
 pub use frame::{Accumulator, FrameError};
 pub use message::{
-    Message, MessageError, Mode, RecordInfo, Refused, Reply, ReplyBody, Request, RequestBody, Status,
-    decode_reply, decode_request, encode,
+    ConfigState, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody, Request,
+    RequestBody, Status, decode_reply, decode_request, encode,
 };
 pub use record::{RecordCrc, RecordedSample};
 pub use values::Values;
@@ -66,7 +69,7 @@ pub use values::Values;
 pub const MIN_VERSION: u16 = 1;
 
 /// The version described here.
-pub const CURRENT_VERSION: u16 = 1;
+pub const CURRENT_VERSION: u16 = 2;
 
 /// The longest message, bytes: sequence and body, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;
@@ -79,6 +82,9 @@ pub const MAX_VALUES: usize = 64;
 
 /// The most recorded samples that one message carries.
 pub const CHUNK_SAMPLES: usize = 32;
+
+/// The most events of the fault log that one message carries.
+pub const MAX_EVENTS: usize = 16;
 
 /// Texts up to this long always fit their message, bytes of UTF-8. Longer ones may not.
 pub const MAX_TEXT: usize = 64;
@@ -101,6 +107,8 @@ const _: () = {
     assert!(info <= MAX_MESSAGE, "Info");
     let record_info = HEADER_BYTES + TEXT_BYTES + 4 * U32_BYTES + 3 * U16_BYTES + 1;
     assert!(record_info <= MAX_MESSAGE, "RecordInfo");
+    let events = HEADER_BYTES + 2 + U16_BYTES + MAX_EVENTS * Event::BYTES;
+    assert!(events <= MAX_MESSAGE, "Events");
     assert!(MIN_VERSION <= CURRENT_VERSION);
     assert!(MAX_VALUES <= u8::MAX as usize, "count of ConfigGet");
     assert!(CHUNK_SAMPLES <= u8::MAX as usize, "count of RecordRead");

@@ -82,6 +82,21 @@ pub enum RequestBody<'a> {
         /// How many, up to [`CHUNK_SAMPLES`](crate::CHUNK_SAMPLES).
         count: u8,
     },
+    /// Version 2. Homes the axis: moves it slowly to its stop or switch.
+    Home,
+    /// Version 2. How do the moves stand? Answered by [`ReplyBody::Motion`].
+    Motion,
+    /// Version 2. Stores the parameters for the next reset.
+    ConfigSave,
+    /// Version 2. Where do the parameters come from? Answered by [`ReplyBody::ConfigState`].
+    ConfigState,
+    /// Version 2. The fault log. Answered by [`ReplyBody::Events`].
+    Events {
+        /// Position in the log; 0 is the newest event.
+        first: u8,
+        /// How many, up to [`MAX_EVENTS`](crate::MAX_EVENTS).
+        count: u8,
+    },
 }
 
 /// The answer to a request.
@@ -136,6 +151,19 @@ pub enum ReplyBody<'a> {
     },
     /// The request was not carried out, and nothing was changed.
     Refused(#[serde(borrow)] Refused<'a>),
+    /// Version 2. How the moves stand.
+    Motion(Motion),
+    /// Version 2. Where the parameters come from.
+    ConfigState(ConfigState),
+    /// Version 2. Events of the fault log.
+    Events {
+        /// Events in the log.
+        total: u8,
+        /// Position of the first one here; 0 is the newest.
+        first: u8,
+        /// [`Event::BYTES`](crate::Event::BYTES) each, newest first.
+        events: &'a [u8],
+    },
 }
 
 /// What the drive is doing.
@@ -185,6 +213,38 @@ pub struct Status {
     pub recorded: u32,
     /// Frames that came damaged to the firmware since its reset.
     pub damaged_frames: u32,
+}
+
+/// How the moves of the run stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Whether the drive is homing; [`Status`] says `Running` then.
+    pub homing: bool,
+    /// The move in force: 0 none, 1 on its way, 2 arrived, 3 not reached.
+    pub arrival: u8,
+    /// Moves that have begun.
+    pub begun: u16,
+    /// Moves that ended without arriving.
+    pub not_reached: u32,
+    /// What the run has learned of the valve's null, counts.
+    pub learned_null_offset: i32,
+}
+
+/// Where the parameters come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ConfigState {
+    /// 0: never saved, 1: as stored, 2: stored by another version and taken over, 3: both stored sets
+    /// are damaged.
+    pub source: u8,
+    /// How often they were saved.
+    pub saves: u32,
+    /// CRC-32 of the parameters in force.
+    pub hash: u32,
+    /// Whether they are those that the next reset will load.
+    pub saved: bool,
+    /// Stored values that were ignored: parameters that this firmware does not know, or values outside
+    /// their range.
+    pub ignored: u16,
 }
 
 /// What the record holds and how it was taken.
@@ -247,6 +307,8 @@ pub enum Refused<'a> {
     },
     /// This firmware does not know the request.
     Unknown,
+    /// Version 2. The board's flash could not be written.
+    NotStored,
 }
 
 /// The message is not one of this version, though it came whole: a later version's, most likely.

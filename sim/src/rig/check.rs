@@ -158,10 +158,30 @@ impl Reader<'_> {
         if rig.word("controller.loop") == "closed" {
             self.check_setpoints(rig, &moves);
         }
+        if rig.switch("controller.exit_on_dead_band") && rig.value("test.targets").is_none() {
+            let message = "needs test.targets: timed moves do not wait for the end of the one before";
+            self.problem_at_key("controller.exit_on_dead_band", message.to_owned());
+        }
+        if let Some(Value::Numbers(impulse)) = rig.value("test.impulse")
+            && (impulse[0] < 0.0 || impulse[1] <= 0.0 || impulse[2].fract() != 0.0)
+        {
+            let message = "is [time in s, duration in s, counts]: the duration above 0, whole counts";
+            self.problem_at_key("test.impulse", message.to_owned());
+        }
     }
 
     /// A setpoint that the cylinder cannot reach is a slip of units as a rule.
     fn check_setpoints(&mut self, rig: &Rig, moves: &[(f64, i64)]) {
+        let ends = [("safety.end_min_mm", -1.0), ("safety.end_max_mm", 1.0)];
+        let pulse = rig.number("encoder.mm_per_count");
+        for (end, side) in ends {
+            let Some(mm) = rig.optional_number(end) else { continue };
+            if let Some((_, target)) =
+                moves.iter().find(|(_, target)| side * (*target as f64 * pulse - mm) > 0.0)
+            {
+                self.problem_at_key(end, format!("setpoint {target} lies beyond it"));
+            }
+        }
         let stroke = (rig.number("actuator.stroke_m") * 1e3 / rig.number("encoder.mm_per_count")) as i64;
         for (_, target) in moves.iter().filter(|(_, target)| *target < 0 || *target > stroke) {
             let key = if rig.value("test.targets").is_some() { "test.targets" } else { "test.moves" };

@@ -78,7 +78,11 @@ impl Rig {
     /// What is counted in commands follows the drive stage where the file does not give it: the scale of
     /// the law (6.3.3), and the dead zone of the valve, 0.05 mm.
     fn suit_drive_stage(&mut self) {
-        let of_stepper = [("controller.scale", 65_536), ("controller.dead_zone_counts", 4)];
+        let of_stepper = [
+            ("controller.scale", 65_536),
+            ("controller.dead_zone_counts", 4),
+            ("controller.homing_command_counts", -4),
+        ];
         for (path, value) in of_stepper {
             let index = Rig::index(path);
             if self.word("operator.model") == "stepper" && !self.set[index] {

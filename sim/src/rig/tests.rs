@@ -1,6 +1,8 @@
 //! Rig files: what is accepted, and what every refusal says.
 
 use super::*;
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::id;
 
 /// The problems of a file, a line each.
 fn problems(text: &str) -> Vec<String> {
@@ -100,11 +102,9 @@ fn everything_wrong_is_said_at_once() {
 fn a_model_that_is_not_built_is_refused_in_just_those_words() {
     let message = only_problem("[tubing]\nmodel = \"dynamic\"\n");
     assert!(message.contains("tubing.model = \"dynamic\" is not built yet"), "{message}");
-    let message = only_problem("[controller]\nlearn_null_offset = true\n");
-    assert!(message.contains("controller.learn_null_offset is not built yet"), "{message}");
     let message = only_problem("[actuator]\nheat_transfer_w_per_m2_k = 5\n");
     assert!(message.contains("actuator.heat_transfer_w_per_m2_k is not built yet"), "{message}");
-    read("[actuator]\nheat_transfer_w_per_m2_k = 0\n[controller]\nlearn_null_offset = false\n");
+    read("[actuator]\nheat_transfer_w_per_m2_k = 0\n");
 }
 
 #[test]
@@ -204,6 +204,56 @@ fn every_law_is_the_controllers_of_its_name() {
         let rig = read(&format!("[controller]\nlaw = \"{law}\"\n"));
         assert_eq!(rig.parameters().get(id::LAW), Some(number as i32), "{law}");
     }
+}
+
+#[test]
+fn targets_that_wait_for_the_one_before_have_no_times_and_need_to_be_targets() {
+    let rig =
+        read("[controller]\nexit_on_dead_band = true\ndead_band_counts = 20\n[test]\ntargets = [100, 200]\n");
+    assert_eq!(rig.moves(), [(0.0, 100), (0.0, 200)]);
+    let parameters = rig.parameters();
+    let of = |id| parameters.get(id);
+    assert_eq!(
+        (of(id::ON_ARRIVAL), of(id::TOLERANCE_COUNTS)),
+        (Some(1), Some(19)),
+        "less than the dead band"
+    );
+    assert_eq!((of(id::FORCED_EXIT_US), of(id::MONITORING_US)), (Some(1_420_000), Some(0)));
+    let message = only_problem("[controller]\nexit_on_dead_band = true\n");
+    assert!(message.contains("controller.exit_on_dead_band: needs test.targets"), "{message}");
+}
+
+#[test]
+fn an_impulse_stands_on_top_of_the_moves() {
+    let rig =
+        |impulse: &str| read(&format!("[test]\nmoves = [[0.0, 100], [0.5, 200]]\nimpulse = {impulse}\n"));
+    assert_eq!(rig("[0.2, 0.1, 50]").moves(), [(0.0, 100), (0.2, 150), (0.3, 100), (0.5, 200)]);
+    assert_eq!(rig("[0.4, 0.2, 50]").moves(), [(0.0, 100), (0.4, 150), (0.5, 250), (0.6, 200)]);
+    assert_eq!(rig("[0.5, 0.2, -50]").moves(), [(0.0, 100), (0.5, 150), (0.7, 200)]);
+    for wrong in ["[-0.1, 0.1, 50]", "[0.1, 0, 50]", "[0.1, 0.1, 0.5]"] {
+        let found = problems(&format!("[test]\nimpulse = {wrong}\n"));
+        assert!(found.iter().any(|problem| problem.contains("test.impulse: ")), "{found:?}");
+    }
+}
+
+#[test]
+fn a_pressure_that_the_drive_cannot_have_is_an_open_sensors_where_the_range_shows_it() {
+    let of = |text: &str| {
+        let parameters = read(text).parameters();
+        [id::SENSOR_LOW_RAW, id::SENSOR_HIGH_RAW].map(|id| parameters.get(id).expect("a parameter"))
+    };
+    assert_eq!(of(""), [0, 4095]);
+    assert_eq!(of("[sensors]\npressure_min_pa = 101300\n"), [-1, 4095], "a gauge reads 0 at the exhaust");
+    assert_eq!(of("[sensors]\npressure_max_pa = 700000\nbits = 10\n"), [0, 32_767]);
+    assert_eq!(of("[safety]\nsensor_watch = false\n"), [-1, 32_767]);
+}
+
+#[test]
+fn setpoints_beyond_a_software_end_position_are_refused() {
+    let message = only_problem("[safety]\nend_max_mm = 150\n");
+    assert!(message.contains("safety.end_max_mm: setpoint 16384 lies beyond it"), "{message}");
+    let parameters = read("[safety]\nend_max_mm = 200\n").parameters();
+    assert_eq!(parameters.get(id::END_MAX_COUNTS), Some(16_597));
 }
 
 #[test]

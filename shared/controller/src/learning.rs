@@ -1,0 +1,55 @@
+//! The valve's null, learned at rest (Pu's strategy, thesis 8.2.3).
+//!
+//! ```text
+//! new offset = old offset + gain * n_p         where a move ends that has arrived
+//! demand     = ... + new offset / scale
+//! ```
+//!
+//! What error is left at rest is what the command at the valve's null is wrong by. The thesis adds the
+//! error itself, a gain of 1; its comparison lacks the magnitude of the error, without which errors of one
+//! sign always learn.
+
+use core::num::NonZeroU32;
+
+use crate::fixed::{divide_toward_zero, saturate};
+
+/// What has been learned, times the scale of the law.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct NullOffset(i32);
+
+impl NullOffset {
+    /// A move has ended with this error, counts.
+    pub fn learn(&mut self, gain: u16, error: i32) {
+        self.0 = self.0.saturating_add(saturate(i64::from(gain) * i64::from(error)));
+    }
+
+    /// The offset, valve counts.
+    pub fn counts(self, scale: NonZeroU32) -> i32 {
+        divide_toward_zero(self.0, scale)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_left_at_rest_add_up_to_the_offset() {
+        let scale = NonZeroU32::new(256).expect("not zero");
+        let mut offset = NullOffset::default();
+        for (error, counts) in [(3, 1), (3, 3), (-20, -7), (0, -7)] {
+            offset.learn(128, error);
+            assert_eq!(offset.counts(scale), counts);
+        }
+        offset.learn(u16::MAX, i32::MIN);
+        offset.learn(u16::MAX, i32::MIN);
+        assert_eq!(offset.counts(scale), i32::MIN / 256, "saturated, not wrapped");
+    }
+
+    #[test]
+    fn without_a_gain_nothing_is_learned() {
+        let mut offset = NullOffset::default();
+        offset.learn(0, i32::MAX);
+        assert_eq!(offset, NullOffset::default());
+    }
+}

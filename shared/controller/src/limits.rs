@@ -1,0 +1,99 @@
+//! What an axis may do before the supervisor trips, and the end positions that a user sets.
+//!
+//! | judged | trips with |
+//! |---|---|
+//! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
+//! | the position, once counts mean positions | [`Fault::PositionOutside`] |
+//! | a raw pressure at or beyond an end of its converter, for some samples | [`Fault::SensorRange`] |
+//! | a closed loop that asks for half of the valve or more and does not move | [`Fault::NoMotion`] |
+//!
+//! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
+//! stuck spool.
+
+use crate::estimator::Motion;
+use crate::signal::Sample;
+use crate::supervisor::Fault;
+
+/// The limits of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Lowest position, counts: the retracted end less the margin.
+    pub position_min: i32,
+    /// Highest position, counts: the extended end plus the margin.
+    pub position_max: i32,
+    /// Furthest step of the encoder in one sample, counts.
+    pub encoder_step: u32,
+    /// A raw pressure at or below it is that of an open sensor; -1: none is.
+    pub sensor_low: i16,
+    /// A raw pressure at or above it is that of a shorted sensor; 32767: none is.
+    pub sensor_high: i16,
+    /// Samples that a pressure must stay there.
+    pub sensor_samples: u32,
+    /// Samples that a wide open valve may move nothing; 0: any number.
+    pub no_motion_samples: u32,
+    /// Software end positions, counts: setpoints beyond them are refused, and an open loop does not
+    /// push beyond them.
+    pub end_min: i32,
+    /// The other one.
+    pub end_max: i32,
+}
+
+impl Limits {
+    /// Whether a setpoint lies between the software end positions.
+    pub(crate) fn allows(&self, setpoint: i32) -> bool {
+        self.end_min <= setpoint && setpoint <= self.end_max
+    }
+
+    /// The demand of an open loop, which goes no further than a software end position.
+    pub(crate) fn hold_back(&self, demand: i32, position: i32) -> i32 {
+        let pushes_out = (position <= self.end_min && demand < 0) || (position >= self.end_max && demand > 0);
+        if pushes_out { 0 } else { demand }
+    }
+
+    fn is_position(&self, position: i32) -> bool {
+        self.position_min <= position && position <= self.position_max
+    }
+
+    fn is_pressure(&self, raw: i16) -> bool {
+        self.sensor_low < raw && (raw < self.sensor_high || self.sensor_high == i16::MAX)
+    }
+}
+
+/// What there is to judge at one sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Evidence<'a> {
+    pub motion: &'a Motion,
+    pub input: &'a Sample,
+    /// Whether counts mean positions.
+    pub referenced: bool,
+    /// Whether the command in force is a closed loop's, and asks for half of the valve or more.
+    pub pushes: bool,
+}
+
+/// How long something has been wrong, samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Watch {
+    bad_sensor: u32,
+    no_motion: u32,
+}
+
+impl Watch {
+    /// What is wrong at this sample. The encoder is judged first: nothing else can be believed without.
+    pub fn judge(&mut self, limits: &Limits, seen: &Evidence) -> Option<Fault> {
+        let good = limits.is_pressure(seen.input.pressure_1) && limits.is_pressure(seen.input.pressure_2);
+        let stands = seen.pushes && seen.motion.step == 0;
+        self.bad_sensor = if good { 0 } else { self.bad_sensor.saturating_add(1) };
+        self.no_motion = if stands { self.no_motion.saturating_add(1) } else { 0 };
+        if seen.motion.step.unsigned_abs() > u64::from(limits.encoder_step) {
+            Some(Fault::EncoderStep)
+        } else if seen.referenced && !limits.is_position(seen.motion.position) {
+            Some(Fault::PositionOutside)
+        } else if self.bad_sensor >= limits.sensor_samples {
+            Some(Fault::SensorRange)
+        } else if limits.no_motion_samples > 0 && self.no_motion >= limits.no_motion_samples {
+            Some(Fault::NoMotion)
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! The axis as a machine has it: its limits, its moves, its homing run.
+
+mod bench;
+
+use bench::{Bench, at};
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::sequencer::Arrival;
+use pneudrive_controller::{Fault, Mode, Refusal, Sample};
+
+const OPEN_LOOP: (u16, i32) = (id::OPEN_LOOP, 1);
+const FAR: &[(u32, i32)] = &[(0, 20_000)];
+
+#[test]
+fn an_open_or_shorted_pressure_sensor_trips_after_its_samples() {
+    for bad in [0, -5, 4095, i16::MAX] {
+        let mut bench = Bench::running(&[], FAR);
+        let inputs = [Sample { pressure_1: bad, ..at(100) }, Sample { pressure_2: bad, ..at(100) }];
+        for (k, input) in [inputs[0], inputs[1], inputs[0]].into_iter().enumerate() {
+            assert_ne!(bench.take(input), 0, "sample {k}");
+        }
+        assert_eq!(bench.take(inputs[1]), 0, "off at the output of the fourth");
+        assert_eq!(bench.mode(), Mode::Fault(Fault::SensorRange), "{bad}");
+    }
+}
+
+#[test]
+fn a_pressure_that_comes_back_in_time_is_forgotten() {
+    let mut bench = Bench::running(&[], FAR);
+    for _ in 0..10 {
+        bench.hold(Sample { pressure_1: 0, ..at(100) }, 3);
+        bench.take(at(100));
+    }
+    assert_eq!(bench.mode(), Mode::Running);
+}
+
+#[test]
+fn the_ends_of_a_converter_count_only_where_they_are_watched() {
+    let mut bench = Bench::running(&[(id::SENSOR_LOW_RAW, -1), (id::SENSOR_HIGH_RAW, 32_767)], FAR);
+    for raw in [0, 4095, i16::MAX] {
+        bench.hold(Sample { pressure_1: raw, pressure_2: raw, ..at(100) }, 10);
+        assert_eq!(bench.mode(), Mode::Running, "{raw}");
+    }
+}
+
+/// Swapped tubes, a lost encoder, a stuck spool: the law pushes and nothing moves.
+#[test]
+fn a_closed_loop_that_pushes_and_moves_nothing_trips() {
+    let mut bench = Bench::running(&[(id::NO_MOTION_MS, 13)], FAR);
+    assert_eq!(bench.hold(at(100), 10), 2048, "the first sample had no command yet");
+    assert_eq!(bench.take(at(100)), 0, "10 samples of 1.3 ms");
+    assert_eq!(bench.mode(), Mode::Fault(Fault::NoMotion));
+}
+
+#[test]
+fn one_that_moves_or_asks_for_less_than_half_of_the_valve_does_not() {
+    let mut moving = Bench::running(&[(id::NO_MOTION_MS, 13)], FAR);
+    for k in 0..100 {
+        moving.take(at(100 + k / 9));
+    }
+    assert_eq!(moving.mode(), Mode::Running);
+    let mut gentle = Bench::running(&[(id::NO_MOTION_MS, 13)], &[(0, 1124)]);
+    assert_eq!(gentle.hold(at(100), 100), 1024);
+    assert_eq!(gentle.mode(), Mode::Running, "1024 of 2048 is not more than half");
+    let mut open = Bench::running(&[(id::NO_MOTION_MS, 13), OPEN_LOOP], &[(0, 2048)]);
+    assert_eq!(open.hold(at(100), 100), 2048, "an open loop may stand at a stop");
+    let mut off = Bench::running(&[(id::NO_MOTION_MS, 0)], FAR);
+    assert_eq!(off.hold(at(100), 1000), 2048);
+}
+
+#[test]
+fn a_closed_loop_that_holds_is_watched_too() {
+    let mut bench = Bench::running(&[(id::NO_MOTION_MS, 13)], &[(0, 100)]);
+    bench.sequence.duration_samples = 3;
+    bench.hold(at(100), 5);
+    assert_eq!(bench.mode(), Mode::Done);
+    for k in 1..10 {
+        bench.take(at(100 + 300 * k));
+    }
+    bench.hold(at(2800), 20);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::NoMotion), "somebody holds the rod");
+}
+
+#[test]
+fn setpoints_beyond_a_software_end_position_are_refused_before_they_move_anything() {
+    let ends = [(id::END_MIN_COUNTS, 1000), (id::END_MAX_COUNTS, 2000)];
+    for (target, refused) in [(999, true), (1000, false), (2000, false), (2001, true)] {
+        let mut bench = Bench::armed(&ends, &[(0, 1500), (5, target)]);
+        let started = bench.state.start(&bench.config, &bench.sequence);
+        assert_eq!(started, if refused { Err(Refusal::BeyondEnd) } else { Ok(()) }, "{target}");
+        assert_eq!(bench.mode(), if refused { Mode::Armed } else { Mode::Running });
+    }
+}
+
+#[test]
+fn an_open_loop_pushes_no_further_than_a_software_end_position() {
+    let ends = [(id::END_MIN_COUNTS, 1000), (id::END_MAX_COUNTS, 2000), OPEN_LOOP];
+    for (target, position, command) in [
+        (300, 1999, 300),
+        (300, 2000, 0),
+        (300, 2100, 0),
+        (-300, 2100, -300),
+        (-300, 1001, -300),
+        (-300, 1000, 0),
+        (300, 900, 300),
+    ] {
+        let mut bench = Bench::running(&ends, &[(0, target)]);
+        assert_eq!(bench.take(at(position)), command, "{target} at {position}");
+    }
+}
+
+#[test]
+fn positions_count_from_where_the_axis_was_referenced() {
+    let mut bench = Bench::armed(&[], &[(0, 500)]);
+    bench.take(at(12_345));
+    bench.state.reference(500);
+    bench.state.start(&bench.config, &bench.sequence).expect("armed");
+    assert_eq!(bench.take(at(12_345)), 0);
+    let seen = *bench.state.observation();
+    assert_eq!((seen.position, seen.error, seen.velocity), (500, 0, 0));
+    bench.take(at(12_347));
+    assert_eq!((bench.state.observation().position, bench.state.observation().error), (502, -2));
+}
+
+#[test]
+fn a_homing_run_against_a_stop_gives_counts_their_meaning() {
+    let homing = [(id::HOMING_STILL_MS, 13), (id::HOMING_POSITION_COUNTS, -10)];
+    let mut bench = Bench::armed(&homing, &[(0, -10)]);
+    bench.take(at(5000));
+    bench.state.home().expect("armed");
+    assert!(!bench.state.supervisor.is_referenced(), "until it has ended");
+    for k in 0..40 {
+        assert_eq!(bench.take(at(5000 - 30 * k)), -200, "sample {k}");
+    }
+    assert_eq!(bench.hold(at(3830), 9), -200);
+    assert_eq!(bench.take(at(3830)), 0, "the tenth sample without a step");
+    assert_eq!(bench.mode(), Mode::Armed);
+    assert!(bench.state.supervisor.is_referenced());
+    bench.state.start(&bench.config, &bench.sequence).expect("referenced");
+    assert_eq!(bench.take(at(3830)), 0);
+    assert_eq!(bench.state.observation().position, -10);
+}
+
+#[test]
+fn a_homing_run_is_refused_unless_armed_and_trips_when_it_finds_nothing() {
+    let mut bench = Bench::armed(&[(id::HOMING_SWITCH, 1), (id::HOMING_TIMEOUT_MS, 13)], FAR);
+    bench.state.supervisor.disarm();
+    assert_eq!(bench.state.home(), Err(Refusal::NotArmed));
+    assert_eq!(bench.mode(), Mode::Fault(Fault::CommandWhileDisarmed));
+    bench.state.supervisor.arm().expect("re-armed");
+    bench.state.home().expect("armed");
+    assert_eq!(bench.state.start(&bench.config, &bench.sequence), Err(Refusal::Running));
+    bench.hold(at(100), 9);
+    assert_eq!(bench.mode(), Mode::Homing);
+    assert_eq!(bench.take(at(100)), 0);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::HomingFailed));
+}
+
+#[test]
+fn a_homing_run_ends_at_the_edge_of_its_switch() {
+    let mut bench = Bench::armed(&[(id::HOMING_SWITCH, 1)], FAR);
+    bench.state.home().expect("armed");
+    assert_eq!(bench.take(at(900)), -200);
+    assert_eq!(bench.take(Sample { home_switch: true, ..at(890) }), 0);
+    assert_eq!(bench.mode(), Mode::Armed);
+    bench.take(at(890));
+    assert_eq!(bench.state.observation().position, 0);
+}
+
+/// Counts mean nothing during a homing run, so its positions trip nothing; its steps do.
+#[test]
+fn a_homing_run_is_watched_by_what_needs_no_reference() {
+    let mut bench = Bench::armed(&[], FAR);
+    bench.state.home().expect("armed");
+    bench.take(at(1_000_000));
+    assert_eq!(bench.mode(), Mode::Homing);
+    bench.take(at(1_000_600));
+    assert_eq!(bench.mode(), Mode::Fault(Fault::EncoderStep));
+}
+
+const ON_ARRIVAL: (u16, i32) = (id::ON_ARRIVAL, 1);
+
+#[test]
+fn moves_on_arrival_go_on_at_the_sample_after_the_arrival_and_end_the_run() {
+    let mut bench = Bench::running(&[ON_ARRIVAL], &[(0, 100), (0, 200)]);
+    bench.take(at(50));
+    assert_eq!(bench.state.sequencer().arrival(), Arrival::Moving);
+    bench.take(at(92));
+    assert_eq!(bench.state.sequencer().arrival(), Arrival::Arrived, "8 counts are inside");
+    bench.take(at(95));
+    assert_eq!((bench.state.observation().setpoint, bench.state.sequencer().begun()), (200, 2));
+    bench.take(at(200));
+    assert_eq!(bench.mode(), Mode::Running, "until the next sample");
+    bench.take(at(200));
+    assert_eq!(bench.mode(), Mode::Done);
+    assert_eq!(bench.state.sequencer().not_reached(), 0);
+}
+
+#[test]
+fn a_move_that_is_cut_off_by_the_end_of_the_run_was_not_reached() {
+    let mut bench = Bench::running(&[], &[(0, 100)]);
+    bench.sequence.duration_samples = 2;
+    bench.hold(at(50), 4);
+    assert_eq!((bench.mode(), bench.state.sequencer().not_reached()), (Mode::Done, 1));
+    assert_eq!(bench.state.sequencer().arrival(), Arrival::NotReached);
+}
+
+/// 8.2.3: the error that is left where a move ends goes into the null offset.
+#[test]
+fn the_null_offset_is_learned_where_a_move_ends_that_has_arrived() {
+    let learning = [(id::LEARNING_GAIN, 256), (id::LAW, 1), (id::PROPORTIONAL_GAIN, 256)];
+    let learning = [learning.as_slice(), &[(id::VELOCITY_GAIN, 0), (id::ACCELERATION_GAIN, 0)]].concat();
+    let mut bench = Bench::running(&learning, &[(0, 100), (3, 200), (6, 400)]);
+    assert_eq!(bench.hold(at(93), 3), 7);
+    assert_eq!(bench.take(at(193)), 7 + 7, "what was left of the first move is added");
+    assert_eq!(bench.state.learned_null_offset(&bench.config), 7);
+    bench.hold(at(150), 2);
+    assert_eq!(bench.take(at(300)), 100 + 7, "the second one was pushed away again: that is no rest");
+    assert_eq!(bench.state.learned_null_offset(&bench.config), 7);
+}

@@ -1,0 +1,90 @@
+//! A controller on the bench: what the tests set up again and again.
+#![allow(dead_code)] // Each test file uses a part.
+
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Config, Mode, Move, Parameters, Sample, Sequence, State, output, sample};
+
+/// A run of six samples toward one target.
+pub fn one_move(target: i32) -> Sequence {
+    let mut sequence = Sequence::new(5);
+    sequence.push(Move { at_sample: 0, target }).expect("room");
+    sequence
+}
+
+/// A drive that runs toward 0 from the next sample on.
+pub fn running(config: &Config) -> State {
+    let mut state = State::default();
+    state.supervisor.set_referenced();
+    state.supervisor.arm().expect("referenced");
+    state.start(config, &one_move(0)).expect("armed");
+    state
+}
+
+/// Parameters with limits that nothing reaches.
+pub fn wide_open() -> Parameters {
+    let mut parameters = Parameters::default();
+    parameters.set(id::POSITION_MIN_COUNTS, -i32::MAX).expect("in range");
+    parameters.set(id::POSITION_MAX_COUNTS, i32::MAX).expect("in range");
+    parameters.set(id::ENCODER_STEP_COUNTS, i32::MAX).expect("in range");
+    parameters.set(id::SENSOR_LOW_RAW, -1).expect("in range");
+    parameters.set(id::NO_MOTION_MS, 0).expect("in range");
+    parameters
+}
+
+/// Parameters with changes.
+pub fn configured(changes: &[(u16, i32)]) -> Config {
+    let mut parameters = Parameters::default();
+    for &(id, value) in changes {
+        parameters.set(id, value).expect("in range");
+    }
+    Config::new(&parameters).expect("they go together")
+}
+
+/// A sample at a position, with pressures that a sound sensor reads.
+pub fn at(position: i32) -> Sample {
+    Sample { position, pressure_1: 2000, pressure_2: 2000, ..Sample::default() }
+}
+
+/// A drive with a configuration and moves, and the samples it is given.
+pub struct Bench {
+    pub config: Config,
+    pub sequence: Sequence,
+    pub state: State,
+}
+
+impl Bench {
+    /// An armed drive with these changes to the defaults; its moves: (sample, target).
+    pub fn armed(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
+        let mut sequence = Sequence::new(10_000);
+        for &(at_sample, target) in moves {
+            sequence.push(Move { at_sample, target }).expect("room");
+        }
+        let mut state = State::default();
+        state.supervisor.set_referenced();
+        state.supervisor.arm().expect("not running");
+        Bench { config: configured(changes), sequence, state }
+    }
+
+    /// The same, running.
+    pub fn running(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
+        let mut bench = Bench::armed(changes, moves);
+        bench.state.start(&bench.config, &bench.sequence).expect("armed");
+        bench
+    }
+
+    /// One sample and its output: the command.
+    pub fn take(&mut self, input: Sample) -> i16 {
+        sample(&self.config, &self.sequence, &mut self.state, &input);
+        output(&self.config, &mut self.state).counts
+    }
+
+    /// Many samples of the same input: the last command.
+    pub fn hold(&mut self, input: Sample, samples: u32) -> i16 {
+        (0..samples).map(|_| self.take(input)).last().expect("samples")
+    }
+
+    /// The mode.
+    pub fn mode(&self) -> Mode {
+        self.state.supervisor.mode()
+    }
+}

@@ -1,0 +1,188 @@
+//! Modes and requests: what is refused, what is held, what a trip does.
+
+mod bench;
+
+use bench::{at, one_move, running, wide_open};
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{
+    Command, Config, Fault, Mode, Parameters, Refusal, Sample, Sequence, State, output, sample,
+};
+
+#[test]
+fn positions_outside_the_stroke_by_more_than_the_margin_trip() {
+    let config = Config::new(&Parameters::default()).expect("defaults");
+    for (position, trips) in [(-249, false), (-250, true), (25_145, false), (25_146, true)] {
+        let mut state = running(&config);
+        sample(&config, &one_move(0), &mut state, &at(position));
+        let expected = if trips { Mode::Fault(Fault::PositionOutside) } else { Mode::Running };
+        assert_eq!(state.supervisor.mode(), expected, "{position}");
+    }
+}
+
+#[test]
+fn a_disarmed_axis_may_be_pushed_anywhere() {
+    let config = Config::new(&Parameters::default()).expect("defaults");
+    let mut state = State::default();
+    for position in [0, 100_000, -100_000] {
+        sample(&config, &one_move(0), &mut state, &at(position));
+        assert_eq!(state.supervisor.mode(), Mode::Disarmed);
+    }
+}
+
+#[test]
+fn a_closed_loop_holds_its_last_setpoint_when_done_and_an_open_loop_goes_to_null() {
+    for (open_loop, held) in [(0, 400), (1, 0)] {
+        let mut parameters = wide_open();
+        parameters.set(id::OPEN_LOOP, open_loop).expect("in range");
+        let config = Config::new(&parameters).expect("they go together");
+        let mut state = running(&config);
+        let sequence = one_move(400);
+        let input = Sample::default();
+        for k in 0..=5 {
+            assert_eq!(state.supervisor.mode(), Mode::Running, "before sample {k}");
+            sample(&config, &sequence, &mut state, &input);
+            assert_eq!(state.observation().index, k);
+        }
+        assert_eq!(state.supervisor.mode(), Mode::Running, "until the output of sample 5 is over");
+        sample(&config, &sequence, &mut state, &input);
+        assert_eq!(state.supervisor.mode(), Mode::Done);
+        assert!(!state.observation().running);
+        assert_eq!(output(&config, &mut state), Command { counts: held, step: 0, drive_enable: true });
+    }
+}
+
+#[test]
+fn an_armed_drive_stands_at_null_whatever_the_error() {
+    let config = Config::new(&Parameters::default()).expect("defaults");
+    let mut state = State::default();
+    state.supervisor.set_referenced();
+    state.supervisor.arm().expect("referenced");
+    sample(&config, &one_move(9000), &mut state, &at(5000));
+    assert_eq!(output(&config, &mut state), Command { counts: 0, step: 0, drive_enable: true });
+}
+
+#[test]
+fn requests_that_may_not_be_are_refused_by_name() {
+    let mut state = State::default();
+    let config = Config::new(&Parameters::default()).expect("defaults");
+    let sequence = one_move(500);
+    state.supervisor.arm().expect("not running");
+    assert_eq!(state.start(&config, &Sequence::new(9)), Err(Refusal::NoMoves));
+    assert_eq!(state.start(&config, &sequence), Err(Refusal::NotReferenced));
+    assert_eq!(state.supervisor.mode(), Mode::Armed, "a refusal changes nothing");
+    state.supervisor.disarm();
+    assert_eq!(state.start(&config, &sequence), Err(Refusal::NotArmed));
+    assert_eq!(state.supervisor.mode(), Mode::Fault(Fault::CommandWhileDisarmed));
+    state.supervisor.disarm();
+    assert_eq!(state.supervisor.mode(), Mode::Fault(Fault::CommandWhileDisarmed), "a fault stays latched");
+    state.supervisor.trip(Fault::Stop);
+    assert_eq!(state.supervisor.mode(), Mode::Fault(Fault::CommandWhileDisarmed), "the first fault stays");
+    state.supervisor.set_referenced();
+    state.supervisor.arm().expect("re-armed");
+    state.start(&config, &sequence).expect("armed");
+    assert_eq!(state.supervisor.arm(), Err(Refusal::Running));
+    assert_eq!(state.start(&config, &sequence), Err(Refusal::Running));
+    assert_eq!(state.home(), Err(Refusal::Running));
+}
+
+#[test]
+fn codes_of_faults_and_refusals_are_fixed_and_unique() {
+    let faults = Fault::ALL.map(Fault::code);
+    assert_eq!(faults, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
+    for fault in Fault::ALL {
+        assert_eq!(Fault::from_code(fault.code()), Some(fault));
+    }
+    assert_eq!(Fault::from_code(0), None);
+    let refusals = Refusal::ALL.map(Refusal::code);
+    assert_eq!(refusals, [1, 2, 3, 4, 5, 6, 7, 8]);
+    for refusal in Refusal::ALL {
+        assert_eq!(Refusal::from_code(refusal.code()), Some(refusal));
+    }
+    assert_eq!(Refusal::from_code(0), None);
+}
+
+#[test]
+fn a_start_begins_anew_at_sample_zero_with_a_fresh_history() {
+    let mut parameters = wide_open();
+    parameters.set(id::VELOCITY_GAIN, 60_000).expect("in range");
+    let config = Config::new(&parameters).expect("they go together");
+    let sequence = one_move(1000);
+    let mut state = running(&config);
+    for position in [0, 300, 600, 1000, 1300, 1600, 1900] {
+        sample(&config, &sequence, &mut state, &at(position));
+    }
+    assert_eq!(state.supervisor.mode(), Mode::Done);
+    state.supervisor.disarm();
+    state.supervisor.arm().expect("referenced");
+    state.start(&config, &sequence).expect("armed");
+    sample(&config, &sequence, &mut state, &Sample { position: 1000, ..Sample::default() });
+    let seen = state.observation();
+    assert_eq!((seen.index, seen.velocity, seen.acceleration, seen.command), (0, 0, 0, 0));
+}
+
+/// A rig with a stepper, running towards a setpoint far away.
+fn stepper_at_work() -> (Config, Sequence, State) {
+    let mut parameters = wide_open();
+    parameters.set(id::STEPPER, 1).expect("in range");
+    let config = Config::new(&parameters).expect("they go together");
+    let (sequence, mut state) = (one_move(20_000), running(&config));
+    for k in 1..=5 {
+        sample(&config, &sequence, &mut state, &Sample::default());
+        let command = output(&config, &mut state);
+        assert_eq!(command, Command { counts: 40, step: 1, drive_enable: true });
+        assert_eq!(state.observation().spool, k - 1, "SPLLOC at the sample");
+    }
+    (config, sequence, state)
+}
+
+#[test]
+fn a_tripped_stepper_gets_target_zero_at_once_and_walks_there_one_pulse_a_sample() {
+    let (config, sequence, mut state) = stepper_at_work();
+    state.supervisor.trip(Fault::Stop);
+    let pulses: [(i8, bool); 7] = core::array::from_fn(|_| {
+        let command = output(&config, &mut state);
+        assert_eq!(command.counts, 0);
+        sample(&config, &sequence, &mut state, &Sample::default());
+        (command.step, command.drive_enable)
+    });
+    let walking = (-1, true);
+    assert_eq!(pulses, [walking, walking, walking, walking, walking, (0, false), (0, false)]);
+}
+
+#[test]
+fn a_stepper_that_is_not_at_null_yet_does_not_start() {
+    let (config, sequence, mut state) = stepper_at_work();
+    state.supervisor.disarm();
+    state.supervisor.arm().expect("referenced");
+    assert_eq!(state.start(&config, &sequence), Err(Refusal::ValveNotAtNull));
+    assert_eq!(state.home(), Err(Refusal::ValveNotAtNull));
+    let pulses: [i8; 6] = core::array::from_fn(|_| output(&config, &mut state).step);
+    assert_eq!(pulses, [-1, -1, -1, -1, -1, 0], "armed is null at once, whatever the last sample asked for");
+    assert_eq!(state.start(&config, &sequence), Ok(()));
+}
+
+/// Stop and arm may both come between a sample and its output. Once the command of the stopped run
+/// was driven then, with the drive enabled.
+#[test]
+fn a_drive_that_is_re_armed_between_a_sample_and_its_output_is_at_null() {
+    let config = Config::new(&Parameters::default()).expect("defaults");
+    let mut state = running(&config);
+    sample(&config, &one_move(9000), &mut state, &at(5000));
+    assert_ne!(state.observation().command, 0);
+    state.supervisor.trip(Fault::Stop);
+    state.supervisor.arm().expect("referenced");
+    let null = Command { counts: 0, step: 0, drive_enable: true };
+    assert_eq!(output(&config, &mut state), null);
+    state.start(&config, &one_move(9000)).expect("armed");
+    assert_eq!(output(&config, &mut state), null, "nothing is driven before the first sample of a run");
+}
+
+#[test]
+fn a_drive_that_is_changed_to_a_dac_forgets_where_a_stepper_was() {
+    let (_, sequence, mut state) = stepper_at_work();
+    let dac = Config::new(&wide_open()).expect("they go together");
+    state.supervisor.disarm();
+    let _ = output(&dac, &mut state);
+    state.supervisor.arm().expect("referenced");
+    assert_eq!(state.start(&dac, &sequence), Ok(()));
+}
