@@ -20,6 +20,7 @@ pub mod board;
 pub mod control;
 pub mod recorder;
 pub mod server;
+pub mod storage;
 
 pub use board::Board;
 pub use control::Control;
