@@ -18,6 +18,7 @@
 
 pub mod board;
 pub mod control;
+pub mod fault_log;
 pub mod recorder;
 pub mod server;
 pub mod storage;

@@ -1,0 +1,337 @@
+//! The last hundred faults, through resets and power cuts.
+//!
+//! The log stands in memory that a reset leaves as it is. Each event has a CRC-32 of its own there, so
+//! that logging takes the time of one event, and a reset in the middle of it costs that one alone. While
+//! the drive is disarmed, [`FaultLog::flush`] copies the log to flash, for power cuts.
+//!
+//! At boot: [`FaultLog::recover`], then [`FaultLog::restore`], and only then the first event.
+
+use core::borrow::BorrowMut;
+use core::ops::Range;
+
+use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+use pneudrive_protocol::RecordCrc;
+
+use crate::storage::{Found, LayoutError, Record, SaveError, Slots};
+
+/// Events that are kept.
+pub const EVENTS: usize = 100;
+
+const MAGIC: [u8; 4] = *b"PDfl";
+const FORMAT: u16 = 1;
+const CRC_BYTES: usize = 4;
+const BOOT_BYTES: usize = 4 + CRC_BYTES;
+const PLACE_BYTES: usize = Event::BYTES + CRC_BYTES;
+
+/// Length of the memory, bytes.
+pub const MEMORY_BYTES: usize = BOOT_BYTES + EVENTS * PLACE_BYTES;
+
+/// The memory that the log stands in. A board puts it where a reset does not clear it. Any bytes may
+/// stand in it.
+pub type Memory = [u8; MEMORY_BYTES];
+
+/// One fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Event {
+    /// Events before it, ever.
+    pub number: u32,
+    /// Resets before it, and this one: 1 for the first.
+    pub boot: u32,
+    /// When, since that reset. Unit: microseconds.
+    pub time_us: u64,
+    /// Index k of the sample. Unit: samples.
+    pub index: u32,
+    /// Where the rod was. Unit: counts.
+    pub position: i32,
+    /// The fault's code ([`Fault::from_code`](pneudrive_controller::Fault::from_code)).
+    pub code: u8,
+}
+
+impl Event {
+    /// Length of an event in memory and flash, bytes.
+    pub const BYTES: usize = 25;
+
+    /// The event as it is stored: the fields in order, little endian.
+    #[must_use]
+    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let fields = self.number.to_le_bytes().into_iter();
+        let fields = fields.chain(self.boot.to_le_bytes()).chain(self.time_us.to_le_bytes());
+        let fields = fields.chain(self.index.to_le_bytes()).chain(self.position.to_le_bytes());
+        let mut bytes = [0; Self::BYTES];
+        for (byte, field) in bytes.iter_mut().zip(fields.chain([self.code])) {
+            *byte = field;
+        }
+        bytes
+    }
+
+    /// The event that was stored so. Any bytes are some event.
+    #[must_use]
+    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Event {
+        #[rustfmt::skip]
+        let [n0, n1, n2, n3, b0, b1, b2, b3, t0, t1, t2, t3, t4, t5, t6, t7,
+            i0, i1, i2, i3, p0, p1, p2, p3, code] = *bytes;
+        Event {
+            number: u32::from_le_bytes([n0, n1, n2, n3]),
+            boot: u32::from_le_bytes([b0, b1, b2, b3]),
+            time_us: u64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]),
+            index: u32::from_le_bytes([i0, i1, i2, i3]),
+            position: i32::from_le_bytes([p0, p1, p2, p3]),
+            code,
+        }
+    }
+}
+
+/// What the memory held after a reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recovery {
+    /// Nothing that can be read: the power was off, or the memory is damaged. The log starts empty.
+    Lost,
+    /// The log.
+    Kept {
+        /// Events that are whole.
+        events: usize,
+        /// Places whose CRC is wrong: left out.
+        damaged: usize,
+    },
+}
+
+/// What the flash held after a reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Restored {
+    /// No log was ever flushed whole.
+    NeverSaved,
+    /// The memory had events of its own, and they stay.
+    NotNeeded,
+    /// So many events came from flash.
+    Events(usize),
+    /// There was a log, and no copy of it can be read.
+    Damaged,
+    /// It is in this format of a later program.
+    UnknownFormat(u16),
+}
+
+/// Where in flash the log is flushed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FaultStore {
+    slots: Slots,
+}
+
+impl FaultStore {
+    /// A store in two ranges of whole erase sectors, bytes from the start of the flash; for which flash, see
+    /// [`ConfigStore::new`](crate::storage::ConfigStore::new).
+    ///
+    /// # Errors
+    /// When the ranges can't hold two copies of the log.
+    pub fn new<F: NorFlash>(flash: &F, slots: [Range<u32>; 2]) -> Result<FaultStore, LayoutError> {
+        Ok(FaultStore { slots: Slots::new(flash, MAGIC, slots, EVENTS * Event::BYTES)? })
+    }
+}
+
+/// The log, over its memory: owned, or borrowed from wherever the board has put it.
+#[derive(Debug)]
+pub struct FaultLog<M> {
+    memory: M,
+    boot: u32,
+    next: u32,
+    /// The newest event in flash.
+    flushed: Option<Event>,
+}
+
+impl<M: BorrowMut<Memory>> FaultLog<M> {
+    /// Takes the log up again after a reset, with what in the memory is whole, and counts the reset.
+    pub fn recover(memory: M) -> (Self, Recovery) {
+        let mut log = FaultLog { memory, boot: 1, next: 0, flushed: None };
+        let damaged = log.drop_damaged();
+        let stored_boot = log.stored_boot();
+        let newest = log.places().filter_map(whole_event).max_by_key(|event| event.number);
+        let boot = stored_boot.max(newest.map(|event| event.boot));
+        log.next = newest.map_or(0, |event| event.number.wrapping_add(1));
+        log.set_boot(boot.unwrap_or(0).wrapping_add(1));
+        let recovery = match boot {
+            None => Recovery::Lost,
+            Some(_) => Recovery::Kept { events: log.newest_first().count(), damaged },
+        };
+        (log, recovery)
+    }
+
+    /// Takes over what was flushed, if the memory holds no event. Once after a reset, before the first
+    /// event: numbers go on from those in flash.
+    pub fn restore<F: ReadNorFlash>(&mut self, store: &FaultStore, flash: &mut F) -> Restored {
+        let record = match store.slots.find(flash) {
+            Found::NeverSaved => return Restored::NeverSaved,
+            Found::Damaged => return Restored::Damaged,
+            Found::Whole(record) => record,
+        };
+        match record.header.format {
+            1 => self.restore_format_1(store, flash, &record),
+            later => Restored::UnknownFormat(later),
+        }
+    }
+
+    fn restore_format_1<F: ReadNorFlash>(
+        &mut self,
+        store: &FaultStore,
+        flash: &mut F,
+        record: &Record,
+    ) -> Restored {
+        let needed = self.newest().is_none();
+        let mut newest = None;
+        let whole = store.slots.read(flash, record, |bytes| {
+            let event = Event::from_bytes(&bytes);
+            newest = Some(event);
+            if needed {
+                self.put(&event);
+            }
+        });
+        if !whole {
+            if needed {
+                self.forget();
+            }
+            return Restored::Damaged;
+        }
+        self.flushed = newest;
+        match newest {
+            Some(newest) if needed => self.go_on_after(&newest),
+            _ => Restored::NotNeeded,
+        }
+    }
+
+    fn go_on_after(&mut self, newest: &Event) -> Restored {
+        self.next = newest.number.wrapping_add(1);
+        self.set_boot(self.boot.max(newest.boot.wrapping_add(1)));
+        Restored::Events(self.newest_first().count())
+    }
+
+    /// Logs a fault: its code, the index k of the sample, the position in counts, and the microseconds since
+    /// the reset. The oldest of more than a hundred makes room.
+    pub fn record(&mut self, code: u8, index: u32, position: i32, time_us: u64) -> Event {
+        let event = Event { number: self.next, boot: self.boot, time_us, index, position, code };
+        self.put(&event);
+        self.next = self.next.wrapping_add(1);
+        event
+    }
+
+    /// The events, the newest first. One that was damaged is left out.
+    pub fn newest_first(&self) -> impl Iterator<Item = Event> + '_ {
+        self.numbers().rev().filter_map(|number| self.event(number))
+    }
+
+    fn oldest_first(&self) -> impl Iterator<Item = Event> + '_ {
+        self.numbers().filter_map(|number| self.event(number))
+    }
+
+    /// The newest event.
+    #[must_use]
+    pub fn newest(&self) -> Option<Event> {
+        self.newest_first().next()
+    }
+
+    /// Resets so far, this one included. Those between two power cuts without an event are not counted.
+    #[must_use]
+    pub fn boot(&self) -> u32 {
+        self.boot
+    }
+
+    /// Whether there are events that are not in flash yet.
+    #[must_use]
+    pub fn needs_flush(&self) -> bool {
+        let newest = self.newest();
+        newest.is_some() && newest != self.flushed
+    }
+
+    /// Copies the log to flash, if there are events that are not there yet; tells whether there were. Only
+    /// while disarmed: it erases a slot, and takes as long as that takes.
+    ///
+    /// # Errors
+    /// When the flash refuses or does not hold what was written. The log flushed before is whole then.
+    pub fn flush<F: NorFlash>(
+        &mut self,
+        store: &FaultStore,
+        flash: &mut F,
+    ) -> Result<bool, SaveError<F::Error>> {
+        if !self.needs_flush() {
+            return Ok(false);
+        }
+        store.slots.save(flash, FORMAT, || self.oldest_first().map(|event| event.to_bytes()))?;
+        self.flushed = self.newest();
+        Ok(true)
+    }
+
+    /// Clears the places. The flash keeps what it has.
+    fn forget(&mut self) {
+        self.places_mut().for_each(|place| *place = [0; PLACE_BYTES]);
+    }
+
+    fn numbers(&self) -> Range<u32> {
+        self.next.saturating_sub(EVENTS as u32)..self.next
+    }
+
+    fn event(&self, number: u32) -> Option<Event> {
+        let place = self.places().nth(place_of(number))?;
+        whole_event(place).filter(|event| event.number == number)
+    }
+
+    fn put(&mut self, event: &Event) {
+        let place = place_of(event.number);
+        let bytes = event.to_bytes();
+        let sealed = bytes.into_iter().chain(crc(&bytes).to_le_bytes());
+        if let Some(to) = self.places_mut().nth(place) {
+            to.iter_mut().zip(sealed).for_each(|(to, from)| *to = from);
+        }
+    }
+
+    /// Clears the places that hold no whole event, and counts those that were not clear.
+    fn drop_damaged(&mut self) -> usize {
+        let mut damaged = 0;
+        for place in self.places_mut() {
+            if whole_event(place).is_none() && *place != [0; PLACE_BYTES] {
+                *place = [0; PLACE_BYTES];
+                damaged += 1;
+            }
+        }
+        damaged
+    }
+
+    fn places(&self) -> impl ExactSizeIterator<Item = &[u8; PLACE_BYTES]> {
+        let memory: &Memory = self.memory.borrow();
+        memory.get(BOOT_BYTES..).unwrap_or(&[]).as_chunks().0.iter()
+    }
+
+    fn places_mut(&mut self) -> impl ExactSizeIterator<Item = &mut [u8; PLACE_BYTES]> {
+        let memory: &mut Memory = self.memory.borrow_mut();
+        memory.get_mut(BOOT_BYTES..).unwrap_or(&mut []).as_chunks_mut().0.iter_mut()
+    }
+
+    fn stored_boot(&self) -> Option<u32> {
+        let memory: &Memory = self.memory.borrow();
+        let (boot, rest) = memory.split_first_chunk()?;
+        (rest.first_chunk() == Some(&crc(boot).to_le_bytes())).then(|| u32::from_le_bytes(*boot))
+    }
+
+    fn set_boot(&mut self, boot: u32) {
+        self.boot = boot;
+        let bytes = boot.to_le_bytes();
+        let memory: &mut Memory = self.memory.borrow_mut();
+        let sealed = bytes.into_iter().chain(crc(&bytes).to_le_bytes());
+        memory.iter_mut().zip(sealed).for_each(|(to, from)| *to = from);
+    }
+}
+
+fn place_of(number: u32) -> usize {
+    number as usize % EVENTS
+}
+
+/// The event in a place; None if the place is clear or damaged.
+fn whole_event(place: &[u8; PLACE_BYTES]) -> Option<Event> {
+    let (bytes, rest) = place.split_first_chunk()?;
+    (rest == crc(bytes).to_le_bytes()).then(|| Event::from_bytes(bytes))
+}
+
+/// CRC-32 over magic and format, then the bytes: another program's memory is not mistaken for this one's.
+fn crc(bytes: &[u8]) -> u32 {
+    let mut crc = RecordCrc::new();
+    crc.update(&MAGIC);
+    crc.update(&FORMAT.to_le_bytes());
+    crc.update(bytes);
+    crc.finish()
+}
