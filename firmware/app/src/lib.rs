@@ -12,13 +12,15 @@
 //! for. The [`Control`] half and the [`Server`] half share nothing but the requests
 //! that the server hands to the control half, one at a time.
 //!
-//! The same code runs natively as the virtual rig and on the microcontroller.
+//! The same code runs natively as the virtual rig and on the microcontroller. A board whose plant is
+//! simulated exchanges it over the [`plant_bus`].
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod board;
 pub mod control;
 pub mod fault_log;
+pub mod plant_bus;
 pub mod recorder;
 pub mod server;
 pub mod storage;

@@ -1,0 +1,167 @@
+//! The plant bus: what a board exchanges with a simulated plant, once a sample, in lock step.
+//!
+//! The board speaks first and the plant answers, with a fixed number of bytes each; whoever waits
+//! stands still. First each side says [`HELLO`]. Then, for every sample, the board sends [`Outputs`]:
+//! what the sample before led to and what becomes of the plant. The plant goes on to the next sample
+//! instant and answers with [`Inputs`]. All numbers are little-endian.
+//!
+//! | `Outputs`, byte | holds |
+//! |---|---|
+//! | 0..2 | command, counts or steps |
+//! | 2 | pulse of a stepper |
+//! | 3 | 1: the drive is enabled |
+//! | 4 | the plant stays (0), moves on (1), or begins a run (2) |
+//! | 5..8 | 0 |
+//! | 8..12, 12..16 | period and delay of the run that begins, microseconds; 0 otherwise |
+//! | 16..20, 20..24 | ticks of the board's counter that `on_sample` and `on_output` took |
+//!
+//! | `Inputs`, byte | holds |
+//! |---|---|
+//! | 0..4 | position, counts |
+//! | 4..6, 6..8 | pressures, raw |
+//! | 8..10 | spool, raw |
+//! | 10 | bit 0: the plant is frozen; the others are kept for switches and are 0 |
+//! | 11 | 0 |
+
+use pneudrive_controller::{Command, Sample};
+
+/// Version of these bytes.
+pub const VERSION: u8 = 1;
+
+/// The first bytes in either direction.
+pub const HELLO: [u8; 4] = [b'P', b'N', b'B', VERSION];
+
+/// What the plant does before it gives the next sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Next {
+    /// It stays as it is: no run is on.
+    #[default]
+    Stay,
+    /// It moves on by a period, with the command in force from `delay` after the sample.
+    Advance,
+    /// It goes back to its initial state: the next sample is k = 0 of a run with this timing.
+    Begin {
+        /// Sample period, microseconds.
+        period_us: u32,
+        /// From a sample to its output, microseconds.
+        delay_us: u32,
+    },
+}
+
+/// What one sample has cost, in ticks of whatever counter the board has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ticks {
+    /// Of `Control::on_sample`.
+    pub sample: u32,
+    /// Of `Control::on_output`.
+    pub output: u32,
+}
+
+/// From the board to the plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outputs {
+    /// What the drive stage does from the output of the sample before on.
+    pub command: Command,
+    /// What becomes of the plant.
+    pub next: Next,
+    /// What the sample before has cost.
+    pub ticks: Ticks,
+}
+
+impl Outputs {
+    /// Length on the bus.
+    pub const BYTES: usize = 24;
+
+    /// The safe output: null, disabled, the plant stays.
+    pub const OFF: Outputs =
+        Outputs { command: Command::OFF, next: Next::Stay, ticks: Ticks { sample: 0, output: 0 } };
+
+    /// As it travels.
+    #[must_use]
+    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+        let (next, period_us, delay_us) = match self.next {
+            Next::Stay => (0, 0, 0),
+            Next::Advance => (1, 0, 0),
+            Next::Begin { period_us, delay_us } => (2, period_us, delay_us),
+        };
+        let Command { counts, step, drive_enable } = self.command;
+        let [c0, c1] = counts.to_le_bytes();
+        let [p0, p1, p2, p3] = period_us.to_le_bytes();
+        let [d0, d1, d2, d3] = delay_us.to_le_bytes();
+        let [s0, s1, s2, s3] = self.ticks.sample.to_le_bytes();
+        let [o0, o1, o2, o3] = self.ticks.output.to_le_bytes();
+        let [step] = step.to_le_bytes();
+        [
+            c0, c1, step, u8::from(drive_enable), next, 0, 0, 0, //
+            p0, p1, p2, p3, d0, d1, d2, d3, //
+            s0, s1, s2, s3, o0, o1, o2, o3,
+        ]
+    }
+
+    /// As it came; None for a step of the plant that this version does not know.
+    #[must_use]
+    pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Option<Outputs> {
+        let [c0, c1, step, enable, next, _, _, _, rest @ ..] = bytes;
+        let [p0, p1, p2, p3, d0, d1, d2, d3, s0, s1, s2, s3, o0, o1, o2, o3] = rest;
+        let next = match next {
+            0 => Next::Stay,
+            1 => Next::Advance,
+            2 => Next::Begin {
+                period_us: u32::from_le_bytes([p0, p1, p2, p3]),
+                delay_us: u32::from_le_bytes([d0, d1, d2, d3]),
+            },
+            _ => return None,
+        };
+        Some(Outputs {
+            command: Command {
+                counts: i16::from_le_bytes([c0, c1]),
+                step: i8::from_le_bytes([step]),
+                drive_enable: enable == 1,
+            },
+            next,
+            ticks: Ticks {
+                sample: u32::from_le_bytes([s0, s1, s2, s3]),
+                output: u32::from_le_bytes([o0, o1, o2, o3]),
+            },
+        })
+    }
+}
+
+/// From the plant to the board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Inputs {
+    /// The sensors at the sample instant.
+    pub sample: Sample,
+    /// The plant stands still: the board may rest until its port or its timer calls.
+    pub frozen: bool,
+}
+
+impl Inputs {
+    /// Length on the bus.
+    pub const BYTES: usize = 12;
+
+    /// As it travels.
+    #[must_use]
+    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+        let [x0, x1, x2, x3] = self.sample.position.to_le_bytes();
+        let [p0, p1] = self.sample.pressure_1.to_le_bytes();
+        let [q0, q1] = self.sample.pressure_2.to_le_bytes();
+        let [s0, s1] = self.sample.spool.to_le_bytes();
+        [x0, x1, x2, x3, p0, p1, q0, q1, s0, s1, u8::from(self.frozen), 0]
+    }
+
+    /// As it came; bits that this version does not know are passed over.
+    #[must_use]
+    pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Inputs {
+        let [x0, x1, x2, x3, p0, p1, q0, q1, s0, s1, flags, _] = bytes;
+        Inputs {
+            sample: Sample {
+                position: i32::from_le_bytes([x0, x1, x2, x3]),
+                pressure_1: i16::from_le_bytes([p0, p1]),
+                pressure_2: i16::from_le_bytes([q0, q1]),
+                spool: i16::from_le_bytes([s0, s1]),
+            },
+            frozen: flags & 1 != 0,
+        }
+    }
+}
