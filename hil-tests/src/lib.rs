@@ -1,12 +1,24 @@
-//! Rungs that run the firmware, behind one trait: tests are written once and run on each.
+//! Rungs that run the firmware, behind one trait: tests are written once ([`body`]) and run on
+//! each.
 //!
-//! Today there is the virtual rig, over TCP and over a pty. The emulated Cortex-M4 and the board are
-//! further implementations of [`Target`].
+//! | rung | is |
+//! |---|---|
+//! | [`VirtualTarget`] | the virtual rig, over TCP and over a pty |
+//! | [`QemuTarget`] | the image for a Cortex-M4, in the emulator |
+//!
+//! The board will be a further implementation of [`Target`].
+
+pub mod body;
+#[cfg(unix)]
+mod emulated;
 
 use anyhow::Result;
 use pneudrive::client::Client;
 use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
+
+#[cfg(unix)]
+pub use emulated::{QemuTarget, image, program};
 
 /// A rung with a port to talk to.
 pub trait Target {
@@ -17,6 +29,11 @@ pub trait Target {
     /// # Errors
     /// When nobody answers.
     fn connect(&self) -> Result<Client>;
+
+    /// What its runs have cost, where that is known.
+    fn cost(&self) -> Option<String> {
+        None
+    }
 }
 
 /// The firmware's application natively, its plant simulated.

@@ -5,6 +5,7 @@
 //! | [`cli`], [`command`] | arguments, and one thin file a subcommand |
 //! | [`port`], [`client`] | a byte link to a rig, and the requests over it |
 //! | [`virtual_rig`] | the firmware's application on the simulated plant |
+//! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
 //! | [`target`] | TARGETxx.DAT: read, write, number |
 //! | [`run_folder`] | trace.csv and run.json: read, write |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
@@ -23,6 +24,8 @@ pub mod cli;
 pub mod client;
 pub mod command;
 pub mod deviation;
+#[cfg(unix)]
+pub mod emulated_board;
 pub mod port;
 pub mod report;
 pub mod run_folder;

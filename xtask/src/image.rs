@@ -15,6 +15,8 @@ use crate::thumb::{self, Instruction, Mark};
 pub struct Image {
     /// Bytes of code and constants: what the flash must hold.
     pub flash_bytes: u64,
+    /// Bytes of variables at fixed places; the stack comes on top.
+    pub static_ram_bytes: u64,
     /// In order of address.
     symbols: Vec<Symbol>,
     instructions: Vec<Instruction>,
@@ -71,7 +73,7 @@ impl Image {
         marks.sort_by_key(|mark| mark.address);
         ensure!(!marks.is_empty(), "the image has no mapping symbols ($t, $d): stripped, or empty");
 
-        let mut image = Image { flash_bytes: 0, symbols, instructions: Vec::new() };
+        let mut image = Image { flash_bytes: 0, static_ram_bytes: 0, symbols, instructions: Vec::new() };
         for section in elf.sections() {
             let kind = section.kind();
             if kind == SectionKind::Text {
@@ -80,6 +82,12 @@ impl Image {
             }
             if matches!(kind, SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString) {
                 image.flash_bytes += section.size();
+            }
+            if kind == SectionKind::Data {
+                image.flash_bytes += section.size();
+            }
+            if matches!(kind, SectionKind::Data | SectionKind::UninitializedData) {
+                image.static_ram_bytes += section.size();
             }
         }
         Ok(image)

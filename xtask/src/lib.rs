@@ -5,12 +5,16 @@
 //! | [`steps`] | the commands: fmt, lint, test, docs, probe, ci |
 //! | [`tally`] | what passed, what failed, and going on after a failure |
 //! | [`cargo`] | how cargo and rustup are called, and where they build |
+//! | [`firmware`] | builds an image of the inner workspace and tells its size |
+//! | [`emulator`] | makes sure that there is one |
 //! | [`probe`] | builds the probe image of the firmware and judges it |
 //! | [`image`] | reads an image: its symbols, its code, what is in it that must not be |
 //! | [`forbidden`] | which symbols those are |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
 
 pub mod cargo;
+pub mod emulator;
+pub mod firmware;
 pub mod forbidden;
 pub mod image;
 pub mod probe;

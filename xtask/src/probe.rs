@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::cargo::{self, THUMB};
+use crate::cargo;
+use crate::firmware;
 use crate::forbidden::Kind;
 use crate::image::Image;
 
@@ -26,13 +27,8 @@ pub enum Variant {
 /// # Errors
 /// When the target of the boards is missing, or the build fails.
 pub fn build(target_folder: &Path, variant: Variant) -> Result<PathBuf> {
-    cargo::ensure_thumb_target()?;
-    let mut arguments = vec!["build", "--package", "pneudrive-probe", "--release", "--target", THUMB];
-    if variant == Variant::Guilty {
-        arguments.extend(["--features", "guilty"]);
-    }
-    cargo::run(&mut cargo::in_firmware(&arguments, target_folder)).context("building the probe")?;
-    Ok(target_folder.join(THUMB).join("release").join("probe"))
+    let features: &[&str] = if variant == Variant::Guilty { &["guilty"] } else { &[] };
+    firmware::build(target_folder, "probe", features)
 }
 
 /// Reads the image of a probe.

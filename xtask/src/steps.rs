@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::probe;
+use crate::{emulator, firmware};
 use crate::tally::{Counts, Tally};
 
 /// Formats both workspaces, or checks that they are formatted.
@@ -34,6 +35,8 @@ pub fn lint(tally: &mut Tally) {
 /// All tests on the PC, then what can be said of the boards without one.
 pub fn test(tally: &mut Tally) {
     tally.check("target of the boards", cargo::ensure_thumb_target);
+    tally.check("emulator", emulator::ensure);
+    tally.check("image for the emulator", firmware::check_emulated);
     tests_on_the_pc(tally);
     tally.check("no_std crates for the boards", || {
         let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app"];

@@ -18,7 +18,8 @@ type Stored = [u8; RecordedSample::BYTES];
 /// The buffer and where it stands.
 #[derive(Debug)]
 pub struct Recorder {
-    samples: [Stored; CAPACITY],
+    /// Flat: zeros in one piece are made where they stay.
+    samples: [u8; CAPACITY * RecordedSample::BYTES],
     decimation: u32,
     /// Length of the ring at the beginning of the buffer.
     ring: usize,
@@ -38,9 +39,11 @@ pub struct Recorder {
 }
 
 impl Default for Recorder {
+    // Not inlined: then a caller has it written where it belongs, a copy less on the stack of a board.
+    #[inline(never)]
     fn default() -> Self {
         Recorder {
-            samples: [[0; RecordedSample::BYTES]; CAPACITY],
+            samples: [0; CAPACITY * RecordedSample::BYTES],
             decimation: 1,
             ring: 0,
             ringed: 0,
@@ -120,7 +123,7 @@ impl Recorder {
             error: seen.error.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16,
             spool: seen.spool,
         };
-        if let Some(slot) = self.samples.get_mut(place) {
+        if let Some(slot) = self.samples.as_chunks_mut().0.get_mut(place) {
             *slot = recorded.to_bytes();
         }
     }
@@ -180,7 +183,7 @@ impl Recorder {
             Some(behind) => self.ring + behind,
             None => (self.ringed - kept + i).checked_rem(self.ring).unwrap_or(0),
         };
-        self.samples.get(place)
+        self.samples.as_chunks().0.get(place)
     }
 
     /// Takes up to `samples` more samples of a finished record into its CRC, and tells it once all

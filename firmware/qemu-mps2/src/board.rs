@@ -1,0 +1,90 @@
+//! The board as the application sees it: a sample that has come, a command that will go.
+
+use pneudrive_app::Board;
+use pneudrive_app::plant_bus::Next;
+use pneudrive_controller::{Command, Config, Sample};
+
+/// The emulated board. Its clock goes on by a period a sample: it is in lock step with the plant's.
+#[derive(Debug)]
+pub struct EmulatedBoard {
+    sample: Sample,
+    /// Added to the plant's count: what a reference has set.
+    count_offset: i32,
+    command: Command,
+    begin: Option<Next>,
+    now_us: u64,
+}
+
+impl Default for EmulatedBoard {
+    fn default() -> Self {
+        EmulatedBoard {
+            sample: Sample::default(),
+            count_offset: 0,
+            command: Command::OFF,
+            begin: None,
+            now_us: 0,
+        }
+    }
+}
+
+impl EmulatedBoard {
+    /// Takes what the plant has sent.
+    pub fn latch(&mut self, sample: Sample) {
+        self.sample = sample;
+    }
+
+    /// What the drive stage does now.
+    pub fn command(&self) -> Command {
+        self.command
+    }
+
+    /// The beginning of a run, if one was asked for since the last call.
+    pub fn run_begun(&mut self) -> Option<Next> {
+        self.begin.take()
+    }
+
+    /// Time goes on to the next sample.
+    pub fn period_passes(&mut self, period_us: u32) {
+        self.now_us += u64::from(period_us);
+    }
+}
+
+impl Board for EmulatedBoard {
+    fn name(&self) -> &'static str {
+        "QEMU mps2-an386"
+    }
+
+    fn build(&self) -> &'static str {
+        concat!("pneudrive ", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn read_sensors(&mut self, _: &Config) -> Sample {
+        Sample { position: self.sample.position.saturating_add(self.count_offset), ..self.sample }
+    }
+
+    fn drive(&mut self, _: &Config, command: Command) {
+        self.command = command;
+    }
+
+    fn now_us(&self) -> u64 {
+        self.now_us
+    }
+
+    /// Silence means nothing here: time stands still between two samples.
+    fn host_clock_ms(&self) -> Option<u64> {
+        None
+    }
+
+    fn set_position(&mut self, counts: i32) {
+        self.count_offset = counts.saturating_sub(self.sample.position);
+    }
+
+    fn run_begins(&mut self, config: &Config) {
+        let (period_us, delay_us) = (config.timing.period_us.get(), config.timing.delay_us.get());
+        self.begin = Some(Next::Begin { period_us, delay_us });
+    }
+
+    fn starts_referenced(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,111 @@
+//! The firmware on QEMU's mps2-an386: the application that a real board flashes, on an emulated
+//! Cortex-M4.
+//!
+//! The real protocol goes over UART0. The plant is simulated on the PC: inputs and outputs of every
+//! sample go over the plant bus, two pipes that the emulator opens for the image. Waiting for the plant
+//! stops the virtual processor, so the two run in lock step and a sample can't come late.
+//!
+//! What a run records does not depend on when the bytes of the protocol arrive: between runs the plant
+//! stands frozen, and the first sample after a start is k = 0 from the initial state.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`board`] | the [`pneudrive_app::Board`]: what came from the plant and what goes to it |
+//! | [`bus`] | the two pipes of the plant bus |
+//! | [`clock`] | ticks that the control takes, and rest between runs |
+//! | [`uart`] | the protocol's serial port |
+//! | [`hardware`] | all that needs `unsafe`: registers and the fault handler |
+//!
+//! The image ends with exit code 0 when the plant has gone, 1 after a panic or a broken bus, 2 after a
+//! fault of the processor.
+#![no_std]
+#![no_main]
+#![deny(unsafe_code)]
+
+mod board;
+mod bus;
+mod clock;
+mod hardware;
+mod uart;
+
+use core::panic::PanicInfo;
+
+use pneudrive_app::plant_bus::{Next, Outputs, Ticks};
+use pneudrive_app::{Board, Control, Server};
+use pneudrive_controller::Mode;
+use semihosting::{eprintln, process};
+
+use board::EmulatedBoard;
+use bus::PlantBus;
+use clock::Clock;
+use hardware::Hardware;
+use uart::Uart;
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    // Nothing is done in interrupts: a pending one only ends a rest.
+    cortex_m::interrupt::disable();
+    let hardware = Hardware::take().expect("main runs once");
+    // In this frame, which is never left: a static would be made on the stack first and then copied,
+    // and the recorder has 60 KiB.
+    let mut control = Control::default();
+    let code = match serve(&mut control, hardware) {
+        Ok(()) => 0,
+        Err(error) => {
+            eprintln!("plant bus: {error}");
+            1
+        }
+    };
+    process::exit(code)
+}
+
+/// Samples, outputs and requests, until the plant has gone.
+fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
+    let Hardware { mut uart, mut clock } = hardware;
+    let mut board = EmulatedBoard::default();
+    let mut server = Server::default();
+    if board.starts_referenced() {
+        control.set_referenced().expect("a new drive is disarmed");
+    }
+    let mut bus = PlantBus::open()?;
+    let mut outputs = Outputs::OFF;
+    while let Some(inputs) = bus.exchange(outputs)? {
+        board.latch(inputs.sample);
+        let ticks = run_control(control, &mut board, &clock);
+        let runs = control.state().supervisor.mode() == Mode::Running;
+        listen(&mut server, control, &mut board, &mut uart);
+        let next = board.run_begun().unwrap_or(if runs { Next::Advance } else { Next::Stay });
+        outputs = Outputs { command: board.command(), next, ticks };
+        let period_us = control.config().timing.period_us.get();
+        if inputs.frozen && next == Next::Stay {
+            clock.rest(period_us);
+        }
+        board.period_passes(period_us);
+    }
+    Ok(())
+}
+
+/// One sample and its output, and the ticks that each took: inputs and outputs of the bus are outside.
+fn run_control(control: &mut Control, board: &mut EmulatedBoard, clock: &Clock) -> Ticks {
+    let begun = clock.now();
+    control.on_sample(board);
+    let sampled = clock.now();
+    control.on_output(board);
+    let driven = clock.now();
+    Ticks { sample: Clock::between(begun, sampled), output: Clock::between(sampled, driven) }
+}
+
+/// Requests whose bytes are there.
+fn listen(server: &mut Server, control: &mut Control, board: &mut EmulatedBoard, uart: &mut Uart) {
+    while let Some(byte) = uart.read() {
+        let Ok(()) = server.receive(&[byte], control, board, uart);
+    }
+}
+
+/// The plant is told that the valve is at null and the drive disabled; then the emulator ends.
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    bus::switch_off();
+    eprintln!("{info}");
+    process::exit(1)
+}

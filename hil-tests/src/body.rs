@@ -1,0 +1,173 @@
+//! Test bodies that every rung is put through. They panic, as tests do.
+
+use std::sync::atomic::AtomicBool;
+
+use pneudrive::client::{Client, Record};
+use pneudrive_controller::Observation;
+use pneudrive_protocol::{Mode, RecordedSample};
+use pneudrive_sim::{Accuracy, Rig, run};
+
+use crate::Target;
+
+/// Starts a rung whose plant has the true parameters of a rig, and its controller the nominal ones.
+pub type Start = fn(&Rig) -> Box<dyn Target>;
+
+/// A built-in rig with settings.
+///
+/// # Panics
+/// When there is no such rig, or the settings are none.
+#[must_use]
+pub fn rig(name: &str, settings: &[&str]) -> Rig {
+    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
+    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+    Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+/// Downloads, arms, starts and follows the rig's test, and pulls its record.
+///
+/// # Panics
+/// When the rung does not come to the end of the run.
+#[must_use]
+pub fn run_and_record(target: &dyn Target, rig: &Rig) -> Record {
+    let mut client = target.connect().expect("a rig that answers");
+    run_on(&mut client, rig);
+    let record = client.record(|_, _| {}).expect("a record");
+    client.disarm().expect("an answer");
+    record
+}
+
+fn run_on(client: &mut Client, rig: &Rig) {
+    client.download_test(rig).expect("a disarmed rig takes a test");
+    client.arm().expect("referenced");
+    client.start().expect("armed");
+    assert_eq!(client.follow(&AtomicBool::new(false), |_| {}).expect("no fault").mode, Mode::Done);
+}
+
+/// What the recorder stores of an observation.
+fn recorded(seen: &Observation) -> RecordedSample {
+    RecordedSample {
+        position: seen.position,
+        pressure_1: seen.pressure_1,
+        pressure_2: seen.pressure_2,
+        command: seen.command,
+        error: seen.error as i16,
+        spool: seen.spool,
+    }
+}
+
+/// The record of the rung is the simulation of the rig.
+///
+/// # Panics
+/// At the first sample that is different, with both sides.
+pub fn assert_equal_in_every_integer(target: &dyn Target, rig: &Rig) {
+    let simulated = run(rig, Accuracy::default()).expect("a transient").observations;
+    let record = run_and_record(target, rig);
+    let what = format!("{}, {}", target.name(), rig.name());
+    assert_eq!(record.samples.len(), simulated.len(), "{what}: samples");
+    for (k, (on_rig, seen)) in record.samples.iter().zip(&simulated).enumerate() {
+        assert_eq!(*on_rig, recorded(seen), "{what}: sample {k} (left: recorded, right: simulated)");
+    }
+    assert!(simulated.iter().any(|seen| seen.command != 0), "a test that moves nothing proves nothing");
+    if let Some(cost) = target.cost() {
+        println!("{what}: {cost}");
+    }
+}
+
+/// Steps of the servo-drives in closed loop.
+///
+/// # Panics
+/// When a record is not the simulation.
+pub fn closed_loop(start: Start) {
+    let moves = "test.moves=[[0.0, 8192], [0.3, 16384], [1.72, 8192], [3.2, 12000]]";
+    for name in ["servo-a", "servo-a-tuned", "servo-b", "servo-b-tuned", "servo-c", "servo-c-tuned"] {
+        let rig = rig(name, &["test.duration_s=5", moves]);
+        assert_equal_in_every_integer(&*start(&rig), &rig);
+    }
+}
+
+/// Commands to the servo-drives in open loop, to where the limit of the drive stage is met.
+///
+/// # Panics
+/// When a record is not the simulation.
+pub fn open_loop(start: Start) {
+    let steps = "test.moves=[[0.0, 0], [0.1, 12], [0.5, -10], [1.2, 4], [3.0, -60]]";
+    let counts = "test.moves=[[0.0, 0], [0.1, 512], [0.5, -512], [1.2, 200], [3.0, -2048]]";
+    for (name, moves) in [("servo-a", steps), ("servo-b", counts), ("servo-c", counts)] {
+        let rig = rig(name, &["controller.loop=open", moves, "test.duration_s=5"]);
+        assert_equal_in_every_integer(&*start(&rig), &rig);
+    }
+}
+
+/// Moore's law, the relay and the valve that is thrown over; as long as the recorder holds.
+///
+/// # Panics
+/// When a record is not the simulation.
+pub fn other_built_in_rigs(start: Start) {
+    for name in ["lut-stepper", "lut-solenoid", "burrows", "bang-bang"] {
+        let rig = rig(name, &["test.duration_s=2.1"]);
+        assert_equal_in_every_integer(&*start(&rig), &rig);
+    }
+}
+
+/// Servo-drive B with a stepper in the place of its solenoid.
+///
+/// # Panics
+/// When the record is not the simulation.
+pub fn stepper(start: Start) {
+    let moves = "test.moves=[[0.0, 8192], [0.3, 16384], [1.72, 8192]]";
+    let rig = rig("servo-b", &["operator.model=stepper", "test.duration_s=5", moves]);
+    assert_equal_in_every_integer(&*start(&rig), &rig);
+}
+
+/// Two runs one after the other.
+///
+/// # Panics
+/// When the records are not equal.
+pub fn each_start_begins_from_the_same_state(start: Start) {
+    let rig = rig("servo-b", &["test.duration_s=0.6"]);
+    let target = start(&rig);
+    let first = run_and_record(&*target, &rig).samples;
+    assert_eq!(run_and_record(&*target, &rig).samples, first);
+}
+
+/// A period that is not that of the plant's rig file.
+///
+/// # Panics
+/// When the record is not the simulation with that period.
+pub fn another_period(start: Start) {
+    let file = rig("servo-b", &["test.duration_s=0.5"]);
+    let other = rig("servo-b", &["test.duration_s=0.5", "controller.period_s=0.002"]);
+    let target = start(&file);
+    let mut client = target.connect().expect("a rig that answers");
+    client.import_parameters(&other.parameters()).expect("disarmed");
+    drop(client);
+    assert_equal_in_every_integer(&*target, &other);
+}
+
+/// A rig in the middle of a run that will not end by itself, and who started it.
+///
+/// # Panics
+/// When it does not start.
+#[must_use]
+pub fn in_a_long_run(start: Start) -> (Box<dyn Target>, Client) {
+    let rig = rig("servo-b", &["test.duration_s=3000"]);
+    let target = start(&rig);
+    let mut client = target.connect().expect("a rig that answers");
+    client.download_test(&rig).expect("disarmed");
+    client.arm().expect("referenced");
+    client.start().expect("armed");
+    (target, client)
+}
+
+/// A stop in the middle of a run.
+///
+/// # Panics
+/// When the run does not end in the fault, or arming does not leave it.
+pub fn a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it(start: Start) {
+    let (_target, mut client) = in_a_long_run(start);
+    client.stop().expect("an answer");
+    let error = client.follow(&AtomicBool::new(false), |_| {}).expect_err("stopped").to_string();
+    assert!(error.contains("stop (a stop was requested)"), "{error}");
+    client.arm().expect("arming leaves the fault");
+    assert_eq!(client.status().expect("an answer").mode, Mode::Armed);
+}

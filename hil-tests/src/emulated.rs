@@ -1,0 +1,79 @@
+//! The emulated board as a rung, and what is built for it.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use anyhow::{Context, Result, anyhow};
+use pneudrive::client::Client;
+use pneudrive::emulated_board::EmulatedBoard;
+use pneudrive_sim::Rig;
+
+use crate::Target;
+
+/// The firmware's image on an emulated Cortex-M4, its plant simulated in lock step.
+pub struct QemuTarget {
+    board: EmulatedBoard,
+}
+
+impl QemuTarget {
+    /// An emulated board that is its model exactly, put into service as a new board is: the parameters
+    /// of the rig downloaded, the axis referenced where it stands.
+    ///
+    /// # Errors
+    /// When the image cannot be built or run.
+    pub fn start(rig: &Rig) -> Result<QemuTarget> {
+        let target = QemuTarget { board: EmulatedBoard::start(rig, image()?, 0)? };
+        let mut client = target.connect()?;
+        client.import_parameters(&rig.parameters())?;
+        let position = client.status()?.position;
+        client.reference(position)?;
+        Ok(target)
+    }
+
+    /// The board.
+    #[must_use]
+    pub fn board(&self) -> &EmulatedBoard {
+        &self.board
+    }
+}
+
+impl Target for QemuTarget {
+    fn name(&self) -> &str {
+        "emulated board"
+    }
+
+    fn connect(&self) -> Result<Client> {
+        Client::connect(self.board.port())
+    }
+
+    fn cost(&self) -> Option<String> {
+        Some(self.board.figures().to_string())
+    }
+}
+
+/// The image for the emulated board, built from the sources as they are.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn image() -> Result<&'static Path> {
+    static IMAGE: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+    let built = IMAGE.get_or_init(|| xtask::firmware::build_emulated().map_err(|error| format!("{error:#}")));
+    built.as_deref().map_err(|error| anyhow!("{error}"))
+}
+
+/// The `pneudrive` program, built from the sources as they are, with the profile and in the folder of
+/// the test that asks.
+///
+/// # Errors
+/// When it cannot be built.
+pub fn program() -> Result<PathBuf> {
+    let test = std::env::current_exe()?;
+    let profile = test.ancestors().nth(2).context("a test lies in a folder of its profile")?;
+    let mut arguments = vec!["build", "--quiet", "--package", "pneudrive", "--bin", "pneudrive"];
+    if profile.ends_with("release") {
+        arguments.push("--release");
+    }
+    let mut build = xtask::cargo::in_root(&arguments);
+    xtask::cargo::run(build.env("CARGO_TARGET_DIR", profile.parent().unwrap_or(profile)))?;
+    Ok(profile.join("pneudrive"))
+}

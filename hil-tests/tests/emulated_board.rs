@@ -1,0 +1,46 @@
+//! The headline on the emulated board: the image that is flashed gives the same commands as the
+//! simulator, equal in every bit.
+#![cfg(unix)]
+
+use pneudrive_hil_tests::{QemuTarget, Target, body};
+use pneudrive_sim::Rig;
+
+fn emulated_board(rig: &Rig) -> Box<dyn Target> {
+    let target = QemuTarget::start(rig).unwrap_or_else(|error| panic!("no emulated board: {error:#}"));
+    Box::new(target)
+}
+
+#[test]
+fn the_record_of_the_emulated_board_is_the_simulation_in_closed_loop() {
+    body::closed_loop(emulated_board);
+}
+
+#[test]
+fn the_record_of_the_emulated_board_is_the_simulation_in_open_loop() {
+    body::open_loop(emulated_board);
+}
+
+#[test]
+fn the_record_of_the_emulated_board_is_the_simulation_of_the_other_built_in_rigs() {
+    body::other_built_in_rigs(emulated_board);
+}
+
+#[test]
+fn the_record_of_an_emulated_stepper_drive_is_the_simulation() {
+    body::stepper(emulated_board);
+}
+
+#[test]
+fn each_start_of_the_emulated_board_begins_from_the_same_state() {
+    body::each_start_begins_from_the_same_state(emulated_board);
+}
+
+#[test]
+fn an_emulated_board_that_is_given_another_period_keeps_that_time() {
+    body::another_period(emulated_board);
+}
+
+#[test]
+fn a_stop_ends_a_run_of_the_emulated_board() {
+    body::a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it(emulated_board);
+}

@@ -1,0 +1,138 @@
+//! What the samples of a run have cost on the emulated board.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use pneudrive_app::plant_bus::{Next, Outputs};
+
+use super::ICOUNT_SHIFT;
+
+/// Nanoseconds of a tick of the board's counter: 25 MHz.
+const NS_PER_TICK: u64 = 40;
+
+/// Least, mean and most of a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Spread {
+    /// The least.
+    pub least: u64,
+    /// The most.
+    pub most: u64,
+    sum: u64,
+    count: u64,
+}
+
+impl Spread {
+    fn add(&mut self, value: u64) {
+        self.least = if self.count == 0 { value } else { self.least.min(value) };
+        self.most = self.most.max(value);
+        self.sum += value;
+        self.count += 1;
+    }
+
+    /// The mean; 0 of nothing.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.sum as f64 / self.count.max(1) as f64
+    }
+}
+
+impl fmt::Display for Spread {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} / {:.0} / {}", self.least, self.mean(), self.most)
+    }
+}
+
+/// Cost of the samples of all runs. Instructions are those of the processor, the same in every
+/// repetition; times are the computer's and are not.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Figures {
+    /// Samples of runs.
+    pub samples: u64,
+    /// Time of the computer from the beginning of the runs to their ends.
+    pub elapsed: Duration,
+    /// The part of it in which the plant was simulated.
+    pub in_plant: Duration,
+    /// Instructions of `Control::on_sample`.
+    pub sample_instructions: Spread,
+    /// Instructions of `Control::on_output`, with the recorder.
+    pub output_instructions: Spread,
+    since: Option<Instant>,
+}
+
+impl Figures {
+    /// Takes in a turn of the board that the plant answered from `begun` to `ended`.
+    pub(super) fn add(&mut self, outputs: Outputs, begun: Instant, ended: Instant) {
+        if outputs.next == Next::Advance {
+            self.samples += 1;
+            self.elapsed += ended - self.since.unwrap_or(begun);
+            self.in_plant += ended - begun;
+            self.sample_instructions.add(instructions(outputs.ticks.sample));
+            self.output_instructions.add(instructions(outputs.ticks.output));
+        }
+        self.since = (outputs.next != Next::Stay).then_some(ended);
+    }
+
+    /// Samples a second that emulator and bus would do if the plant took no time.
+    #[must_use]
+    pub fn samples_per_second_without_plant(&self) -> f64 {
+        self.samples as f64 / self.elapsed.saturating_sub(self.in_plant).as_secs_f64().max(1e-9)
+    }
+
+    /// Samples a second.
+    #[must_use]
+    pub fn samples_per_second(&self) -> f64 {
+        self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
+    }
+}
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} samples, {:.0} a second ({:.0} without the plant); instructions least / mean / most: sample {}, output {}",
+            self.samples,
+            self.samples_per_second(),
+            self.samples_per_second_without_plant(),
+            self.sample_instructions,
+            self.output_instructions
+        )
+    }
+}
+
+/// Instructions in a number of ticks: virtual time goes on by the same with each.
+fn instructions(ticks: u32) -> u64 {
+    let ns = u64::from(ticks) * NS_PER_TICK;
+    (ns + (1 << (ICOUNT_SHIFT - 1))) >> ICOUNT_SHIFT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_app::plant_bus::Ticks;
+
+    #[test]
+    fn ticks_tell_instructions_exactly() {
+        for count in 0..5000_u64 {
+            let ns = count << ICOUNT_SHIFT;
+            // A reading is rounded down at both ends.
+            for ticks in [ns / NS_PER_TICK, ns.div_ceil(NS_PER_TICK)] {
+                assert_eq!(instructions(ticks as u32), count);
+            }
+        }
+    }
+
+    #[test]
+    fn only_samples_of_runs_count() {
+        let mut figures = Figures::default();
+        let now = Instant::now();
+        let turn = |next, sample| Outputs { next, ticks: Ticks { sample, output: 16 }, ..Outputs::OFF };
+        figures.add(turn(Next::Stay, 9999), now, now);
+        figures.add(turn(Next::Begin { period_us: 1300, delay_us: 500 }, 9999), now, now);
+        figures.add(turn(Next::Advance, 32), now, now);
+        figures.add(turn(Next::Advance, 96), now, now);
+        figures.add(turn(Next::Stay, 9999), now, now);
+        assert_eq!(figures.samples, 2);
+        assert_eq!(figures.sample_instructions.to_string(), "10 / 20 / 30");
+        assert_eq!(figures.output_instructions.to_string(), "5 / 5 / 5");
+    }
+}

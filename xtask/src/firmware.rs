@@ -1,0 +1,49 @@
+//! Images of the inner workspace.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::cargo::{self, THUMB};
+use crate::image::Image;
+
+/// The image for the emulated board.
+pub const EMULATED: &str = "qemu-mps2";
+
+/// Builds an image, with its release profile, and tells where it is. Its package is
+/// `pneudrive-IMAGE`.
+///
+/// # Errors
+/// When the target of the boards is missing, or the build fails.
+pub fn build(target_folder: &Path, image: &str, features: &[&str]) -> Result<PathBuf> {
+    cargo::ensure_thumb_target()?;
+    let package = format!("pneudrive-{image}");
+    let mut arguments = vec!["build", "--package", &package, "--release", "--target", THUMB];
+    features.iter().for_each(|feature| arguments.extend(["--features", *feature]));
+    cargo::run(&mut cargo::in_firmware(&arguments, target_folder))
+        .with_context(|| format!("building the image {image}"))?;
+    Ok(target_folder.join(THUMB).join("release").join(image))
+}
+
+/// Builds the image for the emulated board where it belongs.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_emulated() -> Result<PathBuf> {
+    build(&cargo::image_folder()?, EMULATED, &[])
+}
+
+/// Builds the image for the emulated board and prints what it takes.
+///
+/// # Errors
+/// As [`build`], or when the image can't be read.
+pub fn check_emulated() -> Result<()> {
+    let path = build_emulated()?;
+    let file = std::fs::read(&path).with_context(|| format!("{}", path.display()))?;
+    let image = Image::read(&file).with_context(|| format!("{}", path.display()))?;
+    println!(
+        "{EMULATED}: {} bytes of flash, {} bytes of RAM and the stack",
+        image.flash_bytes, image.static_ram_bytes
+    );
+    Ok(())
+}
