@@ -2,6 +2,9 @@
 //! simulator, equal in every bit.
 #![cfg(unix)]
 
+use std::path::Path;
+
+use pneudrive::emulated_board::EmulatedBoard;
 use pneudrive_hil_tests::{QemuTarget, Target, body};
 use pneudrive_sim::Rig;
 
@@ -43,4 +46,13 @@ fn an_emulated_board_that_is_given_another_period_keeps_that_time() {
 #[test]
 fn a_stop_ends_a_run_of_the_emulated_board() {
     body::a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it(emulated_board);
+}
+
+#[test]
+fn a_file_that_is_no_image_is_refused_with_the_reason_of_the_emulator() {
+    let rig = body::rig("servo-b", &[]);
+    let started = EmulatedBoard::start(&rig, Path::new("no-such-image"), 0);
+    let error = format!("{:#}", started.err().expect("no image, no board"));
+    assert!(error.contains("no-such-image") && error.contains("ended with"), "{error}");
+    assert_eq!(error.lines().count(), 1);
 }

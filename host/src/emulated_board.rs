@@ -64,7 +64,7 @@ impl EmulatedBoard {
         let pipes = Pipes::make(folder.path()).context("no pipes for the plant bus")?;
         let listener = TcpListener::bind("127.0.0.1:0").context("no port for the emulated board")?;
         let port = format!("tcp://{}", listener.local_addr()?);
-        let qemu = start_qemu(image, folder.path(), listener)?;
+        let qemu = start_qemu(QEMU, image, folder.path(), listener)?;
 
         let figures = Arc::new(Mutex::new(Figures::default()));
         let server = PlantServer::new(rig.clone(), seed, Arc::clone(&figures));
@@ -94,10 +94,15 @@ impl EmulatedBoard {
     /// Switches the board off.
     ///
     /// # Errors
-    /// When the simulation could not go on.
+    /// When it has ended by itself, or the simulation could not go on.
     pub fn stop(mut self) -> Result<()> {
+        let ended = self.qemu.try_wait()?;
         self.kill();
-        self.plant_result()
+        self.plant_result()?;
+        match ended {
+            Some(status) => Err(self.explain(anyhow!("{QEMU} ended by itself with {status}"))),
+            None => Ok(()),
+        }
     }
 
     fn wait_for_hello(&mut self, greeted: &Receiver<()>) -> Result<()> {
@@ -117,10 +122,10 @@ impl EmulatedBoard {
         }
     }
 
-    /// An error with the last that the emulator said.
+    /// An error with what the emulator or its image said of it. A processor's registers may follow there.
     fn explain(&self, error: anyhow::Error) -> anyhow::Error {
         let log = std::fs::read_to_string(self.folder.path().join(LOG)).unwrap_or_default();
-        match log.trim().lines().next_back() {
+        match log.lines().find(|line| !line.contains("warning:") && !line.trim().is_empty()) {
             Some(line) => error.context(line.to_owned()),
             None => error,
         }
@@ -168,10 +173,10 @@ impl Pipes {
 }
 
 /// Starts the emulator. It finds the listener as its standard input.
-fn start_qemu(image: &Path, folder: &Path, listener: TcpListener) -> Result<Child> {
+fn start_qemu(program: &str, image: &Path, folder: &Path, listener: TcpListener) -> Result<Child> {
     let image = std::path::absolute(image)?;
     let icount = format!("shift={ICOUNT_SHIFT}");
-    let mut command = Command::new(QEMU);
+    let mut command = Command::new(program);
     command
         .current_dir(folder)
         .args(["-machine", "mps2-an386", "-nodefaults", "-display", "none", "-icount", &icount])
@@ -184,8 +189,24 @@ fn start_qemu(image: &Path, folder: &Path, listener: TcpListener) -> Result<Chil
         .stderr(File::create(folder.join(LOG))?);
     command.spawn().map_err(|error| match error.kind() {
         ErrorKind::NotFound => {
-            anyhow!("{QEMU} is not found; install {QEMU}: apt-get install {QEMU}")
+            anyhow!("{program} is not found; install {QEMU}: apt-get install {QEMU}")
         }
-        _ => anyhow::Error::new(error).context(format!("{QEMU} can't be started")),
+        _ => anyhow::Error::new(error).context(format!("{program} can't be started")),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_an_emulator_one_line_says_what_to_install() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let started = start_qemu("no-such-emulator", Path::new("image"), folder.path(), listener);
+        assert_eq!(
+            started.expect_err("there is none").to_string(),
+            "no-such-emulator is not found; install qemu-system-arm: apt-get install qemu-system-arm"
+        );
+    }
 }

@@ -33,7 +33,7 @@ pub fn build_emulated() -> Result<PathBuf> {
     build(&cargo::image_folder()?, EMULATED, &[])
 }
 
-/// Builds the image for the emulated board and prints what it takes.
+/// Builds the image for the emulated board and prints what it takes of the flash.
 ///
 /// # Errors
 /// As [`build`], or when the image can't be read.
@@ -41,9 +41,6 @@ pub fn check_emulated() -> Result<()> {
     let path = build_emulated()?;
     let file = std::fs::read(&path).with_context(|| format!("{}", path.display()))?;
     let image = Image::read(&file).with_context(|| format!("{}", path.display()))?;
-    println!(
-        "{EMULATED}: {} bytes of flash, {} bytes of RAM and the stack",
-        image.flash_bytes, image.static_ram_bytes
-    );
+    println!("{EMULATED}: {} bytes of flash (code and constants)", image.flash_bytes);
     Ok(())
 }

@@ -15,8 +15,6 @@ use crate::thumb::{self, Instruction, Mark};
 pub struct Image {
     /// Bytes of code and constants: what the flash must hold.
     pub flash_bytes: u64,
-    /// Bytes of variables at fixed places; the stack comes on top.
-    pub static_ram_bytes: u64,
     /// In order of address.
     symbols: Vec<Symbol>,
     instructions: Vec<Instruction>,
@@ -73,21 +71,22 @@ impl Image {
         marks.sort_by_key(|mark| mark.address);
         ensure!(!marks.is_empty(), "the image has no mapping symbols ($t, $d): stripped, or empty");
 
-        let mut image = Image { flash_bytes: 0, static_ram_bytes: 0, symbols, instructions: Vec::new() };
+        let mut image = Image { flash_bytes: 0, symbols, instructions: Vec::new() };
         for section in elf.sections() {
             let kind = section.kind();
             if kind == SectionKind::Text {
                 let start = u32::try_from(section.address())?;
                 image.instructions.extend(thumb::instructions(start, section.data()?, &marks));
             }
-            if matches!(kind, SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString) {
+            // The start values of variables lie in the flash, too.
+            if matches!(
+                kind,
+                SectionKind::Text
+                    | SectionKind::ReadOnlyData
+                    | SectionKind::ReadOnlyString
+                    | SectionKind::Data
+            ) {
                 image.flash_bytes += section.size();
-            }
-            if kind == SectionKind::Data {
-                image.flash_bytes += section.size();
-            }
-            if matches!(kind, SectionKind::Data | SectionKind::UninitializedData) {
-                image.static_ram_bytes += section.size();
             }
         }
         Ok(image)

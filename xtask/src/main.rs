@@ -18,7 +18,7 @@ struct Arguments {
 enum Command {
     /// Everything that CI runs: fmt --check, lint, test, docs
     Ci,
-    /// All tests on the PC, the no_std crates built for the boards, and the probe
+    /// All tests on the PC and in the emulator, the no_std crates built for the boards, and the probe
     Test,
     /// Format both workspaces
     Fmt {

@@ -7,8 +7,8 @@ use anyhow::{Context, Result};
 
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::probe;
-use crate::{emulator, firmware};
 use crate::tally::{Counts, Tally};
+use crate::{emulator, firmware};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {

@@ -85,17 +85,16 @@ impl Outputs {
             Next::Begin { period_us, delay_us } => (2, period_us, delay_us),
         };
         let Command { counts, step, drive_enable } = self.command;
-        let [c0, c1] = counts.to_le_bytes();
-        let [p0, p1, p2, p3] = period_us.to_le_bytes();
-        let [d0, d1, d2, d3] = delay_us.to_le_bytes();
-        let [s0, s1, s2, s3] = self.ticks.sample.to_le_bytes();
-        let [o0, o1, o2, o3] = self.ticks.output.to_le_bytes();
-        let [step] = step.to_le_bytes();
-        [
-            c0, c1, step, u8::from(drive_enable), next, 0, 0, 0, //
-            p0, p1, p2, p3, d0, d1, d2, d3, //
-            s0, s1, s2, s3, o0, o1, o2, o3,
-        ]
+        let numbers = [period_us, delay_us, self.ticks.sample, self.ticks.output];
+        let fields = counts
+            .to_le_bytes()
+            .into_iter()
+            .chain(step.to_le_bytes())
+            .chain([u8::from(drive_enable), next, 0, 0, 0])
+            .chain(numbers.into_iter().flat_map(u32::to_le_bytes));
+        let mut bytes = [0; Self::BYTES];
+        bytes.iter_mut().zip(fields).for_each(|(to, from)| *to = from);
+        bytes
     }
 
     /// As it came; None for a step of the plant that this version does not know.
