@@ -69,7 +69,8 @@ pub fn image() -> Result<&'static Path> {
 pub fn program() -> Result<PathBuf> {
     let test = std::env::current_exe()?;
     let profile = test.ancestors().nth(2).context("a test lies in a folder of its profile")?;
-    let mut arguments = vec!["build", "--quiet", "--package", "pneudrive", "--bin", "pneudrive"];
+    // With the features of the whole workspace, as for all tests: then it is there already.
+    let mut arguments = vec!["build", "--quiet", "--workspace", "--bin", "pneudrive"];
     if profile.ends_with("release") {
         arguments.push("--release");
     }
