@@ -20,7 +20,7 @@
 //! | 0..4 | position, counts |
 //! | 4..6, 6..8 | pressures, raw |
 //! | 8..10 | spool, raw |
-//! | 10 | bit 0: the plant is frozen; the others are kept for switches and are 0 |
+//! | 10 | bit 0: the plant is frozen; bit 1: the homing switch is closed; the others are 0 |
 //! | 11 | 0 |
 
 use pneudrive_controller::{Command, Sample};
@@ -146,7 +146,8 @@ impl Inputs {
         let [p0, p1] = self.sample.pressure_1.to_le_bytes();
         let [q0, q1] = self.sample.pressure_2.to_le_bytes();
         let [s0, s1] = self.sample.spool.to_le_bytes();
-        [x0, x1, x2, x3, p0, p1, q0, q1, s0, s1, u8::from(self.frozen), 0]
+        let flags = u8::from(self.frozen) | u8::from(self.sample.home_switch) << 1;
+        [x0, x1, x2, x3, p0, p1, q0, q1, s0, s1, flags, 0]
     }
 
     /// As it came; bits that this version does not know are passed over.
@@ -159,6 +160,7 @@ impl Inputs {
                 pressure_1: i16::from_le_bytes([p0, p1]),
                 pressure_2: i16::from_le_bytes([q0, q1]),
                 spool: i16::from_le_bytes([s0, s1]),
+                home_switch: flags & 2 != 0,
             },
             frozen: flags & 1 != 0,
         }

@@ -43,17 +43,17 @@ fn each_step_of_the_plant_has_its_number_and_others_are_refused() {
 
 #[test]
 fn inputs_are_these_bytes() {
-    let sample = Sample { position: -17, pressure_1: 1638, pressure_2: 2412, spool: 2047 };
-    let bytes = [0xef, 0xff, 0xff, 0xff, 0x66, 0x06, 0x6c, 0x09, 0xff, 0x07, 1, 0];
+    let sample = Sample { position: -17, pressure_1: 1638, pressure_2: 2412, spool: 2047, home_switch: true };
+    let bytes = [0xef, 0xff, 0xff, 0xff, 0x66, 0x06, 0x6c, 0x09, 0xff, 0x07, 3, 0];
     let inputs = Inputs { sample, frozen: true };
     assert_eq!(inputs.to_bytes(), bytes);
     assert_eq!(Inputs::from_bytes(bytes), inputs);
-    assert_eq!(Inputs { frozen: false, ..inputs }.to_bytes()[10], 0);
+    assert_eq!(Inputs { frozen: false, ..inputs }.to_bytes()[10], 2);
 }
 
 #[test]
 fn switches_of_a_later_version_are_passed_over() {
     let mut bytes = Inputs::default().to_bytes();
-    bytes[10] = 0xfe;
+    bytes[10] = 0xfc;
     assert_eq!(Inputs::from_bytes(bytes), Inputs::default());
 }

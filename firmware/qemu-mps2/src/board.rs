@@ -8,8 +8,6 @@ use pneudrive_controller::{Command, Config, Sample};
 #[derive(Debug)]
 pub struct EmulatedBoard {
     sample: Sample,
-    /// Added to the plant's count: what a reference has set.
-    count_offset: i32,
     command: Command,
     begin: Option<Next>,
     now_us: u64,
@@ -17,13 +15,7 @@ pub struct EmulatedBoard {
 
 impl Default for EmulatedBoard {
     fn default() -> Self {
-        EmulatedBoard {
-            sample: Sample::default(),
-            count_offset: 0,
-            command: Command::OFF,
-            begin: None,
-            now_us: 0,
-        }
+        EmulatedBoard { sample: Sample::default(), command: Command::OFF, begin: None, now_us: 0 }
     }
 }
 
@@ -59,7 +51,7 @@ impl Board for EmulatedBoard {
     }
 
     fn read_sensors(&mut self, _: &Config) -> Sample {
-        Sample { position: self.sample.position.saturating_add(self.count_offset), ..self.sample }
+        self.sample
     }
 
     fn drive(&mut self, _: &Config, command: Command) {
@@ -73,10 +65,6 @@ impl Board for EmulatedBoard {
     /// Silence means nothing here: time stands still between two samples.
     fn host_clock_ms(&self) -> Option<u64> {
         None
-    }
-
-    fn set_position(&mut self, counts: i32) {
-        self.count_offset = counts.saturating_sub(self.sample.position);
     }
 
     fn run_begins(&mut self, config: &Config) {

@@ -72,7 +72,7 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
     while let Some(inputs) = bus.exchange(outputs)? {
         board.latch(inputs.sample);
         let ticks = run_control(control, &mut board, &clock);
-        let runs = control.state().supervisor.mode() == Mode::Running;
+        let runs = matches!(control.state().supervisor.mode(), Mode::Running | Mode::Homing);
         listen(&mut server, control, &mut board, &mut uart);
         let next = board.run_begun().unwrap_or(if runs { Next::Advance } else { Next::Stay });
         outputs = Outputs { command: board.command(), next, ticks };
