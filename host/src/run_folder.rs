@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::parameters::TABLE;
-use pneudrive_sim::rig::Value;
+use pneudrive_sim::rig::{Fields, Value};
 use pneudrive_sim::trace::{COLUMNS, to_csv};
 use pneudrive_sim::{Accuracy, Rig, Run};
 use serde_json::{Map, json};
@@ -108,7 +108,12 @@ fn json_of(value: &Value) -> serde_json::Value {
         Value::Integers(values) => json!(values),
         Value::Numbers(values) => json!(values),
         Value::Moves(moves) => json!(moves),
+        Value::Events(events) => events.iter().map(json_of_event).collect(),
     }
+}
+
+fn json_of_event(fields: &Fields) -> serde_json::Value {
+    fields.iter().map(|(name, value)| ((*name).to_owned(), json_of(value))).collect()
 }
 
 /// A run as it was written: its description and the columns of its trace.

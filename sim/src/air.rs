@@ -61,11 +61,11 @@ impl Air {
 
     /// m' and w' for flows in kg/s into the chamber, each with the temperature (K) that it carries.
     #[must_use]
-    pub fn derivative(&self, gas: &Gas, volume: Volume, flows: [(f64, f64); 2]) -> [f64; 2] {
+    pub fn derivative<const N: usize>(&self, gas: &Gas, volume: Volume, flows: [(f64, f64); N]) -> [f64; 2] {
         let carried: f64 = flows.iter().map(|(flow, temperature)| flow * temperature).sum();
         let filling = gas.gas_constant * carried / (self.pressure * volume.volume);
         let growth = volume.rate / volume.volume;
-        let mass = flows[0].0 + flows[1].0;
+        let mass = flows.iter().map(|(flow, _)| flow).sum();
         [mass, self.exner * (gas.heat_capacity_ratio - 1.0) * (filling - growth)]
     }
 }

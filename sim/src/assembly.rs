@@ -9,10 +9,14 @@
 //! position and velocity of the spool, and the pressure ratios of lagged tubes. The modes say on which smooth piece of the equations the
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
+mod lag;
+
+pub(crate) use lag::Lag;
+
 use crate::actuator::Actuator;
-use crate::air::Air;
-use crate::air::Station;
+use crate::air::{Air, Station};
 use crate::continuous::ContinuousLaw;
+use crate::faults::{Schedule, through_hole};
 use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::friction::Contact;
 use crate::gas::Gas;
@@ -21,7 +25,6 @@ use crate::load::Load;
 use crate::network::{Network, Node, PortFlow};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
-use crate::tubing::Tube;
 use crate::valve::Valve;
 
 /// Number of states.
@@ -75,46 +78,21 @@ pub(crate) struct Parts {
     pub actuator: Actuator,
     pub load: Load,
     pub operator: Operator,
+    /// Of the supply when nothing is wrong with it, Pa.
+    pub supply_pressure: f64,
     pub network: Network,
     pub flow_force: FlowForce,
     pub lag: Option<Lag>,
     pub continuous: Option<ContinuousLaw>,
-}
-
-/// Tubes whose pressure ratio follows the flow with a first-order lag (thesis 7.2.1; EQUATIONS section
-/// 4): to the network they are no tubes, and the pressures behind them are states.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Lag {
-    /// s.
-    pub time: f64,
-    pub supply: Station,
-    pub supply_tube: Tube,
-    pub cylinder_tube: Tube,
-}
-
-impl Lag {
-    /// The pressure ratio that a flow will come to.
-    fn settled_ratio(&self, gas: &Gas, tube: &Tube, known: &Station, flow: f64) -> f64 {
-        gas.pressure(tube.far_end(known, flow).exner) / gas.pressure(known.exner)
-    }
-
-    /// Rates of the three ratios.
-    fn derivative(&self, gas: &Gas, x: &StateVector, chambers: [Station; 2], nodes: &[Node; 2]) -> [f64; 3] {
-        let total = nodes[0].supply_flow + nodes[1].supply_flow;
-        let settled = [
-            self.settled_ratio(gas, &self.supply_tube, &self.supply, total),
-            self.settled_ratio(gas, &self.cylinder_tube, &chambers[0], -nodes[0].port_flow()),
-            self.settled_ratio(gas, &self.cylinder_tube, &chambers[1], -nodes[1].port_flow()),
-        ];
-        std::array::from_fn(|i| (settled[i] - x[slot::RATIO[i]]) / self.time)
-    }
+    pub faults: Schedule,
 }
 
 /// Everything that follows from a state at one instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effects {
     pub air: [Air; 2],
-    pub nodes: [Node; 2],
+    /// Into the chambers, kg/s.
+    pub mass_flows: [f64; 2],
     pub actuator_force: f64,
     pub friction_force: f64,
     pub acceleration: f64,
@@ -132,6 +110,7 @@ impl Assembly {
         };
         assembly.load_contact = assembly.parts.load.friction.at_rest(assembly.applied_to_load(x));
         assembly.find_port_directions(0.0, x);
+        assembly.pass_faults(0.0, &mut { *x });
         assembly
     }
 
@@ -199,6 +178,26 @@ impl Assembly {
         self.parts.flow_force.force(&self.parts.gas, &flows)
     }
 
+    /// Faults of the plant that begin or end at `t`, if any do. They take the flows with them.
+    fn pass_faults(&mut self, t: f64, x: &mut StateVector) {
+        if !self.parts.faults.pass(t) {
+            return;
+        }
+        let faults = self.parts.faults.now;
+        let supply = self.parts.gas.exner(faults.supply_pressure.unwrap_or(self.parts.supply_pressure));
+        self.parts.network.set_supply(supply);
+        if let Some(lag) = &mut self.parts.lag {
+            lag.supply.exner = supply;
+        }
+        if faults.stuck_spool {
+            self.parts.operator.stick(t, spool_state(x));
+            x[slot::SPOOL_VELOCITY] = 0.0;
+        }
+        self.parts.network.expect_jump();
+        self.solved = None;
+        self.find_port_directions(t, x);
+    }
+
     fn find_port_directions(&mut self, t: f64, x: &StateVector) {
         // The direction decides only the temperature, so the second solution has the right signs.
         for _ in 0..2 {
@@ -227,8 +226,8 @@ impl Assembly {
         }
     }
 
-    /// The known ends of the network: the chambers, or what lagged tubes make of them; the supply
-    /// likewise.
+    /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;
+    /// the supply likewise.
     fn ends_at_valve(&mut self, x: &StateVector) -> [Station; 2] {
         let mut stations = self.air(x).map(|air| air.station());
         if let Some(lag) = &self.parts.lag {
@@ -237,7 +236,12 @@ impl Assembly {
             stations[0].exner *= part(1);
             stations[1].exner *= part(2);
         }
-        stations
+        self.joined(stations)
+    }
+
+    /// What is told of the ports, told of the chambers that they are joined to, and the other way about.
+    fn joined<T: Copy>(&self, each: [T; 2]) -> [T; 2] {
+        if self.parts.faults.now.swapped_tubes { [each[1], each[0]] } else { each }
     }
 
     fn actuator_force(&self, x: &StateVector) -> f64 {
@@ -260,17 +264,17 @@ impl Assembly {
         (self.parts.network, self.solved) = left;
         Effects {
             air: self.air(x),
-            nodes,
+            mass_flows: self.joined(nodes.map(|node| node.port_flow())),
             actuator_force: self.actuator_force(x),
             friction_force: self.parts.load.friction.force(self.load_contact, applied),
             acceleration: self.parts.load.acceleration(applied, self.load_contact),
         }
     }
 
-    /// The temperature that the air in port `i` carries into or out of its chamber: that of the air
+    /// The temperature that the air in a port carries into or out of its chamber: that of the air
     /// from the valve when charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
-    fn carried(&self, i: usize, node: &Node, air: &Air) -> f64 {
-        match self.ports[i] {
+    fn carried(port: PortFlow, node: &Node, air: &Air) -> f64 {
+        match port {
             PortFlow::Charging => node.carried,
             PortFlow::Discharging => air.temperature,
         }
@@ -290,11 +294,19 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
         let air = self.air(x);
         let nodes = self.nodes(t, x);
-        let leak = self.parts.actuator.leak(&self.parts.gas, &air);
+        let (joined, ports) = (self.joined(nodes), self.joined(self.ports));
+        let gas = &self.parts.gas;
+        let leak = self.parts.actuator.leak(gas, &air);
         let mut slope = [0.0; STATES];
         for i in 0..2 {
-            let port = (nodes[i].port_flow(), self.carried(i, &nodes[i], &air[i]));
-            let [mass, exner] = air[i].derivative(&self.parts.gas, volumes[i], [port, leak.into_chamber(i)]);
+            let port = (joined[i].port_flow(), Assembly::carried(ports[i], &joined[i], &air[i]));
+            let hole = through_hole(
+                gas,
+                self.parts.faults.now.leak_areas[i],
+                &air[i].station(),
+                self.parts.network.exhaust(),
+            );
+            let [mass, exner] = air[i].derivative(gas, volumes[i], [port, leak.into_chamber(i), hole]);
             slope[slot::MASS[i]] = mass;
             slope[slot::EXNER[i]] = exner;
         }
@@ -309,7 +321,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         slope[slot::SPOOL] = spool;
         slope[slot::SPOOL_VELOCITY] = spool_velocity;
         if let Some(lag) = &self.parts.lag {
-            let rates = lag.derivative(&self.parts.gas, x, air.map(|air| air.station()), &nodes);
+            let rates = lag.derivative(&self.parts.gas, x, air.map(|air| air.station()), &joined);
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {
                 slope[place] = rate;
             }
@@ -339,12 +351,13 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     }
 
     fn next_instant(&self, t: f64) -> f64 {
-        self.parts.operator.next_instant(t)
+        self.parts.operator.next_instant(t).min(self.parts.faults.next_instant())
     }
 
     fn cross(&mut self, event: Event, t: f64, x: &mut StateVector) {
         match event {
             Event::Instant => {
+                self.pass_faults(t, x);
                 let flow_force = self.flow_force(t, x);
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }

@@ -3,11 +3,11 @@
 use pneudrive_controller::Config;
 
 use crate::actuator::Actuator;
-use crate::air::Air;
-use crate::air::Station;
+use crate::air::{Air, Station};
 use crate::assembly::{Lag, Parts, STATES, StateVector, slot};
 use crate::continuous::ContinuousLaw;
 use crate::dither::Dither;
+use crate::faults::Schedule;
 use crate::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
 use crate::flow_law::FlowLaw;
 use crate::friction::DryFriction;
@@ -37,10 +37,12 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         actuator,
         load: load(rig),
         operator: operator(rig),
+        supply_pressure: rig.number("supply.pressure_pa"),
         network: network(rig, gas),
         flow_force: flow_force(rig),
         lag: lag(rig, &gas),
         continuous: continuous(rig),
+        faults: Schedule::new(&rig.fault_events()),
     };
     (parts, x)
 }

@@ -14,6 +14,7 @@
 //! | [`network`] | the flows that valve, tubes and chambers agree on |
 //! | `build` | a rig's keys into its components |
 //! | `assembly` | the parts put together as one event-driven system |
+//! | [`faults`] | what goes wrong and when, and what it does to plant and sensors |
 //! | [`integrator`] | Runge-Kutta with dense output and located events |
 //! | [`sensors`], [`plant`] | what the controller sees: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
@@ -29,6 +30,7 @@ mod build;
 pub mod continuous;
 pub mod discharge;
 pub mod dither;
+pub mod faults;
 pub mod flow_force;
 pub mod flow_law;
 pub mod friction;

@@ -6,6 +6,7 @@
 //! | [`empirical`] | L(2) = 0 | as a damped oscillator (6.32) |
 //! | [`stepper`] | L(2) = 2 | a step a pulse, at once |
 //! | [`on_off`] | L(2) = 3 | to one of three places, within a switching time |
+//! | [`stuck`] | | not at all any more: what a fault makes of the others |
 //!
 //! An operator is given a [`Request`] at each output and tells where its spool is. Those with a
 //! moving mass have two states, position and velocity; what else they remember (hysteresis,
@@ -16,11 +17,13 @@ mod hysteresis;
 pub mod on_off;
 pub mod solenoid;
 pub mod stepper;
+pub mod stuck;
 
 use empirical::Empirical;
 use on_off::OnOff;
 use solenoid::Solenoid;
 use stepper::Stepper;
+use stuck::Stuck;
 
 /// What the drive stage does at an output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +57,8 @@ pub enum Operator {
     Stepper(Stepper),
     /// The three-state valve.
     OnOff(OnOff),
+    /// Any of them with a spool that is stuck.
+    Stuck(Stuck),
 }
 
 impl Operator {
@@ -64,6 +69,14 @@ impl Operator {
             Operator::Empirical(empirical) => empirical.drive(request),
             Operator::Stepper(stepper) => stepper.drive(request),
             Operator::OnOff(on_off) => on_off.drive(t, request),
+            Operator::Stuck(stuck) => stuck.drive(t, spool, request, flow_force),
+        }
+    }
+
+    /// The spool stays where it is at `t`, whatever is asked for.
+    pub fn stick(&mut self, t: f64, spool: SpoolState) {
+        if !matches!(self, Operator::Stuck(_)) {
+            *self = Operator::Stuck(Stuck::new(self.position(t, spool), self.clone()));
         }
     }
 
@@ -73,6 +86,7 @@ impl Operator {
         match self {
             Operator::Solenoid(solenoid) => solenoid.follow(counts),
             Operator::Empirical(empirical) => empirical.follow(counts),
+            Operator::Stuck(stuck) => stuck.follow(counts),
             Operator::Stepper(_) | Operator::OnOff(_) => {}
         }
     }
@@ -85,6 +99,7 @@ impl Operator {
             Operator::Empirical(empirical) => empirical.commanded(),
             Operator::Stepper(stepper) => stepper.commanded(),
             Operator::OnOff(on_off) => on_off.commanded(),
+            Operator::Stuck(stuck) => stuck.commanded(),
         }
     }
 
@@ -96,6 +111,7 @@ impl Operator {
             Operator::Empirical(empirical) => empirical.position(t, spool),
             Operator::Stepper(stepper) => stepper.position(),
             Operator::OnOff(on_off) => on_off.position(t),
+            Operator::Stuck(stuck) => stuck.position(),
         }
     }
 
@@ -106,7 +122,7 @@ impl Operator {
         match self {
             Operator::Solenoid(solenoid) => [spool.velocity, solenoid.acceleration(t, spool, flow_force)],
             Operator::Empirical(empirical) => [spool.velocity, empirical.acceleration(spool)],
-            Operator::Stepper(_) | Operator::OnOff(_) => [0.0; 2],
+            Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => [0.0; 2],
         }
     }
 
@@ -116,7 +132,7 @@ impl Operator {
         match self {
             Operator::Solenoid(solenoid) => solenoid.guards(t, spool, flow_force),
             Operator::Empirical(empirical) => empirical.guards(t, spool),
-            Operator::Stepper(_) | Operator::OnOff(_) => [1.0; GUARDS],
+            Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => [1.0; GUARDS],
         }
     }
 
@@ -125,7 +141,7 @@ impl Operator {
         match self {
             Operator::Solenoid(solenoid) => solenoid.cross(guard, t, spool, flow_force),
             Operator::Empirical(empirical) => empirical.cross(guard, t, *spool),
-            Operator::Stepper(_) | Operator::OnOff(_) => {}
+            Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => {}
         }
     }
 
@@ -135,16 +151,16 @@ impl Operator {
         match self {
             Operator::Solenoid(solenoid) => solenoid.next_instant(t),
             Operator::OnOff(on_off) => on_off.next_instant(t),
-            Operator::Empirical(_) | Operator::Stepper(_) => f64::INFINITY,
+            Operator::Empirical(_) | Operator::Stepper(_) | Operator::Stuck(_) => f64::INFINITY,
         }
     }
 
-    /// Passes the instant `t` of [`Operator::next_instant`].
+    /// Passes the instant `t` of [`Operator::next_instant`]; at another one nothing happens.
     pub fn pass_instant(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
         match self {
             Operator::Solenoid(solenoid) => solenoid.pass_instant(t, spool, flow_force),
             Operator::OnOff(on_off) => on_off.arrive(t),
-            Operator::Empirical(_) | Operator::Stepper(_) => {}
+            Operator::Empirical(_) | Operator::Stepper(_) | Operator::Stuck(_) => {}
         }
     }
 }

@@ -8,6 +8,7 @@ use pneudrive_controller::{Command, Sample};
 
 use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, slot};
 use crate::build;
+use crate::faults::SensorFaults;
 use crate::integrator::{IntegrationError, Integrator, Method, Work};
 use crate::network::NetworkWork;
 use crate::operator::Request;
@@ -36,6 +37,7 @@ pub struct Plant {
     assembly: Assembly,
     integrator: Integrator<STATES, GUARDS, FLOW_GUARDS>,
     sensors: Sensors,
+    sensor_faults: SensorFaults,
     period_us: u64,
     delay_us: u64,
     /// Request in force.
@@ -98,6 +100,7 @@ impl Plant {
             assembly,
             integrator: Integrator::new(accuracy.method, accuracy.tolerance, SCALE, x),
             sensors: Sensors::new(rig, seed),
+            sensor_faults: SensorFaults::new(&rig.fault_events()),
             period_us: u64::from(rig.period_us().get()),
             delay_us: rig.microseconds("controller.delay_s"),
             request: Request::default(),
@@ -119,7 +122,8 @@ impl Plant {
         let t = self.sample_time_of(self.k);
         let x = self.integrator.state(t);
         let pressures = slot::EXNER.map(|i| self.assembly.parts.gas.pressure(x[i]));
-        self.sensors.read(x[slot::POSITION], pressures, self.assembly.spool(t, &x))
+        let sample = self.sensors.read(x[slot::POSITION], pressures, self.assembly.spool(t, &x));
+        self.sensor_faults.spoil(self.k * self.period_us, sample)
     }
 
     /// From sample k to sample k + 1, with `command` in force from the output in between.
@@ -204,7 +208,7 @@ impl Plant {
     fn snapshot(&mut self, t: f64) -> Snapshot {
         let x = self.integrator.state(t);
         self.assembly.follow(&x);
-        let Effects { air, nodes, actuator_force, friction_force, acceleration } =
+        let Effects { air, mass_flows, actuator_force, friction_force, acceleration } =
             self.assembly.effects(t, &x);
         Snapshot {
             position: x[slot::POSITION],
@@ -214,7 +218,7 @@ impl Plant {
             temperatures: air.map(|air| air.temperature),
             spool: self.assembly.spool(t, &x),
             spool_command: self.assembly.parts.operator.commanded(),
-            mass_flows: nodes.map(|node| node.port_flow()),
+            mass_flows,
             actuator_force,
             friction: friction_force,
         }

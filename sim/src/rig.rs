@@ -7,6 +7,7 @@
 mod builtin;
 mod check;
 mod controller;
+mod events;
 mod explain;
 pub mod keys;
 mod read;
@@ -14,6 +15,7 @@ mod schedule;
 mod spread;
 
 pub use builtin::{BUILTIN, builtin};
+pub use events::Fields;
 pub use explain::explain;
 pub use read::{Problem, Problems};
 pub use spread::SpreadError;
@@ -38,6 +40,8 @@ pub enum Value {
     Numbers(Vec<f64>),
     /// [time in s, counts].
     Moves(Vec<(f64, i64)>),
+    /// Tables of named values.
+    Events(Vec<Fields>),
 }
 
 /// A valid rig: a value for every key that has one.

@@ -56,7 +56,9 @@ impl OnOff {
     }
 
     pub(super) fn arrive(&mut self, t: f64) {
-        (self.from, self.since) = (self.target, t);
+        if t >= self.arrival() {
+            (self.from, self.since) = (self.target, t);
+        }
     }
 }
 

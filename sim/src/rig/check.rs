@@ -22,6 +22,7 @@ impl Reader<'_> {
         self.check_sensors(rig);
         self.check_moves(rig);
         self.check_start(rig);
+        self.check_faults(rig);
         self.check_controller(rig);
     }
 

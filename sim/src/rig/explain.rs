@@ -1,15 +1,17 @@
 //! `rig explain`: what a key means.
 
-use super::Value;
+use super::events::{FIELDS, KINDS};
 use super::keys::{Default, KEYS, Key, Kind};
 use super::read::Problem;
+use super::{Fields, Value};
 
 /// The help text of a key, of all keys of a table, or of all keys (for an empty name).
 ///
 /// # Errors
 /// When there is no such key or table.
 pub fn explain(name: &str) -> Result<String, Problem> {
-    let exact: Vec<&Key> = KEYS.iter().filter(|key| key.path == name || key.name() == name).collect();
+    let exact: Vec<&Key> =
+        KEYS.iter().chain(FIELDS).filter(|key| key.path == name || key.name() == name).collect();
     if !exact.is_empty() {
         return Ok(exact.iter().map(|key| in_full(key)).collect::<Vec<_>>().join("\n"));
     }
@@ -32,9 +34,17 @@ fn in_full(key: &Key) -> String {
     fact("range", range(&key.kind));
     fact("default", default(&key.default));
     fact("thesis", key.thesis.to_owned());
-    fact("models", key.models.join(", "));
+    fact(if key.path.starts_with("faults.event.") { "kinds" } else { "models" }, key.models.join(", "));
     lines.push(String::new());
-    lines.join("\n")
+    let text = lines.join("\n");
+    if key.kind == Kind::Events { text + &events() } else { text }
+}
+
+/// The kinds of events and their fields.
+fn events() -> String {
+    let kinds: String = KINDS.iter().map(|(kind, meaning)| format!("    {kind:<14} {meaning}\n")).collect();
+    let fields: Vec<String> = FIELDS.iter().map(in_full).collect();
+    format!("  kinds\n{kinds}\n{}", fields.join("\n"))
 }
 
 fn range(kind: &Kind) -> String {
@@ -51,6 +61,7 @@ fn range(kind: &Kind) -> String {
         Kind::Integers { min, max, most } => format!("1 to {most} whole numbers from {min} to {max}"),
         Kind::Numbers { count } => format!("{count} numbers"),
         Kind::Moves => "list of [time in s, counts] in order of time".to_owned(),
+        Kind::Events => "tables [[faults.event]], each with kind, at_s and the fields of its kind".to_owned(),
         Kind::Text => "text".to_owned(),
         Kind::NotBuilt => "not built yet".to_owned(),
     }
@@ -77,6 +88,13 @@ impl std::fmt::Display for Value {
                 let moves: Vec<String> =
                     moves.iter().map(|(time, target)| format!("[{time}, {target}]")).collect();
                 write!(f, "[{}]", moves.join(", "))
+            }
+            Value::Events(events) => {
+                let one = |fields: &Fields| {
+                    let fields = fields.iter().map(|(name, value)| format!("{name} = {value}"));
+                    format!("{{ {} }}", fields.collect::<Vec<_>>().join(", "))
+                };
+                write!(f, "[{}]", events.iter().map(one).collect::<Vec<_>>().join(", "))
             }
         }
     }

@@ -40,6 +40,8 @@ pub enum Kind {
     },
     /// A list of [time in s, whole number].
     Moves,
+    /// A list of tables: what goes wrong and when.
+    Events,
     /// Text.
     Text,
     /// Not built yet; only the default is accepted.
@@ -160,7 +162,7 @@ pub fn find(path: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.path == path)
 }
 
-const fn key(
+pub(super) const fn key(
     path: &'static str,
     kind: Kind,
     default: Default,
@@ -170,7 +172,7 @@ const fn key(
     Key { path, kind, default, models: &[], thesis, meaning, spread: false }
 }
 
-const fn number(
+pub(super) const fn number(
     path: &'static str,
     default: f64,
     min: f64,
@@ -181,7 +183,7 @@ const fn number(
     key(path, Kind::Number { min, max }, Default::Number(default), thesis, meaning)
 }
 
-const fn integer(
+pub(super) const fn integer(
     path: &'static str,
     default: i64,
     min: i64,
@@ -196,7 +198,7 @@ const fn switch(path: &'static str, default: bool, thesis: &'static str, meaning
     key(path, Kind::Switch, Default::Switch(default), thesis, meaning)
 }
 
-const fn choice(
+pub(super) const fn choice(
     path: &'static str,
     options: &'static [(&'static str, bool)],
     thesis: &'static str,
@@ -206,7 +208,7 @@ const fn choice(
 }
 
 impl Key {
-    const fn of(self, models: &'static [&'static str]) -> Key {
+    pub(super) const fn of(self, models: &'static [&'static str]) -> Key {
         Key { models, ..self }
     }
 
@@ -220,7 +222,7 @@ impl Key {
 }
 
 const GAIN: i64 = u16::MAX as i64;
-const COUNT: i64 = i32::MAX as i64;
+pub(super) const COUNT: i64 = i32::MAX as i64;
 const SOLENOIDS: &[&str] = &["solenoid", "solenoid-empirical"];
 const PROFILE: &[i64] = &[8192, 6144, 4096, 2048, 1280, 768, 512, 384, 320, 288, 256];
 
@@ -362,7 +364,7 @@ pub static KEYS: &[Key] = &[
     number("load.stop_region_m", 0.001, 1e-9, 1.0, "C(89)", "Penetration at which the stops' damping is full."),
     number("load.stop_damping_ratio", 0.5, 0.0, 10.0, "", "Damping ratio of the end stops."),
 
-    key("faults.event", Kind::NotBuilt, Default::Absent("nothing goes wrong"), "", "What goes wrong and when."),
+    key("faults.event", Kind::Events, Default::Absent("nothing goes wrong"), "", "What goes wrong and when, a table [[faults.event]] each."),
     switch("faults.positive_gain_only", false, "L(19)", "The controller's historical bug (thesis 8.2.5).").not_built(),
 
     number("safety.position_margin_mm", 3.0, 0.0, 1000.0, "", "How far outside the stroke the position may be before the supervisor trips."),

@@ -111,11 +111,11 @@ impl Reader<'_> {
         self.problems.is_empty()
     }
 
-    fn problem(&mut self, line: Option<usize>, key: &str, message: String) {
+    pub(super) fn problem(&mut self, line: Option<usize>, key: &str, message: String) {
         self.problems.push(Problem { source: self.source.to_owned(), line, key: key.to_owned(), message });
     }
 
-    fn line_of(&self, span: Option<std::ops::Range<usize>>) -> Option<usize> {
+    pub(super) fn line_of(&self, span: Option<std::ops::Range<usize>>) -> Option<usize> {
         span.map(|span| 1 + self.text[..span.start.min(self.text.len())].matches('\n').count())
     }
 
@@ -171,6 +171,11 @@ impl Reader<'_> {
             return;
         };
         self.lines[index] = line;
+        if KEYS[index].kind == Kind::Events {
+            rig.values[index] = self.events(line, item);
+            rig.set[index] = true;
+            return;
+        }
         match value_of(&KEYS[index], item) {
             Ok(value) => {
                 rig.values[index] = Some(value);
@@ -256,7 +261,7 @@ fn unknown_key(path: &str) -> String {
     }
 }
 
-fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub(super) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     known
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
         .filter(|(likeness, _)| *likeness > 0.75)
@@ -266,7 +271,7 @@ fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String 
 }
 
 /// The value of a key, or what is wrong with it.
-fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
+pub(super) fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
     match key.kind {
         Kind::Number { min, max } => number(key, item, min, max),
         Kind::Integer { min, max } => whole(key, item, min, max).map(Value::Integer),
@@ -282,6 +287,7 @@ fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
         Kind::Numbers { count } => numbers(item, count),
         Kind::Moves => moves(item),
         Kind::NotBuilt => not_built(key, item),
+        Kind::Events => Err("must be a list of tables".to_owned()),
     }
 }
 
