@@ -140,6 +140,9 @@ impl VirtualRig {
                 "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
             );
         }
+        if rig.switch("faults.positive_gain_only") {
+            bail!("faults.positive_gain_only is the simulator's own; no firmware has this bug");
+        }
         let board = VirtualBoard::new(rig, seed, pace);
         let mut control = Box::<Control>::default();
         control

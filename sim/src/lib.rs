@@ -18,6 +18,7 @@
 //! | [`integrator`] | Runge-Kutta with dense output and located events |
 //! | [`sensors`], [`plant`] | what the controller sees: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
+//! | [`positive_gain`] | the historical bug of the gain routine, for repetition |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
 //!
 //! Everything is SI after loading. Transcendental functions come from `libm`, so that a run gives
@@ -43,6 +44,7 @@ pub mod network;
 pub mod operator;
 pub mod plant;
 pub mod play;
+pub mod positive_gain;
 pub mod rig;
 mod root;
 pub mod run;

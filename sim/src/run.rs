@@ -4,6 +4,7 @@ use pneudrive_controller::{Config, Fault, Mode, Observation, State, output, samp
 
 use crate::integrator::IntegrationError;
 use crate::plant::{Accuracy, Plant, PlantWork, seconds};
+use crate::positive_gain::PositiveGain;
 use crate::rig::{Rig, whole_microseconds};
 use crate::trace::Row;
 
@@ -81,6 +82,7 @@ pub fn run_watched(
     let mut observations = Vec::new();
     let mut fault = None;
     let mut target = None;
+    let mut bug = PositiveGain::of(rig, &config);
     for k in 0..=u64::from(rig.last_sample()) {
         sample(&config, &sequence, &mut state, &plant.sample());
         let mut seen = *state.observation();
@@ -89,6 +91,9 @@ pub fn run_watched(
         } else if let Some(command) = continuous(&mut plant, &mut target, seen.setpoint) {
             seen.command = command;
         }
+        if let Some(bug) = &bug {
+            seen = bug.spoil(state.supervisor.mode(), seen);
+        }
         observations.push(seen);
         // The supervisor has the last word on the simulator's own controller, too: it ends the run.
         if target.is_some() && fault.is_some() {
@@ -96,7 +101,10 @@ pub fn run_watched(
         }
         progress(seen.index, rig.last_sample());
         // A row at an instant with an output shows the state after it.
-        let command = output(&config, &mut state);
+        let mut command = output(&config, &mut state);
+        if let Some(bug) = &mut bug {
+            command = bug.output(&seen, command);
+        }
         if target.is_none() {
             plant.command(command);
         }

@@ -246,3 +246,38 @@ fn a_fault_takes_the_same_steps_however_often_the_plant_is_looked_at() {
     assert_eq!(seldom.work.integrator, often.work.integrator);
     assert_eq!(seldom.observations, often.observations);
 }
+
+/// Thesis 8.2.5: with gains that can only be positive the spool command shows jerks, and the drive does
+/// not come back from an overshoot.
+#[test]
+fn a_drive_with_positive_gains_only_jerks_after_an_overshoot_and_does_not_hold() {
+    let faulty = simulate("servo-b-tuned", &[], &["faults.positive_gain_only=true"]);
+    let healthy = simulate("servo-b-tuned", &[], &[]);
+    let overshoot = |run: &Run| {
+        let row = rows(run, 0.3, 1.72).find(|row| row.observation.error < 0);
+        row.map(|row| row.time).expect("it overshoots")
+    };
+    let from = overshoot(&faulty);
+    let away: Vec<&Row> = rows(&faulty, from, from + 0.4).collect();
+    assert!(away.iter().all(|row| row.observation.error < 0), "it never comes back");
+    let reversals = |rows: &[&Row]| {
+        let signs: Vec<i16> = rows.iter().map(|row| row.observation.command.signum()).collect();
+        signs.windows(2).filter(|pair| pair[0] * pair[1] < 0).count()
+    };
+    assert!(reversals(&away) >= 10, "{} jerks", reversals(&away));
+    let from = overshoot(&healthy);
+    assert!(reversals(&rows(&healthy, from, from + 0.4).collect::<Vec<_>>()) < 10);
+    let end = |run: &Run| at(run, 1.7).plant.position - 16_384.0 * 0.01205e-3;
+    assert!(end(&faulty) > 0.1 && end(&healthy).abs() < 1e-3, "{} {}", end(&faulty), end(&healthy));
+}
+
+/// The trace has the command of the faulty law: what a standing drive of a negative error is given.
+#[test]
+fn the_trace_of_the_positive_gain_bug_shows_its_command() {
+    let run = simulate("servo-b-tuned", &[], &["faults.positive_gain_only=true"]);
+    let resting = run.observations.iter().filter(|seen| seen.velocity == 0 && seen.acceleration == 0);
+    let negative: Vec<_> = resting.filter(|seen| seen.error < 0).collect();
+    assert!(negative.len() > 20 && negative.iter().all(|seen| seen.command > 0), "{}", negative.len());
+    let driven = |row: &Row| f64::from(row.observation.command) / 2048.0 * 1e-3;
+    assert!(run.rows.windows(2).all(|pair| pair[1].plant.spool_command == driven(&pair[0])));
+}

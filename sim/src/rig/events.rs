@@ -140,6 +140,20 @@ impl Reader<'_> {
                 self.problem_at_key(PATH, format!("pressure_pa = {pressure} is no dip: it must be between exhaust.pressure_pa = {low} and supply.pressure_pa = {high}"));
             }
         }
+        self.check_positive_gain(rig);
+    }
+
+    fn check_positive_gain(&mut self, rig: &Rig) {
+        if !rig.switch("faults.positive_gain_only") {
+            return;
+        }
+        let refused = match rig.word("controller.law") {
+            _ if rig.word("controller.model") != "sampled" => "it is a bug of the sampled controller",
+            _ if rig.word("controller.loop") != "closed" => "an open loop has no gain",
+            "gain-profile" | "proportional" => return,
+            _ => "it is for the laws gain-profile and proportional",
+        };
+        self.problem_at_key("faults.positive_gain_only", refused.to_owned());
     }
 }
 

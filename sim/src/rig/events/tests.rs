@@ -117,6 +117,31 @@ fn a_dip_that_is_none_is_refused() {
 }
 
 #[test]
+fn the_positive_gain_bug_is_for_the_laws_that_it_was_in() {
+    let bug = "[faults]\npositive_gain_only = true\n";
+    for (controller, refused) in [
+        ("law = \"on-off\"", Some("gain-profile and proportional")),
+        ("law = \"moore-proportional\"", Some("gain-profile and proportional")),
+        ("loop = \"open\"", Some("an open loop has no gain")),
+        ("law = \"proportional\"", None),
+        ("law = \"gain-profile\"", None),
+    ] {
+        let result = read(&format!("{bug}[controller]\n{controller}\n"));
+        match refused {
+            None => assert!(result.is_ok(), "{controller}"),
+            Some(why) => {
+                let message = &result.expect_err("refused")[0];
+                assert!(
+                    message.starts_with("rig.toml:2: faults.positive_gain_only: ") && message.contains(why)
+                );
+            }
+        }
+    }
+    let continuous = "[controller]\nmodel = \"continuous\"\n[operator]\nhysteresis_percent = 0\n";
+    assert!(only_problem(&format!("{bug}{continuous}")).contains("of the sampled controller"));
+}
+
+#[test]
 fn the_list_is_explained_with_all_kinds_and_fields() {
     let text = explain("faults.event").expect("a key");
     for (kind, meaning) in KINDS {

@@ -1,0 +1,170 @@
+//! The historical bug of the gain routine (thesis 8.2.5, L(19); EQUATIONS section 9): it could give
+//! positive gains only.
+//!
+//! ```text
+//! n_pg   = Kp[i] |n_p|                               instead of Kp[i] n_p
+//! demand = (n_pg - Kv n_v - Ka n_a) / scale + null offset
+//! ```
+//!
+//! All else is as in the gain-profile and proportional laws: exact sums, one saturation, division toward
+//! zero, dead bands, limits. It is a component of the simulator alone, for a repetition of the thesis's
+//! figures: no firmware has it. After an overshoot the error pushes on in its direction.
+
+use pneudrive_controller::drive::DriveConfig;
+use pneudrive_controller::law::{LawConfig, LawKind};
+use pneudrive_controller::{Command, Config, Mode, Observation};
+
+use crate::rig::Rig;
+
+/// The faulty law, in place of the controller's between its sample and its output.
+#[derive(Clone, Debug)]
+pub struct PositiveGain {
+    law: LawConfig,
+    drive: DriveConfig,
+    /// Where the spool of a stepper is, steps.
+    location: i16,
+}
+
+impl PositiveGain {
+    /// The bug, if a rig asks for it.
+    #[must_use]
+    pub fn of(rig: &Rig, config: &Config) -> Option<PositiveGain> {
+        rig.switch("faults.positive_gain_only").then(|| PositiveGain::new(config))
+    }
+
+    fn new(config: &Config) -> PositiveGain {
+        PositiveGain { law: config.law.clone(), drive: config.drive, location: 0 }
+    }
+
+    /// What the faulty law makes of a sample: the same with another command, which is null where the
+    /// supervisor lets none through.
+    #[must_use]
+    pub fn spoil(&self, mode: Mode, seen: Observation) -> Observation {
+        let command = match mode {
+            Mode::Running | Mode::Done => self.limited(self.demand(&seen)),
+            _ => 0,
+        };
+        let spool = match self.drive {
+            DriveConfig::Dac(_) => seen.spool,
+            DriveConfig::Stepper { .. } => self.location,
+        };
+        Observation { command, spool, ..seen }
+    }
+
+    /// What goes out for a spoilt sample.
+    pub fn output(&mut self, seen: &Observation, command: Command) -> Command {
+        let step = match self.drive {
+            DriveConfig::Dac(_) => 0,
+            DriveConfig::Stepper { .. } => (seen.command - self.location).signum(),
+        };
+        self.location += step;
+        Command { counts: seen.command, step: step as i8, ..command }
+    }
+
+    /// In valve counts.
+    fn demand(&self, seen: &Observation) -> i64 {
+        let law = &self.law;
+        let null = i64::from(law.null_offset);
+        if seen.error.unsigned_abs() < law.dead_band {
+            return null;
+        }
+        let still = seen.velocity.unsigned_abs() < u64::from(law.velocity_dead_band);
+        let velocity = if still { 0 } else { seen.velocity };
+        let sum = i64::from(self.gain(seen.error)) * i64::from(seen.error).abs()
+            - i64::from(law.velocity_gain) * velocity
+            - i64::from(law.acceleration_gain) * seen.acceleration;
+        sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) / i64::from(law.scale.get()) + null
+    }
+
+    /// `Kp[i]`.
+    fn gain(&self, error: i32) -> u16 {
+        let profile = &self.law.gain_profile;
+        match self.law.kind {
+            LawKind::GainProfile => {
+                let index = (error.unsigned_abs() / self.law.profile_span) as usize;
+                profile[index.min(profile.len() - 1)]
+            }
+            // A checked rig has no other law here.
+            _ => self.law.proportional_gain,
+        }
+    }
+
+    fn limited(&self, demand: i64) -> i16 {
+        let largest = i64::from(self.drive.largest());
+        demand.clamp(-largest, largest) as i16
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faulty(settings: &[&str]) -> PositiveGain {
+        let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+        let rig = Rig::read_with("test", "[faults]\npositive_gain_only = true\n", &settings).expect("valid");
+        PositiveGain::of(&rig, &Config::new(&rig.parameters()).expect("valid")).expect("asked for")
+    }
+
+    fn seen(error: i32, velocity: i64, acceleration: i64) -> Observation {
+        Observation { error, velocity, acceleration, ..Observation::default() }
+    }
+
+    fn command(law: &PositiveGain, seen: Observation) -> i16 {
+        law.spoil(Mode::Running, seen).command
+    }
+
+    /// By hand, with the profile 8192, 6144, 4096, 2048 ... of 4 counts each, gains of 1, scale 256.
+    #[test]
+    fn the_command_is_that_of_the_positive_error_whatever_its_sign() {
+        let law = faulty(&[]);
+        for (error, expected) in [(3, 96), (-3, 96), (-7, 168), (-15, 120), (1000, 1000), (-1000, 1000)] {
+            assert_eq!(command(&law, seen(error, 0, 0)), expected, "{error}");
+        }
+        // (8192 * 3 - 1000 - 300) / 256 = 90.9; (8192 * 3 - 40000 + 10) / 256 = -60.2
+        assert_eq!(command(&law, seen(-3, 1000, 300)), 90);
+        assert_eq!(command(&law, seen(-3, 40_000, -10)), -60);
+    }
+
+    #[test]
+    fn a_proportional_law_has_it_too() {
+        let law = faulty(&["controller.law=proportional", "controller.proportional_gain=512"]);
+        assert_eq!([20, -20].map(|error| command(&law, seen(error, 0, 0))), [40, 40]);
+    }
+
+    #[test]
+    fn dead_bands_offset_and_limits_are_those_of_the_law() {
+        let law = faulty(&[
+            "controller.dead_band_counts=5",
+            "controller.velocity_dead_band=300",
+            "controller.velocity_gain=256",
+            "controller.null_offset_counts=7",
+        ]);
+        assert_eq!(command(&law, seen(-4, 1000, 0)), 7);
+        // 6144 * 5 / 256 = 120
+        assert_eq!(command(&law, seen(-5, 299, 0)), 127);
+        assert_eq!(command(&law, seen(-5, 300, 0)), 120 - 300 + 7);
+        assert_eq!(command(&law, seen(i32::MIN, 0, 0)), 2048);
+        assert_eq!(command(&law, seen(9, i64::from(i32::MAX), 0)), -2048);
+    }
+
+    #[test]
+    fn the_supervisor_keeps_the_last_word() {
+        let tripped = Mode::Fault(pneudrive_controller::Fault::Stop);
+        assert_eq!(faulty(&[]).spoil(tripped, seen(3, 0, 0)).command, 0);
+    }
+
+    #[test]
+    fn a_stepper_walks_to_the_faulty_command_a_pulse_a_sample() {
+        let mut law = faulty(&["operator.model=stepper"]);
+        // 256 * 600 / 65536 = 2.3
+        let pulses: Vec<i8> = (0..4)
+            .map(|_| {
+                let seen = law.spoil(Mode::Running, seen(-600, 0, 0));
+                assert_eq!(seen.command, 2);
+                law.output(&seen, Command::OFF).step
+            })
+            .collect();
+        assert_eq!(pulses, [1, 1, 0, 0]);
+        assert_eq!(law.spoil(Mode::Running, seen(0, 0, 0)).spool, 2);
+    }
+}
