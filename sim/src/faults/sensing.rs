@@ -58,7 +58,13 @@ mod tests {
         let events: Vec<FaultEvent> =
             events.iter().map(|&(at_us, kind)| FaultEvent { at_us, kind }).collect();
         let mut faults = SensorFaults::new(&events);
-        let sample = |k: u64| Sample { position: 100 + k as i32, pressure_1: 7, pressure_2: 8, spool: 9 };
+        let sample = |k: u64| Sample {
+            position: 100 + k as i32,
+            pressure_1: 7,
+            pressure_2: 8,
+            spool: 9,
+            home_switch: false,
+        };
         (0..samples).map(|k| faults.spoil(10 * k, sample(k))).collect()
     }
 
