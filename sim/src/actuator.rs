@@ -84,6 +84,12 @@ impl Actuator {
         pressure_1 * self.area_1 - pressure_2 * self.area_2 - self.ambient_pressure * self.rod_area
     }
 
+    /// F_a', N/s, for the rates of the chamber pressures in Pa/s.
+    #[must_use]
+    pub fn force_rate(&self, pressure_rate_1: f64, pressure_rate_2: f64) -> f64 {
+        pressure_rate_1 * self.area_1 - pressure_rate_2 * self.area_2
+    }
+
     /// What leaks past the piston between the two chambers.
     #[must_use]
     pub fn leak(&self, gas: &Gas, air: &[Air; 2]) -> Leak {

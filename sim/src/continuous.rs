@@ -10,9 +10,17 @@
 //! The windows Wv T and Wa T give n_v and n_a the units of the sampled law, so that the same gains
 //! mean the same. y'' includes the friction, so the command jumps at stick and slip. The index of the
 //! profile is a mode: each change of it is an event. The target changes at sample instants alone.
+//!
+//! A hysteresis asks which way the command moves. Between the jumps, and before it is limited:
+//!
+//! ```text
+//! dn/dt = -(Kp[i] y' + Kv y'' Wv T + Ka y''' Wv Wa T^2) / (pulse scale)
+//! ```
 
+use pneudrive_controller::Config;
 use pneudrive_controller::law::{LawConfig, LawKind};
-use pneudrive_controller::{Config, drive};
+
+use crate::operator;
 
 /// The law on one target, and the entry of the profile that it is in.
 #[derive(Clone, Debug)]
@@ -66,6 +74,24 @@ impl ContinuousLaw {
     /// The command in DAC counts, -2048 to 2048, for the motion in SI.
     #[must_use]
     pub fn command(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
+        operator::within_range(self.demand(position, velocity, acceleration))
+    }
+
+    /// What the law asks for, in DAC counts, before it is limited to their range.
+    #[must_use]
+    pub fn demand(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
+        self.sum(self.error(position), velocity, acceleration) / f64::from(self.law.scale.get())
+            + f64::from(self.law.null_offset)
+    }
+
+    /// The rate of the demand, counts/s, in the present entry of the profile.
+    #[must_use]
+    pub fn demand_rate(&self, velocity: f64, acceleration: f64, jerk: f64) -> f64 {
+        self.sum(-velocity / self.pulse, acceleration, jerk) / f64::from(self.law.scale.get())
+    }
+
+    /// Kp n_p - Kv n_v - Ka n_a, or its rate from the rates of n_p, y' and y''.
+    fn sum(&self, error: f64, velocity: f64, acceleration: f64) -> f64 {
         let gain = match self.law.kind {
             LawKind::GainProfile => self.law.gain_profile[self.index],
             // A checked rig has no relay and no dead zone here.
@@ -73,11 +99,9 @@ impl ContinuousLaw {
         };
         let n_v = velocity * self.velocity_window / self.pulse;
         let n_a = acceleration * self.velocity_window * self.acceleration_window / self.pulse;
-        let sum = f64::from(gain) * self.error(position)
+        f64::from(gain) * error
             - f64::from(self.law.velocity_gain) * n_v
-            - f64::from(self.law.acceleration_gain) * n_a;
-        let demand = sum / f64::from(self.law.scale.get()) + f64::from(self.law.null_offset);
-        demand.clamp(-f64::from(drive::MAX_COUNTS), f64::from(drive::MAX_COUNTS))
+            - f64::from(self.law.acceleration_gain) * n_a
     }
 
     /// Not negative as long as the error is in the present entry of the profile.
@@ -121,6 +145,21 @@ mod tests {
         assert!((law().command(at, 1.0, 0.0) + 539.42 / 256.0).abs() < 1e-4);
         let n_a = 6.5e-3 * 3.9e-3 / 0.01205e-3;
         assert!((law().command(at, 0.0, 1.0) + n_a / 256.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_rate_of_the_demand_is_the_slope_of_the_demand_along_a_motion() {
+        let law = law();
+        let (start, velocity, acceleration, jerk) = (8190.0 * 0.01205e-3, 0.02, 3.0, 800.0);
+        let at = |t: f64| {
+            let position = start + t * (velocity + t * (acceleration / 2.0 + t * jerk / 6.0));
+            let speed = velocity + t * (acceleration + t * jerk / 2.0);
+            law.demand(position, speed, acceleration + t * jerk)
+        };
+        let slope = (at(1e-6) - at(-1e-6)) / 2e-6;
+        let rate = law.demand_rate(velocity, acceleration, jerk);
+        assert!((rate / slope - 1.0).abs() < 1e-8, "{rate} {slope}");
+        assert_eq!(law.demand_rate(0.0, 0.0, 0.0), 0.0, "a load at rest");
     }
 
     #[test]

@@ -63,6 +63,11 @@ impl Gas {
         }
     }
 
+    /// P' in Pa/s of an Exner pressure and its rate: P'/P = n/(n-1) w'/w.
+    pub(crate) fn pressure_rate(&self, exner: f64, rate: f64) -> f64 {
+        self.pressure(exner) * rate / (self.exner_exponent * exner)
+    }
+
     /// (n-1)/n: the slope of ln w over ln P.
     pub(crate) fn exner_exponent(&self) -> f64 {
         self.exner_exponent
@@ -128,6 +133,17 @@ mod tests {
                 let back = gas.pressure(gas.exner(pressure));
                 assert!((back / pressure - 1.0).abs() < 1e-13, "{n} {pressure} {back}");
             }
+        }
+    }
+
+    #[test]
+    fn the_rate_of_the_pressure_is_the_slope_of_the_pressure() {
+        for n in [1.4, 1.3] {
+            let gas = Gas::new(n, 286.76);
+            let at = |t: f64| gas.pressure(gas.exner(4e5) + 2.0 * t);
+            let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
+            let rate = gas.pressure_rate(gas.exner(4e5), 2.0);
+            assert!((rate / slope - 1.0).abs() < 1e-8, "{rate} {slope}");
         }
     }
 

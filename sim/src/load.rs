@@ -33,6 +33,17 @@ pub struct Load {
     pub stops: Stops,
 }
 
+/// How a load moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// y, m.
+    pub position: f64,
+    /// y', m/s.
+    pub velocity: f64,
+    /// y'', m/s^2.
+    pub acceleration: f64,
+}
+
 impl Load {
     /// The forces that depend on neither velocity nor contact, N: constant force, spring, weight.
     #[must_use]
@@ -54,6 +65,18 @@ impl Load {
             Contact::Stuck => 0.0,
             _ => (applied - self.friction.force(contact, applied)) / self.mass,
         }
+    }
+
+    /// y''', m/s^3, for the rate of the actuator's force in N/s; exactly 0 while stuck. A slip has the
+    /// same dry friction all the time.
+    #[must_use]
+    pub fn jerk(&self, actuator_rate: f64, contact: Contact, side: Side, motion: Motion) -> f64 {
+        if contact == Contact::Stuck {
+            return 0.0;
+        }
+        let Motion { position, velocity, acceleration } = motion;
+        let stops = self.stops.force_rate(side, position, velocity, acceleration);
+        (actuator_rate - self.spring * velocity - self.viscous * acceleration + stops) / self.mass
     }
 }
 
@@ -77,6 +100,21 @@ mod tests {
     fn forces_add_up_with_the_signs_of_6_31() {
         let applied = load().applied_force(50.0, Side::Free, 0.1, 0.5);
         assert!((applied - (50.0 + 5.0 - 10.0 - 2.0 * GRAVITY * 0.5 - 15.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_jerk_is_the_slope_of_the_acceleration() {
+        let (load, motion) = (load(), Motion { position: 0.3005, velocity: 0.2, acceleration: 4.0 });
+        let at = |t: f64| {
+            let position = motion.position + motion.velocity * t + 0.5 * motion.acceleration * t * t;
+            let velocity = motion.velocity + motion.acceleration * t;
+            let applied = load.applied_force(50.0 + 900.0 * t, Side::High, position, velocity);
+            load.acceleration(applied, Contact::Extending)
+        };
+        let slope = (at(1e-7) - at(-1e-7)) / 2e-7;
+        let jerk = load.jerk(900.0, Contact::Extending, Side::High, motion);
+        assert!((jerk / slope - 1.0).abs() < 1e-6, "{jerk} {slope}");
+        assert_eq!(load.jerk(900.0, Contact::Stuck, Side::High, motion), 0.0);
     }
 
     #[test]

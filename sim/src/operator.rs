@@ -19,6 +19,8 @@ pub mod solenoid;
 pub mod stepper;
 pub mod stuck;
 
+use pneudrive_controller::drive;
+
 use empirical::Empirical;
 use on_off::OnOff;
 use solenoid::Solenoid;
@@ -32,6 +34,12 @@ pub struct Request {
     pub counts: i16,
     /// Pulse for a stepper: -1, 0 or 1.
     pub step: i8,
+}
+
+/// A demand in counts, limited to the range of a DAC.
+#[must_use]
+pub fn within_range(demand: f64) -> f64 {
+    demand.clamp(-f64::from(drive::MAX_COUNTS), f64::from(drive::MAX_COUNTS))
 }
 
 /// Position (m) and velocity (m/s) of a moving spool.

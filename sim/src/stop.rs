@@ -68,6 +68,25 @@ impl Stops {
         (self.stiffness * penetration + damping).max(0.0)
     }
 
+    /// The rate of the force, N/s; just after a contact begins, that of the contact.
+    #[must_use]
+    pub fn force_rate(&self, side: Side, position: f64, velocity: f64, acceleration: f64) -> f64 {
+        match side {
+            Side::Free => 0.0,
+            Side::Low => self.push_rate(self.low - position, -velocity, -acceleration),
+            Side::High => -self.push_rate(position - self.high, velocity, acceleration),
+        }
+    }
+
+    fn push_rate(&self, penetration: f64, rate: f64, rate_change: f64) -> f64 {
+        let depth = penetration.max(0.0) / self.region;
+        if self.stiffness * self.region * depth + self.damping * rate * depth.min(1.0) < 0.0 {
+            return 0.0;
+        }
+        let setting_in = if depth < 1.0 { rate * rate / self.region } else { 0.0 };
+        self.stiffness * rate + self.damping * (rate_change * depth.min(1.0) + setting_in)
+    }
+
     /// Not negative as long as the body stays on this side.
     #[must_use]
     pub fn guard(&self, side: Side, position: f64) -> f64 {
@@ -110,6 +129,36 @@ mod tests {
         let stops = stops();
         assert!(stops.force(Side::Low, -1e-12, -3.0).abs() < 1e-4);
         assert_eq!(stops.force(Side::Low, -1e-4, 10.0), 0.0, "a body that leaves is not held");
+    }
+
+    #[test]
+    fn the_rate_of_the_force_is_the_slope_of_the_force_along_a_motion() {
+        let stops = stops();
+        // Where the damping sets in, where it has set in, and where the body leaves unheld.
+        for (side, start, velocity) in [
+            (Side::Low, -2e-4, -0.3),
+            (Side::Low, -2e-3, 0.1),
+            (Side::High, 0.3004, 0.2),
+            (Side::High, 0.3004, -5.0),
+            (Side::Free, 0.1, 1.0),
+        ] {
+            let acceleration = 7.0;
+            let at = |t: f64| {
+                let position = start + velocity * t + 0.5 * acceleration * t * t;
+                stops.force(side, position, velocity + acceleration * t)
+            };
+            let slope = (at(1e-7) - at(-1e-7)) / 2e-7;
+            let rate = stops.force_rate(side, start, velocity, acceleration);
+            assert!((rate - slope).abs() < 1e-6 * slope.abs() + 1e-3, "{side:?} {start}: {rate} {slope}");
+        }
+    }
+
+    #[test]
+    fn a_force_that_begins_grows_from_the_contact_on() {
+        let stops = stops();
+        let rate = stops.force_rate(Side::High, 0.3, 2.0, 0.0);
+        let soon = stops.force(Side::High, 0.3 + 2e-9, 2.0) / 1e-9;
+        assert!((rate / soon - 1.0).abs() < 1e-5, "{rate} {soon}");
     }
 
     #[test]
