@@ -56,8 +56,9 @@ pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1.0, 1e-5, 1.0, 1e-3, 1.0
 
 const LOAD_FRICTION: usize = 0;
 const LOAD_STOPS: usize = 1;
-const PROFILE_INDEX: usize = 2;
-const LOAD_GUARDS: usize = 3;
+const PROFILE_FARTHER: usize = 2;
+const PROFILE_NEARER: usize = 3;
+const LOAD_GUARDS: usize = 4;
 
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
@@ -336,8 +337,8 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         let mut guards = [0.0; GUARDS];
         guards[LOAD_FRICTION] = self.parts.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
         guards[LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
-        guards[PROFILE_INDEX] =
-            self.parts.continuous.as_ref().map_or(1.0, |law| law.guard(x[slot::POSITION]));
+        [guards[PROFILE_FARTHER], guards[PROFILE_NEARER]] =
+            self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
         guards[LOAD_GUARDS..].copy_from_slice(&self.parts.operator.guards(t, spool_state(x), flow_force));
         guards
     }
@@ -371,7 +372,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
             Event::Guard(LOAD_STOPS) => {
                 self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION]);
             }
-            Event::Guard(PROFILE_INDEX) => {
+            Event::Guard(PROFILE_FARTHER | PROFILE_NEARER) => {
                 if let Some(law) = &mut self.parts.continuous {
                     law.cross(x[slot::POSITION]);
                 }

@@ -104,15 +104,17 @@ impl ContinuousLaw {
             - f64::from(self.law.acceleration_gain) * n_a
     }
 
-    /// Not negative as long as the error is in the present entry of the profile.
+    /// Not negative as long as the error is in the present entry of the profile: up to the next entry,
+    /// and down to the one before. A fast load leaves at one end soon after it came in at the other.
     #[must_use]
-    pub fn guard(&self, position: f64) -> f64 {
+    pub fn guards(&self, position: f64) -> [f64; 2] {
         let (spans, index) = (self.spans(position), self.index as f64);
-        let above = if self.index == self.last_index() { 1.0 } else { index + 1.0 - spans };
-        if self.index == 0 { above } else { above.min(spans - index) }
+        let farther = if self.index == self.last_index() { 1.0 } else { index + 1.0 - spans };
+        let nearer = if self.index == 0 { 1.0 } else { spans - index };
+        [farther, nearer]
     }
 
-    /// The entry after the guard has become negative.
+    /// The entry after a guard has become negative.
     pub fn cross(&mut self, position: f64) {
         if self.spans(position) > self.index as f64 + 0.5 {
             self.index = (self.index + 1).min(self.last_index());
@@ -166,10 +168,10 @@ mod tests {
     fn the_index_changes_where_the_guard_says() {
         let mut law = law();
         let at = |counts: f64| counts * 0.01205e-3;
-        assert!(law.guard(at(8188.5)) > 0.0 && law.guard(at(8187.5)) < 0.0);
+        assert!(law.guards(at(8188.5)) == [0.125, 1.0] && law.guards(at(8187.5))[0] < 0.0);
         law.cross(at(8188.0));
         assert_eq!(law.index, 1);
-        assert!(law.guard(at(8187.5)) > 0.0 && law.guard(at(8188.5)) < 0.0);
+        assert!(law.guards(at(8187.5)) == [0.875, 0.125] && law.guards(at(8188.5))[1] < 0.0);
         law.cross(at(8188.0));
         assert_eq!(law.index, 0);
     }

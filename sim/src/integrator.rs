@@ -11,9 +11,13 @@
 //! Ordinary Differential Equations I, II.5 and II.6), and Merson 4(3), the thesis's, with cubic
 //! Hermite interpolation.
 
+mod crossing;
+mod segment;
 mod tableau;
 
 use crate::root::bracketed_root;
+use crossing::{LOOKS, first_negative};
+use segment::Segment;
 use tableau::{MOST_STAGES, Tableau};
 
 /// A method of integration.
@@ -101,30 +105,6 @@ const SMALLEST_STEP: f64 = 1e-13;
 
 /// Most events within [`SMALLEST_STEP`] of each other.
 const MOST_EVENTS_AT_ONCE: u32 = 64;
-
-/// Places inside a step at which guards are looked at, so that one that dips below zero and comes
-/// back is seen.
-const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-
-/// One step's dense output: `x(t0 + theta h)` as a polynomial in theta.
-#[derive(Clone, Debug)]
-struct Segment<const N: usize> {
-    start: f64,
-    width: f64,
-    coefficients: [[f64; N]; 5],
-}
-
-impl<const N: usize> Segment<N> {
-    fn at(&self, t: f64) -> [f64; N] {
-        self.at_part((t - self.start) / self.width)
-    }
-
-    fn at_part(&self, theta: f64) -> [f64; N] {
-        let [r1, r2, r3, r4, r5] = &self.coefficients;
-        let rest = 1.0 - theta;
-        std::array::from_fn(|i| r1[i] + theta * (r2[i] + rest * (r3[i] + theta * (r4[i] + rest * r5[i]))))
-    }
-}
 
 /// The state of an integration.
 #[derive(Clone, Debug)]
@@ -399,44 +379,6 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         }
         first
     }
-}
-
-/// The first place in a step at which a guard with these values at 0 and [`LOOKS`] becomes negative.
-fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -> f64) -> Option<f64> {
-    let place = |i: usize| if i == 0 { 0.0 } else { LOOKS[i - 1] };
-    for i in 1..values.len() {
-        let (before, here) = (values[i - 1], values[i]);
-        if here < 0.0 {
-            // A guard that begins at zero (a body that has just broken away) is not crossed there.
-            let bracket = [(place(i - 1), before.max(0.0)), (place(i), here)];
-            return Some(bracketed_root(value_at, bracket, 1e-14));
-        }
-        if i + 1 < values.len()
-            && let Some(dip) = dip_between(before, here, values[i + 1])
-        {
-            let theta = place(i) + dip * (LOOKS[1] - LOOKS[0]);
-            let value = value_at(theta);
-            if value < 0.0 {
-                let left = if dip < 0.0 { i - 1 } else { i };
-                return Some(bracketed_root(
-                    value_at,
-                    [(place(left), values[left].max(0.0)), (theta, value)],
-                    1e-14,
-                ));
-            }
-        }
-    }
-    None
-}
-
-/// Where a parabola through three evenly spaced values dips below zero between them, in spacings
-/// from the middle one, if it does.
-fn dip_between(before: f64, middle: f64, after: f64) -> Option<f64> {
-    let curvature = before - 2.0 * middle + after;
-    let slope = 0.5 * (after - before);
-    let dip = -slope / curvature;
-    let lowest = middle - 0.5 * slope * slope / curvature;
-    (curvature > 0.0 && dip.abs() < 1.0 && after >= 0.0 && lowest < 0.0).then_some(dip)
 }
 
 #[cfg(test)]

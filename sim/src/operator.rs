@@ -52,7 +52,7 @@ pub struct SpoolState {
 }
 
 /// Guards that an operator has.
-pub(crate) const GUARDS: usize = 2;
+pub(crate) const GUARDS: usize = 3;
 
 /// A valve operator with its modes.
 #[derive(Clone, Debug)]

@@ -44,6 +44,13 @@ pub enum Branch {
     DrivenDown,
 }
 
+/// More than rounding makes of an input, m: that of a position of 0.3 m is 6e-17 m, and a controller's
+/// gain makes a hundred times that of it.
+const ROUNDING: f64 = 1e-14;
+
+/// Guards that a play has: against a rising input, and against a falling one.
+pub(crate) const GUARDS: usize = 2;
+
 /// The play operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Play {
@@ -99,14 +106,19 @@ impl Play {
         };
     }
 
-    /// Not negative as long as the branch holds, for an input that is no function of time alone.
-    #[must_use]
-    pub fn guard(&self, u: f64, rate: f64) -> f64 {
+    /// Not negative as long as the branch holds, for an input that is no function of time alone: one
+    /// guard for either way that the input can move. A branch that a turn leaves begins at one end of
+    /// the slack, and may come to the other within a step.
+    ///
+    /// It leaves that end with no speed: the rounding of u must not look like a return to it.
+    pub(crate) fn guards(&self, u: f64, rate: f64) -> [f64; GUARDS] {
         match self.branch {
-            _ if self.half_width == 0.0 => 1.0,
-            Branch::Held(s) => self.half_width - (u - s).abs(),
-            Branch::DrivenUp => rate,
-            Branch::DrivenDown => -rate,
+            _ if self.half_width == 0.0 => [1.0; GUARDS],
+            Branch::Held(s) => {
+                [self.half_width - (u - s), self.half_width + (u - s)].map(|room| room + ROUNDING)
+            }
+            Branch::DrivenUp => [1.0, rate],
+            Branch::DrivenDown => [-rate, 1.0],
         }
     }
 
@@ -140,10 +152,11 @@ mod tests {
     #[test]
     fn a_branch_ends_where_its_guard_says() {
         let mut play = Play::new(0.05);
-        assert_eq!(play.guard(0.05, 1.0), 0.0);
+        assert!(play.guards(0.05 - 1e-13, 1.0)[0] > 0.0 && play.guards(0.05 + 1e-13, 1.0)[0] < 0.0);
+        assert!(play.guards(-0.05 + 1e-13, -1.0)[1] > 0.0 && play.guards(-0.05 - 1e-13, -1.0)[1] < 0.0);
         play.turn(0.05);
         assert_eq!(play.branch(), Branch::DrivenUp);
-        assert!(play.guard(0.3, 1.0) > 0.0 && play.guard(0.3, -1.0) < 0.0);
+        assert!(play.guards(0.3, 1.0) == [1.0; 2] && play.guards(0.3, -1.0) == [1.0, -1.0]);
         play.turn(0.3);
         assert_eq!(play.branch(), Branch::Held(0.25));
         play.turn(0.2);
@@ -154,6 +167,6 @@ mod tests {
     fn without_slack_the_output_is_the_input() {
         let mut play = Play::new(0.0);
         assert_eq!(driven(&mut play, &[0.0, 0.3, -0.2]), -0.2);
-        assert!(play.guard(-0.2, -5.0) > 0.0);
+        assert_eq!(play.guards(-0.2, -5.0), [1.0; 2]);
     }
 }

@@ -173,6 +173,40 @@ fn a_guard_that_comes_back_within_one_step_is_seen() {
     assert_eq!(integrator.work.events, 1);
 }
 
+/// A guard that begins at zero, and comes back before the step is first looked into.
+#[derive(Default)]
+struct Return {
+    came_back: Option<f64>,
+}
+
+impl Hybrid<1, 1, 0> for Return {
+    fn derivative(&mut self, _: f64, _: &[f64; 1]) -> [f64; 1] {
+        [1.0]
+    }
+    fn guards(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
+        [if self.came_back.is_some() { 1.0 } else { x[0] * (0.02 - x[0]) }]
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, _: Event, t: f64, _: &mut [f64; 1]) {
+        self.came_back = Some(t);
+    }
+}
+
+#[test]
+fn a_guard_that_begins_at_zero_and_comes_back_at_once_is_crossed_where_it_comes_back() {
+    let mut integrator = Integrator::<1, 1, 0>::new(Method::DormandPrince, 1e-3, [1.0], [0.0]);
+    integrator.wanted = 1.0;
+    let mut system = Return::default();
+    integrator.run_to(&mut system, 0.5, 1.0).expect("a line");
+    let at = system.came_back.expect("an event");
+    assert!((at - 0.02).abs() < 1e-12, "{at}");
+}
+
 /// A right-hand side that fails.
 struct Broken;
 

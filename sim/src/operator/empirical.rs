@@ -10,7 +10,7 @@
 
 use super::{GUARDS, Request, SpoolState};
 use crate::dither::Dither;
-use crate::play::Play;
+use crate::play::{self, Play};
 
 /// The parameters of an empirical solenoid, SI.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +43,8 @@ pub struct Empirical {
     limited: bool,
 }
 
-const PLAY: usize = 0;
-const LIMIT: usize = 1;
+/// The guards of the play come first.
+const LIMIT: usize = play::GUARDS;
 
 impl Empirical {
     /// A solenoid with its spool at rest at mid-travel and a null command.
@@ -92,17 +92,17 @@ impl Empirical {
     pub(super) fn guards(&self, t: f64, spool: SpoolState) -> [f64; GUARDS] {
         let input = self.input(t, spool);
         let room = self.parameters.travel - self.play.output(input).abs();
-        let mut guards = [0.0; GUARDS];
-        guards[PLAY] = self.play.guard(input, self.rate(t, spool));
+        let mut guards = [1.0; GUARDS];
+        guards[..LIMIT].copy_from_slice(&self.play.guards(input, self.rate(t, spool)));
         guards[LIMIT] = if self.limited { -room } else { room };
         guards
     }
 
     pub(super) fn cross(&mut self, guard: usize, t: f64, spool: SpoolState) {
-        if guard == PLAY {
-            self.play.turn(self.input(t, spool));
-        } else {
+        if guard == LIMIT {
             self.limited = !self.limited;
+        } else {
+            self.play.turn(self.input(t, spool));
         }
     }
 }
@@ -110,6 +110,9 @@ impl Empirical {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const RISING: usize = 0;
+    const FALLING: usize = 1;
 
     fn thesis() -> Empirical {
         Empirical::new(EmpiricalParameters {
@@ -135,7 +138,7 @@ mod tests {
     #[test]
     fn the_valve_sees_the_position_less_the_slack() {
         let mut empirical = thesis();
-        empirical.cross(PLAY, 0.0, SpoolState { position: 0.05e-3, velocity: 1.0 });
+        empirical.cross(RISING, 0.0, SpoolState { position: 0.05e-3, velocity: 1.0 });
         let spool = SpoolState { position: 0.3e-3, velocity: 1.0 };
         assert!((empirical.position(0.0, spool) - 0.25e-3).abs() < 1e-18);
     }
@@ -143,13 +146,13 @@ mod tests {
     #[test]
     fn only_the_output_is_limited_and_not_the_memory_of_the_play() {
         let mut empirical = thesis();
-        empirical.cross(PLAY, 0.0, SpoolState { position: 0.05e-3, velocity: 1.0 });
+        empirical.cross(RISING, 0.0, SpoolState { position: 0.05e-3, velocity: 1.0 });
         let beyond = SpoolState { position: 1.2e-3, velocity: 1.0 };
         assert!(empirical.guards(0.0, beyond)[LIMIT] < 0.0);
         empirical.cross(LIMIT, 0.0, beyond);
         assert_eq!(empirical.position(0.0, beyond), 1e-3);
-        empirical.cross(PLAY, 0.0, beyond);
+        empirical.cross(FALLING, 0.0, beyond);
         let back = SpoolState { position: 1.1e-3, velocity: -1.0 };
-        assert!(empirical.guards(0.0, back)[PLAY] >= 0.0, "held at 1.15 mm, beyond the limit");
+        assert!(empirical.guards(0.0, back)[FALLING] >= 0.0, "held at 1.15 mm, beyond the limit");
     }
 }

@@ -127,7 +127,7 @@ impl Solenoid {
 
     pub(super) fn guards(&self, t: f64, spool: SpoolState, flow_force: f64) -> [f64; GUARDS] {
         let applied = self.applied_force(t, spool, flow_force);
-        let mut guards = [0.0; GUARDS];
+        let mut guards = [1.0; GUARDS];
         guards[FRICTION] = self.parameters.friction.guard(self.contact, applied, spool.velocity);
         guards[STOPS] = self.parameters.stops.guard(self.side, spool.position);
         guards

@@ -1,0 +1,55 @@
+//! Where in a step a guard becomes negative.
+
+use crate::root::bracketed_root;
+
+/// Places inside a step at which guards are looked at, so that one that dips below zero and comes
+/// back is seen.
+pub(super) const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+
+/// How often the way to the first look is halved in search of a guard that leaves zero and comes back.
+const DEPARTURES: u32 = 12;
+
+/// The first place in a step at which a guard with these values at 0 and [`LOOKS`] becomes negative.
+pub(super) fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+    let place = |i: usize| if i == 0 { 0.0 } else { LOOKS[i - 1] };
+    for i in 1..values.len() {
+        let (before, here) = (values[i - 1], values[i]);
+        if here < 0.0 {
+            let left = if before > 0.0 { (place(i - 1), before) } else { departure(place(i), value_at) };
+            return Some(bracketed_root(value_at, [left, (place(i), here)], 1e-14));
+        }
+        if i + 1 < values.len()
+            && let Some(dip) = dip_between(before, here, values[i + 1])
+        {
+            let theta = place(i) + dip * (LOOKS[1] - LOOKS[0]);
+            let value = value_at(theta);
+            if value < 0.0 {
+                let left = if dip < 0.0 { i - 1 } else { i };
+                return Some(bracketed_root(
+                    value_at,
+                    [(place(left), values[left].max(0.0)), (theta, value)],
+                    1e-14,
+                ));
+            }
+        }
+    }
+    None
+}
+
+/// A guard that begins at zero (a body that has just broken away, an entry of the profile that has just
+/// been entered) is not crossed there: a place before `look` at which it is positive, and its value. The
+/// step's beginning if there is none: the mode does not hold at all.
+fn departure(look: f64, value_at: &mut impl FnMut(f64) -> f64) -> (f64, f64) {
+    let nearer = (1..=DEPARTURES).map(|halvings| look / f64::from(1_u32 << halvings));
+    nearer.map(|theta| (theta, value_at(theta))).find(|(_, value)| *value > 0.0).unwrap_or((0.0, 0.0))
+}
+
+/// Where a parabola through three evenly spaced values dips below zero between them, in spacings
+/// from the middle one, if it does.
+fn dip_between(before: f64, middle: f64, after: f64) -> Option<f64> {
+    let curvature = before - 2.0 * middle + after;
+    let slope = 0.5 * (after - before);
+    let dip = -slope / curvature;
+    let lowest = middle - 0.5 * slope * slope / curvature;
+    (curvature > 0.0 && dip.abs() < 1.0 && after >= 0.0 && lowest < 0.0).then_some(dip)
+}

@@ -1,0 +1,46 @@
+//! Hysteresis in whole runs of the continuous controller: the transient of the reference case
+//! B_closed_cont with a loop that has a width.
+
+use pneudrive_sim::{Accuracy, Rig, Run, run};
+
+fn simulate(settings: &[&str], accuracy: Accuracy) -> Run {
+    let text = include_str!("cases/B_closed_cont.toml");
+    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+    let rig =
+        Rig::read_with("B_closed_cont", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
+    run(&rig, accuracy).unwrap_or_else(|error| panic!("{settings:?}: {error}"))
+}
+
+/// The largest distance between two transients, m.
+fn distance(a: &Run, b: &Run) -> f64 {
+    assert_eq!(a.rows.len(), b.rows.len());
+    let apart = a.rows.iter().zip(&b.rows).map(|(a, b)| (a.plant.position - b.plant.position).abs());
+    apart.fold(0.0, f64::max)
+}
+
+/// A narrow loop asks for events that follow each other closely: the load crosses it within a step.
+#[test]
+fn a_hysteresis_that_vanishes_takes_its_effect_with_it() {
+    for model in ["operator.model=solenoid-empirical"] {
+        let with = |percent: &str| {
+            simulate(&[model, &format!("operator.hysteresis_percent={percent}")], Accuracy::default())
+        };
+        let none = with("0");
+        let [small, vanishing] = ["1e-3", "1e-6"].map(|percent| distance(&with(percent), &none));
+        assert!(small < 3e-5 && vanishing < 2e-3 * small, "{model}: {small} m, {vanishing} m");
+    }
+}
+
+/// At coarse tolerances a step is longer than the load needs for an entry of the profile, or the command
+/// for the slack.
+#[test]
+fn at_a_coarse_tolerance_events_do_not_pile_up() {
+    let gains = ["controller.velocity_gain=1", "controller.acceleration_gain=1"];
+    for percent in ["operator.hysteresis_percent=0"] {
+        let [fine, coarse] = [1e-10, 1e-6].map(|tolerance| {
+            simulate(&[percent, gains[0], gains[1]], Accuracy { tolerance, ..Accuracy::default() })
+        });
+        assert!(distance(&fine, &coarse) < 1e-4, "{percent}: {} m", distance(&fine, &coarse));
+        simulate(&[percent, gains[0], gains[1]], Accuracy { tolerance: 1e-3, ..Accuracy::default() });
+    }
+}
