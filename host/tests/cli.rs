@@ -90,10 +90,7 @@ fn wrong_use_ends_with_2_and_a_no_of_the_data_with_1() {
         ("device --port tcp://127.0.0.1 info", 2),
         ("virtual servo-b --listen udp:3", 2),
         ("simulate servo-b --out . --set load.mass_kg", 2),
-        (
-            "virtual servo-b --listen pty --set operator.hysteresis_percent=0 --set controller.model=continuous",
-            1,
-        ),
+        ("virtual servo-b --listen pty --set controller.model=continuous", 1),
     ] {
         assert!(transcript(folder.path(), arguments).ends_with(&format!("= {code}")), "{arguments}");
     }

@@ -9,6 +9,7 @@
 //! position and velocity of the spool, and the pressure ratios of lagged tubes. The modes say on which smooth piece of the equations the
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
+mod following;
 mod lag;
 
 pub(crate) use lag::Lag;
@@ -124,23 +125,6 @@ impl Assembly {
             self.parts.network.expect_jump();
             self.find_port_directions(t, x);
         }
-    }
-
-    /// The target of the continuous controller changes, at a sample instant.
-    pub fn set_target(&mut self, x: &StateVector, target: i32) {
-        if let Some(law) = &mut self.parts.continuous {
-            law.set_target(target, x[slot::POSITION]);
-        }
-    }
-
-    /// The command of the continuous controller, counts: every state has its own.
-    pub fn follow(&mut self, x: &StateVector) -> Option<f64> {
-        self.parts.continuous.as_ref()?;
-        let acceleration = self.parts.load.acceleration(self.applied_to_load(x), self.load_contact);
-        let law = self.parts.continuous.as_ref()?;
-        let command = law.command(x[slot::POSITION], x[slot::VELOCITY], acceleration);
-        self.parts.operator.follow(command);
-        Some(command)
     }
 
     /// Where the spool is, m.
@@ -290,8 +274,9 @@ fn direction(port_flow: f64) -> PortFlow {
     if port_flow >= 0.0 { PortFlow::Charging } else { PortFlow::Discharging }
 }
 
-impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
-    fn derivative(&mut self, t: f64, x: &StateVector) -> StateVector {
+impl Assembly {
+    /// The rates of all but the spool: of load, air and lagged tubes. No command is in them.
+    fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
         let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
         let air = self.air(x);
         let nodes = self.nodes(t, x);
@@ -316,11 +301,6 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         let applied = self.parts.load.applied_force(force, self.load_side, position, velocity);
         slope[slot::POSITION] = velocity;
         slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
-        self.follow(x);
-        let flow_force = self.flow_force(t, x);
-        let [spool, spool_velocity] = self.parts.operator.derivative(t, spool_state(x), flow_force);
-        slope[slot::SPOOL] = spool;
-        slope[slot::SPOOL_VELOCITY] = spool_velocity;
         if let Some(lag) = &self.parts.lag {
             let rates = lag.derivative(&self.parts.gas, x, air.map(|air| air.station()), &joined);
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {
@@ -330,8 +310,42 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         slope
     }
 
+    /// A mode of the load or an entry of the profile ends: the continuous command jumps, or its rate does.
+    fn cross_load(&mut self, guard: usize, t: f64, x: &mut StateVector) {
+        self.follow(x);
+        match guard {
+            LOAD_FRICTION => {
+                if self.load_contact != Contact::Stuck {
+                    x[slot::VELOCITY] = 0.0;
+                }
+                let applied = self.applied_to_load(x);
+                self.load_contact = self.parts.load.friction.after(self.load_contact, applied);
+            }
+            LOAD_STOPS => self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION]),
+            _ => {
+                if let Some(law) = &mut self.parts.continuous {
+                    law.cross(x[slot::POSITION]);
+                }
+            }
+        }
+        self.tell_jump(t, x);
+    }
+}
+
+impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
+    fn derivative(&mut self, t: f64, x: &StateVector) -> StateVector {
+        let mut slope = self.rates_but_spool(t, x);
+        self.follow(x);
+        let flow_force = self.flow_force(t, x);
+        let [spool, spool_velocity] = self.parts.operator.derivative(t, spool_state(x), flow_force);
+        slope[slot::SPOOL] = spool;
+        slope[slot::SPOOL_VELOCITY] = spool_velocity;
+        slope
+    }
+
     fn guards(&mut self, t: f64, x: &StateVector) -> [f64; GUARDS] {
         self.follow(x);
+        self.follow_rate(t, x);
         let on_load = self.applied_to_load(x);
         let flow_force = self.flow_force(t, x);
         let mut guards = [0.0; GUARDS];
@@ -362,23 +376,10 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
                 let flow_force = self.flow_force(t, x);
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }
-            Event::Guard(LOAD_FRICTION) => {
-                if self.load_contact != Contact::Stuck {
-                    x[slot::VELOCITY] = 0.0;
-                }
-                self.load_contact =
-                    self.parts.load.friction.after(self.load_contact, self.applied_to_load(x));
-            }
-            Event::Guard(LOAD_STOPS) => {
-                self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION]);
-            }
-            Event::Guard(PROFILE_FARTHER | PROFILE_NEARER) => {
-                if let Some(law) = &mut self.parts.continuous {
-                    law.cross(x[slot::POSITION]);
-                }
-            }
+            Event::Guard(guard @ ..LOAD_GUARDS) => self.cross_load(guard, t, x),
             Event::Guard(guard) => {
                 self.follow(x);
+                self.follow_rate(t, x);
                 let flow_force = self.flow_force(t, x);
                 let mut spool = spool_state(x);
                 self.parts.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);

@@ -253,8 +253,17 @@ fn empirical(rig: &Rig) -> Empirical {
 }
 
 fn solenoid(rig: &Rig) -> Solenoid {
+    let parameters = solenoid_parameters(rig);
+    if rig.word("controller.model") == "continuous" {
+        Solenoid::with_moving_command(parameters)
+    } else {
+        Solenoid::new(parameters)
+    }
+}
+
+fn solenoid_parameters(rig: &Rig) -> SolenoidParameters {
     let spool_mass = rig.number("operator.spool_mass_kg");
-    Solenoid::new(SolenoidParameters {
+    SolenoidParameters {
         travel_per_count: spool_travel(rig) / 2048.0,
         amplifier_gain: rig.number("operator.amplifier_gain"),
         saturation: rig.number("operator.saturation_mm") * 1e-3,
@@ -277,7 +286,7 @@ fn solenoid(rig: &Rig) -> Solenoid {
             rig.number("operator.stop_damping_ratio"),
             spool_mass,
         ),
-    })
+    }
 }
 
 fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {

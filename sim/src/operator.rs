@@ -14,6 +14,7 @@
 
 pub mod empirical;
 mod hysteresis;
+mod moving_hysteresis;
 pub mod on_off;
 pub mod solenoid;
 pub mod stepper;
@@ -52,7 +53,7 @@ pub struct SpoolState {
 }
 
 /// Guards that an operator has.
-pub(crate) const GUARDS: usize = 3;
+pub(crate) const GUARDS: usize = 2 + moving_hysteresis::GUARDS;
 
 /// A valve operator with its modes.
 #[derive(Clone, Debug)]
@@ -88,14 +89,40 @@ impl Operator {
         }
     }
 
-    /// A command that changes all the time, in counts of a DAC (the continuous controller). Solenoids
-    /// alone can follow one.
-    pub fn follow(&mut self, counts: f64) {
+    /// A demand that changes all the time, in counts of a DAC but not limited to their range (the
+    /// continuous controller). Solenoids alone can follow one.
+    pub fn follow(&mut self, demand: f64) {
         match self {
-            Operator::Solenoid(solenoid) => solenoid.follow(counts),
-            Operator::Empirical(empirical) => empirical.follow(counts),
-            Operator::Stuck(stuck) => stuck.follow(counts),
+            Operator::Solenoid(solenoid) => solenoid.follow(demand),
+            Operator::Empirical(empirical) => empirical.follow(within_range(demand)),
+            Operator::Stuck(stuck) => stuck.follow(demand),
             Operator::Stepper(_) | Operator::OnOff(_) => {}
+        }
+    }
+
+    /// The rate of the demand that it follows, counts/s.
+    pub fn follow_rate(&mut self, rate: f64) {
+        if let Operator::Solenoid(solenoid) = self {
+            solenoid.follow_rate(rate);
+        }
+    }
+
+    /// Whether it remembers the way that the demand took, and so has to be told of its jumps.
+    #[must_use]
+    pub fn remembers_demand(&self) -> bool {
+        matches!(self, Operator::Solenoid(solenoid) if solenoid.remembers_command())
+    }
+
+    /// Whether its guards ask for the rate of the demand.
+    #[must_use]
+    pub fn needs_rate(&self) -> bool {
+        matches!(self, Operator::Solenoid(solenoid) if solenoid.needs_rate())
+    }
+
+    /// The demand (counts) that it follows, its rate (counts/s) or both jump at `t`.
+    pub fn jump(&mut self, t: f64, spool: SpoolState, demand_and_rate: [f64; 2], flow_force: f64) {
+        if let Operator::Solenoid(solenoid) = self {
+            solenoid.jump(t, spool, demand_and_rate, flow_force);
         }
     }
 

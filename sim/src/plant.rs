@@ -145,7 +145,7 @@ impl Plant {
     pub fn set_target(&mut self, target: i32) {
         let at = self.sample_time_of(self.k);
         let assembly = &mut self.assembly;
-        self.integrator.cut(at, |x| assembly.set_target(x, target));
+        self.integrator.cut(at, |x| assembly.set_target(at, x, target));
     }
 
     /// The command of a continuous controller at the present sample, counts.

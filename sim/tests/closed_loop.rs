@@ -184,8 +184,7 @@ fn the_bang_bang_drive_goes_from_stop_to_stop() {
 /// The trip's sample has the null command that the supervisor permits, and the run ends there.
 #[test]
 fn the_supervisor_ends_a_run_of_the_continuous_controller() {
-    let settings =
-        ["controller.model=continuous", "operator.hysteresis_percent=0", "safety.max_speed_m_s=0.3"];
+    let settings = ["controller.model=continuous", "safety.max_speed_m_s=0.3"];
     let rig = Rig::read_with("test", "", &settings.map(str::to_owned)).expect("valid");
     let run = run(&rig, Accuracy::default()).expect("a transient");
     let last = run.observations.last().expect("samples");

@@ -1,7 +1,10 @@
 //! Hysteresis in whole runs of the continuous controller: the transient of the reference case
 //! B_closed_cont with a loop that has a width.
 
-use pneudrive_sim::{Accuracy, Rig, Run, run};
+use pneudrive_sim::{Accuracy, Method, Rig, Run, run};
+
+const FINE: Accuracy = Accuracy { method: Method::DormandPrince, tolerance: 1e-12 };
+const MERSON: Accuracy = Accuracy { method: Method::Merson, tolerance: 1e-12 };
 
 fn simulate(settings: &[&str], accuracy: Accuracy) -> Run {
     let text = include_str!("cases/B_closed_cont.toml");
@@ -21,7 +24,7 @@ fn distance(a: &Run, b: &Run) -> f64 {
 /// A narrow loop asks for events that follow each other closely: the load crosses it within a step.
 #[test]
 fn a_hysteresis_that_vanishes_takes_its_effect_with_it() {
-    for model in ["operator.model=solenoid-empirical"] {
+    for model in ["operator.model=solenoid", "operator.model=solenoid-empirical"] {
         let with = |percent: &str| {
             simulate(&[model, &format!("operator.hysteresis_percent={percent}")], Accuracy::default())
         };
@@ -31,16 +34,46 @@ fn a_hysteresis_that_vanishes_takes_its_effect_with_it() {
     }
 }
 
+/// Neither a step size nor a method is in the transient: every turn of the command is found once.
+#[test]
+fn methods_and_tolerances_agree_on_the_transient_and_on_every_event_in_it() {
+    for dither in ["operator.dither_mm=0", "operator.dither_mm=0.2"] {
+        let settings = ["operator.hysteresis_percent=5", dither];
+        let default = simulate(&settings, Accuracy::default());
+        for accuracy in [FINE, MERSON] {
+            let other = simulate(&settings, accuracy);
+            assert_eq!(other.work.integrator.events, default.work.integrator.events, "{dither} {accuracy:?}");
+            assert!(
+                distance(&other, &default) < 1e-8,
+                "{dither} {accuracy:?}: {} m",
+                distance(&other, &default)
+            );
+        }
+    }
+}
+
 /// At coarse tolerances a step is longer than the load needs for an entry of the profile, or the command
 /// for the slack.
 #[test]
 fn at_a_coarse_tolerance_events_do_not_pile_up() {
     let gains = ["controller.velocity_gain=1", "controller.acceleration_gain=1"];
-    for percent in ["operator.hysteresis_percent=0"] {
+    for percent in
+        ["operator.hysteresis_percent=0", "operator.hysteresis_percent=1e-3", "operator.hysteresis_percent=5"]
+    {
         let [fine, coarse] = [1e-10, 1e-6].map(|tolerance| {
             simulate(&[percent, gains[0], gains[1]], Accuracy { tolerance, ..Accuracy::default() })
         });
         assert!(distance(&fine, &coarse) < 1e-4, "{percent}: {} m", distance(&fine, &coarse));
         simulate(&[percent, gains[0], gains[1]], Accuracy { tolerance: 1e-3, ..Accuracy::default() });
+    }
+}
+
+#[test]
+fn a_finer_trace_does_not_change_the_steps() {
+    for percent in ["operator.hysteresis_percent=0", "operator.hysteresis_percent=5"] {
+        let [coarse, fine] = ["test.trace_period_s=0.0013", "test.trace_period_s=0.0001"].map(|period| {
+            simulate(&[percent, "operator.dither_mm=0.2", "test.duration_s=1.3", period], Accuracy::default())
+        });
+        assert_eq!(fine.work, coarse.work, "{percent}");
     }
 }

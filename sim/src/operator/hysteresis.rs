@@ -41,11 +41,6 @@ impl Hysteresis {
         self.next = self.next_after(t);
     }
 
-    /// The command moves on to `command`; for a play without slack, which has no branches.
-    pub fn follow(&mut self, command: f64) {
-        self.command = command;
-    }
-
     /// When the branch changes next, if the command stays; infinity for never.
     pub fn next_instant(&self) -> f64 {
         self.next

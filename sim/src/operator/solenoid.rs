@@ -11,7 +11,8 @@
 //! F_ind is the force of the flow, F_se that of the spool's stops.
 
 use super::hysteresis::Hysteresis;
-use super::{GUARDS, Request, SpoolState};
+use super::moving_hysteresis::MovingHysteresis;
+use super::{GUARDS, Request, SpoolState, within_range};
 use crate::dither::Dither;
 use crate::friction::{Contact, DryFriction};
 use crate::stop::{Side, Stops};
@@ -45,33 +46,69 @@ pub struct SolenoidParameters {
     pub stops: Stops,
 }
 
+impl SolenoidParameters {
+    /// The most that the amplifier passes on of a command in the range of the converter, m.
+    fn limit(&self) -> f64 {
+        (self.amplifier_gain * self.travel_per_count * within_range(f64::INFINITY)).min(self.saturation)
+    }
+}
+
+/// The magnetic hysteresis, by what is known of its command.
+#[derive(Clone, Copy, Debug)]
+enum Magnetism {
+    /// It changes at outputs: when the branches change is known beforehand.
+    Stepped(Hysteresis),
+    /// It moves all the time: when the branches change has to be found.
+    Moving(MovingHysteresis),
+}
+
+impl Magnetism {
+    /// s, m.
+    fn output(&self, t: f64) -> f64 {
+        match self {
+            Magnetism::Stepped(hysteresis) => hysteresis.output(t),
+            Magnetism::Moving(hysteresis) => hysteresis.output(t),
+        }
+    }
+}
+
 /// A solenoid with its modes.
 #[derive(Clone, Debug)]
 pub struct Solenoid {
     parameters: SolenoidParameters,
     counts: f64,
-    hysteresis: Hysteresis,
+    magnetism: Magnetism,
     contact: Contact,
     side: Side,
 }
 
 const FRICTION: usize = 0;
 const STOPS: usize = 1;
+const MAGNETISM: usize = 2;
 
 impl Solenoid {
     /// A solenoid with its spool at rest at mid-travel and a null command, tested for breakaway.
     #[must_use]
     pub fn new(parameters: SolenoidParameters) -> Solenoid {
         let p = &parameters;
-        let mut solenoid = Solenoid {
-            hysteresis: Hysteresis::new(p.hysteresis_half_width, p.dither, 0.0),
-            contact: Contact::Stuck,
-            side: p.stops.side(0.0),
-            counts: 0.0,
-            parameters,
-        };
+        let hysteresis = Hysteresis::new(p.hysteresis_half_width, p.dither, 0.0);
+        let mut solenoid = Solenoid::stuck(parameters, Magnetism::Stepped(hysteresis));
         solenoid.break_away(0.0, SpoolState::default(), 0.0);
         solenoid
+    }
+
+    /// A solenoid for a command that moves all the time, with its spool at mid-travel. It begins with the
+    /// jump to its first command, and is tested for breakaway then.
+    #[must_use]
+    pub fn with_moving_command(parameters: SolenoidParameters) -> Solenoid {
+        let p = &parameters;
+        let hysteresis = MovingHysteresis::new(p.hysteresis_half_width, p.dither, p.limit());
+        Solenoid::stuck(parameters, Magnetism::Moving(hysteresis))
+    }
+
+    fn stuck(parameters: SolenoidParameters, magnetism: Magnetism) -> Solenoid {
+        let side = parameters.stops.side(0.0);
+        Solenoid { parameters, counts: 0.0, magnetism, contact: Contact::Stuck, side }
     }
 
     /// X_c, m.
@@ -81,14 +118,56 @@ impl Solenoid {
 
     pub(super) fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
         self.counts = f64::from(request.counts);
-        self.hysteresis.jump(t, self.amplified());
+        let amplified = self.amplified();
+        match &mut self.magnetism {
+            Magnetism::Stepped(hysteresis) => hysteresis.jump(t, amplified),
+            Magnetism::Moving(hysteresis) => hysteresis.jump(t, amplified, 0.0),
+        }
         self.break_away(t, spool, flow_force);
     }
 
-    /// Without a slack there is no memory: the output is the input at any time.
-    pub(super) fn follow(&mut self, counts: f64) {
-        self.counts = counts;
-        self.hysteresis.follow(self.amplified());
+    pub(super) fn follow(&mut self, demand: f64) {
+        self.counts = within_range(demand);
+        let unlimited = demand * self.amplified_per_count();
+        if let Magnetism::Moving(hysteresis) = &mut self.magnetism {
+            hysteresis.follow(unlimited);
+        }
+    }
+
+    pub(super) fn follow_rate(&mut self, rate: f64) {
+        let rate = rate * self.amplified_per_count();
+        if let Magnetism::Moving(hysteresis) = &mut self.magnetism {
+            hysteresis.follow_rate(rate);
+        }
+    }
+
+    pub(super) fn remembers_command(&self) -> bool {
+        matches!(self.magnetism, Magnetism::Moving(_))
+    }
+
+    pub(super) fn needs_rate(&self) -> bool {
+        matches!(&self.magnetism, Magnetism::Moving(hysteresis) if hysteresis.needs_rate())
+    }
+
+    /// The demand (counts) that it follows, its rate (counts/s) or both jump.
+    pub(super) fn jump(&mut self, t: f64, spool: SpoolState, [demand, rate]: [f64; 2], flow_force: f64) {
+        self.counts = within_range(demand);
+        let amplified = self.amplified_per_count();
+        if let Magnetism::Moving(hysteresis) = &mut self.magnetism {
+            hysteresis.jump(t, demand * amplified, rate * amplified);
+        }
+        self.break_away(t, spool, flow_force);
+    }
+
+    /// What the hysteresis lets through of command and dither, m.
+    #[cfg(test)]
+    pub(crate) fn magnetised(&self, t: f64) -> f64 {
+        self.magnetism.output(t)
+    }
+
+    /// m.
+    fn amplified_per_count(&self) -> f64 {
+        self.parameters.amplifier_gain * self.parameters.travel_per_count
     }
 
     fn amplified(&self) -> f64 {
@@ -112,7 +191,7 @@ impl Solenoid {
     /// All forces on the spool but dry friction, N.
     fn applied_force(&self, t: f64, spool: SpoolState, flow_force: f64) -> f64 {
         let p = &self.parameters;
-        let magnetic = (p.force_gain * (self.hysteresis.output(t) + self.bias())).max(0.0);
+        let magnetic = (p.force_gain * (self.magnetism.output(t) + self.bias())).max(0.0);
         magnetic - p.spring_preload - p.spring * spool.position - p.damping * spool.velocity - flow_force
             + p.stops.force(self.side, spool.position, spool.velocity)
     }
@@ -130,12 +209,21 @@ impl Solenoid {
         let mut guards = [1.0; GUARDS];
         guards[FRICTION] = self.parameters.friction.guard(self.contact, applied, spool.velocity);
         guards[STOPS] = self.parameters.stops.guard(self.side, spool.position);
+        if let Magnetism::Moving(hysteresis) = &self.magnetism {
+            guards[MAGNETISM..].copy_from_slice(&hysteresis.guards(t));
+        }
         guards
     }
 
     pub(super) fn cross(&mut self, guard: usize, t: f64, spool: &mut SpoolState, flow_force: f64) {
         if guard == STOPS {
             self.side = self.parameters.stops.after(self.side, spool.position);
+            return;
+        }
+        if let Magnetism::Moving(hysteresis) = &mut self.magnetism
+            && guard >= MAGNETISM
+        {
+            hysteresis.cross(guard - MAGNETISM, t);
             return;
         }
         if self.contact != Contact::Stuck {
@@ -148,13 +236,20 @@ impl Solenoid {
     /// The next kink of the magnetic force: of the hysteresis, or where the coil has no more current
     /// to lose.
     pub(super) fn next_instant(&self, t: f64) -> f64 {
-        self.hysteresis.next_instant().min(self.hysteresis.next_passage(t, -self.bias()))
+        match &self.magnetism {
+            Magnetism::Stepped(hysteresis) => {
+                hysteresis.next_instant().min(hysteresis.next_passage(t, -self.bias()))
+            }
+            Magnetism::Moving(_) => f64::INFINITY,
+        }
     }
 
     /// Where the coil runs out of current nothing changes but the force's slope.
     pub(super) fn pass_instant(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
-        if t >= self.hysteresis.next_instant() {
-            self.hysteresis.pass_instant();
+        if let Magnetism::Stepped(hysteresis) = &mut self.magnetism
+            && t >= hysteresis.next_instant()
+        {
+            hysteresis.pass_instant();
         }
         self.break_away(t, spool, flow_force);
     }
@@ -196,6 +291,32 @@ mod tests {
         let balance = SpoolState { position: 0.45e-3, velocity: 0.0 };
         assert!(solenoid.applied_force(0.02, balance, 0.0).abs() < 1e-9);
         assert_eq!(solenoid.contact, Contact::Extending, "12 N break the spool away");
+    }
+
+    /// EQUATIONS section 11 rule 4: from s = 0, rule 3 once with the first input. At 13.5 N of dither alone
+    /// the spool would have broken away.
+    #[test]
+    fn a_moving_command_begins_with_its_first_value_not_with_null() {
+        let dither = Dither { amplitude: 0.6e-3, frequency_hz: 50.0, phase_cycles: 0.25 };
+        let mut solenoid =
+            Solenoid::with_moving_command(SolenoidParameters { dither, ..thesis().parameters });
+        solenoid.jump(0.0, REST, [-0.55e-3 * 2.048e6, 0.0], 0.0);
+        assert!(solenoid.magnetised(0.0).abs() < 1e-15);
+        assert_eq!(solenoid.contact, Contact::Stuck);
+    }
+
+    #[test]
+    fn the_limit_of_a_moving_command_is_that_of_converter_or_amplifier() {
+        for (amplifier_gain, saturation, limit) in [(1.0, 2e-3, 1e-3), (3.0, 2e-3, 2e-3), (0.5, 2e-3, 0.5e-3)]
+        {
+            let parameters = SolenoidParameters { amplifier_gain, saturation, ..thesis().parameters };
+            let still = Dither { amplitude: 0.0, ..parameters.dither };
+            let mut solenoid =
+                Solenoid::with_moving_command(SolenoidParameters { dither: still, ..parameters });
+            solenoid.jump(0.0, REST, [9000.0, 0.0], 0.0);
+            assert!((solenoid.magnetised(0.0) - (limit - 0.05e-3)).abs() < 1e-15);
+            assert_eq!(solenoid.commanded(), 1e-3);
+        }
     }
 
     #[test]

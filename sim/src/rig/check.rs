@@ -103,9 +103,6 @@ impl Reader<'_> {
             return;
         }
         let refused = match rig.word("operator.model") {
-            "solenoid" if rig.number("operator.hysteresis_percent") > 0.0 => {
-                "with a solenoid it needs operator.hysteresis_percent = 0; a play on a command that changes all the time is not built yet"
-            }
             "stepper" | "on-off" => "it drives solenoids; a stepper and an on-off valve need samples",
             _ if rig.word("controller.loop") == "open" => {
                 "it closes the loop; an open loop is for the sampled one"

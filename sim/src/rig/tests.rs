@@ -123,7 +123,10 @@ fn what_does_not_go_together_is_refused_at_its_key() {
         ("[controller]\nperiod_s = 0.00130005\n", "must be a whole number of microseconds"),
         ("[exhaust]\npressure_pa = 700000\n", "must be below supply.pressure_pa"),
         ("[valve]\ndischarge_supply = 1\n", "must not be above 0.9 with upstream_mach"),
-        ("[controller]\nmodel = \"continuous\"\n", "it needs operator.hysteresis_percent = 0"),
+        (
+            "[controller]\nmodel = \"continuous\"\n[operator]\nmodel = \"on-off\"\n",
+            "a stepper and an on-off valve need samples",
+        ),
         ("[valve]\nspool_diameter_mm = 11\n", "must not be above valve.sleeve_diameter_mm"),
         ("[actuator]\nrod_diameter_m = 0.05\n", "must be below actuator.bore_m"),
         ("[load]\ncoulomb_extend_n = 80\n", "must not be above load.static_extend_n"),
