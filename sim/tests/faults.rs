@@ -33,6 +33,9 @@ const HELD: [&str; 7] = [
     "load.static_retract_n=9000",
 ];
 
+/// A valve that is wide open may move nothing.
+const UNWATCHED: &str = "safety.no_motion_s=0";
+
 fn held(more: &[&'static str]) -> Vec<&'static str> {
     HELD.iter().chain(more).copied().collect()
 }
@@ -150,7 +153,7 @@ fn swapped_tubes_are_the_opposite_command() {
 
 #[test]
 fn a_drive_whose_tubes_are_swapped_runs_away_from_its_setpoint_to_a_stop() {
-    let run = simulate("servo-b-tuned", &["kind = \"swapped-tubes\"\nat_s = 0.35"], &[]);
+    let run = simulate("servo-b-tuned", &["kind = \"swapped-tubes\"\nat_s = 0.35"], &[UNWATCHED]);
     let end = run.rows.last().expect("rows").plant.position;
     assert!(!(0.0..=0.3).contains(&end), "on a stop: {end}");
 }
@@ -214,7 +217,7 @@ fn a_sensor_that_is_open_reads_zero_and_moves_nothing() {
     let healthy = simulate("servo-b-tuned", &[], &[]);
     for (sensor, channel) in [("pressure-1", 0), ("pressure-2", 1), ("spool", 2)] {
         let open = format!("kind = \"sensor-open\"\nat_s = 0.5\nsensor = \"{sensor}\"");
-        let run = simulate("servo-b-tuned", &[&open], &[]);
+        let run = simulate("servo-b-tuned", &[&open], &["safety.sensor_watch=false"]);
         for (row, other) in run.rows.iter().zip(&healthy.rows) {
             let of = |row: &Row| {
                 let seen = row.observation;
@@ -274,7 +277,7 @@ fn a_drive_with_positive_gains_only_jerks_after_an_overshoot_and_does_not_hold()
 /// The trace has the command of the faulty law: what a standing drive of a negative error is given.
 #[test]
 fn the_trace_of_the_positive_gain_bug_shows_its_command() {
-    let run = simulate("servo-b-tuned", &[], &["faults.positive_gain_only=true"]);
+    let run = simulate("servo-b-tuned", &[], &["faults.positive_gain_only=true", UNWATCHED]);
     let resting = run.observations.iter().filter(|seen| seen.velocity == 0 && seen.acceleration == 0);
     let negative: Vec<_> = resting.filter(|seen| seen.error < 0).collect();
     assert!(negative.len() > 20 && negative.iter().all(|seen| seen.command > 0), "{}", negative.len());

@@ -140,6 +140,7 @@ impl Default for Config {
                 sensor_high: 4095,
                 sensor_samples: 4,
                 no_motion_samples: 384,
+                no_motion_counts: 40,
                 end_min: -i32::MAX,
                 end_max: i32::MAX,
             },
@@ -266,6 +267,7 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32) -> Limits {
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
         // A time below a period is one sample, not "off".
         no_motion_samples: samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0)),
+        no_motion_counts: get(id::NO_MOTION_COUNTS).unsigned_abs(),
         end_min: get(id::END_MIN_COUNTS),
         end_max: get(id::END_MAX_COUNTS),
     }

@@ -8,7 +8,7 @@
 //! | a closed loop that asks for half of the valve or more and does not move | [`Fault::NoMotion`] |
 //!
 //! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
-//! stuck spool.
+//! stuck spool. An end stop gives way a little while the pressure on it rises: so much is no motion.
 
 use crate::estimator::Motion;
 use crate::signal::Sample;
@@ -31,6 +31,8 @@ pub struct Limits {
     pub sensor_samples: u32,
     /// Samples that a wide open valve may move nothing; 0: any number.
     pub no_motion_samples: u32,
+    /// So far from where it stood is motion, counts.
+    pub no_motion_counts: u32,
     /// Software end positions, counts: setpoints beyond them are refused, and an open loop does not
     /// push beyond them.
     pub end_min: i32,
@@ -75,13 +77,15 @@ pub(crate) struct Evidence<'a> {
 pub(crate) struct Watch {
     bad_sensor: u32,
     no_motion: u32,
+    /// Where the axis has stood since.
+    stood_at: i32,
 }
 
 impl Watch {
     /// What is wrong at this sample. The encoder is judged first: nothing else can be believed without.
     pub fn judge(&mut self, limits: &Limits, seen: &Evidence) -> Option<Fault> {
         let good = limits.is_pressure(seen.input.pressure_1) && limits.is_pressure(seen.input.pressure_2);
-        let stands = seen.pushes && seen.motion.step == 0;
+        let stands = self.stands(limits, seen);
         self.bad_sensor = if good { 0 } else { self.bad_sensor.saturating_add(1) };
         self.no_motion = if stands { self.no_motion.saturating_add(1) } else { 0 };
         if seen.motion.step.unsigned_abs() > u64::from(limits.encoder_step) {
@@ -95,5 +99,15 @@ impl Watch {
         } else {
             None
         }
+    }
+
+    /// Whether an axis that is pushed is where it stood; if not, it stands here now.
+    fn stands(&mut self, limits: &Limits, seen: &Evidence) -> bool {
+        let position = seen.motion.position;
+        let stands = seen.pushes && position.abs_diff(self.stood_at) <= limits.no_motion_counts;
+        if !stands {
+            self.stood_at = position;
+        }
+        stands
     }
 }

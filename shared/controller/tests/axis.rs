@@ -55,7 +55,7 @@ fn a_closed_loop_that_pushes_and_moves_nothing_trips() {
 fn one_that_moves_or_asks_for_less_than_half_of_the_valve_does_not() {
     let mut moving = Bench::running(&[(id::NO_MOTION_MS, 13)], FAR);
     for k in 0..100 {
-        moving.take(at(100 + k / 9));
+        moving.take(at(100 + 5 * k));
     }
     assert_eq!(moving.mode(), Mode::Running);
     let mut gentle = Bench::running(&[(id::NO_MOTION_MS, 13)], &[(0, 1124)]);
@@ -65,6 +65,22 @@ fn one_that_moves_or_asks_for_less_than_half_of_the_valve_does_not() {
     assert_eq!(open.hold(at(100), 100), 2048, "an open loop may stand at a stop");
     let mut off = Bench::running(&[(id::NO_MOTION_MS, 0)], FAR);
     assert_eq!(off.hold(at(100), 1000), 2048);
+}
+
+/// The rod on its stop goes on by a few counts while the pressure rises.
+#[test]
+fn a_stop_that_gives_way_a_little_is_no_motion() {
+    let mut bench = Bench::running(&[(id::NO_MOTION_MS, 13)], FAR);
+    for k in 0..10 {
+        assert_eq!(bench.take(at(100 + 4 * k)), 2048);
+    }
+    bench.take(at(140));
+    assert_eq!(bench.mode(), Mode::Fault(Fault::NoMotion), "40 counts are no motion");
+    let mut bench = Bench::running(&[(id::NO_MOTION_MS, 13)], FAR);
+    bench.hold(at(100), 10);
+    bench.take(at(141));
+    bench.hold(at(141), 9);
+    assert_eq!(bench.mode(), Mode::Running, "41 are");
 }
 
 #[test]
