@@ -53,6 +53,53 @@ pub(crate) fn equilibrium_pressure_1(rig: &Rig) -> f64 {
     actuator(rig).balancing_pressure_1(rig.number("test.pressure_2_pa"), -standing)
 }
 
+/// Whether the speed in the ports gives more pressure back behind a wide land than the tube from the
+/// supply loses on the way: then the flow has no steady value near the supply's pressure.
+///
+/// A land of area A gives back 1 - (A_p / (C_d A))^2 of the dynamic pressure R T m^2 / (2 A_p^2 P). Told
+/// by the slopes over the flow where the lands' clearance alone is fed. A tube that lags loses nothing
+/// at once; a supply without a tube is at rest.
+pub(crate) fn speed_outweighs_supply_tube(rig: &Rig) -> bool {
+    let (gas, valve) = (gas(rig), valve(rig));
+    let (tube, supply) = (tubes(rig, &gas).0, station(rig, &gas, "supply"));
+    let passes = |area: f64| valve.discharge_supply * area;
+    let wide = passes(valve.edge_area(valve.travel - valve.lap)) / valve.port_area();
+    if !rig.switch("valve.upstream_mach") || tube.is_none() || wide <= 1.0 {
+        return false;
+    }
+    let pressure = gas.pressure(supply.exner);
+    let choked = gas.flow_constant() / supply.temperature * gas.flow_function(supply.exner, 0.0).value;
+    let flow = passes(valve.edge_area(-1.0)).max(1e-3 * valve.port_area()) * choked.sqrt();
+    let lost = match lag(rig, &gas) {
+        Some(_) => 0.0,
+        None => {
+            let far = tube.far_end(&supply, flow);
+            -far.by_flow / (gas.exner_exponent() * far.exner)
+        }
+    };
+    let density_of_flow = gas.gas_constant * supply.temperature / (valve.port_area() * pressure).powi(2);
+    lost < (1.0 - 1.0 / (wide * wide)) * density_of_flow * flow
+}
+
+/// The larger part of its dead volume that a piston takes up as it rests on its stop under the highest
+/// pressure, for chambers 1 and 2.
+pub(crate) fn dead_volume_taken_up(rig: &Rig) -> [f64; 2] {
+    let (actuator, load) = (actuator(rig), load(rig));
+    let test =
+        ["test.pressure_1_pa", "test.pressure_2_pa"].map(|key| rig.optional_number(key).unwrap_or(0.0));
+    let highest = test.into_iter().fold(rig.number("supply.pressure_pa"), f64::max);
+    let standing = [0.0, actuator.stroke].map(|end| load.standing_force(end));
+    let outside = actuator.ambient_pressure * actuator.rod_area;
+    let pushes = [
+        highest * actuator.area_2 + outside - standing[0],
+        highest * actuator.area_1 + standing[1] - outside,
+    ];
+    let areas = [actuator.area_1, actuator.area_2];
+    std::array::from_fn(|i| {
+        areas[i] * pushes[i].max(0.0) / load.stops.stiffness / actuator.residual_volumes[i]
+    })
+}
+
 fn gas(rig: &Rig) -> Gas {
     Gas::new(rig.number("gas.heat_capacity_ratio"), rig.number("gas.gas_constant_j_per_kg_k"))
 }
@@ -146,7 +193,7 @@ fn network(rig: &Rig, gas: Gas) -> Network {
     let port_area = rig.switch("valve.upstream_mach").then(|| valve(rig).port_area());
     let law = land_law(rig);
     let laws = Laws { land: law, port: law };
-    Network::new(
+    let network = Network::new(
         gas,
         station(rig, &gas, "supply"),
         station(rig, &gas, "exhaust"),
@@ -154,7 +201,8 @@ fn network(rig: &Rig, gas: Gas) -> Network {
         cylinder_tube,
         laws,
         port_area,
-    )
+    );
+    if tubes(rig, &gas).0.is_none() { network.from_reservoir() } else { network }
 }
 
 fn actuator(rig: &Rig) -> Actuator {

@@ -18,7 +18,9 @@
 //! M^2 = min(1, R T m^2 / (n A_p^2 P^2)),   w -> w f,  T -> T f,   f = 1 + (n-1)/2 M^2
 //! ```
 //!
-//! The air in a node stands still. The unknowns are the flows: m|m| is smooth through zero, where a pressure difference has an infinite slope. Newton's
+//! The air in a node stands still, and so does that of the surroundings and of a supply without a
+//! tube: their pressure is a stagnation pressure already. The unknowns are the flows: m|m| is smooth through zero, where a
+//! pressure difference has an infinite slope. Newton's
 //! method on (w_n, s, e) a node, bordered by the flow in the supply tube; it starts from the last
 //! solution. Where it does not converge, nested brackets do: the net flow into a node falls with its
 //! pressure, so they cannot fail (EQUATIONS section 3).
@@ -105,6 +107,8 @@ pub struct Network {
     supply_tube: Tube,
     cylinder_tube: Tube,
     laws: Laws,
+    /// Whether the supply is a reservoir right at the valve, whose air is at rest.
+    reservoir: bool,
     /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
     mach: f64,
     nodes: [Node; 2],
@@ -190,6 +194,7 @@ impl Network {
             supply_tube,
             cylinder_tube,
             laws,
+            reservoir: false,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
             nodes: [node; 2],
             started: false,
@@ -197,6 +202,12 @@ impl Network {
             failures: 0,
             work: NetworkWork::default(),
         }
+    }
+
+    /// The same with the supply's air at rest in front of the lands: no tube brings it there.
+    #[must_use]
+    pub fn from_reservoir(self) -> Network {
+        Network { reservoir: true, ..self }
     }
 
     /// The next solution may be far from the last one: the spool has jumped, or a mode changed.
@@ -351,8 +362,8 @@ impl Network {
         let here = node.station();
         let supply = Station { exner: at_valve.exner, temperature: self.supply.temperature };
         let (s_flow, e_flow) = (node.supply_flow, node.exhaust_flow);
-        let s = self.land(valve.supply, &supply, self.approach(&supply, s_flow), &here);
-        let e = self.land(valve.exhaust, &self.exhaust, self.approach(&self.exhaust, e_flow), &here);
+        let s = self.land(valve.supply, &supply, self.supply_approach(&supply, s_flow), &here);
+        let e = self.land(valve.exhaust, &self.exhaust, Approach::NONE, &here);
         let p = self.port_line(valve.port, node, chamber, port);
         let (s_line, e_line) = (land_line(valve.supply, s_flow, &s), land_line(valve.exhaust, e_flow, &e));
         Linearised {

@@ -79,10 +79,18 @@ impl Tube {
         Tube(Model::None)
     }
 
+    /// Whether both ends have the same pressure, whatever flows.
+    pub(crate) fn is_none(&self) -> bool {
+        matches!(self.0, Model::None)
+    }
+
     /// The regression line of the thesis: the pressure falls by the fraction `drop_slope` (below 1)
     /// at `reference_flow_kg_s`.
     #[must_use]
     pub fn empirical(gas: &Gas, drop_slope: f64, reference_flow_kg_s: f64) -> Tube {
+        if drop_slope == 0.0 {
+            return Tube::none();
+        }
         Tube(Model::Empirical {
             decay: gas.exner_exponent() * libm::log(1.0 - drop_slope) / reference_flow_kg_s,
         })

@@ -103,6 +103,27 @@ fn an_open_valve_takes_the_chambers_to_supply_and_exhaust() {
     assert_eq!(last.velocity, 0.0);
 }
 
+/// EQUATIONS section 1, 6.54: a supply without a tube and the surroundings are at rest. Once their air
+/// came at the speed of its own flow, and a full chamber left the flows without a solution.
+#[test]
+fn with_upstream_mach_numbers_an_open_valve_without_a_supply_tube_fills_and_empties_the_chambers() {
+    for (tubing, valve) in [("none", "flow-node"), ("empirical", "multiple-flow-node")] {
+        let run = simulate(&[
+            "controller.loop=open",
+            "test.moves=[[0.0, 2048]]",
+            "test.duration_s=2",
+            "test.pressure_1_pa=50000",
+            "operator.dither_mm=0",
+            &format!("tubing.model={tubing}"),
+            &format!("valve.model={valve}"),
+        ]);
+        let last = run.rows.last().expect("rows").plant;
+        // The clearance of the shut edges feeds the one and empties the other a little.
+        assert!((last.pressures[0] - 589e3).abs() < 100.0, "{valve}: {}", last.pressures[0]);
+        assert!((last.pressures[1] - 101.3e3).abs() < 100.0, "{valve}: {}", last.pressures[1]);
+    }
+}
+
 /// Leakage equalises the chambers of a locked cylinder (6.26): the difference decays, the mass of
 /// both together stays.
 #[test]

@@ -48,8 +48,8 @@ impl Network {
         let here = node.station();
         let (far, _) = self.port_station(&here, chamber, port, node.port_flow());
         [
-            self.approach(&supply, node.supply_flow),
-            self.approach(&self.exhaust, node.exhaust_flow),
+            self.supply_approach(&supply, node.supply_flow),
+            Approach::NONE,
             self.approach(&far, -node.port_flow()),
         ]
     }

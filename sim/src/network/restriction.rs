@@ -57,6 +57,11 @@ impl Network {
         }
     }
 
+    /// How the supply's air approaches a land.
+    pub(super) fn supply_approach(&self, supply: &Station, flow: f64) -> Approach {
+        if self.reservoir { Approach::NONE } else { self.approach(supply, flow) }
+    }
+
     /// The flow through a restriction from `first` to `second`, whose air approaches as told. The
     /// stagnation pressures decide its direction.
     pub(super) fn restriction(

@@ -12,6 +12,9 @@ use pneudrive_controller::sequencer::MAX_MOVES;
 /// for n = 1.4. Close to 1 the solution is nearly double, and is not found reliably.
 pub(super) const MOST_DISCHARGE: f64 = 0.9;
 
+/// The largest part of a dead volume that may be lost to the stop's giving way, at rest.
+const MOST_TAKEN_UP: f64 = 0.5;
+
 impl Reader<'_> {
     /// Notes everything that does not go together.
     pub(super) fn check(&mut self, rig: &Rig) {
@@ -23,6 +26,8 @@ impl Reader<'_> {
         self.check_moves(rig);
         self.check_start(rig);
         self.check_faults(rig);
+        self.check_flow(rig);
+        self.check_dead_volumes(rig);
         self.check_controller(rig);
     }
 
@@ -128,6 +133,33 @@ impl Reader<'_> {
             ("operator.coulomb_friction_n", "operator.static_friction_n"),
         ] {
             self.check_order(rig, coulomb, stiction, false, why);
+        }
+    }
+
+    /// A flow that has no steady value ends a run as soon as a chamber is full.
+    fn check_flow(&mut self, rig: &Rig) {
+        if self.is_clean() && crate::build::speed_outweighs_supply_tube(rig) {
+            let message = "the tube from the supply loses less pressure than the speed in the ports gives back behind wide lands (a tube with lag_s loses none at once): no steady flow near the supply's pressure; make the tube longer or narrower, or write upstream_mach = false";
+            self.problem_at_key("valve.upstream_mach", message.to_owned());
+        }
+    }
+
+    /// A stop gives way: the dead volume must be more than what the piston takes up, with a reserve for
+    /// the speed that it arrives at.
+    fn check_dead_volumes(&mut self, rig: &Rig) {
+        if !self.is_clean() {
+            return;
+        }
+        let keys = ["actuator.residual_volume_1_m3", "actuator.residual_volume_2_m3"];
+        for (key, part) in keys.into_iter().zip(crate::build::dead_volume_taken_up(rig)) {
+            if part > MOST_TAKEN_UP {
+                self.problem_at_key(
+                    key,
+                    format!(
+                        "the piston pressed into its stop at the highest pressure takes up {part:.2} of it, more than {MOST_TAKEN_UP}: give more volume or a larger load.stop_stiffness_n_per_m"
+                    ),
+                );
+            }
         }
     }
 
