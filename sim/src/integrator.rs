@@ -92,6 +92,14 @@ pub enum IntegrationError {
         /// The step that would have been needed.
         step_s: f64,
     },
+    /// The steps are so small that the run would take for ever.
+    #[error(
+        "a millisecond takes more than {MOST_STEPS} steps at t = {at_s} s: the rig is too stiff for these methods"
+    )]
+    NoProgress {
+        /// When.
+        at_s: f64,
+    },
     /// Events follow each other without end.
     #[error("events pile up at t = {at_s} s: two modes hand over to each other without end")]
     EventsPileUp {
@@ -105,6 +113,12 @@ const SMALLEST_STEP: f64 = 1e-13;
 
 /// Most events within [`SMALLEST_STEP`] of each other.
 const MOST_EVENTS_AT_ONCE: u32 = 64;
+
+/// Most steps within a [`STRETCH`], tried or accepted: then a second takes a quarter of an hour.
+const MOST_STEPS: u64 = 200_000;
+
+/// s.
+const STRETCH: f64 = 1e-3;
 
 /// The state of an integration.
 #[derive(Clone, Debug)]
@@ -125,6 +139,8 @@ pub struct Integrator<const N: usize, const G: usize, const F: usize> {
     /// The step size that the error asks for.
     wanted: f64,
     events_at_once: (u32, f64),
+    /// When the present [`STRETCH`] began, and the steps tried until then.
+    stretch: (f64, u64),
     /// What it has cost so far.
     pub work: Work,
 }
@@ -145,6 +161,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             pending: None,
             wanted: 1e-5,
             events_at_once: (0, 0.0),
+            stretch: (0.0, 0),
             work: Work::default(),
         }
     }
@@ -212,8 +229,20 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         Ok(())
     }
 
+    fn count_step(&mut self) -> Result<(), IntegrationError> {
+        let (since, before) = self.stretch;
+        let tried = self.work.steps + self.work.rejected;
+        if self.t - since >= STRETCH {
+            self.stretch = (self.t, tried);
+        } else if tried - before > MOST_STEPS {
+            return Err(IntegrationError::NoProgress { at_s: self.t });
+        }
+        Ok(())
+    }
+
     /// One accepted step, ended at the first event in it.
     fn step(&mut self, system: &mut impl Hybrid<N, G, F>, horizon: f64) -> Result<(), IntegrationError> {
+        self.count_step()?;
         let instant = system.next_instant(self.t);
         let limit = instant.min(horizon);
         let slope = match self.slope {

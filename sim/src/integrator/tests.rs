@@ -232,3 +232,29 @@ fn a_state_that_stops_being_a_number_is_said_with_its_time() {
     let error = integrator.run_to(&mut Broken, 1.0, 1.0).expect_err("not a number");
     assert!(matches!(error, IntegrationError::NotANumber { at_s } if (at_s - 0.5).abs() < 1e-6), "{error}");
 }
+
+/// A decay so fast that its steps come to nothing, though each one succeeds.
+struct Stiff;
+
+impl Hybrid<1, 0, 0> for Stiff {
+    fn derivative(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
+        [-1e9 * x[0]]
+    }
+    fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 1]) {}
+}
+
+#[test]
+fn a_run_that_would_take_for_ever_is_ended_and_said_so() {
+    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [1.0]);
+    let error = integrator.run_to(&mut Stiff, 1.0, 1.0).expect_err("too stiff");
+    assert!(matches!(error, IntegrationError::NoProgress { at_s } if at_s < 1e-3), "{error}");
+}
