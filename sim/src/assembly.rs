@@ -245,6 +245,8 @@ impl Assembly {
     pub fn effects(&mut self, t: f64, x: &StateVector) -> Effects {
         let applied = self.applied_to_load(x);
         let left = (self.parts.network.clone(), self.solved);
+        // A row is no trial step: where the flows are hard to find, they are searched for.
+        self.parts.network.expect_jump();
         let nodes = self.nodes(t, x);
         (self.parts.network, self.solved) = left;
         Effects {
