@@ -94,17 +94,6 @@ fn rigs_drawn_with_the_largest_spread_run_without_a_search() {
     }
 }
 
-#[test]
-fn every_built_in_rig_runs_its_test_without_a_fault() {
-    for (name, _) in pneudrive_sim::rig::BUILTIN {
-        let run = simulate(name);
-        assert_eq!(run.fault, None, "{name}");
-        let rig = Rig::builtin(name).expect("a built-in rig");
-        assert_eq!(rig.unused(), Vec::<&str>::new(), "{name}");
-        assert!(run.rows.iter().all(|row| row.values().iter().all(|value| value.is_finite())), "{name}");
-    }
-}
-
 /// Thesis 7.2.1: the drive with the stepper is stable, and rests away from its setpoint; the dead
 /// zone of the profile is +-255 counts (EQUATIONS section 9).
 #[test]

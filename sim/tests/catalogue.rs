@@ -1,0 +1,132 @@
+//! Every pair of component models in one drive: a step of the valve runs to its end, the air stays
+//! air, and none of it is lost.
+
+use pneudrive_sim::trace::Row;
+use pneudrive_sim::{Accuracy, Rig, Run, run};
+
+const OPERATORS: [&[&str]; 4] = [
+    &["operator.model=solenoid"],
+    &["operator.model=solenoid-empirical"],
+    &["operator.model=stepper"],
+    &["operator.model=on-off", "operator.switch_time_s=0.01"],
+];
+
+const VALVES: [&[&str]; 5] = [
+    &["valve.model=flow-node"],
+    &["valve.model=single-restriction"],
+    &["valve.model=multiple-flow-node"],
+    &["valve.model=iso-6358", "valve.sonic_conductance_m3_per_s_pa=3e-8", "valve.critical_ratio=0.35"],
+    &["valve.model=flow-node", "valve.discharge_model=perry", "valve.upstream_mach=false"],
+];
+
+const TUBES: [&[&str]; 4] = [
+    &["tubing.model=empirical"],
+    &["tubing.model=analytical"],
+    &["tubing.model=none"],
+    &["tubing.lag_s=0.001", "valve.upstream_mach=false"],
+];
+
+const LEAKAGES: [&[&str]; 3] = [
+    &["actuator.leakage=none"],
+    &["actuator.leakage=laminar", "actuator.leakage_coefficient=5e-10"],
+    &["actuator.leakage=adiabatic"],
+];
+
+const FLOW_FORCES: [&[&str]; 3] =
+    [&["valve.flow_force=none"], &["valve.flow_force=experimental"], &["valve.flow_force=analytical"]];
+
+const STEP: [&str; 3] =
+    ["controller.loop=open", "test.moves=[[0.0, 0], [0.02, 1200], [0.2, -1200]]", "test.duration_s=0.3"];
+
+fn simulate(settings: &[&str]) -> Run {
+    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+    let rig = Rig::read_with("catalogue", "", &settings)
+        .unwrap_or_else(|problems| panic!("{settings:?}: {problems}"));
+    run(&rig, Accuracy { tolerance: 1e-8, ..Accuracy::default() })
+        .unwrap_or_else(|error| panic!("{settings:?}: {error}"))
+}
+
+/// Each model of each family with each of every other: all operators, valves and tubes,
+/// leakages and flow forces going round.
+fn drives() -> Vec<Vec<&'static str>> {
+    let of = |family: &[&'static [&'static str]], i: usize| family[i % family.len()].to_vec();
+    let mut drives = Vec::new();
+    for operator in 0..OPERATORS.len() {
+        for valve in 0..VALVES.len() {
+            for i in 0..TUBES.len() {
+                let (leakage, force) = (operator + valve + i, operator + 2 * valve + i + i / 3);
+                let mut settings = of(&OPERATORS, operator);
+                settings.extend(of(&VALVES, valve));
+                settings.extend(of(&TUBES, i));
+                settings.extend(of(&LEAKAGES, leakage));
+                settings.extend(of(&FLOW_FORCES, force));
+                drives.push(settings);
+            }
+        }
+    }
+    drives
+}
+
+fn mass(row: &Row) -> f64 {
+    let blind = std::f64::consts::PI / 4.0 * 0.05 * 0.05;
+    let rod_side = blind - std::f64::consts::PI / 4.0 * 0.025 * 0.025;
+    let volumes = [blind * row.plant.position + 2e-5, rod_side * (0.3 - row.plant.position) + 2e-5];
+    (0..2).map(|i| row.plant.pressures[i] * volumes[i] / (286.76 * row.plant.temperatures[i])).sum()
+}
+
+/// Mass gained while the command stands (a stepper has walked there by 0.08 s), and what the ports passed.
+fn balance(run: &Run, from: f64, until: f64) -> (f64, f64) {
+    let rows: Vec<&Row> = run.rows.iter().filter(|row| row.time >= from && row.time <= until).collect();
+    let flow = |row: &Row| row.plant.mass_flows.iter().sum::<f64>();
+    let crossed =
+        rows.windows(2).map(|pair| (pair[1].time - pair[0].time) * 0.5 * (flow(pair[0]) + flow(pair[1])));
+    (mass(rows[rows.len() - 1]) - mass(rows[0]), crossed.sum())
+}
+
+#[test]
+fn every_pair_of_models_runs_and_keeps_its_air() {
+    for settings in drives() {
+        let run = simulate(&[&STEP[..], &settings, &["test.trace_period_s=2e-5"]].concat());
+        for row in &run.rows {
+            let plant = &row.plant;
+            assert!(row.values().iter().all(|value| value.is_finite()), "{settings:?} {}", row.time);
+            // Isentropic from 400 kPa and 294 K to the surroundings is 199 K.
+            assert!(plant.temperatures.iter().all(|t| (150.0..450.0).contains(t)), "{settings:?} {plant:?}");
+            assert!(plant.pressures.iter().all(|p| (9e4..8e5).contains(p)), "{settings:?} {plant:?}");
+        }
+        let (gained, crossed) = balance(&run, 0.08, 0.19);
+        assert!((gained - crossed).abs() < 1e-6 * mass(&run.rows[0]), "{settings:?}: {gained} {crossed}");
+        assert!(run.rows.iter().any(|row| row.plant.velocity > 0.05), "{settings:?}: it moves");
+    }
+}
+
+/// When the piston has gone 20 mm.
+fn arrival(settings: &[&str]) -> f64 {
+    let run = simulate(&[&STEP[..], &["operator.dither_mm=0"], settings].concat());
+    let start = run.rows[0].plant.position;
+    let row = run.rows.iter().find(|row| row.plant.position > start + 0.02);
+    row.unwrap_or_else(|| panic!("{settings:?}: it moves")).time
+}
+
+/// Thesis 7.2.1 and 7.3: every drop of pressure between supply and cylinder costs time.
+#[test]
+fn each_restriction_between_supply_and_cylinder_makes_the_drive_slower() {
+    let at_rest = "valve.upstream_mach=false";
+    let tubed = arrival(&["valve.model=flow-node", "tubing.model=empirical", at_rest]);
+    let connector = arrival(&["valve.model=multiple-flow-node", at_rest]);
+    let bare = arrival(&["valve.model=flow-node", "tubing.model=none", at_rest]);
+    let no_node = arrival(&["valve.model=single-restriction", "tubing.model=none", at_rest]);
+    assert!(no_node < bare && bare < connector && connector < tubed, "{no_node} {bare} {connector} {tubed}");
+}
+
+/// Thesis 6.4.3: the force of the flow closes the valve, so that a coil opens it less.
+#[test]
+fn flow_forces_hold_the_spool_back() {
+    let opening = |force: &str| {
+        let run = simulate(&[&STEP[..], &["operator.dither_mm=0", force]].concat());
+        run.rows.iter().filter(|row| row.time < 0.2).map(|row| row.plant.spool).fold(0.0, f64::max)
+    };
+    let [none, experimental, analytical] =
+        ["none", "experimental", "analytical"].map(|force| opening(&format!("valve.flow_force={force}")));
+    assert!(experimental < none && analytical < none, "{none} {experimental} {analytical}");
+}
