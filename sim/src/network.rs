@@ -438,4 +438,6 @@ impl Linearised {
 }
 
 #[cfg(test)]
+mod appendix_tests;
+#[cfg(test)]
 mod tests;
