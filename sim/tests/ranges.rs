@@ -1,20 +1,36 @@
 //! Every key of a rig file at the ends of its range: the rig is refused with a message, or its run
 //! ends with numbers or with an error that has a name. Never a panic, never a run without end.
 
-use pneudrive_sim::rig::builtin;
 use pneudrive_sim::rig::keys::{KEYS, Key, Kind};
+use pneudrive_sim::rig::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 use proptest::prelude::*;
 
 /// A test of the closed loop, one that opens the valve fully either way, and one into a stop.
-const TESTS: [&[&str]; 3] = [
-    &["test.moves=[[0.0, 8192], [0.002, 16384]]", "test.duration_s=0.02"],
-    &["controller.loop=open", "test.moves=[[0.0, 2048], [0.02, -2048]]", "test.duration_s=0.03"],
-    &["controller.loop=open", "test.moves=[[0.0, 2048]]", "test.duration_s=0.04", "test.position_m=0.2995"],
-];
-
-/// The rigs whose plants differ.
-const RIGS: [&str; 3] = ["servo-a", "servo-b", "servo-c"];
+fn tests(name: &str) -> [Vec<String>; 3] {
+    let rig = Rig::builtin(name).expect("a built-in rig");
+    let stroke_m = rig.number("actuator.stroke_m");
+    let third = (stroke_m * 1e3 / rig.number("encoder.mm_per_count") / 3.0) as i64;
+    let near_the_stop = stroke_m - 0.5e-3;
+    let open = "controller.loop=open".to_owned();
+    [
+        vec![
+            format!("test.moves=[[0.0, {third}], [0.002, {}]]", 2 * third),
+            "test.duration_s=0.02".to_owned(),
+        ],
+        vec![
+            open.clone(),
+            "test.moves=[[0.0, 2048], [0.02, -2048]]".to_owned(),
+            "test.duration_s=0.03".to_owned(),
+        ],
+        vec![
+            open,
+            "test.moves=[[0.0, 2048]]".to_owned(),
+            "test.duration_s=0.04".to_owned(),
+            format!("test.position_m={near_the_stop:?}"),
+        ],
+    ]
+}
 
 /// The settings under which a key counts for something.
 fn companions(key: &Key) -> Vec<String> {
@@ -78,39 +94,29 @@ fn outcome(name: &str, settings: &[String]) -> Outcome {
     }
 }
 
-fn settings(test: &[&str], changes: &[String]) -> Vec<String> {
-    test.iter().map(|&setting| setting.to_owned()).chain(changes.iter().cloned()).collect()
-}
-
-fn every_key_at_its_ends_runs_or_is_refused(name: &str) {
+/// What ends a run of a rig with one key at an end of its range.
+fn ended_by_one_key(name: &str) -> Vec<String> {
     let mut ended = Vec::new();
     for key in KEYS {
         for end in ends(key) {
-            for test in TESTS {
-                let mut changes = companions(key);
-                changes.push(end.clone());
-                if let Outcome::Ended(why) = outcome(name, &settings(test, &changes)) {
-                    ended.push(format!("{end}: {why}"));
+            for test in tests(name) {
+                let settings = [test, companions(key), vec![end.clone()]].concat();
+                if let Outcome::Ended(why) = outcome(name, &settings) {
+                    ended.push(format!("{name}, {end}: {why}"));
                 }
             }
         }
     }
-    assert!(ended.is_empty(), "{name}: {ended:#?}");
+    ended
 }
 
 #[test]
-fn servo_drive_a_runs_or_is_refused_with_any_key_at_an_end_of_its_range() {
-    every_key_at_its_ends_runs_or_is_refused("servo-a");
-}
-
-#[test]
-fn servo_drive_b_runs_or_is_refused_with_any_key_at_an_end_of_its_range() {
-    every_key_at_its_ends_runs_or_is_refused("servo-b");
-}
-
-#[test]
-fn servo_drive_c_runs_or_is_refused_with_any_key_at_an_end_of_its_range() {
-    every_key_at_its_ends_runs_or_is_refused("servo-c");
+fn every_built_in_rig_runs_or_is_refused_with_any_key_at_an_end_of_its_range() {
+    let ended = std::thread::scope(|scope| {
+        let rigs: Vec<_> = BUILTIN.iter().map(|(name, _)| scope.spawn(|| ended_by_one_key(name))).collect();
+        rigs.into_iter().flat_map(|rig| rig.join().expect("no panic")).collect::<Vec<_>>()
+    });
+    assert!(ended.is_empty(), "{ended:#?}");
 }
 
 /// Once a row at which Newton's method did not find the flows had none: the run went on, with holes in
@@ -125,7 +131,8 @@ fn a_row_has_flows_where_they_are_hard_to_find() {
         "actuator.leakage=laminar",
         "actuator.leakage_coefficient=1e-6",
     ];
-    assert_eq!(outcome("servo-a", &settings(TESTS[0], &extremes.map(str::to_owned))), Outcome::Ran);
+    let [closed, ..] = tests("servo-a");
+    assert_eq!(outcome("servo-a", &[closed, extremes.map(str::to_owned).to_vec()].concat()), Outcome::Ran);
 }
 
 /// Settings of several keys at an end of their ranges.
@@ -146,10 +153,10 @@ proptest! {
     /// Here an error with a name will do: several extremes at once may be too stiff for any method.
     #[test]
     fn several_keys_at_an_end_of_their_ranges_at_once_never_panic_and_never_run_for_ever(
-        name in prop::sample::select(RIGS.to_vec()),
-        test in prop::sample::select(TESTS.to_vec()),
+        (name, _) in prop::sample::select(BUILTIN.to_vec()),
+        test in 0..3_usize,
         changes in several_ends(),
     ) {
-        outcome(name, &settings(test, &changes));
+        outcome(name, &[tests(name)[test].clone(), changes].concat());
     }
 }
