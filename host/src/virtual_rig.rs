@@ -13,6 +13,9 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
+use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
+use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Board, Control, Server};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
@@ -45,6 +48,8 @@ struct VirtualBoard {
     time_us: u64,
     since: Instant,
     failed: Option<IntegrationError>,
+    /// What it keeps, until it is switched off.
+    store: FlashStore<RamFlash, Box<Memory>>,
 }
 
 impl VirtualBoard {
@@ -60,6 +65,7 @@ impl VirtualBoard {
             time_us: 0,
             since: Instant::now(),
             failed: None,
+            store: blank_store(),
         }
     }
 
@@ -78,7 +84,19 @@ impl VirtualBoard {
     }
 }
 
+fn blank_store() -> FlashStore<RamFlash, Box<Memory>> {
+    let memory = Box::new([0; MEMORY_BYTES]);
+    let taken_up = FlashStore::take_up(RamFlash::default(), RamFlash::layout(), memory);
+    taken_up.expect("the layout is that of this flash").0
+}
+
 impl Board for VirtualBoard {
+    type Store = FlashStore<RamFlash, Box<Memory>>;
+
+    fn store(&mut self) -> &mut Self::Store {
+        &mut self.store
+    }
+
     fn name(&self) -> &'static str {
         "virtual rig"
     }
@@ -174,6 +192,7 @@ impl VirtualRig {
                 written.is_ok()
             });
             let sampled = self.catch_up()?;
+            let _ = self.control.tidy_up(&mut self.board);
             if !heard && !sampled {
                 std::thread::sleep(Duration::from_micros(500));
             }

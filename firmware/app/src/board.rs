@@ -2,8 +2,16 @@
 
 use pneudrive_controller::{Command, Config, Sample};
 
-/// A board: sensors, drive stage and clocks. Pins, buses and interrupts stay behind it.
+use crate::store::Store;
+
+/// A board: sensors, drive stage, clocks and what it keeps. Pins, buses and interrupts stay behind it.
 pub trait Board {
+    /// What it keeps through a reset.
+    type Store: Store;
+
+    /// What it keeps through a reset.
+    fn store(&mut self) -> &mut Self::Store;
+
     /// Kind of board, at most 32 bytes.
     fn name(&self) -> &'static str;
 

@@ -1,14 +1,16 @@
 //! The half with a deadline: sensors in, command out, record, watch the clock.
 
 use pneudrive_controller::config::ConfigError;
-use pneudrive_controller::drive::{DriveConfig, MAX_COUNTS};
+use pneudrive_controller::drive::{DriveConfig, MAX_COUNTS, SpoolLocation};
 use pneudrive_controller::parameters::{SetError, id};
 use pneudrive_controller::{
     Config, Fault, Mode, Move, Observation, Parameters, Refusal, Sequence, State, output, sample,
 };
 
 use crate::board::Board;
+use crate::configuration::Configuration;
 use crate::recorder::Recorder;
+use crate::store::{NotStored, Store};
 
 /// Bytes of a test's name.
 pub const NAME_BYTES: usize = 32;
@@ -74,8 +76,7 @@ struct Clock {
 /// thesis's parameters and no test.
 #[derive(Debug, Default)]
 pub struct Control {
-    parameters: Parameters,
-    config: Config,
+    configuration: Configuration,
     test: Test,
     state: State,
     /// The transient buffer.
@@ -84,24 +85,60 @@ pub struct Control {
     /// The present sample, until its output has come.
     sampled: Option<(Mode, Observation)>,
     host_heard_ms: Option<u64>,
+    /// Whether the fault that the drive is in stands in the log.
+    logged: bool,
 }
 
 impl Control {
+    /// Takes up what the board has kept, after a reset. A configuration that is lost is a fault: the drive
+    /// is not armed before one is stored again.
+    pub fn take_up(&mut self, board: &mut impl Board) {
+        if !self.configuration.take_up(board.store()) {
+            self.state.supervisor.trip(Fault::BadConfiguration);
+        }
+    }
+
+    /// What waits for a disarmed drive: stores what was logged. The board calls it from where the port is
+    /// served.
+    ///
+    /// # Errors
+    /// When the flash does not take it.
+    pub fn tidy_up(&mut self, board: &mut impl Board) -> Result<(), NotStored> {
+        if self.state.supervisor.drives() || self.state.spool_location() != SpoolLocation::default() {
+            return Ok(());
+        }
+        board.store().flush()
+    }
+
+    /// Logs the fault that the drive is in, once.
+    fn log_fault(&mut self, board: &mut impl Board) {
+        let Mode::Fault(fault) = self.state.supervisor.mode() else {
+            self.logged = false;
+            return;
+        };
+        if !self.logged {
+            let (seen, now_us) = (*self.state.observation(), board.now_us());
+            board.store().log(fault.code(), seen.index, seen.position, now_us);
+            self.logged = true;
+        }
+    }
+
     /// The first interrupt: k * period. Must return before the output is due.
     pub fn on_sample(&mut self, board: &mut impl Board) {
         self.judge_lateness(board.now_us());
         self.watch_host(board);
         let mode = self.state.supervisor.mode();
-        let input = board.read_sensors(&self.config);
-        sample(&self.config, &self.test.sequence, &mut self.state, &input);
+        let input = board.read_sensors(self.configuration.config());
+        sample(self.configuration.config(), &self.test.sequence, &mut self.state, &input);
         self.sampled = Some((mode, *self.state.observation()));
     }
 
     /// The second interrupt: `delay` after the sample. The recorder is fed after the output.
     pub fn on_output(&mut self, board: &mut impl Board) {
-        let command = output(&self.config, &mut self.state);
-        board.drive(&self.config, command);
+        let command = output(self.configuration.config(), &mut self.state);
+        board.drive(self.configuration.config(), command);
         self.record();
+        self.log_fault(board);
     }
 
     /// Gives the present sample to the recorder, once, by what it was when it was taken: requests
@@ -117,7 +154,7 @@ impl Control {
     /// A sample whose distance from the one before is off the period by more than the allowed time
     /// trips; so does one that is missing, since the next one is a whole period late.
     fn judge_lateness(&mut self, now_us: u64) {
-        let timing = &self.config.timing;
+        let timing = &self.configuration.config().timing;
         let clock = &mut self.clock;
         if clock.samples == 0 {
             clock.first_us = now_us;
@@ -134,7 +171,7 @@ impl Control {
 
     fn watch_host(&mut self, board: &impl Board) {
         let (Some(now), Some(heard)) = (board.host_clock_ms(), self.host_heard_ms) else { return };
-        let limit = u64::from(self.config.timing.host_silence_ms);
+        let limit = u64::from(self.config().timing.host_silence_ms);
         if limit > 0 && now.saturating_sub(heard) > limit && self.state.supervisor.mode() == Mode::Running {
             self.state.supervisor.trip(Fault::HostSilent);
         }
@@ -149,7 +186,7 @@ impl Control {
     #[must_use]
     pub fn measured_period_ns(&self) -> u32 {
         let elapsed_ns = (self.clock.last_us - self.clock.first_us).saturating_mul(1000);
-        let nominal = self.config.timing.period_us.get().saturating_mul(1000);
+        let nominal = self.config().timing.period_us.get().saturating_mul(1000);
         elapsed_ns
             .checked_div(self.clock.samples.saturating_sub(1))
             .and_then(|mean| u32::try_from(mean).ok())
@@ -165,13 +202,19 @@ impl Control {
     /// What the law runs on.
     #[must_use]
     pub fn config(&self) -> &Config {
-        &self.config
+        self.configuration.config()
+    }
+
+    /// The parameters and where they come from.
+    #[must_use]
+    pub fn configuration(&self) -> &Configuration {
+        &self.configuration
     }
 
     /// The parameters, by id.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
-        &self.parameters
+        self.configuration.parameters()
     }
 
     /// The test that `start` will run.
@@ -190,7 +233,7 @@ impl Control {
         values: impl Iterator<Item = i32>,
     ) -> Result<(), (u16, ChangeError)> {
         self.must_be_disarmed().map_err(|refusal| (first_id, ChangeError::Refused(refusal)))?;
-        let mut changed = self.parameters.clone();
+        let mut changed = self.parameters().clone();
         let mut id = first_id;
         for value in values {
             changed.set(id, value).map_err(|error| (id, ChangeError::Value(error)))?;
@@ -198,8 +241,7 @@ impl Control {
         }
         let config = Config::new(&changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
         self.forget_what_depends(&changed, &config);
-        self.parameters = changed;
-        self.config = config;
+        self.configuration.replace(changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
         self.clock = Clock::default();
         Ok(())
     }
@@ -208,14 +250,14 @@ impl Control {
     /// and a record is not to be read with parameters that it was not taken with.
     fn forget_what_depends(&mut self, changed: &Parameters, config: &Config) {
         let encoder = |p: &Parameters| (p.get(id::ENCODER_PM_PER_COUNT), p.get(id::ENCODER_INVERTED));
-        if encoder(changed) != encoder(&self.parameters) {
+        if encoder(changed) != encoder(self.parameters()) {
             self.state.supervisor.clear_referenced();
         }
         let meaning = |c: &Config| (c.timing, c.law.control_loop, matches!(c.drive, DriveConfig::Dac(_)));
-        if meaning(config) != meaning(&self.config) {
+        if meaning(config) != meaning(self.config()) {
             self.test = Test::default();
         }
-        if *changed != self.parameters {
+        if changed != self.parameters() {
             self.recorder.empty();
         }
     }
@@ -225,9 +267,16 @@ impl Control {
     /// # Errors
     /// When they do not go together; nothing is changed then.
     pub fn load_parameters(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
-        self.config = Config::new(&parameters)?;
-        self.parameters = parameters;
-        Ok(())
+        self.configuration.replace(parameters)
+    }
+
+    /// Stores the parameters for the next reset.
+    ///
+    /// # Errors
+    /// When the drive is enabled, or the flash does not take them.
+    pub fn save_parameters(&mut self, board: &mut impl Board) -> Result<(), SaveRefused> {
+        self.must_be_disarmed().map_err(SaveRefused::NotNow)?;
+        self.configuration.save(board.store()).map_err(|NotStored| SaveRefused::NotStored)
     }
 
     /// Takes a new test, which has no moves yet.
@@ -255,12 +304,16 @@ impl Control {
     }
 
     /// Enables the drive with the valve at null, and empties the recorder. What the last run has learned
-    /// of the valve's null becomes part of the parameters.
+    /// of the valve's null becomes part of the parameters, and of those that are stored.
     ///
     /// # Errors
-    /// The supervisor's refusal.
-    pub fn arm(&mut self) -> Result<(), Refusal> {
-        self.take_over_null_offset();
+    /// The supervisor's refusal, and that of a drive whose stored configuration is lost.
+    pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        if self.configuration.is_lost() {
+            return Err(Refusal::NoConfiguration);
+        }
+        self.log_fault(board);
+        self.take_over_null_offset(board);
         self.state.supervisor.arm()?;
         self.recorder.arm(self.test.decimation, self.test.pre_trigger);
         Ok(())
@@ -268,19 +321,22 @@ impl Control {
 
     /// The next run starts where the last one has learned to. Between runs only, and not before the next
     /// one: a record is read with the parameters that it was taken with.
-    fn take_over_null_offset(&mut self) {
-        let learned = self.state.learned_null_offset(&self.config);
+    fn take_over_null_offset(&mut self, board: &mut impl Board) {
+        let learned = self.state.learned_null_offset(self.config());
         if learned == 0 || matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
             return;
         }
         let largest = i32::from(MAX_COUNTS);
-        let old = self.parameters.get(id::NULL_OFFSET_COUNTS).unwrap_or(0);
+        let mut changed = self.parameters().clone();
+        let old = changed.get(id::NULL_OFFSET_COUNTS).unwrap_or(0);
         let new = old.saturating_add(learned).clamp(-largest, largest);
-        if self.parameters.set(id::NULL_OFFSET_COUNTS, new).is_ok()
-            && let Ok(config) = Config::new(&self.parameters)
-        {
-            self.config = config;
+        let was_saved = self.configuration.is_saved();
+        if changed.set(id::NULL_OFFSET_COUNTS, new).is_ok() && self.configuration.replace(changed).is_ok() {
             self.state.forget_null_offset();
+        }
+        if was_saved && !self.state.supervisor.drives() {
+            // What cannot be stored is learned again after the next reset.
+            let _ = self.configuration.save(board.store());
         }
     }
 
@@ -294,12 +350,12 @@ impl Control {
     /// # Errors
     /// The controller's refusal.
     pub fn start(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
-        self.state.start(&self.config, &self.test.sequence)?;
+        self.state.start(self.configuration.config(), &self.test.sequence)?;
         self.record();
         self.recorder.start();
         self.clock = Clock::default();
         self.host_heard(board);
-        board.run_begins(&self.config);
+        board.run_begins(self.configuration.config());
         Ok(())
     }
 
@@ -337,6 +393,15 @@ impl Control {
         self.state.supervisor.set_referenced();
         Ok(())
     }
+}
+
+/// Why the parameters were not stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveRefused {
+    /// Not now.
+    NotNow(Refusal),
+    /// The flash did not take them.
+    NotStored,
 }
 
 /// Why a move was not taken.

@@ -10,6 +10,7 @@ use core::borrow::BorrowMut;
 use core::ops::Range;
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+pub use pneudrive_protocol::Event;
 use pneudrive_protocol::RecordCrc;
 
 use crate::storage::{Found, LayoutError, Record, SaveError, Slots};
@@ -29,57 +30,6 @@ pub const MEMORY_BYTES: usize = BOOT_BYTES + EVENTS * PLACE_BYTES;
 /// The memory that the log stands in. A board puts it where a reset does not clear it. Any bytes may
 /// stand in it.
 pub type Memory = [u8; MEMORY_BYTES];
-
-/// One fault.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Event {
-    /// Events before it, ever.
-    pub number: u32,
-    /// Resets before it, and this one: 1 for the first.
-    pub boot: u32,
-    /// When, since that reset. Unit: microseconds.
-    pub time_us: u64,
-    /// Index k of the sample. Unit: samples.
-    pub index: u32,
-    /// Where the rod was. Unit: counts.
-    pub position: i32,
-    /// The fault's code ([`Fault::from_code`](pneudrive_controller::Fault::from_code)).
-    pub code: u8,
-}
-
-impl Event {
-    /// Length of an event in memory and flash, bytes.
-    pub const BYTES: usize = 25;
-
-    /// The event as it is stored: the fields in order, little endian.
-    #[must_use]
-    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
-        let fields = self.number.to_le_bytes().into_iter();
-        let fields = fields.chain(self.boot.to_le_bytes()).chain(self.time_us.to_le_bytes());
-        let fields = fields.chain(self.index.to_le_bytes()).chain(self.position.to_le_bytes());
-        let mut bytes = [0; Self::BYTES];
-        for (byte, field) in bytes.iter_mut().zip(fields.chain([self.code])) {
-            *byte = field;
-        }
-        bytes
-    }
-
-    /// The event that was stored so. Any bytes are some event.
-    #[must_use]
-    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Event {
-        #[rustfmt::skip]
-        let [n0, n1, n2, n3, b0, b1, b2, b3, t0, t1, t2, t3, t4, t5, t6, t7,
-            i0, i1, i2, i3, p0, p1, p2, p3, code] = *bytes;
-        Event {
-            number: u32::from_le_bytes([n0, n1, n2, n3]),
-            boot: u32::from_le_bytes([b0, b1, b2, b3]),
-            time_us: u64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]),
-            index: u32::from_le_bytes([i0, i1, i2, i3]),
-            position: i32::from_le_bytes([p0, p1, p2, p3]),
-            code,
-        }
-    }
-}
 
 /// What the memory held after a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

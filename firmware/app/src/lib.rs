@@ -18,17 +18,21 @@
 #![forbid(unsafe_code)]
 
 pub mod board;
+pub mod configuration;
 pub mod control;
 pub mod fault_log;
 pub mod plant_bus;
+pub mod ram_flash;
 pub mod recorder;
 pub mod server;
 pub mod storage;
+pub mod store;
 
 pub use board::Board;
 pub use control::Control;
 pub use recorder::Recorder;
 pub use server::Server;
+pub use store::Store;
 
 /// Both halves, for boards that run them from one thread.
 #[derive(Debug, Default)]

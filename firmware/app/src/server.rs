@@ -9,14 +9,17 @@ use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::{Arrival, SequenceError};
 use pneudrive_controller::{Mode, Move};
 use pneudrive_protocol::{
-    self as protocol, Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, MAX_FRAME, MAX_VALUES,
-    MIN_VERSION, Motion, RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody, Request,
-    RequestBody, Status, Values, decode_request, encode,
+    self as protocol, Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, Event, MAX_EVENTS, MAX_FRAME,
+    MAX_VALUES, MIN_VERSION, Motion, RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody,
+    Request, RequestBody, Status, Values, decode_request, encode,
 };
 
 use crate::board::Board;
-use crate::control::{ChangeError, Control, MoveError, Test};
+use crate::configuration::{Configuration, Source};
+use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
+use crate::fault_log::EVENTS;
 use crate::recorder::CAPACITY;
+use crate::store::Store;
 
 /// Version of the firmware, as `info` and TARGET files have it.
 pub const FIRMWARE: &str = concat!("pneudrive ", env!("CARGO_PKG_VERSION"));
@@ -127,7 +130,7 @@ fn carry_out<'a, B: Board>(
                 change_refused(id, values.iter().nth(place).unwrap_or(0), error)
             }))
         }
-        RequestBody::Arm => done(control.arm().map_err(not_now)),
+        RequestBody::Arm => done(control.arm(board).map_err(not_now)),
         RequestBody::Disarm => {
             control.disarm();
             ReplyBody::Done
@@ -150,9 +153,12 @@ fn carry_out<'a, B: Board>(
         }
         RequestBody::Home => done(control.home(board).map_err(not_now)),
         RequestBody::Motion => ReplyBody::Motion(motion(control)),
-        RequestBody::ConfigSave => ReplyBody::Refused(Refused::NotStored),
-        RequestBody::ConfigState => ReplyBody::ConfigState(ConfigState::default()),
-        RequestBody::Events { .. } => ReplyBody::Events { total: 0, first: 0, events: &[] },
+        RequestBody::ConfigSave => done(control.save_parameters(board).map_err(|refused| match refused {
+            SaveRefused::NotNow(refusal) => not_now(refusal),
+            SaveRefused::NotStored => Refused::NotStored,
+        })),
+        RequestBody::ConfigState => ReplyBody::ConfigState(config_state(control.configuration())),
+        RequestBody::Events { first, count } => events(board.store(), first, count, &mut scratch.samples),
         RequestBody::RecordInfo => record_info(control),
         RequestBody::RecordRead { first, count } => chunk(control, first, count, &mut scratch.samples),
     }
@@ -229,6 +235,32 @@ fn motion(control: &Control) -> Motion {
         not_reached: moves.not_reached(),
         learned_null_offset: state.learned_null_offset(control.config()),
     }
+}
+
+fn config_state(configuration: &Configuration) -> ConfigState {
+    ConfigState {
+        source: match configuration.source() {
+            Source::NeverSaved => 0,
+            Source::Stored => 1,
+            Source::TakenOver => 2,
+            Source::Damaged => 3,
+        },
+        saves: configuration.saves(),
+        hash: configuration.hash(),
+        saved: configuration.is_saved(),
+        ignored: configuration.ignored(),
+    }
+}
+
+fn events<'a>(store: &impl Store, first: u8, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
+    let total = (0..EVENTS).take_while(|&nth| store.event(nth).is_some()).count();
+    let wanted = usize::from(first)..usize::from(first) + usize::from(count).min(MAX_EVENTS);
+    let mut bytes = 0;
+    for (slot, event) in room.chunks_exact_mut(Event::BYTES).zip(wanted.filter_map(|nth| store.event(nth))) {
+        slot.copy_from_slice(&event.to_bytes());
+        bytes += Event::BYTES;
+    }
+    ReplyBody::Events { total: total as u8, first, events: room.get(..bytes).unwrap_or(&[]) }
 }
 
 fn config<'a>(control: &Control, first_id: u16, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {

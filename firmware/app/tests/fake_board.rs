@@ -1,6 +1,7 @@
 //! The whole application on a scripted board: every request with its reply, the recorder, and what
 //! trips.
 
+use pneudrive_app::store::NoStore;
 use pneudrive_app::{App, Board};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Command, Config, Fault, Mode, Refusal, Sample};
@@ -17,9 +18,15 @@ struct FakeBoard {
     now_us: u64,
     host_clock_ms: Option<u64>,
     runs: u32,
+    store: NoStore,
 }
 
 impl Board for FakeBoard {
+    type Store = NoStore;
+
+    fn store(&mut self) -> &mut NoStore {
+        &mut self.store
+    }
     fn name(&self) -> &'static str {
         "fake"
     }

@@ -1,7 +1,10 @@
 //! The board as the application sees it: a sample that has come, a command that will go.
 
 use pneudrive_app::Board;
+use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::plant_bus::Next;
+use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::store::FlashStore;
 use pneudrive_controller::{Command, Config, Sample};
 
 /// The emulated board. Its clock goes on by a period a sample: it is in lock step with the plant's.
@@ -11,11 +14,19 @@ pub struct EmulatedBoard {
     command: Command,
     begin: Option<Next>,
     now_us: u64,
+    store: FlashStore<RamFlash, Memory>,
 }
 
 impl Default for EmulatedBoard {
     fn default() -> Self {
-        EmulatedBoard { sample: Sample::default(), command: Command::OFF, begin: None, now_us: 0 }
+        let taken_up = FlashStore::take_up(RamFlash::default(), RamFlash::layout(), [0; MEMORY_BYTES]);
+        EmulatedBoard {
+            sample: Sample::default(),
+            command: Command::OFF,
+            begin: None,
+            now_us: 0,
+            store: taken_up.expect("the layout is that of this flash").0,
+        }
     }
 }
 
@@ -42,6 +53,12 @@ impl EmulatedBoard {
 }
 
 impl Board for EmulatedBoard {
+    type Store = FlashStore<RamFlash, Memory>;
+
+    fn store(&mut self) -> &mut Self::Store {
+        &mut self.store
+    }
+
     fn name(&self) -> &'static str {
         "QEMU mps2-an386"
     }

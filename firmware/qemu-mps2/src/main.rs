@@ -74,6 +74,7 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
         let ticks = run_control(control, &mut board, &clock);
         let runs = matches!(control.state().supervisor.mode(), Mode::Running | Mode::Homing);
         listen(&mut server, control, &mut board, &mut uart);
+        let _ = control.tidy_up(&mut board);
         let next = board.run_begun().unwrap_or(if runs { Next::Advance } else { Next::Stay });
         outputs = Outputs { command: board.command(), next, ticks };
         let period_us = control.config().timing.period_us.get();

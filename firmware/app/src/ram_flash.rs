@@ -1,0 +1,67 @@
+//! A flash in memory, for rungs without one: blank after a power cut, and never worn.
+
+use core::convert::Infallible;
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+
+use crate::store::Layout;
+
+const SECTOR: usize = 4096;
+const SECTORS: usize = 4;
+
+/// Four sectors: two slots of the configuration, two of the fault log.
+#[derive(Clone, Debug)]
+pub struct RamFlash([u8; SECTORS * SECTOR]);
+
+impl Default for RamFlash {
+    fn default() -> Self {
+        RamFlash([0xff; SECTORS * SECTOR])
+    }
+}
+
+impl RamFlash {
+    /// What is where in it.
+    #[must_use]
+    pub fn layout() -> Layout {
+        let sector = |n: u32| n * SECTOR as u32..(n + 1) * SECTOR as u32;
+        Layout { config: [sector(0), sector(1)], faults: [sector(2), sector(3)] }
+    }
+
+    fn range(&mut self, offset: u32, len: usize) -> &mut [u8] {
+        let start = offset as usize;
+        self.0.get_mut(start..start.saturating_add(len)).unwrap_or(&mut [])
+    }
+}
+
+impl ErrorType for RamFlash {
+    type Error = Infallible;
+}
+
+impl ReadNorFlash for RamFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
+        let from = self.range(offset, bytes.len());
+        bytes.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = *from);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        SECTORS * SECTOR
+    }
+}
+
+impl NorFlash for RamFlash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
+        self.range(from, to.saturating_sub(from) as usize).fill(0xff);
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
+        self.range(offset, bytes.len()).iter_mut().zip(bytes).for_each(|(to, from)| *to &= *from);
+        Ok(())
+    }
+}
