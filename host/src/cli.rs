@@ -230,6 +230,11 @@ pub enum DeviceAction {
         /// Position now, encoder counts (0 is the retracted end)
         counts: i32,
     },
+    /// Home the axis: move it slowly to its stop or switch, which gives counts their meaning. The drive
+    /// must be armed
+    Home,
+    /// The fault log, newest first
+    Faults,
     /// Parameters of the controller
     #[command(subcommand)]
     Config(ConfigAction),
@@ -251,11 +256,18 @@ pub enum ConfigAction {
         /// The new value
         value: i32,
     },
-    /// Take over the controller's parameters of a rig; the drive must be disarmed
-    Import {
-        /// A built-in rig or a rig file
-        rig: String,
+    /// Write all parameters to a file, a line each
+    Export {
+        /// The file
+        file: PathBuf,
     },
+    /// Take over the controller's parameters of a rig, or of an exported file; the drive must be disarmed
+    Import {
+        /// A built-in rig, a rig file, or what `export` has written
+        from: String,
+    },
+    /// Store the parameters, for the next reset; the drive must be disarmed
+    Save,
 }
 
 /// Arguments of `run`.

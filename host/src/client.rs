@@ -1,5 +1,7 @@
 //! Requests to a rig, each asked again until it is answered.
 
+mod version_2;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 

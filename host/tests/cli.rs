@@ -1,50 +1,11 @@
 //! The command line as a user meets it: what it prints, what it leaves, how it ends.
 
+mod program;
+
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
-use pneudrive_sim::Rig;
-
-/// Runs `pneudrive` in a folder with arguments as typed.
-fn pneudrive(folder: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
-    command.current_dir(folder).args(arguments.split_whitespace()).env_remove("RUST_BACKTRACE");
-    command.output().expect("the program runs")
-}
-
-/// Output and exit code as a transcript; stderr behind `!`.
-fn transcript(folder: &Path, arguments: &str) -> String {
-    let output = pneudrive(folder, arguments);
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-    let errors: String = text(&output.stderr).lines().map(|line| format!("! {line}\n")).collect();
-    format!("{}{errors}= {}", text(&output.stdout), output.status.code().expect("it was not killed"))
-}
-
-fn ok(folder: &Path, arguments: &str) -> String {
-    let output = pneudrive(folder, arguments);
-    let text = String::from_utf8(output.stdout).expect("UTF-8");
-    assert!(output.status.success(), "{arguments}: {text}{}", String::from_utf8_lossy(&output.stderr));
-    text
-}
-
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().expect("a folder")
-}
-
-fn exists(folder: &Path, names: &[&str]) {
-    for name in names {
-        assert!(folder.join(name).is_file(), "{name} is not there");
-    }
-}
-
-/// A fast virtual rig in this process.
-fn virtual_rig(name: &str) -> Background {
-    let rig = Rig::builtin(name).expect("a built-in rig");
-    let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
-    Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"))
-}
+use program::{exists, folder, ok, pneudrive, transcript, virtual_rig};
 
 #[test]
 fn the_demo_does_the_whole_job_and_numbers_its_records() {

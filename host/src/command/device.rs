@@ -1,13 +1,14 @@
 //! `pneudrive device`.
 
-use anyhow::{Result, anyhow, bail};
-use pneudrive_controller::parameters::{Parameter, TABLE, by_name};
-use pneudrive_protocol::{Mode, Status};
+mod config;
 
-use super::load_rig;
-use crate::cli::{ConfigAction, Device, DeviceAction};
+use std::time::Duration;
+
+use anyhow::{Result, bail};
+use pneudrive_protocol::{ConfigState, Mode, Motion, Status};
+
+use crate::cli::{Device, DeviceAction};
 use crate::client::Client;
-use crate::target::parameter_text;
 use crate::words;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
@@ -30,7 +31,9 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Reference { counts } => {
             client.reference(*counts).map(|()| say!("referenced: the axis stands at {counts} counts"))
         }
-        DeviceAction::Config(action) => config(&mut client, action),
+        DeviceAction::Home => home(&mut client),
+        DeviceAction::Faults => faults(&mut client),
+        DeviceAction::Config(action) => config::execute(&mut client, action),
     }
 }
 
@@ -41,13 +44,83 @@ fn info(client: &mut Client) -> Result<()> {
     say!("board       {}", info.board);
     say!("protocol    version {}", info.version);
     say!("record      up to {} samples", info.record_capacity);
+    if info.version >= 2 {
+        let state = client.config_state()?;
+        say!("parameters  {:08x}, {}", state.hash, provenance(&state));
+    }
     Ok(())
+}
+
+/// Where the parameters come from, in words.
+fn provenance(state: &ConfigState) -> String {
+    let source = match state.source {
+        0 => "never stored".to_owned(),
+        1 => format!("stored {} times", state.saves),
+        2 => format!("stored by another version of the firmware, {} values left out", state.ignored),
+        _ => "what was stored is damaged; import a configuration and save it".to_owned(),
+    };
+    let changed = matches!(state.source, 1 | 2) && !state.saved;
+    if changed { format!("{source}, changed since") } else { source }
+}
+
+/// Homes the axis and waits for the end.
+fn home(client: &mut Client) -> Result<()> {
+    client.home()?;
+    while client.motion()?.homing {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let status = client.status()?;
+    match status.mode {
+        Mode::Fault => bail!(
+            "the homing run has tripped: {} ({}); `pneudrive device arm` leaves the fault",
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ),
+        _ => say!("homed: the axis stands at {} counts, armed", status.position),
+    }
+    Ok(())
+}
+
+fn faults(client: &mut Client) -> Result<()> {
+    let events = client.events()?;
+    if events.is_empty() {
+        say!("no faults");
+    }
+    for event in events {
+        say!(
+            "reset {:>4}  {:>12.3} s  {:<22} sample {:>8}  at {:>8} counts  {}",
+            event.boot,
+            event.time_us as f64 / 1e6,
+            words::fault_code_name(event.code),
+            event.index,
+            event.position,
+            words::fault_meaning(event.code)
+        );
+    }
+    Ok(())
+}
+
+/// How the moves stand, in words.
+fn moves(motion: &Motion) -> String {
+    let arrival = match motion.arrival {
+        0 => return "none has begun".to_owned(),
+        1 => "on its way",
+        2 => "arrived",
+        _ => "not reached",
+    };
+    let learned = match motion.learned_null_offset {
+        0 => String::new(),
+        counts => format!("; null offset learned: {counts} counts"),
+    };
+    format!("number {} {arrival}, {} not reached{learned}", motion.begun, motion.not_reached)
 }
 
 fn status(client: &mut Client) -> Result<()> {
     let status = client.status()?;
     let Status { fault, index, duration_samples, .. } = status;
+    let motion = if client.info()?.version >= 2 { Some(client.motion()?) } else { None };
     let mode = match status.mode {
+        Mode::Running if motion.is_some_and(|motion| motion.homing) => "homing".to_owned(),
         Mode::Disarmed => "disarmed".to_owned(),
         Mode::Armed => "armed".to_owned(),
         Mode::Running => format!("running, sample {index} of {duration_samples}"),
@@ -56,6 +129,9 @@ fn status(client: &mut Client) -> Result<()> {
     };
     say!("mode        {mode}");
     say!("referenced  {}", if status.referenced { "yes" } else { "no" });
+    if let Some(motion) = motion {
+        say!("moves       {}", moves(&motion));
+    }
     say!("setpoint    {} counts", status.setpoint);
     say!("position    {} counts", status.position);
     say!("error       {} counts", status.error);
@@ -65,60 +141,4 @@ fn status(client: &mut Client) -> Result<()> {
     say!("recorded    {} samples", status.recorded);
     say!("damaged     {} frames", status.damaged_frames);
     Ok(())
-}
-
-fn config(client: &mut Client, action: &ConfigAction) -> Result<()> {
-    match action {
-        ConfigAction::Get { name: None } => {
-            let parameters = client.parameters()?;
-            for parameter in &TABLE {
-                let value = parameter_text(&parameters, parameter.id, parameter.len);
-                say!("{:<28} {value:>12} {:<14} {}", parameter.name, parameter.unit, parameter.meaning);
-            }
-            Ok(())
-        }
-        ConfigAction::Get { name: Some(name) } => {
-            let parameters = client.parameters()?;
-            if let Some(list) = by_name(name).filter(|parameter| parameter.len > 1) {
-                say!("{name} = {}", parameter_text(&parameters, list.id, list.len));
-                return Ok(());
-            }
-            let (parameter, entry) = parameter_of(name)?;
-            let value = parameters.get(parameter.id + entry).unwrap_or(0);
-            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
-            Ok(())
-        }
-        ConfigAction::Set { name, value } => {
-            let (parameter, entry) = parameter_of(name)?;
-            client.set_parameters(parameter.id + entry, &[*value])?;
-            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
-            Ok(())
-        }
-        ConfigAction::Import { rig } => {
-            let rig = load_rig(rig, &[])?;
-            client.import_parameters(&rig.parameters())?;
-            say!("took over the controller's parameters of {}", rig.name());
-            Ok(())
-        }
-    }
-}
-
-/// A parameter and the entry meant, from `name` or `name[entry]`.
-fn parameter_of(text: &str) -> Result<(&'static Parameter, u16)> {
-    let (name, entry) = match text.strip_suffix(']').and_then(|text| text.split_once('[')) {
-        Some((name, entry)) => (name, entry.parse::<u16>().ok()),
-        None => (text, Some(0)),
-    };
-    let parameter = by_name(name)
-        .ok_or_else(|| anyhow!("there is no parameter {name}; `pneudrive device config get` lists them"))?;
-    if parameter.len > 1 && !text.ends_with(']') {
-        bail!(
-            "{name} is a list: name an entry, such as {name}[3], with the entries 0 to {}",
-            parameter.len - 1
-        );
-    }
-    match entry {
-        Some(entry) if entry < parameter.len => Ok((parameter, entry)),
-        _ => bail!("{name} has the entries 0 to {}", parameter.len - 1),
-    }
 }

@@ -130,6 +130,7 @@ impl Default for Config {
                 command: -200,
                 position: 0,
                 still_samples: 384,
+                still_counts: 40,
                 timeout_samples: 7692,
             },
             limits: Limits {
@@ -250,6 +251,7 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
         kind: if parameters.scalar(id::HOMING_SWITCH) == 0 { HomingKind::Stop } else { HomingKind::Switch },
         command: parameters.scalar(id::HOMING_COMMAND_COUNTS) as i16,
         position: parameters.scalar(id::HOMING_POSITION_COUNTS),
+        still_counts: unsigned(id::NO_MOTION_COUNTS),
         still_samples: samples_of_ms(unsigned(id::HOMING_STILL_MS), period_us),
         timeout_samples: samples_of_ms(unsigned(id::HOMING_TIMEOUT_MS), period_us),
     }

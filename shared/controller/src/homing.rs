@@ -6,6 +6,7 @@
 //!   the edge is the same.
 
 use crate::estimator::Motion;
+use crate::standstill::Standstill;
 
 /// Where the homing run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +28,8 @@ pub struct HomingConfig {
     pub position: i32,
     /// Standing still for so long is being at the stop, samples.
     pub still_samples: u32,
+    /// Within this distance, counts.
+    pub still_counts: u32,
     /// Longest run, samples.
     pub timeout_samples: u32,
 }
@@ -46,7 +49,7 @@ pub(crate) enum Progress {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Homing {
     taken: u32,
-    still: u32,
+    standstill: Standstill,
     /// What the switch was when the run began.
     began_on: Option<bool>,
 }
@@ -55,10 +58,13 @@ impl Homing {
     /// Takes a sample of the run.
     pub fn advance(&mut self, config: &HomingConfig, motion: &Motion, on: bool) -> Progress {
         let began_on = *self.began_on.get_or_insert(on);
-        self.still = if motion.step == 0 { self.still.saturating_add(1) } else { 0 };
+        if self.taken == 0 {
+            self.standstill.restart(motion.position);
+        }
+        let stood = self.standstill.at(motion.position, config.still_counts);
         self.taken = self.taken.saturating_add(1);
         let (found, command) = match config.kind {
-            HomingKind::Stop => (self.still >= config.still_samples, config.command),
+            HomingKind::Stop => (stood >= config.still_samples, config.command),
             HomingKind::Switch if began_on => (!on, config.command.saturating_neg()),
             HomingKind::Switch => (on, config.command),
         };
@@ -81,38 +87,38 @@ mod tests {
         command: -200,
         position: 0,
         still_samples: 3,
+        still_counts: 4,
         timeout_samples: 10,
     };
     const SWITCH: HomingConfig = HomingConfig { kind: HomingKind::Switch, ..STOP };
 
-    fn moved(step: i64) -> Motion {
-        Motion { step, ..Motion::default() }
+    fn at(position: i32) -> Motion {
+        Motion { position, ..Motion::default() }
     }
 
     #[test]
     fn a_stop_is_where_the_encoder_has_stood_still_long_enough() {
         let mut homing = Homing::default();
         let seeking = Progress::Seeking(-200);
-        let steps = [0, 0, -5, 0, 0, 0];
-        let seen = steps.map(|step| homing.advance(&STOP, &moved(step), false));
+        let seen = [90, 88, 80, 79, 78, 76].map(|position| homing.advance(&STOP, &at(position), false));
         assert_eq!(seen, [seeking, seeking, seeking, seeking, seeking, Progress::Found]);
     }
 
     #[test]
     fn a_switch_is_found_at_its_edge_from_either_side() {
         let mut towards = Homing::default();
-        assert_eq!(towards.advance(&SWITCH, &moved(0), false), Progress::Seeking(-200));
-        assert_eq!(towards.advance(&SWITCH, &moved(-3), true), Progress::Found);
+        assert_eq!(towards.advance(&SWITCH, &at(0), false), Progress::Seeking(-200));
+        assert_eq!(towards.advance(&SWITCH, &at(-3), true), Progress::Found);
         let mut off = Homing::default();
-        assert_eq!(off.advance(&SWITCH, &moved(0), true), Progress::Seeking(200));
-        assert_eq!(off.advance(&SWITCH, &moved(3), true), Progress::Seeking(200));
-        assert_eq!(off.advance(&SWITCH, &moved(3), false), Progress::Found);
+        assert_eq!(off.advance(&SWITCH, &at(0), true), Progress::Seeking(200));
+        assert_eq!(off.advance(&SWITCH, &at(3), true), Progress::Seeking(200));
+        assert_eq!(off.advance(&SWITCH, &at(3), false), Progress::Found);
     }
 
     #[test]
     fn a_run_that_finds_nothing_ends() {
         let mut homing = Homing::default();
-        let seen: [Progress; 10] = core::array::from_fn(|_| homing.advance(&SWITCH, &moved(-9), false));
+        let seen: [Progress; 10] = core::array::from_fn(|_| homing.advance(&SWITCH, &at(-9), false));
         assert_eq!(seen[8], Progress::Seeking(-200));
         assert_eq!(seen[9], Progress::TimedOut);
     }

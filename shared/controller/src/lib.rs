@@ -46,6 +46,7 @@ pub mod limits;
 pub mod parameters;
 pub mod sequencer;
 pub mod signal;
+mod standstill;
 pub mod supervisor;
 
 pub use config::Config;

@@ -8,10 +8,11 @@
 //! | a closed loop that asks for half of the valve or more and does not move | [`Fault::NoMotion`] |
 //!
 //! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
-//! stuck spool. An end stop gives way a little while the pressure on it rises: so much is no motion.
+//! stuck spool.
 
 use crate::estimator::Motion;
 use crate::signal::Sample;
+use crate::standstill::Standstill;
 use crate::supervisor::Fault;
 
 /// The limits of an axis.
@@ -76,38 +77,34 @@ pub(crate) struct Evidence<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Watch {
     bad_sensor: u32,
-    no_motion: u32,
-    /// Where the axis has stood since.
-    stood_at: i32,
+    standstill: Standstill,
 }
 
 impl Watch {
     /// What is wrong at this sample. The encoder is judged first: nothing else can be believed without.
     pub fn judge(&mut self, limits: &Limits, seen: &Evidence) -> Option<Fault> {
         let good = limits.is_pressure(seen.input.pressure_1) && limits.is_pressure(seen.input.pressure_2);
-        let stands = self.stands(limits, seen);
+        let stood = self.stood(limits, seen);
         self.bad_sensor = if good { 0 } else { self.bad_sensor.saturating_add(1) };
-        self.no_motion = if stands { self.no_motion.saturating_add(1) } else { 0 };
         if seen.motion.step.unsigned_abs() > u64::from(limits.encoder_step) {
             Some(Fault::EncoderStep)
         } else if seen.referenced && !limits.is_position(seen.motion.position) {
             Some(Fault::PositionOutside)
         } else if self.bad_sensor >= limits.sensor_samples {
             Some(Fault::SensorRange)
-        } else if limits.no_motion_samples > 0 && self.no_motion >= limits.no_motion_samples {
+        } else if limits.no_motion_samples > 0 && stood >= limits.no_motion_samples {
             Some(Fault::NoMotion)
         } else {
             None
         }
     }
 
-    /// Whether an axis that is pushed is where it stood; if not, it stands here now.
-    fn stands(&mut self, limits: &Limits, seen: &Evidence) -> bool {
-        let position = seen.motion.position;
-        let stands = seen.pushes && position.abs_diff(self.stood_at) <= limits.no_motion_counts;
-        if !stands {
-            self.stood_at = position;
+    /// For how many samples an axis that is pushed has stood.
+    fn stood(&mut self, limits: &Limits, seen: &Evidence) -> u32 {
+        if seen.pushes {
+            return self.standstill.at(seen.motion.position, limits.no_motion_counts);
         }
-        stands
+        self.standstill.restart(seen.motion.position);
+        0
     }
 }

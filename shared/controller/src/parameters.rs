@@ -170,7 +170,7 @@ pub static TABLE: [Parameter; 54] = [
     scalar!(HOMING_TIMEOUT_MS, "homing_timeout_ms", "ms", 1, HOUR_MS, 10_000, "", "A longer homing run trips."),
     scalar!(PULSE_WIDTH_US, "pulse_width_us", "us", 1, 1000, 10, "", "Length of a stepper's pulse."),
     scalar!(DIRECTION_SETUP_US, "direction_setup_us", "us", 1, 1000, 10, "", "A stepper's direction stands so long before the pulse."),
-    scalar!(NO_MOTION_COUNTS, "no_motion_counts", "counts", 0, COUNT_MAX, 40, "", "So far from where it stood an axis has moved, for no_motion_ms."),
+    scalar!(NO_MOTION_COUNTS, "no_motion_counts", "counts", 0, COUNT_MAX, 40, "", "So far from where it stood an axis has moved, for no_motion_ms and homing_still_ms: a stop gives way a little, and dither shakes."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

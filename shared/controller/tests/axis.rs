@@ -145,14 +145,14 @@ fn a_homing_run_against_a_stop_gives_counts_their_meaning() {
     bench.state.home().expect("armed");
     assert!(!bench.state.supervisor.is_referenced(), "until it has ended");
     for k in 0..40 {
-        assert_eq!(bench.take(at(5000 - 30 * k)), -200, "sample {k}");
+        assert_eq!(bench.take(at(5000 - 50 * k)), -200, "sample {k}");
     }
-    assert_eq!(bench.hold(at(3830), 9), -200);
-    assert_eq!(bench.take(at(3830)), 0, "the tenth sample without a step");
+    assert_eq!(bench.hold(at(3050), 9), -200);
+    assert_eq!(bench.take(at(3050)), 0, "the tenth sample without a step");
     assert_eq!(bench.mode(), Mode::Armed);
     assert!(bench.state.supervisor.is_referenced());
     bench.state.start(&bench.config, &bench.sequence).expect("referenced");
-    assert_eq!(bench.take(at(3830)), 0);
+    assert_eq!(bench.take(at(3050)), 0);
     assert_eq!(bench.state.observation().position, -10);
 }
 

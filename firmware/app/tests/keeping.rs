@@ -1,0 +1,177 @@
+//! What a board keeps: a configuration through a reset, a fault through it, what was learned of the null.
+
+use pneudrive_app::configuration::Source;
+use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
+use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::store::{FlashStore, Store};
+use pneudrive_app::{Board, Control};
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Command, Config, Fault, Mode, Move, Refusal, Sample};
+
+type Kept = FlashStore<RamFlash, Memory>;
+
+/// A board whose rod stands still, with flash.
+struct FlashBoard {
+    position: i32,
+    now_us: u64,
+    store: Kept,
+}
+
+fn store_on(flash: RamFlash, memory: Memory) -> Kept {
+    FlashStore::take_up(flash, RamFlash::layout(), memory).expect("it fits").0
+}
+
+impl Board for FlashBoard {
+    type Store = Kept;
+
+    fn store(&mut self) -> &mut Kept {
+        &mut self.store
+    }
+    fn name(&self) -> &'static str {
+        "with flash"
+    }
+    fn build(&self) -> &'static str {
+        "test"
+    }
+    fn read_sensors(&mut self, _: &Config) -> Sample {
+        Sample { position: self.position, pressure_1: 2000, pressure_2: 2000, ..Sample::default() }
+    }
+    fn drive(&mut self, _: &Config, _: Command) {}
+    fn now_us(&self) -> u64 {
+        self.now_us
+    }
+    fn host_clock_ms(&self) -> Option<u64> {
+        None
+    }
+}
+
+struct Drive {
+    control: Box<Control>,
+    board: FlashBoard,
+}
+
+impl Drive {
+    /// A drive that is switched on, with what is in its flash.
+    fn on(flash: RamFlash) -> Drive {
+        let store = store_on(flash, [0; MEMORY_BYTES]);
+        let mut drive =
+            Drive { control: Box::default(), board: FlashBoard { position: 100, now_us: 0, store } };
+        drive.control.take_up(&mut drive.board);
+        drive
+    }
+
+    /// Switched off and on again.
+    fn power_cycle(&self) -> Drive {
+        Drive::on(self.board.store.flash().clone())
+    }
+
+    fn samples(&mut self, count: u32) {
+        for _ in 0..count {
+            self.control.on_sample(&mut self.board);
+            self.control.on_output(&mut self.board);
+            self.board.now_us += 1300;
+        }
+    }
+
+    fn set(&mut self, id: u16, value: i32) {
+        self.control.set_parameters(id, [value].into_iter()).expect("taken");
+    }
+
+    fn get(&self, id: u16) -> i32 {
+        self.control.parameters().get(id).expect("a parameter")
+    }
+
+    fn mode(&self) -> Mode {
+        self.control.state().supervisor.mode()
+    }
+}
+
+/// Flash in which both slots hold something else.
+fn damaged_flash() -> RamFlash {
+    use embedded_storage::nor_flash::NorFlash;
+    let mut flash = RamFlash::default();
+    for slot in RamFlash::layout().config {
+        for word in 0..(slot.len() / 4) as u32 {
+            flash.write(slot.start + 4 * word, &[0x12, 0x34, 0x56, 0x78]).expect("written");
+        }
+    }
+    flash
+}
+
+#[test]
+fn a_configuration_is_taken_up_after_a_reset_once_it_was_saved() {
+    let mut drive = Drive::on(RamFlash::default());
+    assert_eq!(drive.control.configuration().source(), Source::NeverSaved);
+    drive.set(id::VELOCITY_GAIN, 2000);
+    assert_eq!(drive.power_cycle().get(id::VELOCITY_GAIN), 1, "not saved");
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    let again = drive.power_cycle();
+    assert_eq!((again.get(id::VELOCITY_GAIN), again.mode()), (2000, Mode::Disarmed));
+    assert_eq!(again.control.configuration().source(), Source::Stored);
+    assert!(again.control.configuration().is_saved());
+    assert_eq!(again.control.config().law.velocity_gain, 2000, "the law runs on it");
+}
+
+#[test]
+fn a_configuration_that_is_lost_is_a_fault_and_arms_nothing_before_one_is_saved() {
+    let mut drive = Drive::on(damaged_flash());
+    assert_eq!(drive.mode(), Mode::Fault(Fault::BadConfiguration));
+    assert_eq!(drive.control.arm(&mut drive.board), Err(Refusal::NoConfiguration));
+    drive.set(id::VELOCITY_GAIN, 2000);
+    assert_eq!(drive.control.arm(&mut drive.board), Err(Refusal::NoConfiguration), "set, but not saved");
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    assert_eq!(drive.control.arm(&mut drive.board), Ok(()));
+    assert_eq!(drive.power_cycle().mode(), Mode::Disarmed);
+}
+
+#[test]
+fn a_fault_is_logged_once_with_its_sample_and_outlives_a_power_cut_once_it_was_flushed() {
+    let mut drive = Drive::on(RamFlash::default());
+    drive.control.set_referenced().expect("disarmed");
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.samples(3);
+    drive.board.position = 90_000;
+    drive.samples(5);
+    assert_eq!(drive.mode(), Mode::Fault(Fault::EncoderStep));
+    let event = drive.board.store.event(0).expect("logged");
+    assert_eq!((event.code, event.position, event.time_us), (Fault::EncoderStep.code(), 90_000, 3 * 1300));
+    assert_eq!(drive.board.store.event(1), None, "once");
+    assert_eq!(drive.power_cycle().board.store.event(0), None, "flash is written by tidy_up alone");
+    drive.control.tidy_up(&mut drive.board).expect("flushed");
+    let again = drive.power_cycle();
+    assert_eq!(again.board.store.event(0).map(|event| event.code), Some(Fault::EncoderStep.code()));
+}
+
+#[test]
+fn flash_is_not_written_while_the_drive_is_enabled() {
+    let mut drive = Drive::on(RamFlash::default());
+    drive.control.set_referenced().expect("disarmed");
+    drive.control.stop();
+    drive.samples(1);
+    drive.control.arm(&mut drive.board).expect("leaves the fault");
+    let before = format!("{:?}", drive.board.store.flash());
+    drive.control.tidy_up(&mut drive.board).expect("waits");
+    assert!(drive.control.save_parameters(&mut drive.board).is_err());
+    assert_eq!(format!("{:?}", drive.board.store.flash()), before);
+}
+
+/// 8.2.3: what a run has learned is part of the parameters from the next arming on, also through a reset;
+/// the record of the run still has the parameters that it was taken with.
+#[test]
+fn what_was_learned_of_the_null_is_kept_at_the_next_arming() {
+    let mut drive = Drive::on(RamFlash::default());
+    drive.control.set_referenced().expect("disarmed");
+    drive.set(id::LEARNING_GAIN, 256);
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    drive.control.set_test(pneudrive_app::control::Test::new("learn", 9, 1, 0)).expect("disarmed");
+    drive.control.push_move(Move { at_sample: 0, target: 107 }).expect("room");
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(11);
+    assert_eq!(drive.mode(), Mode::Done);
+    drive.control.disarm();
+    assert_eq!(drive.get(id::NULL_OFFSET_COUNTS), 0, "the record is still to be read");
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    assert_eq!(drive.get(id::NULL_OFFSET_COUNTS), 7);
+    assert_eq!(drive.power_cycle().get(id::NULL_OFFSET_COUNTS), 7);
+}

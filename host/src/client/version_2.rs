@@ -1,0 +1,82 @@
+//! What version 2 of the protocol has added: homing, the moves, stored configuration, fault log.
+
+use anyhow::{Result, bail};
+use pneudrive_protocol::{ConfigState, Event, MAX_EVENTS, Motion, ReplyBody, RequestBody};
+
+use super::{Client, unexpected};
+
+impl Client {
+    /// A firmware of version 1 does not know these requests: says so by name.
+    fn needs_version_2(&mut self, what: &str) -> Result<()> {
+        let info = self.info()?;
+        if info.version < 2 {
+            bail!("{}: its firmware ({}) is too old for {what}; flash a newer one", self.name, info.firmware);
+        }
+        Ok(())
+    }
+
+    /// Homes the axis; [`Client::motion`] tells when it is done.
+    ///
+    /// # Errors
+    /// When it is refused or not answered.
+    pub fn home(&mut self) -> Result<()> {
+        self.needs_version_2("homing")?;
+        self.ask_done(RequestBody::Home)
+    }
+
+    /// How the moves stand.
+    ///
+    /// # Errors
+    /// When the rig does not answer.
+    pub fn motion(&mut self) -> Result<Motion> {
+        self.needs_version_2("the state of moves")?;
+        self.ask(RequestBody::Motion, |reply| match reply {
+            ReplyBody::Motion(motion) => Ok(*motion),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// Stores the parameters for the next reset.
+    ///
+    /// # Errors
+    /// When it is refused, or the flash does not take them.
+    pub fn save_parameters(&mut self) -> Result<()> {
+        self.needs_version_2("a stored configuration")?;
+        self.ask_done(RequestBody::ConfigSave)
+    }
+
+    /// Where the parameters come from.
+    ///
+    /// # Errors
+    /// When the rig does not answer.
+    pub fn config_state(&mut self) -> Result<ConfigState> {
+        self.needs_version_2("a stored configuration")?;
+        self.ask(RequestBody::ConfigState, |reply| match reply {
+            ReplyBody::ConfigState(state) => Ok(*state),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// The fault log, newest event first.
+    ///
+    /// # Errors
+    /// When the rig does not answer.
+    pub fn events(&mut self) -> Result<Vec<Event>> {
+        self.needs_version_2("a fault log")?;
+        let mut events = Vec::new();
+        loop {
+            let request = RequestBody::Events { first: events.len() as u8, count: MAX_EVENTS as u8 };
+            let (total, more) = self.ask(request, |reply| match reply {
+                ReplyBody::Events { total, events, .. } => {
+                    Ok((usize::from(*total), Event::all(events).collect::<Vec<_>>()))
+                }
+                other => Err(unexpected(other)),
+            })?;
+            let none = more.is_empty();
+            events.extend(more);
+            if none || events.len() >= total {
+                return Ok(events);
+            }
+        }
+    }
+}

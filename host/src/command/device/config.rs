@@ -1,0 +1,177 @@
+//! `pneudrive device config`.
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::{Parameter, TABLE, by_name};
+
+use crate::cli::ConfigAction;
+use crate::client::Client;
+use crate::command::{load_rig, rig_text};
+use crate::target::parameter_text;
+
+pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
+    match action {
+        ConfigAction::Get { name: None } => {
+            let parameters = client.parameters()?;
+            for parameter in &TABLE {
+                let value = parameter_text(&parameters, parameter.id, parameter.len);
+                say!("{:<28} {value:>12} {:<14} {}", parameter.name, parameter.unit, parameter.meaning);
+            }
+            Ok(())
+        }
+        ConfigAction::Get { name: Some(name) } => {
+            let parameters = client.parameters()?;
+            if let Some(list) = by_name(name).filter(|parameter| parameter.len > 1) {
+                say!("{name} = {}", parameter_text(&parameters, list.id, list.len));
+                return Ok(());
+            }
+            let (parameter, entry) = parameter_of(name)?;
+            let value = parameters.get(parameter.id + entry).unwrap_or(0);
+            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
+            Ok(())
+        }
+        ConfigAction::Set { name, value } => {
+            let (parameter, entry) = parameter_of(name)?;
+            client.set_parameters(parameter.id + entry, &[*value])?;
+            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
+            Ok(())
+        }
+        ConfigAction::Export { file } => {
+            let parameters = client.parameters()?;
+            std::fs::write(file, exported(&parameters))
+                .with_context(|| format!("cannot write {}", file.display()))?;
+            say!("{}: the controller's parameters", file.display());
+            Ok(())
+        }
+        ConfigAction::Import { from } => {
+            let (name, parameters) = importable(from)?;
+            client.import_parameters(&parameters)?;
+            say!("took over the controller's parameters of {name}");
+            Ok(())
+        }
+        ConfigAction::Save => {
+            client.save_parameters()?;
+            say!("stored; the next reset takes them up");
+            Ok(())
+        }
+    }
+}
+
+/// All parameters, `name = value` a line.
+fn exported(parameters: &Parameters) -> String {
+    let line = |parameter: &Parameter| {
+        let value = parameter_text(parameters, parameter.id, parameter.len);
+        format!("{} = {value}\n", parameter.name)
+    };
+    let head = "# The controller's parameters; `pneudrive device config import` takes them over.\n";
+    std::iter::once(head.to_owned()).chain(TABLE.iter().map(line)).collect()
+}
+
+/// Name and parameters of a rig or of an exported file.
+fn importable(from: &str) -> Result<(String, Parameters)> {
+    let (source, text) = rig_text(from)?;
+    match parse_exported(&text) {
+        Some(parameters) => Ok((source.clone(), parameters.with_context(|| source)?)),
+        None => load_rig(from, &[]).map(|rig| (rig.name().to_owned(), rig.parameters())),
+    }
+}
+
+/// The parameters in an exported file; None for another kind of file: its first line names none.
+fn parse_exported(text: &str) -> Option<Result<Parameters>> {
+    let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, line)| is_content(line)).collect();
+    let (_, first) = lines.first()?;
+    by_name(first.split_once('=')?.0.trim())?;
+    let mut parameters = Parameters::default();
+    Some(
+        lines
+            .iter()
+            .try_for_each(|(number, line)| {
+                take_line(&mut parameters, line).with_context(|| format!("line {}", number + 1))
+            })
+            .map(|()| parameters),
+    )
+}
+
+fn is_content(line: &str) -> bool {
+    !line.trim().is_empty() && !line.trim_start().starts_with('#')
+}
+
+/// Takes over `name = value`, or `name = value,value` for a list, whose last entry repeats.
+fn take_line(parameters: &mut Parameters, line: &str) -> Result<()> {
+    let (name, text) = line.split_once('=').ok_or_else(|| anyhow!("{line:?} is not name = value"))?;
+    let parameter = by_name(name.trim()).ok_or_else(|| anyhow!("there is no parameter {}", name.trim()))?;
+    let values: Vec<i32> = text.split(',').map(|value| value.trim().parse()).collect::<Result<_, _>>()?;
+    let last = values.last().copied().unwrap_or(0);
+    if values.len() > usize::from(parameter.len) {
+        bail!("{} has {} entries, not {}", parameter.name, parameter.len, values.len());
+    }
+    let entries = values.into_iter().chain(std::iter::repeat(last));
+    for (id, value) in (parameter.id..parameter.id + parameter.len).zip(entries) {
+        parameters.set(id, value).map_err(|_| {
+            anyhow!("{} = {value} is out of range: {} to {}", parameter.name, parameter.min, parameter.max)
+        })?;
+    }
+    Ok(())
+}
+
+/// A parameter and the entry meant, from `name` or `name[entry]`.
+fn parameter_of(text: &str) -> Result<(&'static Parameter, u16)> {
+    let (name, entry) = match text.strip_suffix(']').and_then(|text| text.split_once('[')) {
+        Some((name, entry)) => (name, entry.parse::<u16>().ok()),
+        None => (text, Some(0)),
+    };
+    let parameter = by_name(name)
+        .ok_or_else(|| anyhow!("there is no parameter {name}; `pneudrive device config get` lists them"))?;
+    if parameter.len > 1 && !text.ends_with(']') {
+        bail!(
+            "{name} is a list: name an entry, such as {name}[3], with the entries 0 to {}",
+            parameter.len - 1
+        );
+    }
+    match entry {
+        Some(entry) if entry < parameter.len => Ok((parameter, entry)),
+        _ => bail!("{name} has the entries 0 to {}", parameter.len - 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_controller::parameters::id;
+
+    #[test]
+    fn what_is_exported_comes_back() {
+        let mut parameters = Parameters::default();
+        parameters.set(id::VELOCITY_GAIN, 2000).expect("in range");
+        parameters.set(id::GAIN_PROFILE + 3, 99).expect("in range");
+        let text = exported(&parameters);
+        assert!(
+            text.contains("\nvelocity_gain = 2000\n") && text.contains("\ngain_profile = 8192,6144,4096,99,")
+        );
+        assert_eq!(parse_exported(&text).expect("exported").expect("whole"), parameters);
+    }
+
+    #[test]
+    fn a_line_that_is_wrong_is_named() {
+        for (text, message) in [
+            ("period_us = 1300\nspeed = 3\n", "there is no parameter speed"),
+            ("# a comment\nperiod_us = 50\n", "period_us = 50 is out of range: 100 to 100000"),
+            ("period_us = 1,2\n", "period_us has 1 entries, not 2"),
+            ("period_us = 1300\nscale\n", "is not name = value"),
+            ("period_us = x\n", "invalid digit"),
+        ] {
+            let error = parse_exported(text).expect("exported").expect_err("wrong");
+            assert!(
+                format!("{error:#}").contains(message) && format!("{error:#}").starts_with("line "),
+                "{error:#}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_rig_file_is_none() {
+        assert!(parse_exported("name = \"x\"\n").is_none());
+        assert!(parse_exported("[load]\nmass_kg = 2\n").is_none());
+        assert!(parse_exported("").is_none());
+    }
+}

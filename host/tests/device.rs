@@ -1,0 +1,73 @@
+//! `pneudrive device` on a virtual rig: homing, stored configuration, fault log.
+
+mod program;
+
+use std::fs;
+
+use program::{folder, transcript, virtual_rig};
+
+#[test]
+fn an_axis_that_is_homed_counts_from_its_stop() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    assert!(device("home").contains("the drive is not armed; arm it first"));
+    assert!(device("status").starts_with("mode        fault command-while-disarmed"));
+    device("arm");
+    let said = device("home");
+    assert!(
+        said.starts_with("homed: the axis stands at ") && said.ends_with(" counts, armed\n= 0"),
+        "{said}"
+    );
+    assert!(device("status").starts_with("mode        armed\nreferenced  yes\n"));
+    let faults = device("faults");
+    assert!(faults.starts_with("reset    1 ") && faults.contains(" command-while-disarmed "), "{faults}");
+    assert_eq!(faults.lines().count(), 2, "one event and the exit code: {faults}");
+}
+
+#[test]
+fn a_rig_without_faults_says_so() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b"));
+    assert_eq!(transcript(folder.path(), &format!("device --port {} faults", rig.port())), "no faults\n= 0");
+}
+
+#[test]
+fn parameters_are_stored_exported_and_taken_over_again() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    assert!(device("info").contains(", never stored\n"));
+    assert_eq!(device("config save"), "stored; the next reset takes them up\n= 0");
+    assert!(device("info").contains(", stored 1 times\n"));
+    device("config set velocity_gain 5");
+    assert!(device("info").contains(", stored 1 times, changed since\n"));
+    device("config export parameters.txt");
+    device("config set velocity_gain 6");
+    assert!(device("config import parameters.txt").starts_with("took over"));
+    assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0");
+    device("arm");
+    assert!(device("config save").contains("disarm it first"));
+    device("disarm");
+
+    fs::write(folder.path().join("wrong.txt"), "period_us = 1300\nspeed = 3\n").expect("written");
+    let said = device("config import wrong.txt");
+    assert!(said.contains("wrong.txt: line 2: there is no parameter speed"), "{said}");
+    assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
+}
+
+#[test]
+fn moves_that_wait_for_each_other_end_the_run_and_are_counted() {
+    let (folder, rig) = (folder(), virtual_rig("servo-a-tuned"));
+    let port = rig.port();
+    let base = transcript(folder.path(), "rig show servo-a-tuned");
+    let base = base
+        .trim_end_matches("= 0")
+        .replace("moves = [[0.0, 8192], [0.3, 16384], [1.72, 8192]]", "targets = [10000, 12000, 9000]");
+    let base = base.replace("duration_s = 3.1", "duration_s = 9.0").replace(
+        "scale = 65536 ",
+        "exit_on_dead_band = true\nmonitoring_s = 0.05\ntolerance_counts = 30\nscale = 65536 ",
+    );
+    fs::write(folder.path().join("targets.toml"), base).expect("written");
+    let said = transcript(folder.path(), &format!("run targets.toml --config --port {port}"));
+    assert!(said.contains("servo-a-tuned: done"), "{said}");
+    let status = transcript(folder.path(), &format!("device --port {port} status"));
+    assert!(status.contains("moves       number 3 arrived, 0 not reached\n"), "{status}");
+}

@@ -1,0 +1,47 @@
+//! The program as a user calls it, and rigs for it to talk to.
+#![allow(dead_code)] // Each test file uses a part.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_sim::Rig;
+
+/// Runs `pneudrive` in a folder with arguments as typed.
+pub fn pneudrive(folder: &Path, arguments: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+    command.current_dir(folder).args(arguments.split_whitespace()).env_remove("RUST_BACKTRACE");
+    command.output().expect("the program runs")
+}
+
+/// Output and exit code as a transcript; stderr behind `!`.
+pub fn transcript(folder: &Path, arguments: &str) -> String {
+    let output = pneudrive(folder, arguments);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    let errors: String = text(&output.stderr).lines().map(|line| format!("! {line}\n")).collect();
+    format!("{}{errors}= {}", text(&output.stdout), output.status.code().expect("it was not killed"))
+}
+
+pub fn ok(folder: &Path, arguments: &str) -> String {
+    let output = pneudrive(folder, arguments);
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(output.status.success(), "{arguments}: {text}{}", String::from_utf8_lossy(&output.stderr));
+    text
+}
+
+pub fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+pub fn exists(folder: &Path, names: &[&str]) {
+    for name in names {
+        assert!(folder.join(name).is_file(), "{name} is not there");
+    }
+}
+
+/// A fast virtual rig in this process.
+pub fn virtual_rig(name: &str) -> Background {
+    let rig = Rig::builtin(name).expect("a built-in rig");
+    let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
+    Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"))
+}
