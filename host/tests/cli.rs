@@ -5,7 +5,7 @@ mod program;
 use std::fs;
 use std::process::Command;
 
-use program::{exists, folder, ok, pneudrive, transcript, virtual_rig};
+use program::{exists, folder, ok, transcript, virtual_rig};
 
 #[test]
 fn the_demo_does_the_whole_job_and_numbers_its_records() {
