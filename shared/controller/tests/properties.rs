@@ -152,6 +152,53 @@ proptest! {
         }
     }
 
+    /// A gain that falls with the error, as Appendix IX has it, whatever its entries: mirrored errors give
+    /// mirrored commands, within the range of the converter.
+    #[test]
+    fn a_monotone_gain_profile_gives_an_odd_and_bounded_command(
+        mut profile in prop::collection::vec(0..=65_535i32, 256),
+        span in 1..100i32,
+        errors in prop::collection::vec(any::<i16>(), 1..50),
+    ) {
+        profile.sort_unstable_by(|a, b| b.cmp(a));
+        let mut parameters = wide_open();
+        for (id, gain) in (id::GAIN_PROFILE..).zip(profile) {
+            parameters.set(id, gain).expect("in range");
+        }
+        for (id, value) in [(id::PROFILE_SPAN_COUNTS, span), (id::VELOCITY_GAIN, 0), (id::ACCELERATION_GAIN, 0)] {
+            parameters.set(id, value).expect("in range");
+        }
+        let config = Config::new(&parameters).expect("they go together");
+        for error in errors.into_iter().map(i32::from) {
+            let [ahead, behind] = [-error, error].map(|position| {
+                let mut state = running(&config);
+                sample(&config, &one_move(0), &mut state, &Sample { position, ..Sample::default() });
+                output(&config, &mut state).counts
+            });
+            prop_assert_eq!(ahead, -behind);
+            prop_assert!((-2048..=2048).contains(&ahead) && i32::from(ahead) * error >= 0);
+        }
+    }
+
+    /// Hold is hold: after the run a closed loop goes on with the last setpoint, and nothing but a request
+    /// or a trip changes that.
+    #[test]
+    fn a_closed_loop_that_is_done_holds_its_last_setpoint(
+        target in -10_000..10_000i32,
+        path in prop::collection::vec(-10_000..10_000i32, 1..40),
+    ) {
+        let config = Config::new(&wide_open()).expect("they go together");
+        let mut state = running(&config);
+        let sequence = one_move(target);
+        for position in std::iter::repeat_n(&0, 8).chain(&path) {
+            sample(&config, &sequence, &mut state, &Sample { position: *position, ..Sample::default() });
+            let _ = output(&config, &mut state);
+        }
+        prop_assert_eq!(state.supervisor.mode(), Mode::Done);
+        prop_assert_eq!(state.observation().setpoint, target);
+        prop_assert_eq!(state.observation().error, target - path[path.len() - 1]);
+    }
+
     /// A trip acts at the output of the same sample.
     #[test]
     fn a_step_of_the_encoder_beyond_physics_is_off_at_the_same_output(
