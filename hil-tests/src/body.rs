@@ -1,5 +1,7 @@
 //! Test bodies that every rung is put through. They panic, as tests do.
 
+pub mod axis;
+
 use std::sync::atomic::AtomicBool;
 
 use pneudrive::client::{Client, Record};

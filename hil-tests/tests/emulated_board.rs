@@ -49,6 +49,31 @@ fn a_stop_ends_a_run_of_the_emulated_board() {
 }
 
 #[test]
+fn faults_of_the_plant_trip_the_emulated_board_by_name() {
+    body::axis::faults_of_the_plant_trip_by_name(emulated_board);
+}
+
+#[test]
+fn a_homing_run_of_the_emulated_board_finds_the_stop() {
+    body::axis::homing_finds_the_stop(emulated_board);
+}
+
+#[test]
+fn moves_of_the_emulated_board_wait_for_the_arrival() {
+    body::axis::moves_on_arrival(emulated_board);
+}
+
+#[test]
+fn a_step_of_the_emulated_board_meets_its_requirements() {
+    body::axis::a_step_meets_its_requirements(emulated_board);
+}
+
+#[test]
+fn parameters_are_saved_on_the_emulated_board() {
+    body::axis::parameters_are_saved(emulated_board);
+}
+
+#[test]
 fn a_file_that_is_no_image_is_refused_with_the_reason_of_the_emulator() {
     let rig = body::rig("servo-b", &[]);
     let started = EmulatedBoard::start(&rig, Path::new("no-such-image"), 0);

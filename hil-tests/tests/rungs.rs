@@ -97,3 +97,28 @@ fn an_interrupted_run_is_stopped() {
     client.follow(&AtomicBool::new(true), |_| {}).expect_err("stopped");
     assert_eq!(client.status().expect("an answer").mode, Mode::Fault);
 }
+
+#[test]
+fn faults_of_the_plant_trip_the_virtual_rig_by_name() {
+    body::axis::faults_of_the_plant_trip_by_name(virtual_rig);
+}
+
+#[test]
+fn a_homing_run_of_the_virtual_rig_finds_the_stop() {
+    body::axis::homing_finds_the_stop(virtual_rig);
+}
+
+#[test]
+fn moves_of_the_virtual_rig_wait_for_the_arrival() {
+    body::axis::moves_on_arrival(virtual_rig);
+}
+
+#[test]
+fn a_step_of_the_virtual_rig_meets_its_requirements() {
+    body::axis::a_step_meets_its_requirements(virtual_rig);
+}
+
+#[test]
+fn parameters_are_saved_on_the_virtual_rig() {
+    body::axis::parameters_are_saved(virtual_rig);
+}
