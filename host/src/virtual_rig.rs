@@ -102,7 +102,7 @@ impl Board for VirtualBoard {
     }
 
     fn build(&self) -> &'static str {
-        concat!("pneudrive ", env!("CARGO_PKG_VERSION"))
+        pneudrive_app::BUILD
     }
 
     fn read_sensors(&mut self, _: &Config) -> Sample {

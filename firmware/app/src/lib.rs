@@ -34,6 +34,9 @@ pub use recorder::Recorder;
 pub use server::Server;
 pub use store::Store;
 
+/// What was built from which sources: the version, and the commit where it is known.
+pub const BUILD: &str = env!("PNEUDRIVE_BUILD");
+
 /// Both halves, for boards that run them from one thread.
 #[derive(Debug, Default)]
 pub struct App {

@@ -64,7 +64,7 @@ impl Board for EmulatedBoard {
     }
 
     fn build(&self) -> &'static str {
-        concat!("pneudrive ", env!("CARGO_PKG_VERSION"))
+        pneudrive_app::BUILD
     }
 
     fn read_sensors(&mut self, _: &Config) -> Sample {
