@@ -46,6 +46,8 @@ struct VirtualBoard {
     running: bool,
     period_us: u64,
     time_us: u64,
+    /// From the sample to now.
+    since_sample_us: u64,
     since: Instant,
     failed: Option<IntegrationError>,
     /// What it keeps, until it is switched off.
@@ -63,6 +65,7 @@ impl VirtualBoard {
             plant,
             running: false,
             time_us: 0,
+            since_sample_us: 0,
             since: Instant::now(),
             failed: None,
             store: blank_store(),
@@ -117,7 +120,7 @@ impl Board for VirtualBoard {
     }
 
     fn now_us(&self) -> u64 {
-        self.time_us
+        self.time_us + self.since_sample_us
     }
 
     fn host_clock_ms(&self) -> Option<u64> {
@@ -232,7 +235,9 @@ impl VirtualRig {
             self.board.period_us = u64::from(self.control.config().timing.period_us.get());
         }
         self.control.on_sample(&mut self.board);
+        self.board.since_sample_us = u64::from(self.control.config().timing.delay_us.get());
         self.control.on_output(&mut self.board);
+        self.board.since_sample_us = 0;
         self.board.running = matches!(self.control.state().supervisor.mode(), Mode::Running | Mode::Homing);
         self.board.next_sample();
         self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))

@@ -34,7 +34,9 @@ fn a_rig_without_faults_says_so() {
 fn parameters_are_stored_exported_and_taken_over_again() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
     let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
-    assert!(device("info").contains(", never stored\n"));
+    let info = device("info");
+    assert!(info.contains(", never stored\n"), "{info}");
+    assert!(info.contains("\noutputs     after 500 to 500 us; off by none: "), "{info}");
     assert_eq!(device("config save"), "stored; the next reset takes them up\n= 0");
     assert!(device("info").contains(", stored 1 times\n"));
     device("config set velocity_gain 5");

@@ -7,10 +7,13 @@ use pneudrive_controller::{
     Config, Fault, Mode, Move, Observation, Parameters, Refusal, Sequence, State, output, sample,
 };
 
+use pneudrive_protocol::Spread;
+
 use crate::board::Board;
 use crate::configuration::Configuration;
 use crate::recorder::Recorder;
 use crate::store::{NotStored, Store};
+use crate::timing::Histogram;
 
 /// Bytes of a test's name.
 pub const NAME_BYTES: usize = 32;
@@ -70,6 +73,13 @@ struct Clock {
     first_us: u64,
     last_us: u64,
     samples: u64,
+    intervals: Histogram,
+    latencies: Histogram,
+}
+
+/// A time that fits, or the longest.
+fn microseconds(time_us: u64) -> u32 {
+    u32::try_from(time_us).unwrap_or(u32::MAX)
 }
 
 /// The controller, its configuration, the test and the recorder. By default: disarmed, with the
@@ -139,6 +149,9 @@ impl Control {
         board.drive(self.configuration.config(), command);
         self.record();
         self.log_fault(board);
+        let latency = board.now_us().saturating_sub(self.clock.last_us);
+        let delay_us = self.config().timing.delay_us.get();
+        self.clock.latencies.take(microseconds(latency), delay_us);
     }
 
     /// Gives the present sample to the recorder, once, by what it was when it was taken: requests
@@ -161,6 +174,7 @@ impl Control {
         } else {
             let interval = now_us.saturating_sub(clock.last_us);
             let off = interval.abs_diff(u64::from(timing.period_us.get()));
+            clock.intervals.take(microseconds(interval), timing.period_us.get());
             if off > u64::from(timing.late_sample_us) && self.state.supervisor.drives() {
                 self.state.supervisor.trip(Fault::LateSample);
             }
@@ -191,6 +205,12 @@ impl Control {
             .checked_div(self.clock.samples.saturating_sub(1))
             .and_then(|mean| u32::try_from(mean).ok())
             .unwrap_or(nominal)
+    }
+
+    /// How even the samples are: from one to the next, and from a sample to the end of its output.
+    #[must_use]
+    pub fn timing(&self) -> [Spread; 2] {
+        [self.clock.intervals.spread(), self.clock.latencies.spread()]
     }
 
     /// Mode, limits, fault latch.

@@ -27,6 +27,7 @@ pub mod recorder;
 pub mod server;
 pub mod storage;
 pub mod store;
+pub mod timing;
 
 pub use board::Board;
 pub use control::Control;

@@ -159,6 +159,10 @@ fn carry_out<'a, B: Board>(
         })),
         RequestBody::ConfigState => ReplyBody::ConfigState(config_state(control.configuration())),
         RequestBody::Events { first, count } => events(board.store(), first, count, &mut scratch.samples),
+        RequestBody::Timing => {
+            let [interval, latency] = control.timing();
+            ReplyBody::Timing { interval, latency }
+        }
         RequestBody::RecordInfo => record_info(control),
         RequestBody::RecordRead { first, count } => chunk(control, first, count, &mut scratch.samples),
     }

@@ -46,9 +46,9 @@ impl EmulatedBoard {
         self.begin.take()
     }
 
-    /// Time goes on to the next sample.
-    pub fn period_passes(&mut self, period_us: u32) {
-        self.now_us += u64::from(period_us);
+    /// Time goes on, to the output or to the next sample.
+    pub fn passes(&mut self, time_us: u32) {
+        self.now_us += u64::from(time_us);
     }
 }
 

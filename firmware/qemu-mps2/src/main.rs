@@ -81,7 +81,8 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
         if inputs.frozen && next == Next::Stay {
             clock.rest(period_us);
         }
-        board.period_passes(period_us);
+        let delay_us = control.config().timing.delay_us.get();
+        board.passes(period_us.saturating_sub(delay_us));
     }
     Ok(())
 }
@@ -91,9 +92,11 @@ fn run_control(control: &mut Control, board: &mut EmulatedBoard, clock: &Clock) 
     let begun = clock.now();
     control.on_sample(board);
     let sampled = clock.now();
+    board.passes(control.config().timing.delay_us.get());
+    let waited = clock.now();
     control.on_output(board);
     let driven = clock.now();
-    Ticks { sample: Clock::between(begun, sampled), output: Clock::between(sampled, driven) }
+    Ticks { sample: Clock::between(begun, sampled), output: Clock::between(waited, driven) }
 }
 
 /// Requests whose bytes are there.

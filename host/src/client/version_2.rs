@@ -1,7 +1,7 @@
 //! What version 2 of the protocol has added: homing, the moves, stored configuration, fault log.
 
 use anyhow::{Result, bail};
-use pneudrive_protocol::{ConfigState, Event, MAX_EVENTS, Motion, ReplyBody, RequestBody};
+use pneudrive_protocol::{ConfigState, Event, MAX_EVENTS, Motion, ReplyBody, RequestBody, Spread};
 
 use super::{Client, unexpected};
 
@@ -53,6 +53,18 @@ impl Client {
         self.needs_version_2("a stored configuration")?;
         self.ask(RequestBody::ConfigState, |reply| match reply {
             ReplyBody::ConfigState(state) => Ok(*state),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// How even the samples are: from a sample to the next, and from a sample to its output.
+    ///
+    /// # Errors
+    /// When the rig does not answer.
+    pub fn timing(&mut self) -> Result<[Spread; 2]> {
+        self.needs_version_2("the timing of samples")?;
+        self.ask(RequestBody::Timing, |reply| match reply {
+            ReplyBody::Timing { interval, latency } => Ok([*interval, *latency]),
             other => Err(unexpected(other)),
         })
     }

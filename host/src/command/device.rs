@@ -5,7 +5,7 @@ mod config;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use pneudrive_protocol::{ConfigState, Mode, Motion, Status};
+use pneudrive_protocol::{ConfigState, HISTOGRAM_BINS, Mode, Motion, Spread, Status};
 
 use crate::cli::{Device, DeviceAction};
 use crate::client::Client;
@@ -47,8 +47,27 @@ fn info(client: &mut Client) -> Result<()> {
     if info.version >= 2 {
         let state = client.config_state()?;
         say!("parameters  {:08x}, {}", state.hash, provenance(&state));
+        let [interval, latency] = client.timing()?;
+        say!("samples     every {}", spread(&interval));
+        say!("outputs     after {}", spread(&latency));
     }
     Ok(())
+}
+
+/// A spread in words: least and most, and how many are off by how much.
+fn spread(times: &Spread) -> String {
+    if times.count == 0 {
+        return "nothing measured yet".to_owned();
+    }
+    let off = |bin: usize| match bin {
+        0 => "none".to_owned(),
+        1 => "1 us".to_owned(),
+        last if last == HISTOGRAM_BINS - 1 => format!("{} us and more", 1 << (last - 1)),
+        bin => format!("{} to {} us", 1 << (bin - 1), (1 << bin) - 1),
+    };
+    let bins = times.bins.iter().enumerate().filter(|(_, count)| **count > 0);
+    let bins: Vec<String> = bins.map(|(bin, count)| format!("{}: {count}", off(bin))).collect();
+    format!("{} to {} us; off by {}", times.least_us, times.most_us, bins.join(", "))
 }
 
 /// Where the parameters come from, in words.

@@ -59,8 +59,8 @@ pub mod values;
 pub use event::Event;
 pub use frame::{Accumulator, FrameError};
 pub use message::{
-    ConfigState, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody, Request,
-    RequestBody, Status, decode_reply, decode_request, encode,
+    ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody,
+    Request, RequestBody, Spread, Status, decode_reply, decode_request, encode,
 };
 pub use record::{RecordCrc, RecordedSample};
 pub use values::Values;

@@ -97,6 +97,8 @@ pub enum RequestBody<'a> {
         /// How many, up to [`MAX_EVENTS`](crate::MAX_EVENTS).
         count: u8,
     },
+    /// Version 2. How even are the samples? Answered by [`ReplyBody::Timing`].
+    Timing,
 }
 
 /// The answer to a request.
@@ -164,6 +166,13 @@ pub enum ReplyBody<'a> {
         /// [`Event::BYTES`](crate::Event::BYTES) each, newest first.
         events: &'a [u8],
     },
+    /// Version 2. How even the samples are, by the board's clock, since its clock was last restarted.
+    Timing {
+        /// From a sample to the next.
+        interval: Spread,
+        /// From a sample to its output.
+        latency: Spread,
+    },
 }
 
 /// What the drive is doing.
@@ -213,6 +222,23 @@ pub struct Status {
     pub recorded: u32,
     /// Frames that came damaged to the firmware since its reset.
     pub damaged_frames: u32,
+}
+
+/// Bins of a [`Spread`].
+pub const HISTOGRAM_BINS: usize = 12;
+
+/// How times are spread about what they should be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Spread {
+    /// How many were taken.
+    pub count: u32,
+    /// The shortest, us.
+    pub least_us: u32,
+    /// The longest, us.
+    pub most_us: u32,
+    /// Bin b counts those that are off by 2^(b-1) to 2^b - 1 us; bin 0 those that are not, the last one
+    /// all larger ones.
+    pub bins: [u32; HISTOGRAM_BINS],
 }
 
 /// How the moves of the run stand.
