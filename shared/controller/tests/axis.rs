@@ -124,6 +124,16 @@ fn an_open_loop_pushes_no_further_than_a_software_end_position() {
     }
 }
 
+/// Counts mean nothing before a reference, so there is no end to hold back at.
+#[test]
+fn an_open_loop_without_a_reference_is_not_held_back() {
+    let ends = [(id::END_MIN_COUNTS, 1000), (id::END_MAX_COUNTS, 2000), OPEN_LOOP];
+    let mut bench = Bench::armed(&ends, &[(0, 300)]);
+    bench.state.supervisor.clear_referenced();
+    bench.state.start(&bench.config, &bench.sequence).expect("an open loop needs none");
+    assert_eq!(bench.take(at(2100)), 300);
+}
+
 #[test]
 fn positions_count_from_where_the_axis_was_referenced() {
     let mut bench = Bench::armed(&[], &[(0, 500)]);
@@ -232,4 +242,6 @@ fn the_null_offset_is_learned_where_a_move_ends_that_has_arrived() {
     bench.hold(at(150), 2);
     assert_eq!(bench.take(at(300)), 100 + 7, "the second one was pushed away again: that is no rest");
     assert_eq!(bench.state.learned_null_offset(&bench.config), 7);
+    bench.state.forget_null_offset();
+    assert_eq!(bench.state.learned_null_offset(&bench.config), 0, "it is in the parameters now");
 }
