@@ -42,6 +42,16 @@ fn the_ends_of_a_converter_count_only_where_they_are_watched() {
     }
 }
 
+#[test]
+fn a_step_of_the_encoder_as_long_as_allowed_does_not_trip() {
+    for (step, mode) in [(540, Mode::Running), (541, Mode::Fault(Fault::EncoderStep))] {
+        let mut bench = Bench::running(&[], FAR);
+        bench.take(at(1000));
+        bench.take(at(1000 - step));
+        assert_eq!(bench.mode(), mode, "{step}");
+    }
+}
+
 /// Swapped tubes, a lost encoder, a stuck spool: the law pushes and nothing moves.
 #[test]
 fn a_closed_loop_that_pushes_and_moves_nothing_trips() {
