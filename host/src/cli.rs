@@ -31,6 +31,8 @@ pub enum Command {
     Run(Run),
     /// Pull the recorded transient into the next free TARGETxx.DAT
     Record(Record),
+    /// Recorded inputs through the controller on the PC; its outputs compared, bit for bit
+    Replay(Replay),
     /// TARGET files and simulated runs on the same graphs, with their deviations
     Overlay(Overlay),
 }
@@ -296,6 +298,13 @@ pub struct Record {
     /// Where to put the file
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub dir: PathBuf,
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+pub struct Replay {
+    /// A TARGET file that was recorded with test.decimation=1
+    pub file: PathBuf,
 }
 
 /// Arguments of `overlay`.

@@ -4,6 +4,7 @@ mod demo;
 mod device;
 mod overlay;
 mod record;
+mod replay;
 mod rig;
 mod run;
 mod simulate;
@@ -32,6 +33,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Device(arguments) => device::execute(&arguments),
         Command::Run(arguments) => run::execute(&arguments),
         Command::Record(arguments) => record::execute(&arguments),
+        Command::Replay(arguments) => replay::execute(&arguments),
         Command::Overlay(arguments) => overlay::execute(&arguments),
     }
 }

@@ -9,6 +9,7 @@
 //! | [`target`] | TARGETxx.DAT: read, write, number |
 //! | [`run_folder`] | trace.csv and run.json: read, write |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
+//! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`report`] | the page with the graphs |
 
 /// Prints a line. A reader that has gone, as in `pneudrive rig show servo-b | head -3`, is no reason
@@ -27,6 +28,7 @@ pub mod deviation;
 #[cfg(unix)]
 pub mod emulated_board;
 pub mod port;
+pub mod replay;
 pub mod report;
 pub mod run_folder;
 pub mod target;

@@ -55,7 +55,8 @@ impl DriveConfig {
     }
 
     /// The demand within the limits of the stage.
-    pub(crate) fn limit(&self, demand: i32) -> i16 {
+    #[must_use]
+    pub fn limit(&self, demand: i32) -> i16 {
         let largest = i32::from(self.largest());
         // Not clamp(): it panics for limits that have crossed, and this path must not.
         demand.min(largest).max(-largest) as i16

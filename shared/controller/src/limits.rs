@@ -48,7 +48,8 @@ impl Limits {
     }
 
     /// The demand of an open loop, which goes no further than a software end position.
-    pub(crate) fn hold_back(&self, demand: i32, position: i32) -> i32 {
+    #[must_use]
+    pub fn hold_back(&self, demand: i32, position: i32) -> i32 {
         let pushes_out = (position <= self.end_min && demand < 0) || (position >= self.end_max && demand > 0);
         if pushes_out { 0 } else { demand }
     }

@@ -1,0 +1,87 @@
+//! `pneudrive replay`.
+
+use anyhow::{Context, Result, bail};
+
+use crate::cli::Replay as Arguments;
+use crate::replay::{Difference, Replay, What, replay};
+use crate::target::TargetFile;
+use crate::words;
+
+/// Samples shown before and after the first different one.
+const AROUND: usize = 3;
+
+pub(super) fn execute(arguments: &Arguments) -> Result<()> {
+    let name = arguments.file.display().to_string();
+    let replay = replay(&TargetFile::read(&arguments.file)?).with_context(|| name.clone())?;
+    for note in &replay.notes {
+        eprintln!("note: {note}");
+    }
+    match replay.first {
+        None => say!("{name}: {}\n{}", verdict(&replay), ending(&replay)),
+        Some(first) => {
+            say!("{}", around(&replay, first));
+            bail!("{name}: {}", parting(&replay, first));
+        }
+    }
+    Ok(())
+}
+
+fn verdict(replay: &Replay) -> String {
+    let samples = replay.recorded.len();
+    let what = if replay.stepper { "command and spool location" } else { "command" };
+    let moves = if replay.open_loop { "; open loop: its moves are taken from the commands" } else { "" };
+    format!("{samples} samples, every {what} as recorded{moves}")
+}
+
+/// How the run has ended.
+fn ending(replay: &Replay) -> String {
+    let last = replay.recorded.len().saturating_sub(1);
+    match tripped(replay) {
+        Some(tripped) => tripped,
+        None => format!(
+            "it ends with sample {last}, which does not trip the controller: the test was over, the recorder full, or a stop came from outside"
+        ),
+    }
+}
+
+fn tripped(replay: &Replay) -> Option<String> {
+    let (fault, k) = replay.tripped?;
+    let meaning = words::fault_meaning(fault.code());
+    Some(format!("the controller trips at sample {k}: {} ({meaning})", words::fault_name(fault)))
+}
+
+/// Where record and replay part, in a line.
+fn parting(replay: &Replay, first: Difference) -> String {
+    let Difference { index, what, recorded, replayed, inferred } = first;
+    let sides = match what {
+        What::Sample => "the run goes on in the record, and is over in the replay".to_owned(),
+        _ => format!("{} {recorded} recorded, {replayed} replayed", what.name()),
+    };
+    let count = format!("{} of {} samples differ", replay.differences, replay.recorded.len());
+    let why = if inferred {
+        "; its setpoint is that of another sample, for its own error is at the limit of its 16 bits"
+    } else {
+        ""
+    };
+    let tripped = tripped(replay).map_or(String::new(), |tripped| format!("; in the replay {tripped}"));
+    format!("sample {index}: {sides} ({count}{why}{tripped})")
+}
+
+/// The first different sample and some around it, both sides.
+fn around(replay: &Replay, first: Difference) -> String {
+    let at = first.index as usize;
+    let mut lines = vec![
+        "                                        recorded               replayed".to_owned(),
+        "       k    position    P1    P2  command  error  spool  command  error  spool".to_owned(),
+    ];
+    let end = replay.recorded.len().min(at + AROUND + 1);
+    for k in at.saturating_sub(AROUND)..end {
+        let (r, o) = (&replay.recorded[k], &replay.replayed[k]);
+        let mark = if k == at { '>' } else { ' ' };
+        let (position, p1, p2) = (r.position, r.pressure_1, r.pressure_2);
+        let recorded = format!("{:>8} {:>6} {:>6}", r.command, r.error, r.spool);
+        let replayed = format!("{:>8} {:>6} {:>6}", o.command, o.error, o.spool);
+        lines.push(format!("{mark}{k:>7} {position:>11} {p1:>5} {p2:>5} {recorded} {replayed}"));
+    }
+    lines.join("\n")
+}

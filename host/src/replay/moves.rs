@@ -1,0 +1,225 @@
+//! The moves of a record, which are not in the file.
+//!
+//! Closed loop: setpoint = position + error, and a move begins where it changes. The recorder stores the
+//! error in 16 bits; where it is at a limit of them, the setpoint is that of the nearest sample before or
+//! after that has it, if the error can be that of this setpoint.
+//!
+//! Open loop: the moves are commands. A move begins where the command is not what the one before makes of
+//! this position (a software end position holds back, the drive stage limits).
+
+use pneudrive_controller::law::Loop;
+use pneudrive_controller::{Config, Move, Sequence};
+use pneudrive_protocol::RecordedSample;
+
+use super::ReplayError;
+
+/// A way in which the record may have come about.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The moves; the run has no end of its own.
+    pub sequence: Sequence,
+    /// Whether counts mean positions.
+    pub referenced: bool,
+    /// Samples whose setpoint was taken from another one.
+    pub inferred: Vec<bool>,
+}
+
+/// All ways in which the record may have come about; the likelier first.
+///
+/// # Errors
+/// When the moves cannot be found.
+pub fn plans(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>, ReplayError> {
+    match config.law.control_loop {
+        Loop::Closed => closed_loop(config, recorded),
+        Loop::Open => either([true, false].map(|referenced| open_loop(config, recorded, referenced))),
+    }
+}
+
+/// The plans that can be made; if there is none, why the first one cannot.
+fn either(plans: [Result<Plan, ReplayError>; 2]) -> Result<Vec<Plan>, ReplayError> {
+    let [first, second] = plans;
+    match second {
+        Ok(second) => Ok(first.ok().into_iter().chain([second]).collect()),
+        Err(_) => Ok(vec![first?]),
+    }
+}
+
+fn open_loop(config: &Config, recorded: &[RecordedSample], referenced: bool) -> Result<Plan, ReplayError> {
+    let mut moves = Vec::new();
+    let mut target = 0;
+    for (at_sample, seen) in (0..).zip(recorded) {
+        let held = if referenced { config.limits.hold_back(target, seen.position) } else { target };
+        if config.drive.limit(held) != seen.command {
+            target = i32::from(seen.command);
+            moves.push(Move { at_sample, target });
+        }
+    }
+    let inferred = vec![false; recorded.len()];
+    Ok(Plan { sequence: sequence(config, &moves, recorded.len())?, referenced, inferred })
+}
+
+/// The setpoint is 0 before the first move, so a run that begins with 0 may have begun with a move or not.
+/// That is of importance only where a move to 0 ends at rest, and so teaches the null offset.
+fn closed_loop(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>, ReplayError> {
+    let found = setpoints(recorded)?;
+    let inferred: Vec<bool> = found.iter().map(|setpoint| setpoint.inferred).collect();
+    let plan = |moves: &[Move]| {
+        let sequence = sequence(config, moves, recorded.len())?;
+        Ok(Plan { sequence, referenced: true, inferred: inferred.clone() })
+    };
+    let moves = changes(&found);
+    let mut plans = vec![plan(&moves)?];
+    let begins_with_zero = moves.first().is_none_or(|first| first.at_sample > 0);
+    let allowed = (config.limits.end_min..=config.limits.end_max).contains(&0);
+    if begins_with_zero && allowed && config.law.learning_gain > 0 {
+        plans.extend(plan(&[&[Move::default()], moves.as_slice()].concat()));
+    }
+    Ok(plans)
+}
+
+/// A move wherever the setpoint changes.
+fn changes(setpoints: &[Setpoint]) -> Vec<Move> {
+    let mut target = 0;
+    let mut moves = Vec::new();
+    for (at_sample, setpoint) in (0..).zip(setpoints) {
+        if setpoint.counts != target {
+            target = setpoint.counts;
+            moves.push(Move { at_sample, target });
+        }
+    }
+    moves
+}
+
+/// The sequence of these moves. It ends with one behind the last sample, if there is room: with `on_arrival` a
+/// run is over with its last move, and the file does not say which one that is.
+fn sequence(config: &Config, moves: &[Move], samples: usize) -> Result<Sequence, ReplayError> {
+    let mut sequence = Sequence::new(u32::MAX);
+    for next in moves {
+        sequence.push(*next).map_err(|_| ReplayError::TooManyMoves(next.at_sample as i32))?;
+    }
+    let target = 0.max(config.limits.end_min).min(config.limits.end_max);
+    // Without room there are no further moves either.
+    let _ = sequence.push(Move { at_sample: samples as u32, target });
+    Ok(sequence)
+}
+
+/// The setpoint of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Setpoint {
+    counts: i32,
+    /// Whether it was taken from another sample.
+    inferred: bool,
+}
+
+/// The setpoint of each sample.
+fn setpoints(recorded: &[RecordedSample]) -> Result<Vec<Setpoint>, ReplayError> {
+    let mut known = Vec::with_capacity(recorded.len());
+    for (k, seen) in (0..).zip(recorded) {
+        known.push(stated(k, seen)?);
+    }
+    let mut end = 0;
+    for gap in known.clone().chunk_by(|a, b| a.is_some() == b.is_some()) {
+        let begin = end;
+        end += gap.len();
+        if gap[0].is_none() {
+            fill(&mut known, recorded, begin, end)?;
+        }
+    }
+    Ok(known.into_iter().flatten().collect())
+}
+
+/// What position and error say; None where the error is at a limit of its 16 bits.
+fn stated(k: i32, seen: &RecordedSample) -> Result<Option<Setpoint>, ReplayError> {
+    if matches!(seen.error, i16::MIN | i16::MAX) {
+        return Ok(None);
+    }
+    let counts = seen.position.checked_add(i32::from(seen.error)).ok_or(ReplayError::NoSetpoint(k))?;
+    Ok(Some(Setpoint { counts, inferred: false }))
+}
+
+/// Whether an error at a limit of its 16 bits can be that of this setpoint.
+fn fits(setpoint: Setpoint, seen: &RecordedSample) -> bool {
+    let error = i64::from(setpoint.counts) - i64::from(seen.position);
+    error.clamp(i64::from(i16::MIN), i64::from(i16::MAX)) == i64::from(seen.error)
+}
+
+/// Gives the samples from `begin` to `end` the setpoint behind them as far back as it fits, and the one before
+/// them up to there: an error gets large where a move begins, and smaller while it lasts.
+fn fill(
+    known: &mut [Option<Setpoint>],
+    recorded: &[RecordedSample],
+    begin: usize,
+    end: usize,
+) -> Result<(), ReplayError> {
+    let inferred = |setpoint: Setpoint| Setpoint { inferred: true, ..setpoint };
+    let after = known.get(end).copied().flatten().map(inferred);
+    let before = begin.checked_sub(1).and_then(|k| known[k]).map(inferred);
+    let fit = |setpoint: Option<Setpoint>, k: usize| setpoint.filter(|setpoint| fits(*setpoint, &recorded[k]));
+    let backward = (begin..end).rev().take_while(|&k| fit(after, k).is_some()).count();
+    let turn = end - backward;
+    known[turn..end].fill(after);
+    for k in begin..turn {
+        known[k] = fit(before, k);
+        if known[k].is_none() {
+            return Err(ReplayError::SetpointUnknown { first: k as i32, last: turn as i32 - 1 });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(position: i32, setpoint: i32) -> RecordedSample {
+        let error = (setpoint - position).clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
+        RecordedSample { position, error, ..RecordedSample::default() }
+    }
+
+    fn found(samples: &[(i32, i32)]) -> Result<Vec<i32>, ReplayError> {
+        let recorded: Vec<RecordedSample> = samples.iter().map(|&(p, s)| at(p, s)).collect();
+        setpoints(&recorded).map(|found| found.iter().map(|setpoint| setpoint.counts).collect())
+    }
+
+    #[test]
+    fn an_error_within_its_bits_tells_the_setpoint() {
+        assert_eq!(found(&[(0, 0), (5, 30_000), (10, -32_757)]), Ok(vec![0, 30_000, -32_757]));
+    }
+
+    #[test]
+    fn a_long_step_has_the_setpoint_that_it_comes_to() {
+        let step = [(0, 0), (0, 90_000), (40_000, 90_000), (60_000, 90_000), (60_000, -50_000), (0, -50_000)];
+        assert_eq!(
+            found(&[&step[..], &[(-30_000, -50_000)]].concat()),
+            Ok(vec![0, 90_000, 90_000, 90_000, -50_000, -50_000, -50_000])
+        );
+    }
+
+    #[test]
+    fn a_drive_that_is_pushed_far_away_keeps_its_setpoint() {
+        assert_eq!(found(&[(0, 100), (-40_000, 100), (-50_000, 100)]), Ok(vec![100; 3]));
+        assert_eq!(found(&[(0, 100), (-40_000, 100), (0, -9000)]), Ok(vec![100, 100, -9000]));
+    }
+
+    #[test]
+    fn a_move_without_a_sample_near_its_setpoint_is_named() {
+        let far = [(0, 0), (0, 90_000), (9, 90_000), (20, 10)];
+        assert_eq!(found(&far), Err(ReplayError::SetpointUnknown { first: 1, last: 2 }));
+        assert_eq!(found(&far[..3]), Err(ReplayError::SetpointUnknown { first: 1, last: 2 }));
+        assert_eq!(found(&far[1..3]), Err(ReplayError::SetpointUnknown { first: 0, last: 1 }));
+    }
+
+    #[test]
+    fn what_is_no_setpoint_is_named() {
+        let beyond = RecordedSample { position: i32::MAX, error: 1, ..RecordedSample::default() };
+        assert_eq!(setpoints(&[beyond]), Err(ReplayError::NoSetpoint(0)));
+    }
+
+    #[test]
+    fn the_setpoint_before_the_first_move_is_zero() {
+        let setpoints: Vec<Setpoint> =
+            [0, 0, 7, 7, 0].map(|counts| Setpoint { counts, inferred: false }).to_vec();
+        let expected = [Move { at_sample: 2, target: 7 }, Move { at_sample: 4, target: 0 }];
+        assert_eq!(changes(&setpoints), expected);
+    }
+}
