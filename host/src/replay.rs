@@ -20,6 +20,8 @@
 pub mod moves;
 pub mod parameters;
 
+use std::cmp::Reverse;
+
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::law::Loop;
@@ -190,8 +192,7 @@ pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
     let mut best: Option<Replay> = None;
     for plan in moves::plans(&config, &recorded)? {
         let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded)? };
-        let further = best.as_ref().is_none_or(|best| replay.equal_samples() > best.equal_samples());
-        if further {
+        if best.as_ref().is_none_or(|best| replay.likeness() > best.likeness()) {
             best = Some(replay);
         }
     }
@@ -271,6 +272,11 @@ impl Replay {
     #[must_use]
     pub fn equal_samples(&self) -> usize {
         self.first.map_or(self.recorded.len(), |first| first.index as usize)
+    }
+
+    /// More for a replay that is more like the record.
+    fn likeness(&self) -> (usize, Reverse<usize>) {
+        (self.equal_samples(), Reverse(self.differences))
     }
 
     fn compare(&mut self, plan: &Plan) {

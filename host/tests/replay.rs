@@ -21,8 +21,8 @@ fn any_parameters() -> impl Strategy<Value = Parameters> {
         .iter()
         .flat_map(|p| (p.id..p.id + p.len).map(move |id| any_value(p).prop_map(move |value| (id, value)).boxed()))
         .collect();
-    let kind = (0..=3, prop::bool::weighted(0.2), any::<bool>(), any::<bool>(), 0..=2000);
-    (values, kind).prop_map(|(values, (law, open_loop, stepper, on_arrival, learning_gain))| {
+    let kind = (0..=3, prop::bool::weighted(0.2), any::<bool>(), any::<bool>(), 0..=2000, any::<bool>());
+    (values, kind).prop_map(|(values, (law, open_loop, stepper, on_arrival, learning_gain, wide))| {
         let mut parameters = Parameters::default();
         let chosen = [
             (id::LAW, law),
@@ -33,6 +33,7 @@ fn any_parameters() -> impl Strategy<Value = Parameters> {
         ];
         set(&mut parameters, &values);
         set(&mut parameters, &chosen);
+        set(&mut parameters, if wide { &WIDE } else { &[] });
         reconcile(&mut parameters);
         parameters
     })
@@ -47,15 +48,14 @@ fn set(parameters: &mut Parameters, changes: &[(u16, i32)]) {
 /// Every setpoint lies between these software end positions.
 const ENDLESS: [(u16, i32); 2] = [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)];
 
-/// Limits that no axis meets, and moves that do not wait.
-const WIDE: [(u16, i32); 7] = [
+/// Limits that no axis meets.
+const WIDE: [(u16, i32); 6] = [
     (id::POSITION_MIN_COUNTS, -i32::MAX),
     (id::POSITION_MAX_COUNTS, i32::MAX),
     (id::ENCODER_STEP_COUNTS, i32::MAX),
     (id::SENSOR_LOW_RAW, -1),
     (id::SENSOR_HIGH_RAW, 32_767),
     (id::NO_MOTION_MS, 0),
-    (id::ON_ARRIVAL, 0),
 ];
 
 /// Makes parameters go together: the defaults for those that do not.
@@ -222,6 +222,8 @@ proptest! {
         mut run in any_run(), at in any::<prop::sample::Index>(), delta in 1i16..=i16::MAX,
     ) {
         set(&mut run.parameters, &[(id::STEPPER, 1)]);
+        set(&mut run.parameters, &ENDLESS);
+        run.moves[0] = (0, 16_001);
         let mut samples = record(&run).expect("it starts");
         let at = at.index(samples.len());
         samples[at].spool = samples[at].spool.wrapping_add(delta);
@@ -237,6 +239,7 @@ proptest! {
     ) {
         set(&mut run.parameters, &WIDE);
         set(&mut run.parameters, &ENDLESS);
+        set(&mut run.parameters, &[(id::ON_ARRIVAL, 0)]);
         run.stop = usize::MAX;
         run.moves.clear();
         run.path.clear();
