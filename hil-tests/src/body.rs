@@ -5,6 +5,8 @@ pub mod axis;
 use std::sync::atomic::AtomicBool;
 
 use pneudrive::client::{Client, Record};
+use pneudrive::replay::{Replay, replay};
+use pneudrive::target::TargetFile;
 use pneudrive_controller::Observation;
 use pneudrive_protocol::{Mode, RecordedSample};
 use pneudrive_sim::{Accuracy, Rig, run};
@@ -119,6 +121,45 @@ pub fn stepper(start: Start) {
     let moves = "test.moves=[[0.0, 8192], [0.3, 16384], [1.72, 8192]]";
     let rig = rig("servo-b", &["operator.model=stepper", "test.duration_s=5", moves]);
     assert_equal_in_every_integer(&*start(&rig), &rig);
+}
+
+/// The inputs of a rung's record through the controller on the PC: what is recorded, as `pneudrive record` leaves
+/// it.
+fn replayed(client: &mut Client) -> Replay {
+    let (info, parameters) = (client.info().expect("an answer"), client.parameters().expect("an answer"));
+    let record = client.record(|_, _| {}).expect("a record");
+    let text = TargetFile::new(&record, &info, &parameters).to_text();
+    replay(&TargetFile::from_text(&text).expect("a whole file")).expect("a record that can be replayed")
+}
+
+/// The recorded inputs make the recorded outputs on the PC: what is done with a record from a real cylinder.
+///
+/// # Panics
+/// When a record does not replay equal.
+pub fn records_replay(start: Start) {
+    for name in ["servo-a", "servo-b", "servo-b-tuned", "lut-stepper", "burrows"] {
+        let rig = rig(name, &["test.duration_s=2.1"]);
+        let target = start(&rig);
+        let mut client = target.connect().expect("a rig that answers");
+        run_on(&mut client, &rig);
+        let replay = replayed(&mut client);
+        assert_eq!(replay.first, None, "{}, {name}", target.name());
+        assert_eq!(replay.recorded.len(), rig.last_sample() as usize + 1, "{name}: samples");
+        assert!(replay.replayed.iter().any(|output| output.command != 0), "{name} moves");
+    }
+}
+
+/// A run that was stopped in the middle replays equal up to there, and the stop is no difference.
+///
+/// # Panics
+/// When it does not.
+pub fn the_record_of_a_stopped_run_replays(start: Start) {
+    let (_target, mut client) = in_a_long_run(start);
+    while client.status().expect("an answer").index < 100 {}
+    client.stop().expect("an answer");
+    let replay = replayed(&mut client);
+    assert_eq!((replay.first, replay.tripped), (None, None));
+    assert!(replay.equal_samples() > 100, "{} samples", replay.equal_samples());
 }
 
 /// Two runs one after the other.

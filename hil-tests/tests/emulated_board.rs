@@ -34,6 +34,16 @@ fn the_record_of_an_emulated_stepper_drive_is_the_simulation() {
 }
 
 #[test]
+fn the_records_of_the_emulated_board_replay_on_the_pc() {
+    body::records_replay(emulated_board);
+}
+
+#[test]
+fn a_run_of_the_emulated_board_that_was_stopped_replays_up_to_there() {
+    body::the_record_of_a_stopped_run_replays(emulated_board);
+}
+
+#[test]
 fn each_start_of_the_emulated_board_begins_from_the_same_state() {
     body::each_start_begins_from_the_same_state(emulated_board);
 }

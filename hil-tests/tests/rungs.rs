@@ -33,6 +33,16 @@ fn the_record_of_a_stepper_drive_is_the_simulation() {
 }
 
 #[test]
+fn the_records_of_the_virtual_rig_replay_on_the_pc() {
+    body::records_replay(virtual_rig);
+}
+
+#[test]
+fn a_run_of_the_virtual_rig_that_was_stopped_replays_up_to_there() {
+    body::the_record_of_a_stopped_run_replays(virtual_rig);
+}
+
+#[test]
 fn each_start_begins_from_the_same_state() {
     body::each_start_begins_from_the_same_state(virtual_rig);
 }

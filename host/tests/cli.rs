@@ -5,6 +5,8 @@ mod program;
 use std::fs;
 use std::process::Command;
 
+use pneudrive::target::TargetFile;
+
 use program::{exists, folder, ok, transcript, virtual_rig};
 
 #[test]
@@ -47,6 +49,8 @@ fn wrong_use_ends_with_2_and_a_no_of_the_data_with_1() {
         ("demo --spread 80%", 2),
         ("rig check nothing.toml", 1),
         ("overlay TARGET07.DAT run", 1),
+        ("replay TARGET07.DAT", 1),
+        ("replay", 2),
         ("device --port tcp://127.0.0.1:1 info", 1),
         ("device --port tcp://127.0.0.1 info", 2),
         ("virtual servo-b --listen udp:3", 2),
@@ -198,6 +202,62 @@ fn a_rig_is_armed_run_recorded_and_overlaid_from_the_command_line() {
     let position = said.lines().find(|line| line.starts_with("position")).expect("a row");
     let figures: Vec<f64> = position.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     assert!(figures[3] <= 0.01206, "the rig is its model: within a count of the encoder: {position}");
+}
+
+/// A TARGET file with another command at a sample, and the CRC of these data.
+fn with_command(text: &str, k: usize, command: i16) -> String {
+    let mut file = TargetFile::from_text(text).expect("a TARGET file");
+    file.samples[k].1.command = command;
+    let (text, stated) = (file.to_text(), file.get("crc32").expect("a CRC"));
+    let data = text.split_once("spool_raw\n").expect("data lines").1;
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(data.as_bytes());
+    text.replace(stated, &format!("{crc:08x}"))
+}
+
+#[test]
+fn a_record_is_replayed_and_the_sample_where_it_parts_is_shown() {
+    let folder = folder();
+    let rig = virtual_rig("servo-b-tuned");
+    let run = "servo-b-tuned --set test.duration_s=0.4";
+    ok(folder.path(), &format!("run {run} --port {}", rig.port()));
+    ok(folder.path(), &format!("record --port {}", rig.port()));
+    assert_eq!(
+        transcript(folder.path(), "replay TARGET01.DAT"),
+        "TARGET01.DAT: 308 samples, every command as recorded\n\
+         it ends with sample 307, which does not trip the controller: the test was over, the recorder full, or \
+         a stop came from outside\n= 0"
+    );
+
+    let text = fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("written");
+    fs::write(folder.path().join("other.dat"), with_command(&text, 250, 77)).expect("written");
+    assert_eq!(
+        transcript(folder.path(), "replay other.dat"),
+        "                                        recorded               replayed
+       k    position    P1    P2  command  error  spool  command  error
+     247        8317  1330  1357     2048   8067   3482     2048   8067
+     248        8343  1332  1352     2048   8041   3762     2048   8041
+     249        8374  1332  1347     2048   8010   3765     2048   8010
+>    250        8410  1332  1343       77   7974   3765     2048   7974
+     251        8451  1331  1339     2048   7933   3765     2048   7933
+     252        8496  1329  1336     2048   7888   3765     2048   7888
+     253        8547  1326  1334     2048   7837   3765     2048   7837
+! error: other.dat: sample 250: command 77 recorded, 2048 replayed (1 of 308 samples differ)\n= 1"
+    );
+    fs::write(folder.path().join("damaged.dat"), text.replace("\n1,", "\n1,1")).expect("written");
+    let said = transcript(folder.path(), "replay damaged.dat");
+    assert!(said.starts_with("! error: damaged.dat: its data are damaged or cut: the CRC is"), "{said}");
+    let thin = text.replace("# decimation = 1\n", "# decimation = 2\n");
+    fs::write(folder.path().join("thin.dat"), thin).expect("written");
+    assert_eq!(
+        transcript(folder.path(), "replay thin.dat"),
+        "! error: thin.dat: its decimation is 2: the controller ran on samples that are not in the file; record \
+         the run again with test.decimation=1\n= 1"
+    );
+    let newer = text.replace("# crc32", "# param.jerk_limit = 4\n# crc32");
+    fs::write(folder.path().join("newer.dat"), newer).expect("written");
+    let said = transcript(folder.path(), "replay newer.dat");
+    assert!(said.contains("! note: jerk_limit: in the file, but this version does not know it"), "{said}");
+    assert!(said.ends_with("= 0"), "{said}");
 }
 
 #[test]

@@ -5,7 +5,9 @@ use pneudrive::replay::{What, replay};
 use pneudrive::target::TargetFile;
 use pneudrive_app::Recorder;
 use pneudrive_controller::parameters::{Parameter, TABLE, id};
-use pneudrive_controller::{Config, Fault, Move, Parameters, Refusal, Sample, Sequence, State, output, sample};
+use pneudrive_controller::{
+    Config, Fault, Move, Parameters, Refusal, Sample, Sequence, State, output, sample,
+};
 use pneudrive_protocol::RecordedSample;
 use proptest::prelude::*;
 
@@ -19,7 +21,9 @@ fn any_value(parameter: &'static Parameter) -> impl Strategy<Value = i32> {
 fn any_parameters() -> impl Strategy<Value = Parameters> {
     let values: Vec<_> = TABLE
         .iter()
-        .flat_map(|p| (p.id..p.id + p.len).map(move |id| any_value(p).prop_map(move |value| (id, value)).boxed()))
+        .flat_map(|p| {
+            (p.id..p.id + p.len).map(move |id| any_value(p).prop_map(move |value| (id, value)).boxed())
+        })
         .collect();
     let kind = (0..=3, prop::bool::weighted(0.2), any::<bool>(), any::<bool>(), 0..=2000, any::<bool>());
     (values, kind).prop_map(|(values, (law, open_loop, stepper, on_arrival, learning_gain, wide))| {
@@ -126,17 +130,22 @@ struct Run {
 }
 
 fn any_run() -> impl Strategy<Value = Run> {
-    (any_parameters(), any_moves(), any_path(), 1usize..2000).prop_map(|(mut parameters, mut moves, path, stop)| {
-        if parameters.get(id::ON_ARRIVAL) == Some(1) && stop % 2 == 0 {
-            let first = moves[0].0;
-            moves.iter_mut().for_each(|(at, _)| *at = first);
-        }
-        let config = Config::new(&parameters).expect("they go together");
-        if !moves.iter().all(|&(_, target)| (config.limits.end_min..=config.limits.end_max).contains(&target)) {
-            set(&mut parameters, &ENDLESS);
-        }
-        Run { parameters, moves, path, stop }
-    })
+    (any_parameters(), any_moves(), any_path(), 1usize..2000).prop_map(
+        |(mut parameters, mut moves, path, stop)| {
+            if parameters.get(id::ON_ARRIVAL) == Some(1) && stop % 2 == 0 {
+                let first = moves[0].0;
+                moves.iter_mut().for_each(|(at, _)| *at = first);
+            }
+            let config = Config::new(&parameters).expect("they go together");
+            if !moves
+                .iter()
+                .all(|&(_, target)| (config.limits.end_min..=config.limits.end_max).contains(&target))
+            {
+                set(&mut parameters, &ENDLESS);
+            }
+            Run { parameters, moves, path, stop }
+        },
+    )
 }
 
 /// Runs the controller, and records it as the board does.

@@ -70,18 +70,22 @@ fn parting(replay: &Replay, first: Difference) -> String {
 /// The first different sample and some around it, both sides.
 fn around(replay: &Replay, first: Difference) -> String {
     let at = first.index as usize;
+    let spool = if replay.stepper { "  spool" } else { "" };
     let mut lines = vec![
         "                                        recorded               replayed".to_owned(),
-        "       k    position    P1    P2  command  error  spool  command  error  spool".to_owned(),
+        format!("       k    position    P1    P2  command  error  spool  command  error{spool}"),
     ];
     let end = replay.recorded.len().min(at + AROUND + 1);
     for k in at.saturating_sub(AROUND)..end {
-        let (r, o) = (&replay.recorded[k], &replay.replayed[k]);
-        let mark = if k == at { '>' } else { ' ' };
-        let (position, p1, p2) = (r.position, r.pressure_1, r.pressure_2);
-        let recorded = format!("{:>8} {:>6} {:>6}", r.command, r.error, r.spool);
-        let replayed = format!("{:>8} {:>6} {:>6}", o.command, o.error, o.spool);
-        lines.push(format!("{mark}{k:>7} {position:>11} {p1:>5} {p2:>5} {recorded} {replayed}"));
+        lines.push(both_sides(replay, k, if k == at { '>' } else { ' ' }));
     }
     lines.join("\n")
+}
+
+fn both_sides(replay: &Replay, k: usize, mark: char) -> String {
+    let (r, o) = (&replay.recorded[k], &replay.replayed[k]);
+    let inputs = format!("{k:>7} {:>11} {:>5} {:>5}", r.position, r.pressure_1, r.pressure_2);
+    let recorded = format!("{:>8} {:>6} {:>6}", r.command, r.error, r.spool);
+    let spool = if replay.stepper { format!(" {:>6}", o.spool) } else { String::new() };
+    format!("{mark}{inputs} {recorded} {:>8} {:>6}{spool}", o.command, o.error)
 }

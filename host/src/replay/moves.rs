@@ -154,7 +154,8 @@ fn fill(
     let inferred = |setpoint: Setpoint| Setpoint { inferred: true, ..setpoint };
     let after = known.get(end).copied().flatten().map(inferred);
     let before = begin.checked_sub(1).and_then(|k| known[k]).map(inferred);
-    let fit = |setpoint: Option<Setpoint>, k: usize| setpoint.filter(|setpoint| fits(*setpoint, &recorded[k]));
+    let fit =
+        |setpoint: Option<Setpoint>, k: usize| setpoint.filter(|setpoint| fits(*setpoint, &recorded[k]));
     let backward = (begin..end).rev().take_while(|&k| fit(after, k).is_some()).count();
     let turn = end - backward;
     known[turn..end].fill(after);

@@ -250,13 +250,19 @@ fn a_file_that_cannot_be_replayed_is_refused_by_name() {
         replay(&file).expect_err("refused").to_string()
     };
     for (change, expected) in [
-        ((|file| put(file, "decimation", "2")) as fn(&mut TargetFile), "record the run again with test.decimation=1"),
+        (
+            (|file| put(file, "decimation", "2")) as fn(&mut TargetFile),
+            "record the run again with test.decimation=1",
+        ),
         (|file| file.samples.clear(), "it has no sample k = 0"),
         (|file| drop(file.samples.remove(0)), "it has no sample k = 0"),
         (|file| drop(file.samples.remove(7)), "sample 8 stands where sample 7 should"),
         (|file| put(file, "param.velocity_gain", "fast"), "`# param.velocity_gain = ...`: \"fast\""),
         (|file| put(file, "param.velocity_gain", "1,2"), "`# param.velocity_gain = ...`"),
-        (|file| put(file, "param.gain_profile", "1,70000"), "gain_profile = 70000, which is out of range: 0 to 65535"),
+        (
+            |file| put(file, "param.gain_profile", "1,70000"),
+            "gain_profile = 70000, which is out of range: 0 to 65535",
+        ),
         (|file| put(file, "param.delay_us", "1300"), "delay_us must be less than period_us"),
         (|file| put(file, "param.end_max_counts", "8500"), "a setpoint lies beyond a software end position"),
         (|file| file.samples[9].1.error = i16::MAX, "the setpoint of the samples 9 to 9 is not in the file"),
