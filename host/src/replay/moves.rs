@@ -159,12 +159,10 @@ fn fill(
     let backward = (begin..end).rev().take_while(|&k| fit(after, k).is_some()).count();
     let turn = end - backward;
     known[turn..end].fill(after);
-    for k in begin..turn {
-        known[k] = fit(before, k);
-        if known[k].is_none() {
-            return Err(ReplayError::SetpointUnknown { first: k as i32, last: turn as i32 - 1 });
-        }
+    if let Some(first) = (begin..turn).find(|&k| fit(before, k).is_none()) {
+        return Err(ReplayError::SetpointUnknown { first: first as i32, last: turn as i32 - 1 });
     }
+    known[begin..turn].fill(before);
     Ok(())
 }
 
