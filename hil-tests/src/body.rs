@@ -123,8 +123,7 @@ pub fn stepper(start: Start) {
     assert_equal_in_every_integer(&*start(&rig), &rig);
 }
 
-/// The inputs of a rung's record through the controller on the PC: what is recorded, as `pneudrive record` leaves
-/// it.
+/// The inputs of a rung's record, as `pneudrive record` leaves it, through the controller on the PC.
 fn replayed(client: &mut Client) -> Replay {
     let (info, parameters) = (client.info().expect("an answer"), client.parameters().expect("an answer"));
     let record = client.record(|_, _| {}).expect("a record");

@@ -9,13 +9,14 @@
 //!   themselves, so such a record proves the limits and the stepper, not the law.
 //! - **Arrival.** A move begins at its recorded sample and, with `on_arrival`, also waits for the end of the
 //!   one before, as on the board. So arrival and learning are those of the board.
-//! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it. What
-//!   comes from outside (a stop, a late sample, a silent host) is in no sample: the record ends before it.
+//! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it.
+//!   What comes from outside (a stop, a late sample, a silent host) is in no sample: the record ends before
+//!   it.
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
 //!   learned, whether a run that begins with the setpoint 0 began with a move.
 //!
-//! Not in the file, and so no part of the replay: a move to the setpoint that holds already (it matters to what is
-//! learned of the null only), and pressures that were bad in the last samples before the start.
+//! Not in the file, and so no part of the replay: a move to the setpoint that holds already (it matters to
+//! what is learned of the null only), and pressures that were bad in the last samples before the start.
 
 pub mod moves;
 pub mod parameters;
@@ -90,8 +91,8 @@ pub struct Difference {
     pub recorded: i16,
     /// The replay's side; for [`What::Sample`] 0.
     pub replayed: i16,
-    /// Whether the setpoint was taken from another sample, because the recorded error is at the limit of its 16
-    /// bits.
+    /// Whether the setpoint was taken from another sample, because the recorded error is at the limit of
+    /// its 16 bits.
     pub inferred: bool,
 }
 

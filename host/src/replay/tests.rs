@@ -72,13 +72,17 @@ fn replayed(parameters: &Parameters, moves: &[(u32, i32)], positions: &[i32]) ->
     replay(&file(parameters, 0, record(parameters, moves, positions))).expect("a whole record")
 }
 
-fn many_samples(file: &TargetFile) -> Vec<RecordedSample> {
+fn samples_of(file: &TargetFile) -> Vec<RecordedSample> {
     file.samples.iter().map(|(_, sample)| *sample).collect()
 }
 
 fn put(file: &mut TargetFile, key: &str, value: &str) {
     file.header.retain(|(name, _)| name != key);
     file.header.push((key.to_owned(), value.to_owned()));
+}
+
+fn remove(file: &mut TargetFile, k: usize) {
+    file.samples.remove(k);
 }
 
 /// A walk from 8192 to 9000 and back.
@@ -190,6 +194,22 @@ fn moves_that_wait_for_arrival_come_at_the_same_samples_and_teach_the_same_null(
 }
 
 #[test]
+fn a_move_that_comes_to_its_setpoint_after_the_forced_exit_teaches_nothing() {
+    let values = parameters(&[
+        (id::ON_ARRIVAL, 1),
+        (id::LEARNING_GAIN, 5000),
+        (id::TOLERANCE_COUNTS, 30),
+        (id::FORCED_EXIT_US, 13_000),
+    ]);
+    let moves = [(0, 8600), (30, 8700)];
+    let late = [[8192; 12], [8590; 12], [8590; 12]].concat();
+    assert_eq!(replayed(&values, &moves, &late).first, None);
+    let early = [[8590; 12], [8590; 12], [8590; 12]].concat();
+    let command = |positions: &[i32]| record(&values, &moves, positions)[35].command;
+    assert_ne!(command(&late), command(&early), "one that arrives in time does");
+}
+
+#[test]
 fn a_run_that_begins_with_the_setpoint_zero_learns_as_it_did() {
     let values = parameters(&[(id::LEARNING_GAIN, 5000), (id::TOLERANCE_COUNTS, 30)]);
     let rest = [[20; 10].as_slice(), &[30, 60, 100, 150, 200, 250]].concat();
@@ -255,8 +275,8 @@ fn a_file_that_cannot_be_replayed_is_refused_by_name() {
             "record the run again with test.decimation=1",
         ),
         (|file| file.samples.clear(), "it has no sample k = 0"),
-        (|file| drop(file.samples.remove(0)), "it has no sample k = 0"),
-        (|file| drop(file.samples.remove(7)), "sample 8 stands where sample 7 should"),
+        (|file| remove(file, 0), "it has no sample k = 0"),
+        (|file| remove(file, 7), "sample 8 stands where sample 7 should"),
         (|file| put(file, "param.velocity_gain", "fast"), "`# param.velocity_gain = ...`: \"fast\""),
         (|file| put(file, "param.velocity_gain", "1,2"), "`# param.velocity_gain = ...`"),
         (
@@ -276,7 +296,7 @@ fn a_file_that_cannot_be_replayed_is_refused_by_name() {
         sample.error = 1;
     }
     assert!(replay(&many).is_ok(), "a move a sample is a run, as long as there are not too many");
-    let more = file(&values, 0, [many_samples(&many), many_samples(&many)].concat());
+    let more = file(&values, 0, [samples_of(&many), samples_of(&many)].concat());
     assert_eq!(replay(&more).err(), Some(ReplayError::TooManyMoves(64)));
 }
 
