@@ -26,6 +26,7 @@
 //! pressure, so they cannot fail (EQUATIONS section 3).
 
 mod brackets;
+mod rest;
 mod restriction;
 
 use crate::air::Station;
@@ -33,7 +34,8 @@ use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
 use crate::tubing::{FarEnd, Tube};
 use crate::valve::Conductances;
-use restriction::{Approach, SquareFlow};
+use rest::{Slopes, land_line};
+use restriction::Approach;
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,9 +144,6 @@ const FLOW_TOLERANCE: f64 = 1e-12;
 /// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
 const MOST_FAILURES: u32 = 5;
 
-/// Newton takes about 4 iterations from the last solution; many more mean a bad start.
-const MOST_ITERATIONS: u32 = 20;
-
 /// Residuals and slopes of the three restrictions of a node.
 struct Linearised {
     /// Residuals of supply land, exhaust land and port.
@@ -248,7 +247,7 @@ impl Network {
         // A trial step too large may lead to where there is no solution, or leave no numbers: it is
         // told so, and the last solution is not spoilt by it.
         let last = self.nodes;
-        if !(self.started && self.newton(valve, chambers, ports)) {
+        if !(self.started && self.by_newton(valve, chambers, ports)) {
             self.failures += 1;
             if !self.far && self.failures < MOST_FAILURES {
                 self.nodes = last;
@@ -258,7 +257,7 @@ impl Network {
             self.by_brackets(valve, chambers, ports);
             // Sharpens what the brackets found; they are the answer where it fails again.
             let found = self.nodes;
-            if !self.newton(valve, chambers, ports) {
+            if !self.by_newton(valve, chambers, ports) {
                 self.nodes = found;
             }
         }
@@ -280,10 +279,16 @@ impl Network {
         solved
     }
 
-    /// Newton's method from the last solution; false where it does not converge.
-    fn newton(&mut self, valve: &[Conductances; 2], chambers: &[Station; 2], ports: &[PortFlow; 2]) -> bool {
+    /// Newton's method from the present nodes; false where it does not converge.
+    fn newton(
+        &mut self,
+        valve: &[Conductances; 2],
+        chambers: &[Station; 2],
+        ports: &[PortFlow; 2],
+        slopes: Slopes,
+    ) -> bool {
         self.begin_flows(valve);
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..slopes.most_iterations() {
             self.work.iterations += 1;
             let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
             let at_valve = self.supply_tube.far_end(&self.supply, total);
@@ -295,7 +300,7 @@ impl Network {
                     // Without a node the exhaust land takes the cylinder's air (6.40).
                     None => chambers[i].temperature,
                 };
-                let lines = self.linearise(i, &valve[i], &chambers[i], ports[i], at_valve);
+                let lines = self.linearise(i, &valve[i], &chambers[i], ports[i], at_valve, slopes);
                 let r = lines.residual;
                 fixed[i] = lines.correct([-r[0], -r[1], -r[2]]);
                 per_total[i] = lines.correct([-lines.by_total, 0.0, 0.0]);
@@ -307,7 +312,7 @@ impl Network {
             if !largest.is_finite() {
                 return false;
             }
-            if largest < FLOW_TOLERANCE {
+            if largest < FLOW_TOLERANCE || self.is_rounding(slopes, largest) {
                 return true;
             }
         }
@@ -357,6 +362,7 @@ impl Network {
         chamber: &Station,
         port: PortFlow,
         at_valve: FarEnd,
+        slopes: Slopes,
     ) -> Linearised {
         let node = &self.nodes[i];
         let here = node.station();
@@ -364,11 +370,14 @@ impl Network {
         let (s_flow, e_flow) = (node.supply_flow, node.exhaust_flow);
         let s = self.land(valve.supply, &supply, self.supply_approach(&supply, s_flow), &here);
         let e = self.land(valve.exhaust, &self.exhaust, Approach::NONE, &here);
-        let p = self.port_line(valve.port, node, chamber, port);
-        let (s_line, e_line) = (land_line(valve.supply, s_flow, &s), land_line(valve.exhaust, e_flow, &e));
+        let p = self.port_line(valve.port, node, chamber, port, slopes);
+        let shut = valve.supply == 0.0 || valve.exhaust == 0.0;
+        let least = |conductance, source| if shut { self.creeping(conductance, source) } else { 0.0 };
+        let s_line = land_line(valve.supply, s_flow, s.value, least(valve.supply, &supply), slopes);
+        let e_line = land_line(valve.exhaust, e_flow, e.value, least(valve.exhaust, &self.exhaust), slopes);
         Linearised {
             residual: [s_line.0, e_line.0, p.residual],
-            stiffness: [s_line.1, e_line.1, p.by_flow],
+            stiffness: [s_line.1 - s.by_flow, e_line.1 - e.by_flow, p.by_flow],
             by_node: [-s.by_second, -e.by_second, p.by_node],
             by_total: -s.by_first * at_valve.by_flow,
         }
@@ -395,16 +404,6 @@ impl Network {
             (from_cylinder, chamber.temperature * far.factor),
         ];
         mean_of_inflows(&inflows).unwrap_or(node.temperature)
-    }
-}
-
-/// Residual of a land and its slope over the flow. A land that is shut (a spool without clearance)
-/// has no flow, said linearly: squares would leave Newton's method without a pivot.
-fn land_line(conductance: f64, flow: f64, square: &SquareFlow) -> (f64, f64) {
-    if conductance == 0.0 {
-        (flow, 1.0)
-    } else {
-        (flow * flow.abs() - square.value, 2.0 * flow.abs() - square.by_flow)
     }
 }
 

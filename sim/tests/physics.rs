@@ -100,7 +100,9 @@ fn an_open_valve_takes_the_chambers_to_supply_and_exhaust() {
     assert!((last.pressures[0] - 589e3).abs() < 10.0, "{}", last.pressures[0]);
     assert!((last.pressures[1] - 101.3e3).abs() < 10.0, "{}", last.pressures[1]);
     assert!(last.position > 0.3 && last.position < 0.302, "on its stop: {}", last.position);
-    assert_eq!(last.velocity, 0.0);
+    // The last of the air creeps in (EQUATIONS section 3), and the piston follows it into its stop: its
+    // velocity dies away, and has no instant at which it is zero.
+    assert!(last.velocity.abs() < 1e-15, "{}", last.velocity);
 }
 
 /// EQUATIONS section 1, 6.54: a supply without a tube and the surroundings are at rest. Once their air

@@ -1,6 +1,7 @@
 //! One restriction of the network: its squared flow with the slopes that Newton's method needs, and
 //! how the air approaches it.
 
+use super::rest::{Slopes, square_slope};
 use super::{Network, Node, PortFlow, Station};
 use crate::flow_law::FlowLaw;
 
@@ -141,6 +142,7 @@ impl Network {
         node: &Node,
         chamber: &Station,
         port: PortFlow,
+        slopes: Slopes,
     ) -> PortLine {
         let m = node.port_flow();
         let (far, far_by_flow) = self.port_station(&node.station(), chamber, port, m);
@@ -154,7 +156,7 @@ impl Network {
                 let p = self.port(conductance, &node.station(), &far, self.approach(&far, -m));
                 PortLine {
                     residual: m * m.abs() - p.value,
-                    by_flow: 2.0 * m.abs() - p.by_flow - p.by_second * far_by_flow,
+                    by_flow: square_slope(slopes, m, p.value) - p.by_flow - p.by_second * far_by_flow,
                     by_node: -p.by_first,
                 }
             }

@@ -1,0 +1,109 @@
+//! Newton's method where the air comes to rest.
+//!
+//! A shut chamber that fills has no flow in the end. There a square is flat: from m to a flow m* far
+//! smaller, Newton's method does no better than to halve m, and beyond zero it jumps. With the flow
+//! t = sign sqrt(K/T psi) that the present pressures drive, the secant
+//!
+//! ```text
+//! (m|m| - t|t|) / (m - t) = |m| + |t|                       same direction
+//!                           (m^2 + t^2) / (|m| + |t|)       opposite directions
+//! ```
+//!
+//! leads to t at once, through zero as well, and is the tangent 2|m| at the solution. How near a node
+//! comes to its neighbours ends at the last digit of its pressure: flows of 1e-10 kg/s are its rounding.
+//!
+//! Where the valve leaks, a chamber at rest still has air on its way from supply to exhaust, and its flow
+//! follows the pressure with a finite slope. Beside a land that is shut nothing flows in the end, and the
+//! slope would be infinite. There a land's flow is laminar when it is small (EQUATIONS section 3):
+//!
+//! ```text
+//! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow
+//! ```
+
+use super::{Network, PortFlow, Station};
+use crate::valve::Conductances;
+
+/// Which slopes of a square over its flow Newton's method takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Slopes {
+    /// Tangents: from the last solution.
+    Tangent,
+    /// Secants towards the flow that the present pressures drive: where flows come to rest.
+    Secant,
+}
+
+/// kg^2/s^2: what the last digits of the pressures leave open of a squared flow. The ports of drives
+/// choke at 1e-2 kg/s.
+const ROUNDING: f64 = 1e-20;
+
+/// m_l^2 over the square of the land's choked flow.
+const CREEPING: f64 = 1e-6;
+
+impl Slopes {
+    /// Newton takes about 4 iterations from the last solution; many more mean a bad start.
+    pub fn most_iterations(self) -> u32 {
+        match self {
+            Slopes::Tangent => 20,
+            Slopes::Secant => 60,
+        }
+    }
+}
+
+/// Slope of m|m| over m, with the value that it is to come to.
+pub(super) fn square_slope(slopes: Slopes, flow: f64, value: f64) -> f64 {
+    let size = flow.abs();
+    let driven = value.abs().sqrt();
+    match slopes {
+        Slopes::Tangent => 2.0 * size,
+        Slopes::Secant if flow * value >= 0.0 => (size + driven).max(f64::MIN_POSITIVE.sqrt()),
+        Slopes::Secant => (size * size + driven * driven) / (size + driven),
+    }
+}
+
+/// Residual of a land whose pressures give the signed square `value`, and its slope over the flow. A
+/// land that is shut (a spool without clearance) has no flow, said linearly: squares would leave Newton's
+/// method without a pivot.
+pub(super) fn land_line(
+    conductance: f64,
+    flow: f64,
+    value: f64,
+    creeping: f64,
+    slopes: Slopes,
+) -> (f64, f64) {
+    if conductance == 0.0 {
+        (flow, 1.0)
+    } else if creeping == 0.0 {
+        (flow * flow.abs() - value, square_slope(slopes, flow, value))
+    } else {
+        let size = (flow * flow + creeping).sqrt();
+        (flow * size - value, size + flow * flow / size)
+    }
+}
+
+impl Network {
+    /// m_l^2 of a land beside a shut one, kg^2/s^2.
+    pub(super) fn creeping(&self, conductance: f64, source: &Station) -> f64 {
+        let choked = self.laws.land.flow_function(&self.gas, source.exner, 0.0).value;
+        CREEPING * conductance / source.temperature * choked
+    }
+
+    /// Newton's method from the last solution by tangents, else by secants.
+    pub(super) fn by_newton(
+        &mut self,
+        valve: &[Conductances; 2],
+        chambers: &[Station; 2],
+        ports: &[PortFlow; 2],
+    ) -> bool {
+        let last = self.nodes;
+        if self.newton(valve, chambers, ports, Slopes::Tangent) {
+            return true;
+        }
+        self.nodes = last;
+        self.newton(valve, chambers, ports, Slopes::Secant)
+    }
+
+    /// Whether a correction near rest is no more than rounding.
+    pub(super) fn is_rounding(&self, slopes: Slopes, correction: f64) -> bool {
+        slopes == Slopes::Secant && correction * correction < ROUNDING
+    }
+}
