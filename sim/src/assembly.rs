@@ -11,6 +11,7 @@
 
 mod following;
 mod lag;
+mod ports;
 
 pub(crate) use lag::Lag;
 
@@ -27,6 +28,7 @@ use crate::network::{Network, Node, PortFlow};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
 use crate::valve::Valve;
+use ports::Ports;
 
 /// Number of states.
 pub(crate) const STATES: usize = 11;
@@ -67,7 +69,7 @@ pub(crate) struct Assembly {
     pub parts: Parts,
     load_contact: Contact,
     load_side: Side,
-    ports: [PortFlow; 2],
+    ports: Ports,
     /// The last solution of the network, and the spool position and state it belongs to.
     solved: Option<(f64, StateVector, [Node; 2])>,
 }
@@ -106,7 +108,7 @@ impl Assembly {
         let mut assembly = Assembly {
             load_contact: Contact::Stuck,
             load_side: parts.load.stops.side(x[slot::POSITION]),
-            ports: [PortFlow::Charging; 2],
+            ports: Ports::new(),
             solved: None,
             parts,
         };
@@ -186,7 +188,8 @@ impl Assembly {
     fn find_port_directions(&mut self, t: f64, x: &StateVector) {
         // The direction decides only the temperature, so the second solution has the right signs.
         for _ in 0..2 {
-            self.ports = self.nodes(t, x).map(|node| direction(node.port_flow()));
+            let nodes = self.nodes(t, x);
+            self.ports.follow(&nodes);
             self.solved = None;
         }
     }
@@ -204,7 +207,7 @@ impl Assembly {
             _ => {
                 let stations = self.ends_at_valve(x);
                 let conductances = self.parts.valve.conductances(&self.parts.gas, spool);
-                let nodes = self.parts.network.solve(&conductances, &stations, &self.ports);
+                let nodes = self.parts.network.solve(&conductances, &stations, &self.ports.directions);
                 self.solved = Some((spool, *x, nodes));
                 nodes
             }
@@ -272,17 +275,13 @@ fn spool_state(x: &StateVector) -> SpoolState {
     SpoolState { position: x[slot::SPOOL], velocity: x[slot::SPOOL_VELOCITY] }
 }
 
-fn direction(port_flow: f64) -> PortFlow {
-    if port_flow >= 0.0 { PortFlow::Charging } else { PortFlow::Discharging }
-}
-
 impl Assembly {
     /// The rates of all but the spool: of load, air and lagged tubes. No command is in them.
     fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
         let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
         let air = self.air(x);
         let nodes = self.nodes(t, x);
-        let (joined, ports) = (self.joined(nodes), self.joined(self.ports));
+        let (joined, ports) = (self.joined(nodes), self.joined(self.ports.directions));
         let gas = &self.parts.gas;
         let leak = self.parts.actuator.leak(gas, &air);
         let mut slope = [0.0; STATES];
@@ -361,10 +360,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
 
     fn flow_guards(&mut self, t: f64, x: &StateVector) -> [f64; FLOW_GUARDS] {
         let nodes = self.nodes(t, x);
-        std::array::from_fn(|i| match self.ports[i] {
-            PortFlow::Charging => nodes[i].port_flow(),
-            PortFlow::Discharging => -nodes[i].port_flow(),
-        })
+        self.ports.guards(&nodes)
     }
 
     fn next_instant(&self, t: f64) -> f64 {
@@ -387,12 +383,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
                 self.parts.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);
                 x[slot::SPOOL_VELOCITY] = spool.velocity;
             }
-            Event::FlowGuard(port) => {
-                self.ports[port] = match self.ports[port] {
-                    PortFlow::Charging => PortFlow::Discharging,
-                    PortFlow::Discharging => PortFlow::Charging,
-                };
-            }
+            Event::FlowGuard(port) => self.ports.turn(port, t),
         }
         self.solved = None;
         self.parts.network.expect_jump();

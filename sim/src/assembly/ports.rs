@@ -1,0 +1,57 @@
+//! Which way the air goes in each port.
+//!
+//! A reversal is an event. Where a flow comes to rest its sign is rounding, and would turn about at every
+//! step: a port that turns twice within [`MOMENT`] rests, and keeps its direction until a flow of
+//! [`RESTING_FLOW`] goes against it. The direction decides the temperature alone, and so little air
+//! carries nothing.
+
+use crate::network::{Node, PortFlow};
+
+/// s.
+const MOMENT: f64 = 1e-6;
+
+/// kg/s: a thousand times the tolerance of the network.
+const RESTING_FLOW: f64 = 1e-9;
+
+/// The directions in both ports, valve's side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ports {
+    pub directions: [PortFlow; 2],
+    turned_at: [f64; 2],
+    resting: [bool; 2],
+}
+
+impl Ports {
+    pub fn new() -> Ports {
+        Ports { directions: [PortFlow::Charging; 2], turned_at: [f64::NEG_INFINITY; 2], resting: [false; 2] }
+    }
+
+    /// The directions that flows have.
+    pub fn follow(&mut self, nodes: &[Node; 2]) {
+        self.directions = nodes.map(|node| match node.port_flow() >= 0.0 {
+            true => PortFlow::Charging,
+            false => PortFlow::Discharging,
+        });
+    }
+
+    /// Negative where a flow goes against its port's direction.
+    pub fn guards(&self, nodes: &[Node; 2]) -> [f64; 2] {
+        std::array::from_fn(|i| {
+            let along = match self.directions[i] {
+                PortFlow::Charging => nodes[i].port_flow(),
+                PortFlow::Discharging => -nodes[i].port_flow(),
+            };
+            if self.resting[i] { along + RESTING_FLOW } else { along }
+        })
+    }
+
+    /// The flow in a port reverses at `t`.
+    pub fn turn(&mut self, port: usize, t: f64) {
+        self.directions[port] = match self.directions[port] {
+            PortFlow::Charging => PortFlow::Discharging,
+            PortFlow::Discharging => PortFlow::Charging,
+        };
+        self.resting[port] = t - self.turned_at[port] < MOMENT;
+        self.turned_at[port] = t;
+    }
+}
