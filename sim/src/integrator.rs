@@ -9,16 +9,22 @@
 //!
 //! Methods: Dormand-Prince 5(4) with its interpolant of order 4 (Hairer, Norsett, Wanner, Solving
 //! Ordinary Differential Equations I, II.5 and II.6), and Merson 4(3), the thesis's, with cubic
-//! Hermite interpolation.
+//! Hermite interpolation. Stiff stretches (`integrator/stiffness.rs`) go by the implicit RODAS 4(3)
+//! (`integrator/implicit.rs`).
 
 mod crossing;
+mod explicit;
+mod implicit;
+mod linear;
 mod segment;
+mod stiffness;
 mod tableau;
 
 use crate::root::bracketed_root;
 use crossing::{LOOKS, first_negative};
-use segment::Segment;
-use tableau::{MOST_STAGES, Tableau};
+use segment::{Segment, Trial};
+use stiffness::Stiffness;
+use tableau::Tableau;
 
 /// A method of integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -139,6 +145,7 @@ pub struct Integrator<const N: usize, const G: usize, const F: usize> {
     /// The step size that the error asks for.
     wanted: f64,
     events_at_once: (u32, f64),
+    stiffness: Stiffness,
     /// When the present [`STRETCH`] began, and the steps tried until then.
     stretch: (f64, u64),
     /// What it has cost so far.
@@ -161,6 +168,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             pending: None,
             wanted: 1e-5,
             events_at_once: (0, 0.0),
+            stiffness: Stiffness::default(),
             stretch: (0.0, 0),
             work: Work::default(),
         }
@@ -252,7 +260,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
                 system.derivative(self.t, &self.x)
             }
         };
-        let (segment, end, x, end_slope) = self.accepted(system, slope, limit)?;
+        let (Trial { segment, x, end_slope, .. }, end) = self.accepted(system, slope, limit)?;
         self.work.steps += 1;
         let event = self.first_event(system, &segment, end, &x);
         match event {
@@ -273,32 +281,35 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         Ok(())
     }
 
-    /// Tries steps until the error is small enough: dense output, end, state and slope there.
-    #[allow(clippy::type_complexity)]
+    /// Tries steps until the error is small enough: the step, and when it ends.
     fn accepted(
         &mut self,
         system: &mut impl Hybrid<N, G, F>,
         slope: [f64; N],
         limit: f64,
-    ) -> Result<(Segment<N>, f64, [f64; N], Option<[f64; N]>), IntegrationError> {
+    ) -> Result<(Trial<N>, f64), IntegrationError> {
+        let slopes = self.stiffness.implicit.then(|| self.slopes(system, slope));
         loop {
             let room = limit - self.t;
             // A remainder of less than a tenth of a step would cost as much as a whole one.
             let limited = self.wanted >= 0.9 * room;
             let h = if limited { room } else { self.wanted };
             let end = if limited { limit } else { self.t + h };
-            let (stages, x) = self.stages(system, slope, h);
-            let error = self.error(&stages, &x, h);
+            let trial = match &slopes {
+                Some(slopes) => self.implicit_trial(system, slope, slopes, h),
+                None => self.explicit_trial(system, slope, h),
+            };
+            let error = trial.error;
             if !error.is_finite() {
                 self.wanted = 0.1 * h;
             } else {
-                let factor = 0.9 * libm::pow(error.max(1e-10), -1.0 / self.tableau.error_order);
+                let factor = 0.9 * libm::pow(error.max(1e-10), -1.0 / trial.order);
                 let next = h * factor.clamp(0.2, 5.0);
                 if error <= 1.0 {
                     // A step cut short by an event says nothing of the wanted size.
                     self.wanted = if limited { next.max(self.wanted) } else { next };
-                    let segment = self.segment_of(&stages, &x, h);
-                    return Ok((segment, end, x, Some(stages[self.tableau.last_stage()])));
+                    self.note_step(&trial, limited);
+                    return Ok((trial, end));
                 }
                 self.wanted = next;
             }
@@ -313,60 +324,25 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         }
     }
 
-    /// The slopes of all stages and the state at the end; the last stage is the slope there.
-    fn stages(
-        &mut self,
-        system: &mut impl Hybrid<N, G, F>,
-        slope: [f64; N],
-        h: f64,
-    ) -> ([[f64; N]; MOST_STAGES], [f64; N]) {
-        let mut stages = [[0.0; N]; MOST_STAGES];
-        stages[0] = slope;
-        let mut x = self.x;
-        for (stage, weights) in self.tableau.weights.iter().enumerate() {
-            x = self.x;
-            for (&weight, earlier) in weights.iter().zip(&stages) {
-                if weight != 0.0 {
-                    for (value, slope) in x.iter_mut().zip(earlier) {
-                        *value += h * weight * slope;
-                    }
-                }
-            }
-            stages[stage + 1] = system.derivative(self.t + h * self.tableau.nodes[stage], &x);
+    /// A step cut short says nothing of how far a method might go.
+    fn note_step(&mut self, trial: &Trial<N>, limited: bool) {
+        if !limited {
+            let moved = std::array::from_fn(|i| trial.x[i] - self.x[i]);
+            self.stiffness.note(trial.stiffness, self.error_norm(&moved, &trial.x));
         }
-        self.work.evaluations += self.tableau.weights.len() as u64;
-        (stages, x)
     }
 
     /// The largest error of a state over what is allowed.
-    fn error(&self, stages: &[[f64; N]; MOST_STAGES], x: &[f64; N], h: f64) -> f64 {
+    fn error_norm(&self, error: &[f64; N], x: &[f64; N]) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
-            let error: f64 = self.tableau.error.iter().zip(stages).map(|(&e, k)| e * k[i]).sum();
-            let allowed = self.tolerance * self.scale[i].max(x[i].abs());
-            let ratio = (h * error).abs() / allowed;
+            let ratio = error[i].abs() / (self.tolerance * self.scale[i].max(x[i].abs()));
             if !ratio.is_finite() {
                 return f64::INFINITY;
             }
             largest = largest.max(ratio);
         }
         largest
-    }
-
-    fn segment_of(&self, stages: &[[f64; N]; MOST_STAGES], x: &[f64; N], h: f64) -> Segment<N> {
-        let last = self.tableau.last_stage();
-        let mut coefficients = [[0.0; N]; 5];
-        for i in 0..N {
-            let rise = x[i] - self.x[i];
-            let bend = h * stages[0][i] - rise;
-            let quartic: f64 = self.tableau.dense.iter().zip(stages).map(|(&d, k)| d * k[i]).sum();
-            coefficients[0][i] = self.x[i];
-            coefficients[1][i] = rise;
-            coefficients[2][i] = bend;
-            coefficients[3][i] = rise - h * stages[last][i] - bend;
-            coefficients[4][i] = h * quartic;
-        }
-        Segment { start: self.t, width: h, coefficients }
     }
 
     /// The first guard in the step that becomes negative, and when.

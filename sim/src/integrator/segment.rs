@@ -1,4 +1,4 @@
-//! The dense output of a step.
+//! A step and its dense output.
 
 /// One step's dense output: `x(t0 + theta h)` as a polynomial in theta.
 #[derive(Clone, Debug)]
@@ -18,4 +18,17 @@ impl<const N: usize> Segment<N> {
         let rest = 1.0 - theta;
         std::array::from_fn(|i| r1[i] + theta * (r2[i] + rest * (r3[i] + theta * (r4[i] + rest * r5[i]))))
     }
+}
+
+/// A step that was tried.
+pub(super) struct Trial<const N: usize> {
+    /// Its error over what is allowed, and the power of the step size that it goes with.
+    pub error: f64,
+    pub order: f64,
+    pub segment: Segment<N>,
+    /// The state at the end, and dx/dt there if it is known.
+    pub x: [f64; N],
+    pub end_slope: Option<[f64; N]>,
+    /// The step times the fastest rate of decay in it.
+    pub stiffness: f64,
 }

@@ -233,12 +233,38 @@ fn a_state_that_stops_being_a_number_is_said_with_its_time() {
     assert!(matches!(error, IntegrationError::NotANumber { at_s } if (at_s - 0.5).abs() < 1e-6), "{error}");
 }
 
-/// A decay so fast that its steps come to nothing, though each one succeeds.
-struct Stiff;
+/// A rotation so fast that its steps come to nothing, though each one succeeds.
+struct Whirl;
 
-impl Hybrid<1, 0, 0> for Stiff {
-    fn derivative(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
-        [-1e9 * x[0]]
+impl Hybrid<2, 0, 0> for Whirl {
+    fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
+        [1e9 * x[1], -1e9 * x[0]]
+    }
+    fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+    fn next_instant(&self, _: f64) -> f64 {
+        f64::INFINITY
+    }
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 2]) {}
+}
+
+#[test]
+fn a_run_that_would_take_for_ever_is_ended_and_said_so() {
+    let mut integrator = Integrator::<2, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0; 2], [1.0, 0.0]);
+    let error = integrator.run_to(&mut Whirl, 1.0, 1.0).expect_err("too fast");
+    assert!(matches!(error, IntegrationError::NoProgress { at_s } if at_s < 1e-3), "{error}");
+}
+
+/// A fast decay towards a slow oscillation (Prothero and Robinson): x = cos t.
+struct Chase;
+
+impl Hybrid<1, 0, 0> for Chase {
+    fn derivative(&mut self, t: f64, x: &[f64; 1]) -> [f64; 1] {
+        [-1e6 * (x[0] - t.cos()) - t.sin()]
     }
     fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
         []
@@ -253,8 +279,33 @@ impl Hybrid<1, 0, 0> for Stiff {
 }
 
 #[test]
-fn a_run_that_would_take_for_ever_is_ended_and_said_so() {
-    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [1.0]);
-    let error = integrator.run_to(&mut Stiff, 1.0, 1.0).expect_err("too stiff");
-    assert!(matches!(error, IntegrationError::NoProgress { at_s } if at_s < 1e-3), "{error}");
+fn a_stiff_stretch_is_followed_in_steps_of_what_happens_in_it() {
+    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
+    integrator.run_to(&mut Chase, 3.0, 3.0).expect("a solution");
+    assert!(integrator.stiffness.implicit && integrator.work.steps < 1000, "{:?}", integrator.work);
+    assert!((integrator.state(3.0)[0] - 3.0_f64.cos()).abs() < 1e-7);
+}
+
+/// The implicit method's error at t = 0.5 on x' = x^2 in steps of `h`, and that of its dense output.
+fn implicit_errors(h: f64) -> (f64, f64) {
+    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-11, [1.0], [1.0]);
+    let mut inside = 0.0_f64;
+    for _ in 0..(0.5 / h).round() as u32 {
+        let slope = Riccati.derivative(integrator.t, &integrator.x);
+        let slopes = integrator.slopes(&mut Riccati, slope);
+        let trial = integrator.implicit_trial(&mut Riccati, slope, &slopes, h);
+        let middle = integrator.t + 0.5 * h;
+        inside = inside.max((trial.segment.at(middle)[0] - 1.0 / (1.0 - middle)).abs());
+        (integrator.t, integrator.x) = (integrator.t + h, trial.x);
+    }
+    ((integrator.x[0] - 2.0).abs(), inside)
+}
+
+#[test]
+fn the_implicit_method_is_of_order_4() {
+    let (coarse, fine) = (implicit_errors(0.025), implicit_errors(0.0125));
+    let order = (coarse.0 / fine.0).log2();
+    assert!((order - 4.0).abs() < 0.4, "{order}");
+    let inside = (coarse.1 / fine.1).log2();
+    assert!(inside > 3.3, "{inside}");
 }

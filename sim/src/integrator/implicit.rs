@@ -1,0 +1,154 @@
+//! One trial step of a method for stiff stretches: RODAS, a Rosenbrock method of order 4(3) that damps
+//! what is infinitely fast (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.7 and
+//! IV.10), with its interpolant of order 3.
+//!
+//! ```text
+//! (1/(h gamma) - J) u_i = f(t + alpha_i h, x + sum_j a_ij u_j) + sum_j c_ij u_j / h + h gamma_i df/dt
+//! x_1 = x + sum_j a_5j u_j + u_5 + u_6,   error u_6
+//! ```
+//!
+//! J and df/dt by differences: each state is moved by little more than the tolerance allows, because where
+//! the air is nearly at rest its flow bends within a millionth of a pressure.
+
+use super::linear::Factors;
+use super::segment::{Segment, Trial};
+use super::{Hybrid, Integrator};
+
+const STAGES: usize = 6;
+
+const GAMMA: f64 = 0.25;
+/// The interpolant is of order 3, and so is the method beside it.
+const ERROR_ORDER: f64 = 4.0;
+/// s: over which df/dt is taken at most.
+const MOMENT: f64 = 1e-6;
+
+const ALPHA: [f64; STAGES] = [0.0, 0.386, 0.21, 0.63, 1.0, 1.0];
+const GAMMA_I: [f64; STAGES] = [0.25, -0.1043, 0.1035, -0.036_200_000_000_000_23, 0.0, 0.0];
+const A: [&[f64]; STAGES] = [
+    &[],
+    &[1.544],
+    &[0.946_678_528_081_582_6, 0.255_701_169_898_328_4],
+    &[3.314_825_187_068_521, 2.896_124_015_972_201, 0.998_641_913_997_781_7],
+    &[1.221_224_509_226_641, 6.019_134_481_288_629, 12.537_083_329_320_87, -0.687_886_036_105_895],
+    &[1.221_224_509_226_641, 6.019_134_481_288_629, 12.537_083_329_320_87, -0.687_886_036_105_895, 1.0],
+];
+const C: [&[f64]; STAGES] = [
+    &[],
+    &[-5.6688],
+    &[-2.430_093_356_833_875, -0.206_359_915_709_191_5],
+    &[-0.107_352_905_815_137_5, -9.594_562_251_023_355, -20.470_286_148_096_16],
+    &[7.496_443_313_967_647, -10.246_804_314_643_52, -33.999_903_528_199_05, 11.708_908_932_061_6],
+    &[
+        8.083_246_795_921_522,
+        -7.981_132_988_064_893,
+        -31.521_594_328_743_71,
+        16.319_305_431_231_36,
+        -6.058_818_238_834_054,
+    ],
+];
+const DENSE: [[f64; 5]; 2] = [
+    [
+        10.126_235_083_445_86,
+        -7.487_995_877_610_167,
+        -34.800_918_615_557_47,
+        -7.992_771_707_568_823,
+        1.025_137_723_295_662,
+    ],
+    [
+        -0.676_280_339_280_125_3,
+        6.087_714_651_680_015,
+        16.430_843_208_924_78,
+        24.767_225_114_183_86,
+        -6.594_389_125_716_872,
+    ],
+];
+
+/// The slopes of a system over its states and over time at the beginning of a step.
+pub(super) struct Slopes<const N: usize> {
+    jacobian: [[f64; N]; N],
+    by_time: [f64; N],
+}
+
+impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
+    /// What a step from the present state needs, whatever its size.
+    pub(super) fn slopes(&mut self, system: &mut impl Hybrid<N, G, F>, slope: [f64; N]) -> Slopes<N> {
+        let mut jacobian = [[0.0; N]; N];
+        for j in 0..N {
+            let mut x = self.x;
+            x[j] += self.moved_by(j);
+            let moved = system.derivative(self.t, &x);
+            let by = x[j] - self.x[j];
+            for i in 0..N {
+                jacobian[i][j] = (moved[i] - slope[i]) / by;
+            }
+        }
+        let later = system.derivative(self.t + MOMENT, &self.x);
+        self.work.evaluations += N as u64 + 1;
+        Slopes { jacobian, by_time: std::array::from_fn(|i| (later[i] - slope[i]) / MOMENT) }
+    }
+
+    fn moved_by(&self, state: usize) -> f64 {
+        let part = (10.0 * self.tolerance).clamp(1e-10, 1e-9);
+        part * self.scale[state].max(self.x[state].abs())
+    }
+
+    pub(super) fn implicit_trial(
+        &mut self,
+        system: &mut impl Hybrid<N, G, F>,
+        slope: [f64; N],
+        slopes: &Slopes<N>,
+        h: f64,
+    ) -> Trial<N> {
+        let u = self.increments(system, slope, slopes, h);
+        let x = std::array::from_fn(|i| self.x[i] + combined(A[5], &u, i) + u[5][i]);
+        Trial {
+            error: self.error_norm(&u[5], &x),
+            order: ERROR_ORDER,
+            segment: Segment { start: self.t, width: h, coefficients: self.interpolant(&u, &x) },
+            x,
+            end_slope: None,
+            stiffness: h * self.fastest(&slopes.jacobian),
+        }
+    }
+
+    fn increments(
+        &mut self,
+        system: &mut impl Hybrid<N, G, F>,
+        slope: [f64; N],
+        slopes: &Slopes<N>,
+        h: f64,
+    ) -> [[f64; N]; STAGES] {
+        let factors = Factors::of(slopes.jacobian, 1.0 / (h * GAMMA));
+        let mut u = [[0.0; N]; STAGES];
+        for stage in 0..STAGES {
+            let f = if stage == 0 {
+                slope
+            } else {
+                self.work.evaluations += 1;
+                let x = std::array::from_fn(|i| self.x[i] + combined(A[stage], &u, i));
+                system.derivative(self.t + ALPHA[stage] * h, &x)
+            };
+            let by_time = h * GAMMA_I[stage];
+            u[stage] = factors.solve(std::array::from_fn(|i| {
+                f[i] + combined(C[stage], &u, i) / h + by_time * slopes.by_time[i]
+            }));
+        }
+        u
+    }
+
+    fn interpolant(&self, u: &[[f64; N]; STAGES], x: &[f64; N]) -> [[f64; N]; 5] {
+        let [quadratic, cubic] = DENSE.map(|row| std::array::from_fn(|i| combined(&row, u, i)));
+        [self.x, std::array::from_fn(|i| x[i] - self.x[i]), quadratic, cubic, [0.0; N]]
+    }
+
+    /// A bound on the rates of decay, 1/s: the norm of J in the states' scales.
+    fn fastest(&self, jacobian: &[[f64; N]; N]) -> f64 {
+        let scale: [f64; N] = std::array::from_fn(|i| self.scale[i].max(self.x[i].abs()));
+        let row = |i: usize| (0..N).map(|j| jacobian[i][j].abs() * scale[j]).sum::<f64>() / scale[i];
+        (0..N).map(row).fold(0.0, f64::max)
+    }
+}
+
+fn combined<const N: usize>(weights: &[f64], u: &[[f64; N]; STAGES], i: usize) -> f64 {
+    weights.iter().zip(u).map(|(weight, u)| weight * u[i]).sum()
+}

@@ -1,0 +1,51 @@
+//! Which kind of method the present stretch needs.
+//!
+//! An explicit method may not step farther than about 3 over the fastest rate of decay, however little
+//! happens. Air that has nearly come to rest decays with no bound (a flow goes with the root of its
+//! pressure difference), and so do lagged tubes at small flows. Where step after step ends at that
+//! bound, or moves the state by no more than a few errors, the implicit method takes over, until its own
+//! steps are no longer than the bound.
+
+/// h times the rate of decay at which explicit steps end (Dormand-Prince: 3.3, Merson: 3.5).
+const BOUND: f64 = 3.0;
+
+/// A step that moves no state by more than so many allowed errors is not short for the error's sake: an
+/// accurate one moves it by thousands.
+const IDLE: f64 = 30.0;
+
+/// So many steps at the bound, without [`CALM`] others in a row, are a stiff stretch.
+const STIFF: u32 = 50;
+const CALM: u32 = 6;
+
+/// An implicit step costs three explicit ones.
+const WORTH: f64 = 3.0 * BOUND;
+
+/// The verdict on the present stretch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stiffness {
+    pub implicit: bool,
+    at_bound: u32,
+    others: u32,
+}
+
+impl Stiffness {
+    /// Takes an accepted step into account: h times the rate of decay that it met, and how far it moved
+    /// the state in allowed errors.
+    pub fn note(&mut self, rate: f64, moved: f64) {
+        if self.implicit {
+            if rate < WORTH && moved > IDLE {
+                *self = Stiffness::default();
+            }
+        } else if rate > BOUND || moved < IDLE {
+            (self.at_bound, self.others) = (self.at_bound + 1, 0);
+            if self.at_bound >= STIFF {
+                *self = Stiffness { implicit: true, ..Stiffness::default() };
+            }
+        } else {
+            self.others += 1;
+            if self.others >= CALM {
+                *self = Stiffness::default();
+            }
+        }
+    }
+}
