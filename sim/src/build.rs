@@ -57,26 +57,22 @@ pub(crate) fn equilibrium_pressure_1(rig: &Rig) -> f64 {
 /// supply loses on the way: then the flow has no steady value near the supply's pressure.
 ///
 /// A land of area A gives back 1 - (A_p / (C_d A))^2 of the dynamic pressure R T m^2 / (2 A_p^2 P). Told
-/// by the slopes over the flow where the lands' clearance alone is fed. A tube that lags loses nothing
-/// at once; a supply without a tube is at rest.
+/// by the slopes over the flow where the lands' clearance alone is fed. A supply without a tube is at
+/// rest, and so is what a lagged tube has brought.
 pub(crate) fn speed_outweighs_supply_tube(rig: &Rig) -> bool {
     let (gas, valve) = (gas(rig), valve(rig));
     let (tube, supply) = (tubes(rig, &gas).0, station(rig, &gas, "supply"));
     let passes = |area: f64| valve.discharge_supply * area;
     let wide = passes(valve.edge_area(valve.travel - valve.lap)) / valve.port_area();
-    if !rig.switch("valve.upstream_mach") || tube.is_none() || wide <= 1.0 {
+    let passes_at_once = tube.is_none() || lag(rig, &gas).is_some();
+    if !rig.switch("valve.upstream_mach") || passes_at_once || wide <= 1.0 {
         return false;
     }
     let pressure = gas.pressure(supply.exner);
     let choked = gas.flow_constant() / supply.temperature * gas.flow_function(supply.exner, 0.0).value;
     let flow = passes(valve.edge_area(-1.0)).max(1e-3 * valve.port_area()) * choked.sqrt();
-    let lost = match lag(rig, &gas) {
-        Some(_) => 0.0,
-        None => {
-            let far = tube.far_end(&supply, flow);
-            -far.by_flow / (gas.exner_exponent() * far.exner)
-        }
-    };
+    let far = tube.far_end(&supply, flow);
+    let lost = -far.by_flow / (gas.exner_exponent() * far.exner);
     let density_of_flow = gas.gas_constant * supply.temperature / (valve.port_area() * pressure).powi(2);
     lost < (1.0 - 1.0 / (wide * wide)) * density_of_flow * flow
 }
@@ -202,7 +198,7 @@ fn network(rig: &Rig, gas: Gas) -> Network {
         laws,
         port_area,
     );
-    if tubes(rig, &gas).0.is_none() { network.from_reservoir() } else { network }
+    if supply_tube.is_none() { network.from_reservoir() } else { network }
 }
 
 fn actuator(rig: &Rig) -> Actuator {

@@ -23,7 +23,7 @@ const TUBES: [&[&str]; 4] = [
     &["tubing.model=empirical"],
     &["tubing.model=analytical"],
     &["tubing.model=none"],
-    &["tubing.lag_s=0.001", "valve.upstream_mach=false"],
+    &["tubing.lag_s=0.001"],
 ];
 
 const LEAKAGES: [&[&str]; 3] = [

@@ -42,7 +42,7 @@ fn held(more: &[&'static str]) -> Vec<&'static str> {
 
 const TUBES: [&[&str]; 4] = [
     &["tubing.model=empirical"],
-    &["tubing.model=empirical", "tubing.lag_s=0.005", "valve.upstream_mach=false"],
+    &["tubing.model=empirical", "tubing.lag_s=0.005"],
     &["tubing.model=analytical"],
     &["tubing.model=none"],
 ];

@@ -139,7 +139,7 @@ impl Reader<'_> {
     /// A flow that has no steady value ends a run as soon as a chamber is full.
     fn check_flow(&mut self, rig: &Rig) {
         if self.is_clean() && crate::build::speed_outweighs_supply_tube(rig) {
-            let message = "the tube from the supply loses less pressure than the speed in the ports gives back behind wide lands (a tube with lag_s loses none at once): no steady flow near the supply's pressure; make the tube longer or narrower, or write upstream_mach = false";
+            let message = "the tube from the supply loses less pressure than the speed in the ports gives back behind wide lands: no steady flow near the supply's pressure; make the tube longer or narrower, or write upstream_mach = false";
             self.problem_at_key("valve.upstream_mach", message.to_owned());
         }
     }

@@ -352,7 +352,7 @@ pub static KEYS: &[Key] = &[
     number("load.mass_kg", 1.6, 1e-3, 1e5, "C(17)", "Moving mass.").spread(),
     number("load.viscous_n_s_per_m", 30.0, 0.0, 1e6, "C(18)", "Viscous friction.").spread(),
     number("load.constant_force_n", 0.0, -1e6, 1e6, "C(19)", "Constant force in the direction of extension."),
-    number("load.spring_n_per_m", 0.0, 0.0, 1e8, "", "Spring to the retracted end."),
+    number("load.spring_n_per_m", 0.0, 0.0, 1e6, "", "Spring to the retracted end."),
     number("load.incline_deg", 0.0, -90.0, 90.0, "", "Angle at which extension goes uphill."),
     choice("load.friction", &[("coulomb", true), ("lugre", false)], "", "Kind of dry friction."),
     number("load.static_extend_n", 70.0, 0.0, 1e5, "C(46)", "Stiction, extending.").spread(),

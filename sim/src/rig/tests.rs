@@ -142,7 +142,6 @@ fn what_does_not_go_together_is_refused_at_its_key() {
         ("[test]\nposition_m = 0.4\n", "must not be above actuator.stroke_m"),
         ("[test]\nmoves = [[0.0, 1]]\ntargets = [2]\n", "give either targets or moves, not both"),
         ("[load]\nconstant_force_n = 90000\n", "no pressure in chamber 1 balances it at the start"),
-        ("[tubing]\nlag_s = 0.001\n", "loses less pressure than the speed in the ports gives back"),
         ("[tubing]\nmodel = \"analytical\"\nlength_m = 0.1\n", "make the tube longer or narrower"),
         ("[actuator]\nresidual_volume_2_m3 = 1e-9\n", "pressed into its stop"),
         ("[controller]\ngain_profile = []\n", "must have 1 to 256 entries, has 0"),
