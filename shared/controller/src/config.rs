@@ -257,6 +257,9 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
     }
 }
 
+/// The parameter's value for "no raw pressure is that of a shorted sensor".
+const NONE_IS_HIGH: i32 = 32_767;
+
 fn limits(parameters: &Parameters, period_us: NonZeroU32) -> Limits {
     let get = |id| parameters.scalar(id);
     let no_motion_ms = get(id::NO_MOTION_MS).unsigned_abs();
@@ -265,7 +268,10 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32) -> Limits {
         position_max: get(id::POSITION_MAX_COUNTS),
         encoder_step: get(id::ENCODER_STEP_COUNTS).unsigned_abs(),
         sensor_low: get(id::SENSOR_LOW_RAW) as i16,
-        sensor_high: get(id::SENSOR_HIGH_RAW) as i16,
+        sensor_high: match get(id::SENSOR_HIGH_RAW) {
+            NONE_IS_HIGH => NONE_IS_HIGH + 1,
+            high => high,
+        },
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
         // A time below a period is one sample, not "off".
         no_motion_samples: samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0)),

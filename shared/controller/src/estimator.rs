@@ -40,8 +40,8 @@ pub struct EstimatorConfig {
 pub struct Motion {
     /// `n[k]`, counts.
     pub position: i32,
-    /// `n[k] - n[k-1]`, counts: what the supervisor judges the encoder by.
-    pub step: i64,
+    /// `|n[k] - n[k-1]|`, counts: what the supervisor judges the encoder by.
+    pub step: u32,
     /// `n_v[k]`, counts per velocity window.
     pub velocity: i64,
     /// `n_a[k]`, counts per velocity window per acceleration window.
@@ -50,51 +50,59 @@ pub struct Motion {
     pub pressure: i32,
 }
 
-/// The history of positions. Its first sample fills it, so a drive at rest has no velocity.
+/// The history of positions. Before its first sample the drive stood where that one found it, so a
+/// drive at rest has no velocity.
 #[derive(Clone, Debug)]
 pub struct Estimator {
     positions: [i32; HISTORY],
     newest: usize,
+    /// Samples taken, as far as they are kept.
+    taken: usize,
     /// 2^MEAN_SHIFT times the mean of q.
     pressures: i32,
-    primed: bool,
 }
 
 impl Default for Estimator {
     fn default() -> Self {
-        Estimator { positions: [0; HISTORY], newest: 0, pressures: 0, primed: false }
+        Estimator { positions: [0; HISTORY], newest: 0, taken: 0, pressures: 0 }
     }
 }
 
 impl Estimator {
+    /// The next sample is the first one.
+    pub(crate) fn forget(&mut self) {
+        self.taken = 0;
+    }
+
     /// Takes the sample k and tells the motion at k.
     pub(crate) fn update(&mut self, config: &EstimatorConfig, input: &Sample) -> Motion {
         let difference = i32::from(input.pressure_1) - i32::from(input.pressure_2);
-        if !self.primed {
-            self.positions = [input.position; HISTORY];
+        if self.taken == 0 {
             self.pressures = difference << MEAN_SHIFT;
-            self.primed = true;
         }
         self.newest = (self.newest + 1) % HISTORY;
         self.positions[self.newest] = input.position;
+        self.taken = HISTORY.min(self.taken + 1);
         self.pressures += difference - (self.pressures >> MEAN_SHIFT);
 
         let v = usize::from(config.velocity_window);
         let a = usize::from(config.acceleration_window);
-        let velocity = self.back(0) - self.back(v);
-        let velocity_before = self.back(a) - self.back(a + v);
+        let [n, n_v, n_a, n_va] = [0, v, a, a + v].map(|samples| i64::from(self.back(samples)));
+        let velocity = n - n_v;
+        let velocity_before = n_a - n_va;
         Motion {
             position: input.position,
-            step: self.back(0) - self.back(1),
+            step: input.position.abs_diff(self.back(1)),
             velocity,
             acceleration: velocity - velocity_before,
             pressure: difference - (self.pressures >> MEAN_SHIFT),
         }
     }
 
-    /// `n[k - samples]`.
-    fn back(&self, samples: usize) -> i64 {
-        i64::from(self.positions[self.newest.wrapping_sub(samples) % HISTORY])
+    /// `n[k - samples]`; before the first sample, that one's.
+    fn back(&self, samples: usize) -> i32 {
+        let samples = samples.min(self.taken.wrapping_sub(1));
+        self.positions[self.newest.wrapping_sub(samples) % HISTORY]
     }
 }
 
@@ -118,6 +126,19 @@ mod tests {
         for _ in 0..20 {
             let motion = estimator.update(&THESIS, &at(8192));
             assert_eq!((motion.velocity, motion.acceleration, motion.step), (0, 0, 0));
+        }
+    }
+
+    #[test]
+    fn what_was_before_a_new_beginning_is_no_motion() {
+        let (mut used, mut new) = (Estimator::default(), Estimator::default());
+        for k in 0..200 {
+            used.update(&THESIS, &at(50 * k));
+        }
+        used.forget();
+        for k in 0..200 {
+            let input = Sample { pressure_1: 3000, ..at(8192 + k * k) };
+            assert_eq!(used.update(&THESIS, &input), new.update(&THESIS, &input));
         }
     }
 

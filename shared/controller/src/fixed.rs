@@ -4,7 +4,14 @@ use core::num::NonZeroU32;
 
 /// `value` limited to the range of `i32`. The only saturation of the law's exact sums.
 pub(crate) fn saturate(value: i64) -> i32 {
-    value.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+    let low = value as i32;
+    if i64::from(low) == value {
+        low
+    } else if value < 0 {
+        i32::MIN
+    } else {
+        i32::MAX
+    }
 }
 
 /// `value / divisor`, truncated toward zero; exact for every input, also for `i32::MIN`.

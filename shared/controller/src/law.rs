@@ -91,7 +91,7 @@ pub struct LawConfig {
 /// n_p, saturated to 32 bits; 0 in open loop.
 pub(crate) fn error(config: &LawConfig, setpoint: i32, position: i32) -> i32 {
     match config.control_loop {
-        Loop::Closed => saturate(i64::from(setpoint) - i64::from(position)),
+        Loop::Closed => setpoint.saturating_sub(position),
         Loop::Open => 0,
     }
 }

@@ -136,7 +136,7 @@ impl State {
 
     fn begin_anew(&mut self) {
         self.sequencer = Sequencer::default();
-        self.estimator = Estimator::default();
+        self.estimator.forget();
         self.law = Memory::default();
         self.observation = Observation::default();
     }
@@ -150,7 +150,7 @@ impl State {
 
     fn set_origin(&mut self, position: i32) {
         self.origin = self.encoder.wrapping_sub(position);
-        self.estimator = Estimator::default();
+        self.estimator.forget();
     }
 }
 
@@ -170,8 +170,8 @@ fn check_moves(config: &Config, sequence: &Sequence) -> Result<(), Refusal> {
 /// The first interrupt: takes the sensor sample of instant k and decides the command that
 /// [`output`] will drive `delay` later.
 ///
-/// The first sample after a start fills the estimator's history with its own count, so that the
-/// velocity and acceleration of a drive at rest are zero from the first sample on.
+/// Before the first sample after a start the drive stood where that one found it: velocity and
+/// acceleration of a drive at rest are zero from the first sample on.
 pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &Sample) {
     let motion = state.estimate(config, input);
     let target = state.target(config, sequence, motion.position);
@@ -181,18 +181,10 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
     state.observation = Observation {
         running: target.running,
         index: state.sequencer.index(),
-        position: motion.position,
-        velocity: motion.velocity,
-        acceleration: motion.acceleration,
         setpoint: target.setpoint,
         error: target.error,
         command,
-        pressure_1: input.pressure_1,
-        pressure_2: input.pressure_2,
-        spool: match config.drive {
-            DriveConfig::Dac(_) => input.spool,
-            DriveConfig::Stepper { .. } => state.location.steps(),
-        },
+        ..state.observation
     };
 }
 
@@ -203,25 +195,39 @@ struct Target {
     error: i32,
 }
 
-/// The stages of [`sample`], in their order.
+/// The stages of [`sample`], in their order. What was seen goes into the observation at once; what the
+/// sample before was made into stands there until it is replaced.
 impl State {
     fn estimate(&mut self, config: &Config, input: &Sample) -> Motion {
         self.encoder = input.position;
         let position = input.position.wrapping_sub(self.origin);
-        self.estimator.update(&config.estimator, &Sample { position, ..*input })
+        let motion = self.estimator.update(&config.estimator, &Sample { position, ..*input });
+        self.observation = Observation {
+            position,
+            velocity: motion.velocity,
+            acceleration: motion.acceleration,
+            pressure_1: input.pressure_1,
+            pressure_2: input.pressure_2,
+            spool: match config.drive {
+                DriveConfig::Dac(_) => input.spool,
+                DriveConfig::Stepper { .. } => self.location.steps(),
+            },
+            ..self.observation
+        };
+        motion
     }
 
     fn target(&mut self, config: &Config, sequence: &Sequence, position: i32) -> Target {
-        let rests = self.sequencer.rests();
         let was_running = self.supervisor.mode() == Mode::Running;
         let over = was_running && self.sequencer.is_over(&config.motion, sequence);
-        if over {
-            self.sequencer.close();
-            self.supervisor.finish();
-        }
         let running = was_running && !over;
-        let moved_on = running && self.sequencer.advance(&config.motion, sequence);
-        if rests && (moved_on || over) {
+        let rested = if over {
+            self.supervisor.finish();
+            self.sequencer.close()
+        } else {
+            running && self.sequencer.advance(&config.motion, sequence)
+        };
+        if rested {
             self.law.null_offset.learn(config.law.learning_gain, self.observation.error);
         }
         let setpoint = self.sequencer.setpoint();
@@ -233,14 +239,14 @@ impl State {
     }
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
-        let half = config.drive.largest() / 2;
+        let largest = i32::from(config.drive.largest());
         let holds = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
         let closed = config.law.control_loop == Loop::Closed;
         let evidence = Evidence {
             motion,
             input,
             referenced: self.supervisor.is_referenced(),
-            pushes: holds && closed && self.observation.command.unsigned_abs() > half.unsigned_abs(),
+            pushes: holds && closed && 2 * i32::from(self.observation.command).abs() > largest,
         };
         self.supervisor.watch(&config.limits, &evidence);
     }

@@ -26,8 +26,8 @@ pub struct Limits {
     pub encoder_step: u32,
     /// A raw pressure at or below it is that of an open sensor; -1: none is.
     pub sensor_low: i16,
-    /// A raw pressure at or above it is that of a shorted sensor; 32767: none is.
-    pub sensor_high: i16,
+    /// A raw pressure at or above it is that of a shorted sensor; 32768: none is.
+    pub sensor_high: i32,
     /// Samples that a pressure must stay there.
     pub sensor_samples: u32,
     /// Samples that a wide open valve may move nothing; 0: any number.
@@ -58,8 +58,8 @@ impl Limits {
         self.position_min <= position && position <= self.position_max
     }
 
-    fn is_pressure(&self, raw: i16) -> bool {
-        self.sensor_low < raw && (raw < self.sensor_high || self.sensor_high == i16::MAX)
+    fn are_pressures(&self, raw_1: i16, raw_2: i16) -> bool {
+        self.sensor_low < raw_1.min(raw_2) && i32::from(raw_1.max(raw_2)) < self.sensor_high
     }
 }
 
@@ -84,10 +84,10 @@ pub(crate) struct Watch {
 impl Watch {
     /// What is wrong at this sample. The encoder is judged first: nothing else can be believed without.
     pub fn judge(&mut self, limits: &Limits, seen: &Evidence) -> Option<Fault> {
-        let good = limits.is_pressure(seen.input.pressure_1) && limits.is_pressure(seen.input.pressure_2);
+        let good = limits.are_pressures(seen.input.pressure_1, seen.input.pressure_2);
         let stood = self.stood(limits, seen);
         self.bad_sensor = if good { 0 } else { self.bad_sensor.saturating_add(1) };
-        if seen.motion.step.unsigned_abs() > u64::from(limits.encoder_step) {
+        if seen.motion.step > limits.encoder_step {
             Some(Fault::EncoderStep)
         } else if seen.referenced && !limits.is_position(seen.motion.position) {
             Some(Fault::PositionOutside)

@@ -118,81 +118,86 @@ pub enum Arrival {
 pub struct Sequencer {
     taken: u32,
     next_move: usize,
+    /// No move is due before this sample.
+    next_at: u32,
     setpoint: i32,
     arrival: Arrival,
     /// Moves that ended without arriving.
     not_reached: u32,
-    /// Samples of the move in force, and how many of them on end were inside.
-    age: u32,
-    inside: u32,
-    /// Samples since the arrival.
-    rested: u32,
+    /// What `taken` was when the move in force began, when it was last outside, and when it arrived: what
+    /// has passed since is a difference, and nothing need be counted.
+    begun_at: u32,
+    outside_at: u32,
+    arrived_at: u32,
     ended: bool,
 }
 
 impl Sequencer {
-    /// Takes sample k. Whether a move has begun with it; the setpoint is 0 before the first one.
+    /// Takes sample k; the setpoint is 0 before the first move. Whether it ends a move that rests.
     pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
-        let before = self.next_move;
+        let mut rested = false;
         while let Some(due) = self.due(config, sequence) {
-            self.close();
-            *self = Sequencer {
-                setpoint: due.target,
-                next_move: self.next_move + 1,
-                arrival: Arrival::Moving,
-                age: 0,
-                inside: 0,
-                rested: 0,
-                ended: false,
-                ..*self
-            };
+            rested |= self.close();
+            self.begin(due.target);
+            self.next_at = sequence.moves().get(self.next_move).map_or(u32::MAX, |next| next.at_sample);
         }
         self.taken = self.taken.saturating_add(1);
-        self.next_move != before
+        rested
     }
 
     /// The next move, if its time has come and it need not wait for the one before.
     fn due(&self, config: &MotionConfig, sequence: &Sequence) -> Option<Move> {
         let waits = config.on_arrival && self.next_move > 0 && !self.ended;
-        sequence.moves().get(self.next_move).filter(|next| !waits && next.at_sample <= self.taken).copied()
+        if self.taken < self.next_at || waits {
+            return None;
+        }
+        sequence.moves().get(self.next_move).filter(|next| next.at_sample <= self.taken).copied()
+    }
+
+    fn begin(&mut self, target: i32) {
+        self.setpoint = target;
+        self.next_move += 1;
+        self.arrival = Arrival::Moving;
+        self.begun_at = self.taken;
+        self.outside_at = self.taken;
+        self.ended = false;
     }
 
     /// Judges the move in force by the error at this sample.
     pub(crate) fn judge(&mut self, config: &MotionConfig, error: i32) {
-        self.age = self.age.saturating_add(1);
-        let inside = error.unsigned_abs() <= config.tolerance;
-        self.inside = if inside { self.inside.saturating_add(1) } else { 0 };
-        match self.arrival {
-            Arrival::Moving if self.inside > config.monitoring => self.arrival = Arrival::Arrived,
-            Arrival::Arrived => self.rested = self.rested.saturating_add(1),
-            _ => {}
+        if error.unsigned_abs() > config.tolerance {
+            self.outside_at = self.taken;
         }
-        let rested = self.arrival == Arrival::Arrived && self.rested >= config.dwell;
-        if rested || self.age >= config.forced_exit {
+        if self.arrival == Arrival::Moving && self.taken - self.outside_at > config.monitoring {
+            self.arrival = Arrival::Arrived;
+            self.arrived_at = self.taken;
+        }
+        if config.on_arrival && self.is_through(config) {
             self.ended = true;
-        }
-        if self.ended && config.on_arrival {
             self.close();
         }
     }
 
-    /// What is not arrived by now has not been reached.
-    pub(crate) fn close(&mut self) {
+    /// Whether the move in force has rested for its dwell, or has taken too long.
+    fn is_through(&self, config: &MotionConfig) -> bool {
+        let rested = self.arrival == Arrival::Arrived && self.taken - self.arrived_at >= config.dwell;
+        rested || self.taken - self.begun_at >= config.forced_exit
+    }
+
+    /// What is not arrived by now has not been reached. Whether the move has arrived and is still inside
+    /// its tolerance.
+    pub(crate) fn close(&mut self) -> bool {
         if self.arrival == Arrival::Moving {
             self.arrival = Arrival::NotReached;
             self.not_reached = self.not_reached.saturating_add(1);
         }
+        self.arrival == Arrival::Arrived && self.taken > self.outside_at
     }
 
     /// How the move in force stands.
     #[must_use]
     pub fn arrival(&self) -> Arrival {
         self.arrival
-    }
-
-    /// Whether the move in force has arrived and is still inside its tolerance.
-    pub(crate) fn rests(&self) -> bool {
-        self.arrival == Arrival::Arrived && self.inside > 0
     }
 
     /// Moves of this run that ended without arriving.

@@ -18,20 +18,22 @@ use crate::drive::SpoolLocation;
 use crate::law::{LawConfig, Loop};
 use crate::limits::{Evidence, Limits, Watch};
 
-/// What the drive is doing.
+/// What the drive is doing. A byte for the mode, in the order of what it may do, and one for the fault:
+/// modes are compared at every sample, and each comparison is one of numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
 pub enum Mode {
     /// Drive disabled, valve at null. The mode after a reset.
     #[default]
     Disarmed,
-    /// Drive enabled, valve at null, ready to start.
-    Armed,
-    /// The law drives the valve.
-    Running,
-    /// The moves are over: a closed loop holds the last setpoint, an open loop is at null.
-    Done,
     /// Tripped: drive disabled, valve at null, until re-armed.
     Fault(Fault),
+    /// Drive enabled, valve at null, ready to start.
+    Armed,
+    /// The moves are over: a closed loop holds the last setpoint, an open loop is at null.
+    Done,
+    /// The law drives the valve.
+    Running,
     /// On the way to the stop or the switch that gives counts their meaning.
     Homing,
 }
