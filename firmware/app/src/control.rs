@@ -3,10 +3,7 @@
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::drive::{DriveConfig, MAX_COUNTS, SpoolLocation};
 use pneudrive_controller::parameters::{SetError, id};
-use pneudrive_controller::{
-    Config, Fault, Mode, Move, Observation, Parameters, Refusal, Sequence, State, output, sample,
-};
-
+use pneudrive_controller::{Config, Fault, Mode, Move, Parameters, Refusal, Sequence, State, output, sample};
 use pneudrive_protocol::Spread;
 
 use crate::board::Board;
@@ -92,8 +89,8 @@ pub struct Control {
     /// The transient buffer.
     pub recorder: Recorder,
     clock: Clock,
-    /// The present sample, until its output has come.
-    sampled: Option<(Mode, Observation)>,
+    /// The mode at the present sample, until that is recorded.
+    sampled: Option<Mode>,
     host_heard_ms: Option<u64>,
     /// Whether the fault that the drive is in stands in the log.
     logged: bool,
@@ -133,17 +130,19 @@ impl Control {
         }
     }
 
-    /// The first interrupt: k * period. Must return before the output is due.
+    /// The first interrupt: k * period. Must return before the output is due. Not inlined, as the second
+    /// one: an interrupt has a frame of its own, whatever calls it.
+    #[inline(never)]
     pub fn on_sample(&mut self, board: &mut impl Board) {
         self.judge_lateness(board.now_us());
         self.watch_host(board);
-        let mode = self.state.supervisor.mode();
+        self.sampled = Some(self.state.supervisor.mode());
         let input = board.read_sensors(self.configuration.config());
         sample(self.configuration.config(), &self.test.sequence, &mut self.state, &input);
-        self.sampled = Some((mode, *self.state.observation()));
     }
 
     /// The second interrupt: `delay` after the sample. The recorder is fed after the output.
+    #[inline(never)]
     pub fn on_output(&mut self, board: &mut impl Board) {
         let command = output(self.configuration.config(), &mut self.state);
         board.drive(self.configuration.config(), command);
@@ -154,12 +153,14 @@ impl Control {
         self.clock.latencies.take(microseconds(latency), delay_us);
     }
 
-    /// Gives the present sample to the recorder, once, by what it was when it was taken: requests
-    /// come between a sample and its output.
+    /// Gives the present sample to the recorder, once, by what the mode was when it was taken: requests
+    /// come between a sample and its output. Those after which the state forgets the sample call this first.
+    #[inline(always)]
     fn record(&mut self) {
+        let seen = self.state.observation();
         match self.sampled.take() {
-            Some((_, seen)) if seen.running => self.recorder.store(&seen),
-            Some((Mode::Armed, seen)) => self.recorder.before_start(&seen),
+            Some(_) if seen.running => self.recorder.store(seen),
+            Some(Mode::Armed) => self.recorder.before_start(seen),
             _ => {}
         }
     }
@@ -172,10 +173,10 @@ impl Control {
         if clock.samples == 0 {
             clock.first_us = now_us;
         } else {
-            let interval = now_us.saturating_sub(clock.last_us);
-            let off = interval.abs_diff(u64::from(timing.period_us.get()));
-            clock.intervals.take(microseconds(interval), timing.period_us.get());
-            if off > u64::from(timing.late_sample_us) && self.state.supervisor.drives() {
+            let interval = microseconds(now_us.wrapping_sub(clock.last_us));
+            clock.intervals.take(interval, timing.period_us.get());
+            let off = interval.abs_diff(timing.period_us.get());
+            if off > timing.late_sample_us && self.state.supervisor.drives() {
                 self.state.supervisor.trip(Fault::LateSample);
             }
         }
@@ -370,8 +371,8 @@ impl Control {
     /// # Errors
     /// The controller's refusal.
     pub fn start(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
-        self.state.start(self.configuration.config(), &self.test.sequence)?;
         self.record();
+        self.state.start(self.configuration.config(), &self.test.sequence)?;
         self.recorder.start();
         self.clock = Clock::default();
         self.host_heard(board);
@@ -399,6 +400,7 @@ impl Control {
     /// # Errors
     /// The controller's refusal.
     pub fn home(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.record();
         self.state.home()?;
         self.host_heard(board);
         Ok(())

@@ -28,13 +28,14 @@ impl RecordedSample {
     /// The sample as it is stored and sent: the fields in order, little endian.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
-        let [n0, n1, n2, n3] = self.position.to_le_bytes();
-        let [a0, a1] = self.pressure_1.to_le_bytes();
-        let [b0, b1] = self.pressure_2.to_le_bytes();
-        let [c0, c1] = self.command.to_le_bytes();
-        let [e0, e1] = self.error.to_le_bytes();
-        let [s0, s1] = self.spool.to_le_bytes();
-        [n0, n1, n2, n3, a0, a1, b0, b1, c0, c1, e0, e1, s0, s1]
+        let mut bytes = [0; Self::BYTES];
+        bytes[..4].copy_from_slice(&self.position.to_le_bytes());
+        bytes[4..6].copy_from_slice(&self.pressure_1.to_le_bytes());
+        bytes[6..8].copy_from_slice(&self.pressure_2.to_le_bytes());
+        bytes[8..10].copy_from_slice(&self.command.to_le_bytes());
+        bytes[10..12].copy_from_slice(&self.error.to_le_bytes());
+        bytes[12..].copy_from_slice(&self.spool.to_le_bytes());
+        bytes
     }
 
     /// The sample that was stored so. Any bytes are some sample.
