@@ -10,6 +10,8 @@
 
 pub mod body;
 #[cfg(unix)]
+pub mod cost;
+#[cfg(unix)]
 mod emulated;
 
 use anyhow::Result;

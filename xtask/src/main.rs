@@ -32,6 +32,8 @@ enum Command {
     Docs,
     /// Build the image that links the controller; no panic, no float, no division routine may be in it
     Probe,
+    /// Measure in the emulator what the control interrupt costs, and write docs/firmware-figures.md anew
+    Figures,
 }
 
 fn main() -> ExitCode {
@@ -43,6 +45,7 @@ fn main() -> ExitCode {
         Command::Lint => steps::lint(&mut tally),
         Command::Docs => steps::docs(&mut tally),
         Command::Probe => steps::probe(&mut tally),
+        Command::Figures => steps::figures(&mut tally),
     }
     tally.report()
 }

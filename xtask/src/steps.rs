@@ -92,6 +92,14 @@ pub fn probe(tally: &mut Tally) {
     tally.check("probe image", probe::check);
 }
 
+/// Writes the figures of the control interrupt anew.
+pub fn figures(tally: &mut Tally) {
+    tally.check("emulator", emulator::ensure);
+    let package = ["test", "--package", "pneudrive-hil-tests", "--test", "instructions"];
+    let arguments = [&package[..], &["--", "--ignored", "write_the_table"]].concat();
+    tally.check("figures of the firmware", || run(&mut in_root(&arguments)));
+}
+
 /// What CI runs.
 pub fn ci(tally: &mut Tally) {
     fmt(tally, true);

@@ -29,6 +29,21 @@ impl Spread {
         self.count += 1;
     }
 
+    /// This and other numbers of the same kind.
+    #[must_use]
+    pub fn and(self, other: Spread) -> Spread {
+        match (self.count, other.count) {
+            (0, _) => other,
+            (_, 0) => self,
+            _ => Spread {
+                least: self.least.min(other.least),
+                most: self.most.max(other.most),
+                sum: self.sum + other.sum,
+                count: self.count + other.count,
+            },
+        }
+    }
+
     /// The mean; 0 of nothing.
     #[must_use]
     pub fn mean(&self) -> f64 {
@@ -56,7 +71,12 @@ pub struct Figures {
     pub sample_instructions: Spread,
     /// Instructions of `Control::on_output`, with the recorder.
     pub output_instructions: Spread,
+    /// Both together, sample by sample, after the first samples of the runs.
+    pub control_instructions: Spread,
+    /// Both together at the first samples of the runs, where estimator and sequencer begin.
+    pub first_instructions: Spread,
     since: Option<Instant>,
+    is_first: bool,
 }
 
 impl Figures {
@@ -66,10 +86,18 @@ impl Figures {
             self.samples += 1;
             self.elapsed += ended - self.since.unwrap_or(begun);
             self.in_plant += ended - begun;
-            self.sample_instructions.add(instructions(outputs.ticks.sample));
-            self.output_instructions.add(instructions(outputs.ticks.output));
+            self.add_instructions(instructions(outputs.ticks.sample), instructions(outputs.ticks.output));
         }
+        self.is_first = matches!(outputs.next, Next::Begin { .. });
         self.since = (outputs.next != Next::Stay).then_some(ended);
+    }
+
+    fn add_instructions(&mut self, sample: u64, output: u64) {
+        self.sample_instructions.add(sample);
+        self.output_instructions.add(output);
+        let control =
+            if self.is_first { &mut self.first_instructions } else { &mut self.control_instructions };
+        control.add(sample + output);
     }
 
     /// Samples a second that emulator and bus would do if the plant took no time.
@@ -89,12 +117,14 @@ impl fmt::Display for Figures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} samples, {:.0} a second ({:.0} without the plant); instructions least / mean / most: sample {}, output {}",
+            "{} samples, {:.0} a second ({:.0} without the plant); instructions least / mean / most: sample {}, output {}, both {}, both at the first sample {}",
             self.samples,
             self.samples_per_second(),
             self.samples_per_second_without_plant(),
             self.sample_instructions,
-            self.output_instructions
+            self.output_instructions,
+            self.control_instructions,
+            self.first_instructions
         )
     }
 }
@@ -132,6 +162,8 @@ mod tests {
         figures.add(turn(Next::Advance, 96), now, now);
         figures.add(turn(Next::Stay, 9999), now, now);
         assert_eq!(figures.samples, 2);
+        assert_eq!(figures.first_instructions.to_string(), "15 / 15 / 15");
+        assert_eq!(figures.control_instructions.to_string(), "35 / 35 / 35");
         assert_eq!(figures.sample_instructions.to_string(), "10 / 20 / 30");
         assert_eq!(figures.output_instructions.to_string(), "5 / 5 / 5");
     }

@@ -1,0 +1,81 @@
+//! What the control interrupt costs, over runs of the servo-drives in the emulator.
+
+use std::fmt::Write;
+
+use anyhow::Result;
+use pneudrive::emulated_board::{Figures, Spread};
+use pneudrive_sim::Rig;
+
+use crate::{QemuTarget, body};
+
+/// What `on_sample` and `on_output` of one sample are to take together, instructions, recorder on.
+pub const BUDGET: u64 = 400;
+
+/// What they may take by now: the most of a sample after the first one of a run.
+pub const HELD: u64 = 540;
+
+/// The same of the first sample of a run.
+pub const HELD_FIRST: u64 = 515;
+
+/// A run and what it has cost.
+pub struct Cost {
+    /// The rig and its loop.
+    pub run: String,
+    /// Its figures.
+    pub figures: Figures,
+}
+
+/// What servo-drives A, B and C cost, in closed loop and in open loop.
+///
+/// # Errors
+/// When there is no emulated board.
+pub fn measure() -> Result<Vec<Cost>> {
+    let cost = |(run, rig): (String, Rig)| {
+        let target = QemuTarget::start(&rig)?;
+        let _ = body::run_and_record(&target, &rig);
+        Ok(Cost { run, figures: target.board().figures() })
+    };
+    runs().into_iter().map(cost).collect()
+}
+
+/// The figures as a table of Markdown.
+#[must_use]
+pub fn table(costs: &[Cost]) -> String {
+    let mut text =
+        String::from("| run | sample | output | both | both, first sample |\n|---|---|---|---|---|\n");
+    for Cost { run, figures } in costs {
+        let Figures { sample_instructions, output_instructions, .. } = figures;
+        let (both, first) = (figures.control_instructions, figures.first_instructions);
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "| {run} | {sample_instructions} | {output_instructions} | {both} | {} |",
+            first.most
+        );
+    }
+    text
+}
+
+/// The figures of all runs together: after the first samples, and at them.
+#[must_use]
+pub fn together(costs: &[Cost]) -> (Spread, Spread) {
+    let none = (Spread::default(), Spread::default());
+    costs.iter().fold(none, |(both, first), Cost { figures, .. }| {
+        (both.and(figures.control_instructions), first.and(figures.first_instructions))
+    })
+}
+
+/// Steps that begin, arrive and are reversed.
+fn runs() -> Vec<(String, Rig)> {
+    let closed = "test.moves=[[0.0, 8192], [0.3, 16384], [1.2, 12000]]";
+    let steps = "test.moves=[[0.0, 0], [0.1, 12], [0.5, -10], [1.2, 4]]";
+    let counts = "test.moves=[[0.0, 0], [0.1, 512], [0.5, -512], [1.2, 200]]";
+    let duration = "test.duration_s=2";
+    let both = |(name, open): (&str, &str)| {
+        [
+            (format!("{name}, closed loop"), body::rig(name, &[duration, closed])),
+            (format!("{name}, open loop"), body::rig(name, &[duration, open, "controller.loop=open"])),
+        ]
+    };
+    [("servo-a", steps), ("servo-b", counts), ("servo-c", counts)].into_iter().flat_map(both).collect()
+}
