@@ -1,5 +1,7 @@
 //! The half with a deadline: sensors in, command out, record, watch the clock.
 
+use core::borrow::BorrowMut;
+
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::drive::{DriveConfig, MAX_COUNTS, SpoolLocation};
 use pneudrive_controller::parameters::{SetError, id};
@@ -79,15 +81,16 @@ fn microseconds(time_us: u64) -> u32 {
     u32::try_from(time_us).unwrap_or(u32::MAX)
 }
 
-/// The controller, its configuration, the test and the recorder. By default: disarmed, with the
-/// thesis's parameters and no test.
+/// The controller, its configuration, the test and the recorder: its own, or one that is lent, since
+/// a microcontroller has no room to make it on the stack. By default: disarmed, with the thesis's
+/// parameters and no test.
 #[derive(Debug, Default)]
-pub struct Control {
+pub struct Control<R = Recorder> {
     configuration: Configuration,
     test: Test,
     state: State,
     /// The transient buffer.
-    pub recorder: Recorder,
+    pub recorder: R,
     clock: Clock,
     /// The mode at the present sample, until that is recorded.
     sampled: Option<Mode>,
@@ -96,7 +99,22 @@ pub struct Control {
     logged: bool,
 }
 
-impl Control {
+impl<R: BorrowMut<Recorder>> Control<R> {
+    /// As by default, with this recorder.
+    #[must_use]
+    pub fn with_recorder(recorder: R) -> Control<R> {
+        Control {
+            configuration: Configuration::default(),
+            test: Test::default(),
+            state: State::default(),
+            recorder,
+            clock: Clock::default(),
+            sampled: None,
+            host_heard_ms: None,
+            logged: false,
+        }
+    }
+
     /// Takes up what the board has kept, after a reset. A configuration that is lost is a fault: the drive
     /// is not armed before one is stored again.
     pub fn take_up(&mut self, board: &mut impl Board) {
@@ -159,8 +177,8 @@ impl Control {
     fn record(&mut self) {
         let seen = self.state.observation();
         match self.sampled.take() {
-            Some(_) if seen.running => self.recorder.store(seen),
-            Some(Mode::Armed) => self.recorder.before_start(seen),
+            Some(_) if seen.running => self.recorder.borrow_mut().store(seen),
+            Some(Mode::Armed) => self.recorder.borrow_mut().before_start(seen),
             _ => {}
         }
     }
@@ -279,7 +297,7 @@ impl Control {
             self.test = Test::default();
         }
         if changed != self.parameters() {
-            self.recorder.empty();
+            self.recorder.borrow_mut().empty();
         }
     }
 
@@ -307,7 +325,7 @@ impl Control {
     pub fn set_test(&mut self, test: Test) -> Result<(), Refusal> {
         self.must_be_disarmed()?;
         self.test = test;
-        self.recorder.empty();
+        self.recorder.borrow_mut().empty();
         Ok(())
     }
 
@@ -336,7 +354,7 @@ impl Control {
         self.log_fault(board);
         self.take_over_null_offset(board);
         self.state.supervisor.arm()?;
-        self.recorder.arm(self.test.decimation, self.test.pre_trigger);
+        self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);
         Ok(())
     }
 
@@ -373,7 +391,7 @@ impl Control {
     pub fn start(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         self.record();
         self.state.start(self.configuration.config(), &self.test.sequence)?;
-        self.recorder.start();
+        self.recorder.borrow_mut().start();
         self.clock = Clock::default();
         self.host_heard(board);
         board.run_begins(self.configuration.config());
@@ -382,7 +400,12 @@ impl Control {
 
     /// Stops at once: a fault that only arming leaves.
     pub fn stop(&mut self) {
-        self.state.supervisor.trip(Fault::Stop);
+        self.trip(Fault::Stop);
+    }
+
+    /// A fault that the board has found, such as why it was reset.
+    pub fn trip(&mut self, fault: Fault) {
+        self.state.supervisor.trip(fault);
     }
 
     /// The axis stands at `counts` now: counts mean positions from here on.

@@ -20,6 +20,7 @@ type Stored = [u8; RecordedSample::BYTES];
 pub struct Recorder {
     /// Flat: zeros in one piece are made where they stay.
     samples: [u8; CAPACITY * RecordedSample::BYTES],
+    /// 0 counts as 1.
     decimation: u32,
     /// Length of the ring at the beginning of the buffer.
     ring: usize,
@@ -39,12 +40,19 @@ pub struct Recorder {
 }
 
 impl Default for Recorder {
-    // Not inlined: then a caller has it written where it belongs, a copy less on the stack of a board.
-    #[inline(never)]
     fn default() -> Self {
+        Recorder::new()
+    }
+}
+
+impl Recorder {
+    /// An empty recorder: zeros throughout, so that a board can lend [`Control`](crate::Control) one that
+    /// stands in zeroed memory. One that is made elsewhere and moved takes its 60 KiB twice.
+    #[must_use]
+    pub const fn new() -> Recorder {
         Recorder {
             samples: [0; CAPACITY * RecordedSample::BYTES],
-            decimation: 1,
+            decimation: 0,
             ring: 0,
             ringed: 0,
             since_ringed: 0,
@@ -56,9 +64,7 @@ impl Default for Recorder {
             digested: 0,
         }
     }
-}
 
-impl Recorder {
     /// Forgets what is stored.
     pub fn empty(&mut self) {
         self.arm(1, 0);
@@ -151,7 +157,7 @@ impl Recorder {
     /// Every Nth sample is stored.
     #[must_use]
     pub fn decimation(&self) -> u32 {
-        self.decimation
+        self.decimation.max(1)
     }
 
     /// Index k of the oldest sample; negative for one from before the start.

@@ -4,6 +4,8 @@
 //! the host asks again for what it has not heard. Nothing here waits: a reply is written, and that
 //! is all.
 
+use core::borrow::BorrowMut;
+
 use embedded_io::Write;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::{Arrival, SequenceError};
@@ -18,7 +20,7 @@ use crate::board::Board;
 use crate::configuration::{Configuration, Source};
 use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
 use crate::fault_log::EVENTS;
-use crate::recorder::CAPACITY;
+use crate::recorder::{CAPACITY, Recorder};
 use crate::store::Store;
 
 /// Version of the firmware, as `info` and TARGET files have it.
@@ -56,7 +58,7 @@ impl Server {
     pub fn receive<B: Board, W: Write>(
         &mut self,
         bytes: &[u8],
-        control: &mut Control,
+        control: &mut Control<impl BorrowMut<Recorder>>,
         board: &mut B,
         port: &mut W,
     ) -> Result<(), W::Error> {
@@ -86,7 +88,7 @@ fn crc32(message: &[u8]) -> u32 {
 /// message that does not even have a number to answer under.
 fn answer<B: Board>(
     message: &[u8],
-    control: &mut Control,
+    control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut B,
     damaged_frames: u32,
     frame: &mut [u8; MAX_FRAME],
@@ -108,7 +110,7 @@ fn answer<B: Board>(
 
 fn carry_out<'a, B: Board>(
     request: &Request<'a>,
-    control: &'a mut Control,
+    control: &'a mut Control<impl BorrowMut<Recorder>>,
     board: &mut B,
     damaged_frames: u32,
     scratch: &'a mut Scratch,
@@ -196,7 +198,7 @@ fn change_refused<'a>(id: u16, value: i32, error: ChangeError) -> Refused<'a> {
     }
 }
 
-fn status(control: &Control, damaged_frames: u32) -> Status {
+fn status(control: &Control<impl BorrowMut<Recorder>>, damaged_frames: u32) -> Status {
     let (state, seen) = (control.state(), control.state().observation());
     let (mode, fault) = match state.supervisor.mode() {
         Mode::Disarmed => (protocol::Mode::Disarmed, 0),
@@ -220,12 +222,12 @@ fn status(control: &Control, damaged_frames: u32) -> Status {
         pressure_1: seen.pressure_1,
         pressure_2: seen.pressure_2,
         spool: seen.spool,
-        recorded: control.recorder.len() as u32,
+        recorded: control.recorder.borrow().len() as u32,
         damaged_frames,
     }
 }
 
-fn motion(control: &Control) -> Motion {
+fn motion(control: &Control<impl BorrowMut<Recorder>>) -> Motion {
     let (state, moves) = (control.state(), control.state().sequencer());
     Motion {
         homing: state.supervisor.mode() == Mode::Homing,
@@ -267,7 +269,7 @@ fn events<'a>(store: &impl Store, first: u8, count: u8, room: &'a mut [u8]) -> R
     ReplyBody::Events { total: total as u8, first, events: room.get(..bytes).unwrap_or(&[]) }
 }
 
-fn config<'a>(control: &Control, first_id: u16, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
+fn config<'a>(control: &Control<impl BorrowMut<Recorder>>, first_id: u16, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
     let count = usize::from(count).min(MAX_VALUES) as u16;
     let ids = first_id..first_id.saturating_add(count);
     if let Some(id) = ids.clone().find(|&id| control.parameters().get(id).is_none()) {
@@ -283,10 +285,10 @@ fn config<'a>(control: &Control, first_id: u16, count: u8, room: &'a mut [u8]) -
 /// Samples that one `RecordInfo` takes into the CRC of the record; the host asks until all are in.
 const DIGEST_AT_ONCE: usize = 512;
 
-fn record_info(control: &mut Control) -> ReplyBody<'_> {
+fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_> {
     let over = !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running);
-    let crc = if over { control.recorder.digest(DIGEST_AT_ONCE) } else { None };
-    let recorder = &control.recorder;
+    let crc = if over { control.recorder.borrow_mut().digest(DIGEST_AT_ONCE) } else { None };
+    let recorder: &Recorder = control.recorder.borrow();
     ReplyBody::RecordInfo(RecordInfo {
         test: control.test().name(),
         samples: recorder.len() as u32,
@@ -300,8 +302,8 @@ fn record_info(control: &mut Control) -> ReplyBody<'_> {
     })
 }
 
-fn chunk<'a>(control: &Control, first: u32, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
-    let recorder = &control.recorder;
+fn chunk<'a>(control: &Control<impl BorrowMut<Recorder>>, first: u32, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
+    let recorder: &Recorder = control.recorder.borrow();
     if recorder.is_empty() {
         return ReplyBody::Refused(Refused::NoRecord);
     }

@@ -1,7 +1,5 @@
 //! The transient record as it travels: fourteen bytes a sample, in chunks, under one CRC.
 
-use crc::Digest;
-
 use crate::frame::CRC_32;
 
 /// One stored sample, in the raw units of the hardware.
@@ -62,9 +60,10 @@ impl RecordedSample {
 
 /// The CRC-32/ISO-HDLC of a record, over the bytes of its samples from the oldest on.
 ///
-/// It takes them in pieces of any length: the recorder its ring in two, the PC a chunk at a time.
+/// It takes them in pieces of any length: the recorder its ring in two, the PC a chunk at a time. The CRC
+/// of nothing is zeros in memory, so a recorder needs no start values.
 #[derive(Clone)]
-pub struct RecordCrc(Digest<'static, u32>);
+pub struct RecordCrc(u32);
 
 impl core::fmt::Debug for RecordCrc {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -81,19 +80,22 @@ impl Default for RecordCrc {
 impl RecordCrc {
     /// The CRC of no samples at all.
     #[must_use]
-    pub fn new() -> RecordCrc {
-        RecordCrc(CRC_32.digest())
+    pub const fn new() -> RecordCrc {
+        RecordCrc(0)
     }
 
     /// Takes the bytes that follow.
     pub fn update(&mut self, bytes: &[u8]) {
-        self.0.update(bytes);
+        // The register behind a CRC is its complement, and `digest_with_initial` reflects what it is given.
+        let mut digest = CRC_32.digest_with_initial((!self.0).reverse_bits());
+        digest.update(bytes);
+        self.0 = digest.finalize();
     }
 
     /// The CRC of all that was taken.
     #[must_use]
     pub fn finish(self) -> u32 {
-        self.0.finalize()
+        self.0
     }
 }
 
