@@ -31,7 +31,7 @@ mod uart;
 use core::panic::PanicInfo;
 
 use pneudrive_app::plant_bus::{Next, Outputs, Ticks};
-use pneudrive_app::{Board, Control, Server};
+use pneudrive_app::{Board, Recorder, Server};
 use pneudrive_controller::Mode;
 use semihosting::{eprintln, process};
 
@@ -41,14 +41,16 @@ use clock::Clock;
 use hardware::Hardware;
 use uart::Uart;
 
+/// The half with a deadline, with a recorder that stands in zeroed memory.
+type Control = pneudrive_app::Control<&'static mut Recorder>;
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
+    static mut RECORDER: Recorder = Recorder::new();
     // Nothing is done in interrupts: a pending one only ends a rest.
     cortex_m::interrupt::disable();
     let hardware = Hardware::take().expect("main runs once");
-    // In this frame, which is never left: a static would be made on the stack first and then copied,
-    // and the recorder has 60 KiB.
-    let mut control = Control::default();
+    let mut control = Control::with_recorder(RECORDER);
     let code = match serve(&mut control, hardware) {
         Ok(()) => 0,
         Err(error) => {

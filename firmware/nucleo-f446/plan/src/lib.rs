@@ -1,0 +1,22 @@
+//! What the Nucleo board computes for its hardware, without the hardware: the PC tests it, the image
+//! writes the results into registers.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`time`] | microseconds of the timers: when the next sample and its output are due |
+//! | [`pulse`] | the step pulse of a translator as values of a one-pulse timer |
+//! | [`input`] | counts and conversions as a sample |
+//! | [`flash`] | which sectors hold what |
+//! | [`reset`] | why the board was reset |
+//! | [`ring`] | what has come into a circular buffer |
+//! | [`watchdog`] | the independent watchdog's times |
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod flash;
+pub mod input;
+pub mod pulse;
+pub mod reset;
+pub mod ring;
+pub mod time;
+pub mod watchdog;

@@ -1,0 +1,119 @@
+//! The clock of the control: a free-running counter of microseconds with two compare channels.
+//!
+//! Channel 1 marks the samples, channel 2 their outputs. Each event sets its own channel to the next
+//! instant, counted from the one before and not from when the processor came to it, so samples stay on
+//! the grid k * period. An instant that cannot be met any more is left out: the counter would reach it
+//! again only after 71 minutes.
+
+use core::num::NonZeroU32;
+
+/// An instant closer than this is taken for missed, microseconds: writing it must be over by then.
+pub const GUARD_US: u32 = 5;
+
+/// Value of a timer's prescaler that makes it count microseconds; None if no value does.
+#[must_use]
+pub const fn prescaler(timer_hz: u32) -> Option<u16> {
+    let ticks = timer_hz / 1_000_000;
+    if ticks == 0 || ticks > 0x1_0000 || !timer_hz.is_multiple_of(1_000_000) {
+        return None;
+    }
+    Some((ticks - 1) as u16)
+}
+
+/// Microseconds since the reset, from those at an earlier look and the counter now. Right if less than
+/// 71 minutes lie between.
+#[must_use]
+pub fn extend(earlier_us: u64, counter: u32) -> u64 {
+    let passed = counter.wrapping_sub(earlier_us as u32);
+    earlier_us.wrapping_add(u64::from(passed))
+}
+
+/// The next instant after `previous` on the grid of the period that can still be met at `now`.
+#[must_use]
+pub fn next_on_grid(previous: u32, period_us: NonZeroU32, now: u32) -> u32 {
+    let busy = now.wrapping_add(GUARD_US).wrapping_sub(previous);
+    // A look back into the future: `now` is before `previous`, which was only just reached.
+    let busy = if busy > u32::MAX / 2 { 0 } else { busy };
+    let periods = (busy / period_us).saturating_add(1);
+    previous.wrapping_add(periods.wrapping_mul(period_us.get()))
+}
+
+/// The instant of an output: `delay` after the sample that is due, or after a later one if it can't be
+/// met any more.
+#[must_use]
+pub fn output_after(sample: u32, delay_us: NonZeroU32, period_us: NonZeroU32, now: u32) -> u32 {
+    let due = sample.wrapping_add(delay_us.get());
+    let left = due.wrapping_sub(now);
+    if left > GUARD_US && left <= u32::MAX / 2 { due } else { next_on_grid(due, period_us, now) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: NonZeroU32 = NonZeroU32::new(1300).unwrap();
+    const DELAY: NonZeroU32 = NonZeroU32::new(500).unwrap();
+
+    #[test]
+    fn a_timer_of_90_mhz_counts_microseconds_with_prescaler_89() {
+        assert_eq!(prescaler(90_000_000), Some(89));
+        assert_eq!(prescaler(1_000_000), Some(0));
+        assert_eq!((prescaler(500_000), prescaler(45_500_000)), (None, None));
+    }
+
+    #[test]
+    fn time_goes_on_when_the_counter_wraps() {
+        let before = u64::from(u32::MAX) - 10;
+        assert_eq!(extend(before, u32::MAX - 10), before);
+        assert_eq!(extend(before, 20), before + 31);
+        assert_eq!(extend(7 << 32, 100), (7 << 32) + 100);
+    }
+
+    #[test]
+    fn samples_stay_on_the_grid_however_late_the_processor_comes() {
+        for latency in [0, 1, 40, 1200, 1294] {
+            assert_eq!(next_on_grid(1000, PERIOD, 1000 + latency), 2300, "{latency}");
+        }
+    }
+
+    #[test]
+    fn a_sample_that_cannot_be_met_is_left_out_and_the_grid_stays() {
+        assert_eq!(next_on_grid(1000, PERIOD, 2295), 3600);
+        assert_eq!(next_on_grid(1000, PERIOD, 2300), 3600);
+        // A flash sector's erasure stalls the processor for most of a second.
+        let next = next_on_grid(1000, PERIOD, 801_000);
+        assert_eq!((next - 1000) % 1300, 0);
+        assert!(next > 801_000 && next <= 801_000 + 1300 + GUARD_US);
+    }
+
+    #[test]
+    fn instants_go_on_when_the_counter_wraps() {
+        let last = u32::MAX - 99;
+        assert_eq!(next_on_grid(last, PERIOD, last.wrapping_add(20)), 1200);
+        assert_eq!(output_after(last, DELAY, PERIOD, last.wrapping_sub(800)), 400);
+    }
+
+    #[test]
+    fn every_instant_that_is_set_lies_ahead_by_the_guard_and_not_by_more_than_a_period() {
+        for period in [100, 1300, 100_000].map(|us| NonZeroU32::new(us).expect("not 0")) {
+            for late in (0..300_000).step_by(7) {
+                let ahead = next_on_grid(50, period, 50 + late) - (50 + late);
+                assert!(ahead > GUARD_US && ahead <= period.get() + GUARD_US, "{period} {late}: {ahead}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_output_is_delay_after_its_sample() {
+        // Set at the output before: 800 us ahead of the sample.
+        assert_eq!(output_after(2300, DELAY, PERIOD, 1500), 2800);
+        // A delay shorter than the way into the interrupt is met, since it is set before the sample.
+        assert_eq!(output_after(2300, NonZeroU32::MIN, PERIOD, 1600), 2301);
+    }
+
+    #[test]
+    fn an_output_that_cannot_be_met_is_left_out() {
+        assert_eq!(output_after(2300, DELAY, PERIOD, 2798), 4100);
+        assert_eq!(output_after(2300, DELAY, PERIOD, 2900), 4100);
+    }
+}
