@@ -354,6 +354,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.log_fault(board);
         self.take_over_null_offset(board);
         self.state.supervisor.arm()?;
+        // Storing has stalled the processor: what was late while disarmed is no fault.
+        self.clock = Clock::default();
         self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);
         Ok(())
     }

@@ -1,0 +1,31 @@
+//! TIM2: 32 bits of quadrature counts, all four edges of a period.
+
+use stm32f4xx_hal::gpio::{Alternate, PA0, PA1};
+use stm32f4xx_hal::pac::TIM2;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+/// The encoder's counter.
+pub struct Encoder(TIM2);
+
+/// The two tracks.
+pub type Pins = (PA0<Alternate<1>>, PA1<Alternate<1>>);
+
+impl Encoder {
+    /// Starts counting from 0.
+    pub fn start(timer: TIM2, _: Pins, rcc: &mut Rcc) -> Encoder {
+        TIM2::enable(rcc);
+        TIM2::reset(rcc);
+        // A level counts once it has stood for 8 timer clocks, 90 ns: spikes are no edges.
+        timer.ccmr1_input().write(|w| w.cc1s().ti1().ic1f().fck_int_n8().cc2s().ti2().ic2f().fck_int_n8());
+        timer.ccer().write(|w| w.cc1e().set_bit().cc2e().set_bit());
+        timer.smcr().write(|w| w.sms().encoder_mode_3());
+        timer.arr().write(|w| w.arr().set(u32::MAX));
+        timer.cr1().write(|w| w.cen().set_bit());
+        Encoder(timer)
+    }
+
+    /// The counts so far.
+    pub fn counter(&self) -> u32 {
+        self.0.cnt().read().cnt().bits()
+    }
+}

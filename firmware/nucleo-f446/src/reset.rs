@@ -1,0 +1,85 @@
+//! The way into a reset and out of it: what breaks down switches the drive off, leaves a note in memory
+//! that a reset does not clear, and resets the board; after the reset the note is read.
+//!
+//! The reset takes every line to an input, so `drive_enable` is low by its external pull-down.
+
+use core::cell::UnsafeCell;
+use core::hint::black_box;
+use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
+use core::ptr::{read_volatile, write_volatile};
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use pneudrive_app::fault_log::Memory;
+use pneudrive_nucleo_plan::reset::{PANICKED, Reset};
+use stm32f4xx_hal::pac::RCC;
+
+use crate::valve;
+
+/// Memory that the start-up code leaves as it is.
+struct Kept<T>(UnsafeCell<MaybeUninit<T>>);
+
+// SAFETY: each of the two below is used in one place at a time, as is said there.
+unsafe impl<T: Send> Sync for Kept<T> {}
+
+#[unsafe(link_section = ".uninit.note")]
+static NOTE: Kept<u32> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+
+#[unsafe(link_section = ".uninit.faults")]
+static FAULTS: Kept<Memory> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+
+fn note() -> u32 {
+    // SAFETY: any four bytes are a number. It is read once, before anything can break down.
+    unsafe { read_volatile(NOTE.0.get().cast()) }
+}
+
+fn leave_note(note: u32) {
+    // SAFETY: written once after a reset, and once by who does not return.
+    unsafe { write_volatile(NOTE.0.get().cast(), note) }
+}
+
+/// Why the board was reset. Once after a reset: the next reset finds none of this.
+pub fn reason(rcc: &RCC) -> Reset {
+    let flags = rcc.csr().read();
+    let reset = Reset {
+        watchdog: flags.wdgrstf().bit_is_set(),
+        software: flags.sftrstf().bit_is_set(),
+        power: flags.porrstf().bit_is_set() || flags.borrstf().bit_is_set(),
+        note: note(),
+    };
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    leave_note(0);
+    reset
+}
+
+/// The memory of the fault log, with whatever stands in it.
+///
+/// # Safety
+/// Once after a reset: there must be one reference to it.
+pub unsafe fn fault_memory() -> &'static mut Memory {
+    // SAFETY: any bytes are such a memory, and the caller sees to the rest. The compiler is not to know
+    // that nobody has written them.
+    unsafe { &mut *black_box(FAULTS.0.get()).cast() }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    valve::switch_off();
+    leave_note(PANICKED);
+    if let Some(place) = info.location() {
+        defmt::error!("broke down at {=str}:{=u32}", place.file(), place.line());
+    }
+    SCB::sys_reset()
+}
+
+/// A fault of the processor, such as an address that does not exist.
+// SAFETY: the attribute wants `unsafe`. It does not return, so it cannot disturb what it interrupted.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    valve::switch_off();
+    leave_note(PANICKED);
+    defmt::error!("fault of the processor at {=u32:#x}", frame.pc());
+    SCB::sys_reset()
+}
