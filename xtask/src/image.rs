@@ -1,11 +1,13 @@
 //! Reads an image of the firmware and finds in it what must not be there.
 
+use std::collections::BTreeSet;
 use std::fmt;
+use std::ops::Range;
 
 use anyhow::{Context, Result, ensure};
 use object::elf::FileHeader32;
 use object::read::elf::ElfFile;
-use object::{LittleEndian, Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
+use object::{LittleEndian, Object, ObjectSection, ObjectSegment, ObjectSymbol, SectionKind, SymbolKind};
 
 use crate::forbidden::Kind;
 use crate::thumb::{self, Instruction, Mark};
@@ -15,6 +17,12 @@ use crate::thumb::{self, Instruction, Mark};
 pub struct Image {
     /// Bytes of code and constants: what the flash must hold.
     pub flash_bytes: u64,
+    /// Address after the last variable; 0 without any. What is left of the memory is the stack's.
+    pub memory_end: u64,
+    /// Bytes of the largest variable.
+    pub largest_variable: u64,
+    /// Addresses that a programmer writes to.
+    pub written: Vec<Range<u64>>,
     /// In order of address.
     symbols: Vec<Symbol>,
     instructions: Vec<Instruction>,
@@ -71,7 +79,7 @@ impl Image {
         marks.sort_by_key(|mark| mark.address);
         ensure!(!marks.is_empty(), "the image has no mapping symbols ($t, $d): stripped, or empty");
 
-        let mut image = Image { flash_bytes: 0, symbols, instructions: Vec::new() };
+        let mut image = Image { symbols, ..Image::of_variables(&elf) };
         for section in elf.sections() {
             let kind = section.kind();
             if kind == SectionKind::Text {
@@ -90,6 +98,56 @@ impl Image {
             }
         }
         Ok(image)
+    }
+
+    /// An image without code yet.
+    fn of_variables(elf: &ElfFile<'_, FileHeader32<LittleEndian>>) -> Image {
+        let sections = elf
+            .sections()
+            .filter(|section| matches!(section.kind(), SectionKind::Data | SectionKind::UninitializedData));
+        let variables = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Data);
+        let written = elf.segments().filter_map(|segment| {
+            let (_, bytes) = segment.file_range();
+            let start = u64::from(segment.elf_program_header().p_paddr.get(LittleEndian));
+            (bytes > 0).then(|| start..start + bytes)
+        });
+        Image {
+            flash_bytes: 0,
+            memory_end: sections.map(|section| section.address() + section.size()).max().unwrap_or(0),
+            largest_variable: variables.map(|variable| variable.size()).max().unwrap_or(0),
+            written: written.collect(),
+            symbols: Vec::new(),
+            instructions: Vec::new(),
+        }
+    }
+
+    /// Everything that a function reaches by direct calls, itself included, and where it calls what a
+    /// register says: nothing is known of what is behind those.
+    #[must_use]
+    pub fn reached_from(&self, name: &str) -> (BTreeSet<String>, Vec<String>) {
+        let (mut reached, mut indirect) = (BTreeSet::new(), Vec::new());
+        let mut waiting = vec![name.to_owned()];
+        while let Some(name) = waiting.pop() {
+            for at in self.instructions_of(&name) {
+                waiting.extend(at.call_target().map(|target| self.function_at(target)));
+                if at.is_indirect_call() {
+                    indirect.push(format!("at {:#x} in {name}", at.address));
+                }
+            }
+            reached.insert(name);
+            waiting.retain(|name| !reached.contains(name));
+        }
+        (reached, indirect)
+    }
+
+    fn instructions_of(&self, name: &str) -> &[Instruction] {
+        let mut functions = self.symbols.iter().filter(|symbol| symbol.defined);
+        let Some(start) = functions.find(|symbol| symbol.name == name).map(|symbol| symbol.address) else {
+            return &[];
+        };
+        let end = functions.find(|next| next.address > start).map_or(u32::MAX, |next| next.address);
+        let place = |address| self.instructions.partition_point(|at| at.address < address);
+        &self.instructions[place(start)..place(end)]
     }
 
     /// Whether there is a function of this name.

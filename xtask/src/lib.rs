@@ -6,6 +6,7 @@
 //! | [`tally`] | what passed, what failed, and going on after a failure |
 //! | [`cargo`] | how cargo and rustup are called, and where they build |
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
+//! | [`nucleo`] | builds the image for the Nucleo board and judges its size and its interrupt |
 //! | [`emulator`] | makes sure that there is one |
 //! | [`probe`] | builds the probe image of the firmware and judges it |
 //! | [`image`] | reads an image: its symbols, its code, what is in it that must not be |
@@ -17,6 +18,7 @@ pub mod emulator;
 pub mod firmware;
 pub mod forbidden;
 pub mod image;
+pub mod nucleo;
 pub mod probe;
 pub mod steps;
 pub mod tally;

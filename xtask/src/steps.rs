@@ -6,9 +6,8 @@ use std::process::Stdio;
 use anyhow::{Context, Result};
 
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
-use crate::probe;
 use crate::tally::{Counts, Tally};
-use crate::{emulator, firmware};
+use crate::{emulator, firmware, nucleo, probe};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -87,9 +86,10 @@ pub fn docs(tally: &mut Tally) {
     });
 }
 
-/// The image that links the controller alone: no panic, no float, no division routine.
+/// The image that links the controller alone: no panic, no float, no division routine; then the board's.
 pub fn probe(tally: &mut Tally) {
     tally.check("probe image", probe::check);
+    tally.check("image for the Nucleo board", nucleo::check);
 }
 
 /// Writes the figures of the control interrupt anew.

@@ -54,10 +54,17 @@ impl Instruction {
         coprocessor && self.second.is_some_and(|second| second & 0x0E00 == 0x0A00)
     }
 
-    /// Where a BL or a B.W (a tail call) goes.
+    /// Whether it goes where a register says, other than back to the caller: BLX or BX.
+    #[must_use]
+    pub fn is_indirect_call(&self) -> bool {
+        let register = self.first >> 3 & 0xF;
+        self.second.is_none() && self.first & 0xFF07 == 0x4700 && (register != 14 || self.first & 0x80 != 0)
+    }
+
+    /// Where a BL goes, or a B that always goes (a tail call, or a jump inside a function).
     #[must_use]
     pub fn call_target(&self) -> Option<u32> {
-        let second = self.second?;
+        let Some(second) = self.second else { return self.short_target() };
         if self.first & 0xF800 != 0xF000 || second & 0x9000 != 0x9000 {
             return None;
         }
@@ -70,6 +77,11 @@ impl Instruction {
         // 25 bits, two's complement.
         let extended = (offset << 7).cast_signed() >> 7;
         Some(self.address.wrapping_add(4).wrapping_add_signed(extended))
+    }
+
+    fn short_target(&self) -> Option<u32> {
+        let offset = (i32::from(self.first & 0x7FF) << 21) >> 20;
+        (self.first & 0xF800 == 0xE000).then(|| self.address.wrapping_add(4).wrapping_add_signed(offset))
     }
 }
 
@@ -164,7 +176,18 @@ mod tests {
         assert_eq!(target(0x1000, &[0xF000, 0xF802]), Some(0x1008), "bl forward");
         assert_eq!(target(0x1000, &[0xF7FF, 0xFFFE]), Some(0x1000), "bl to itself");
         assert_eq!(target(0x1000, &[0xF000, 0xB802]), Some(0x1008), "b.w");
+        assert_eq!(target(0x1000, &[0xE002]), Some(0x1008), "b forward");
+        assert_eq!(target(0x1000, &[0xE7FE]), Some(0x1000), "b to itself");
         assert_eq!(target(0x1000, &LDR_W_R0_R1), None);
+    }
+
+    #[test]
+    fn calls_by_register_are_told_from_returns() {
+        let indirect = |first| decode(0x1000, &[first], &[])[0].is_indirect_call();
+        assert!(indirect(0x4798), "blx r3");
+        assert!(indirect(0x4718), "bx r3");
+        assert!(!indirect(0x4770), "bx lr");
+        assert!(!indirect(NOP));
     }
 
     #[test]

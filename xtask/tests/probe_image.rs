@@ -4,13 +4,17 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use xtask::forbidden::Kind;
-use xtask::image::Finding;
+use xtask::image::{Finding, Image};
 use xtask::probe::{self, Variant};
 
 /// One build at a time, since a build may install the target.
 static BUILD: Mutex<()> = Mutex::new(());
 
 fn findings(folder: &str, variant: Variant) -> Vec<Finding> {
+    image(folder, variant).findings()
+}
+
+fn image(folder: &str, variant: Variant) -> Image {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     let path = {
         let _one = BUILD.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -18,7 +22,7 @@ fn findings(folder: &str, variant: Variant) -> Vec<Finding> {
     };
     let image = probe::read(&path).unwrap_or_else(|error| panic!("{error:#}"));
     assert!(image.flash_bytes > 1000, "only {} bytes: the controller is not in it", image.flash_bytes);
-    image.findings()
+    image
 }
 
 #[test]
@@ -39,4 +43,16 @@ fn each_thing_that_must_not_be_there_is_caught_where_it_is() {
     assert!(caught(Kind::FloatInstruction, "probe_guilty_float"), "{findings:#?}");
     assert!(caught(Kind::SoftFloat, "probe_guilty_soft_float"), "{findings:#?}");
     assert!(caught(Kind::Division, "probe_guilty_division"), "{findings:#?}");
+}
+
+#[test]
+fn what_a_function_reaches_is_followed_to_the_panic() {
+    let image = image("guilty", Variant::Guilty);
+    let reaches_panic = |function| {
+        let (reached, indirect) = image.reached_from(function);
+        assert!(reached.contains(function) && indirect.is_empty(), "{reached:?} {indirect:?}");
+        reached.iter().any(|name| Kind::of_symbol(name) == Some(Kind::Panic))
+    };
+    assert!(reaches_panic("probe_guilty_index"));
+    assert!(!reaches_panic("probe_sample"));
 }

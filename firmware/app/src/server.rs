@@ -269,7 +269,12 @@ fn events<'a>(store: &impl Store, first: u8, count: u8, room: &'a mut [u8]) -> R
     ReplyBody::Events { total: total as u8, first, events: room.get(..bytes).unwrap_or(&[]) }
 }
 
-fn config<'a>(control: &Control<impl BorrowMut<Recorder>>, first_id: u16, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
+fn config<'a>(
+    control: &Control<impl BorrowMut<Recorder>>,
+    first_id: u16,
+    count: u8,
+    room: &'a mut [u8],
+) -> ReplyBody<'a> {
     let count = usize::from(count).min(MAX_VALUES) as u16;
     let ids = first_id..first_id.saturating_add(count);
     if let Some(id) = ids.clone().find(|&id| control.parameters().get(id).is_none()) {
@@ -282,8 +287,9 @@ fn config<'a>(control: &Control<impl BorrowMut<Recorder>>, first_id: u16, count:
     }
 }
 
-/// Samples that one `RecordInfo` takes into the CRC of the record; the host asks until all are in.
-const DIGEST_AT_ONCE: usize = 512;
+/// Samples that one `RecordInfo` takes into the CRC of the record; the host asks until all are in. A drive
+/// that holds its last setpoint goes on sampling meanwhile, and a request must not make a sample late.
+const DIGEST_AT_ONCE: usize = 64;
 
 fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_> {
     let over = !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running);
@@ -302,7 +308,12 @@ fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_>
     })
 }
 
-fn chunk<'a>(control: &Control<impl BorrowMut<Recorder>>, first: u32, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
+fn chunk<'a>(
+    control: &Control<impl BorrowMut<Recorder>>,
+    first: u32,
+    count: u8,
+    room: &'a mut [u8],
+) -> ReplyBody<'a> {
     let recorder: &Recorder = control.recorder.borrow();
     if recorder.is_empty() {
         return ReplyBody::Refused(Refused::NoRecord);

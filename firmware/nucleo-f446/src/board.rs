@@ -78,6 +78,6 @@ impl Board for NucleoBoard {
     }
 
     fn host_clock_ms(&self) -> Option<u64> {
-        Some(self.now_us() / 1000)
+        Some(self.clock.sampled_ms())
     }
 }

@@ -2,7 +2,7 @@
 //! on channel 2. The arithmetic is in [`pneudrive_nucleo_plan::time`].
 
 use pneudrive_controller::config::Timing;
-use pneudrive_nucleo_plan::time::{extend, next_on_grid, output_after, prescaler};
+use pneudrive_nucleo_plan::time::{Milliseconds, extend, next_on_grid, output_after, prescaler};
 use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
 
@@ -15,6 +15,7 @@ pub struct Clock {
     timing: Timing,
     /// Microseconds since the reset, at the last event.
     base_us: u64,
+    base_ms: Milliseconds,
 }
 
 impl Clock {
@@ -29,7 +30,7 @@ impl Clock {
         // The prescaler is taken over with an update, which starts the counter at 0.
         timer.egr().write(|w| w.ug().set_bit());
         timer.cr1().write(|w| w.cen().set_bit());
-        let mut clock = Clock { timer, timing, base_us: 0 };
+        let mut clock = Clock { timer, timing, base_us: 0, base_ms: Milliseconds::default() };
         clock.restart();
         clock.timer.dier().write(|w| w.cc1ie().set_bit().cc2ie().set_bit());
         Some(clock)
@@ -63,6 +64,7 @@ impl Clock {
         }
         self.timer.sr().write(|w| w.cc1if().clear_bit());
         let now = self.counter();
+        self.base_ms = self.base_ms.after(now.wrapping_sub(self.base_us as u32));
         self.base_us = extend(self.base_us, now);
         let due = self.timer.ccr1().read().ccr().bits();
         let next = next_on_grid(due, self.timing.period_us, now);
@@ -86,5 +88,10 @@ impl Clock {
     /// Microseconds since the reset.
     pub fn now_us(&self) -> u64 {
         extend(self.base_us, self.counter())
+    }
+
+    /// Milliseconds since the reset, at the last sample.
+    pub fn sampled_ms(&self) -> u64 {
+        self.base_ms.whole()
     }
 }

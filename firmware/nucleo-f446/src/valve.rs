@@ -22,6 +22,7 @@ static NULL_CODE: AtomicU16 = AtomicU16::new(MIDDLE);
 /// The valve's lines.
 pub struct Valve {
     dac: DAC,
+    _dac_pin: PA4<Analog>,
     step: TIM4,
     direction: PC7<Output>,
     enable: PB10<Output>,
@@ -50,7 +51,7 @@ impl Valve {
         start_pulses(&step, rcc)?;
         let _: PB6<Alternate<2>> = pins.step.into_alternate();
         let direction = pins.direction.into_push_pull_output_in_state(PinState::Low);
-        Some(Valve { dac, step, direction, enable })
+        Some(Valve { dac, _dac_pin: pins.dac, step, direction, enable })
     }
 
     /// Drives the stage. A drive is disabled before anything else changes, and enabled after.

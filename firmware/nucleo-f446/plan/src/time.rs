@@ -28,6 +28,28 @@ pub fn extend(earlier_us: u64, counter: u32) -> u64 {
     earlier_us.wrapping_add(u64::from(passed))
 }
 
+/// Milliseconds, counted along: the processor has no instruction that divides 64 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Milliseconds {
+    whole: u64,
+    rest_us: u32,
+}
+
+impl Milliseconds {
+    /// So many microseconds have passed.
+    #[must_use]
+    pub fn after(self, passed_us: u32) -> Milliseconds {
+        let us = self.rest_us.saturating_add(passed_us);
+        Milliseconds { whole: self.whole.saturating_add(u64::from(us / 1000)), rest_us: us % 1000 }
+    }
+
+    /// Whole milliseconds so far.
+    #[must_use]
+    pub fn whole(self) -> u64 {
+        self.whole
+    }
+}
+
 /// The next instant after `previous` on the grid of the period that can still be met at `now`.
 #[must_use]
 pub fn next_on_grid(previous: u32, period_us: NonZeroU32, now: u32) -> u32 {
@@ -67,6 +89,17 @@ mod tests {
         assert_eq!(extend(before, u32::MAX - 10), before);
         assert_eq!(extend(before, 20), before + 31);
         assert_eq!(extend(7 << 32, 100), (7 << 32) + 100);
+    }
+
+    #[test]
+    fn no_part_of_a_millisecond_is_lost() {
+        let mut time = Milliseconds::default();
+        for _ in 0..10 {
+            time = time.after(1300);
+        }
+        assert_eq!(time.whole(), 13);
+        assert_eq!(time.after(999).whole(), 13);
+        assert_eq!(time.after(1000).whole(), 14);
     }
 
     #[test]

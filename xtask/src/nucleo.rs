@@ -1,0 +1,84 @@
+//! Builds the image for the Nucleo board and judges it: does it fit, does it leave alone what is kept
+//! in flash, and can its control interrupt panic?
+
+use std::fs;
+use std::ops::Range;
+
+use anyhow::{Context, Result, ensure};
+use pneudrive_nucleo_plan::flash::KEPT;
+
+use crate::cargo;
+use crate::firmware;
+use crate::forbidden::Kind;
+use crate::image::Image;
+
+const NAME: &str = "nucleo-f446";
+
+/// The interrupt of the control.
+const INTERRUPT: &str = "TIM5";
+
+const FLASH_START: u64 = 0x0800_0000;
+const MEMORY_END: u64 = 0x2000_0000 + 128 * 1024;
+
+/// Most bytes of code and constants.
+const FLASH_LIMIT: u64 = 96 * 1024;
+/// Least bytes that are left to the stack.
+const STACK_LEAST: u64 = 8 * 1024;
+/// Least bytes of the transient buffer.
+const RECORDER_LEAST: u64 = 60 * 1024;
+
+/// Builds the image, prints what it takes and judges it.
+///
+/// # Errors
+/// When it can't be built, does not fit, would overwrite what is kept, computes with floats, or its
+/// control interrupt can panic.
+pub fn check() -> Result<()> {
+    let path = firmware::build(&cargo::image_folder()?, NAME, &[])?;
+    let file = fs::read(&path).with_context(|| format!("{}", path.display()))?;
+    let image = Image::read(&file).with_context(|| format!("{}", path.display()))?;
+    fits(&image)?;
+    keeps(&image)?;
+    no_float(&image)?;
+    interrupt_is_safe(&image)
+}
+
+fn fits(image: &Image) -> Result<()> {
+    let stack = MEMORY_END.saturating_sub(image.memory_end);
+    let (flash, recorder) = (image.flash_bytes, image.largest_variable);
+    println!("{NAME}: {flash} bytes of flash, {recorder} of recorder, {stack} left to the stack");
+    ensure!(flash <= FLASH_LIMIT, "code and constants take more than {FLASH_LIMIT} bytes");
+    ensure!(recorder >= RECORDER_LEAST, "the transient buffer has less than {RECORDER_LEAST} bytes");
+    ensure!(stack >= STACK_LEAST, "the stack has less than {STACK_LEAST} bytes");
+    Ok(())
+}
+
+fn keeps(image: &Image) -> Result<()> {
+    let kept = FLASH_START + u64::from(KEPT.start)..FLASH_START + u64::from(KEPT.end);
+    let overlaps = |written: &&Range<u64>| written.start < kept.end && kept.start < written.end;
+    match image.written.iter().find(overlaps) {
+        None => Ok(()),
+        Some(written) => anyhow::bail!("{written:#x?} would overwrite configuration and fault log"),
+    }
+}
+
+fn no_float(image: &Image) -> Result<()> {
+    let findings = image.findings();
+    let floats = findings.iter().find(|f| matches!(f.kind, Kind::FloatInstruction | Kind::SoftFloat));
+    ensure!(
+        floats.is_none(),
+        "the image computes with floats: {}",
+        floats.map_or_else(String::new, |f| f.to_string())
+    );
+    Ok(())
+}
+
+fn interrupt_is_safe(image: &Image) -> Result<()> {
+    ensure!(image.has_function(INTERRUPT), "there is no function {INTERRUPT}");
+    let (reached, indirect) = image.reached_from(INTERRUPT);
+    println!("{NAME}: {INTERRUPT} reaches {} functions", reached.len());
+    ensure!(indirect.is_empty(), "what {INTERRUPT} calls is not known: {}", indirect.join(", "));
+    let bad: Vec<&str> =
+        reached.iter().map(String::as_str).filter(|name| Kind::of_symbol(name).is_some()).collect();
+    ensure!(bad.is_empty(), "{INTERRUPT} reaches {}", bad.join(", "));
+    Ok(())
+}
