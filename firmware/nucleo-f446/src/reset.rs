@@ -30,12 +30,13 @@ static NOTE: Kept<u32> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 static FAULTS: Kept<Memory> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
 
 fn note() -> u32 {
-    // SAFETY: any four bytes are a number. It is read once, before anything can break down.
+    // SAFETY: any four bytes are a number. Nobody writes it meanwhile: `reason` runs before all else, and
+    // `break_down` with interrupts disabled.
     unsafe { read_volatile(NOTE.0.get().cast()) }
 }
 
 fn leave_note(note: u32) {
-    // SAFETY: written once after a reset, and once by who does not return.
+    // SAFETY: as for reading.
     unsafe { write_volatile(NOTE.0.get().cast(), note) }
 }
 
@@ -63,23 +64,29 @@ pub unsafe fn fault_memory() -> &'static mut Memory {
     unsafe { &mut *black_box(FAULTS.0.get()).cast() }
 }
 
-#[panic_handler]
-fn panic(info: &PanicInfo<'_>) -> ! {
+/// Off, noted, told, reset. What breaks down in telling is not told again.
+fn break_down(tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
     valve::switch_off();
-    leave_note(PANICKED);
-    if let Some(place) = info.location() {
-        defmt::error!("broke down at {=str}:{=u32}", place.file(), place.line());
+    if note() != PANICKED {
+        leave_note(PANICKED);
+        tell();
     }
     SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    break_down(|| {
+        if let Some(place) = info.location() {
+            defmt::error!("broke down at {=str}:{=u32}", place.file(), place.line());
+        }
+    })
 }
 
 /// A fault of the processor, such as an address that does not exist.
 // SAFETY: the attribute wants `unsafe`. It does not return, so it cannot disturb what it interrupted.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    valve::switch_off();
-    leave_note(PANICKED);
-    defmt::error!("fault of the processor at {=u32:#x}", frame.pc());
-    SCB::sys_reset()
+    break_down(|| defmt::error!("fault of the processor at {=u32:#x}", frame.pc()))
 }
