@@ -57,7 +57,7 @@ impl Board for NucleoBoard {
     }
 
     fn build(&self) -> &'static str {
-        concat!("pneudrive ", env!("CARGO_PKG_VERSION"))
+        pneudrive_app::BUILD
     }
 
     fn read_sensors(&mut self, config: &Config) -> Sample {
