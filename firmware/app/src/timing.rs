@@ -3,10 +3,9 @@
 
 use pneudrive_protocol::{HISTOGRAM_BINS, Spread};
 
-/// Times on one side or the other of what they should be.
+/// Times on one side or the other of what they should be. Counts wrap after 64 days of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Histogram {
-    count: u32,
     least_us: u32,
     most_us: u32,
     /// Bin b counts deviations of 2^(b-1) to 2^b - 1 us; bin 0 those of none, the last all larger ones.
@@ -15,7 +14,7 @@ pub struct Histogram {
 
 impl Default for Histogram {
     fn default() -> Self {
-        Histogram { count: 0, least_us: u32::MAX, most_us: 0, bins: [0; HISTOGRAM_BINS] }
+        Histogram { least_us: u32::MAX, most_us: 0, bins: [0; HISTOGRAM_BINS] }
     }
 }
 
@@ -25,9 +24,8 @@ impl Histogram {
         let deviation = time_us.abs_diff(nominal_us);
         let bin = (u32::BITS - deviation.leading_zeros()) as usize;
         if let Some(bin) = self.bins.get_mut(bin.min(HISTOGRAM_BINS - 1)) {
-            *bin = bin.saturating_add(1);
+            *bin = bin.wrapping_add(1);
         }
-        self.count = self.count.saturating_add(1);
         self.least_us = self.least_us.min(time_us);
         self.most_us = self.most_us.max(time_us);
     }
@@ -35,8 +33,9 @@ impl Histogram {
     /// What was taken so far; all 0 for nothing.
     #[must_use]
     pub fn spread(&self) -> Spread {
-        let least_us = if self.count == 0 { 0 } else { self.least_us };
-        Spread { count: self.count, least_us, most_us: self.most_us, bins: self.bins }
+        let count = self.bins.iter().fold(0u32, |sum, bin| sum.wrapping_add(*bin));
+        let least_us = if count == 0 { 0 } else { self.least_us };
+        Spread { count, least_us, most_us: self.most_us, bins: self.bins }
     }
 }
 

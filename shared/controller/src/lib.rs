@@ -240,13 +240,14 @@ impl State {
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
         let largest = i32::from(config.drive.largest());
-        let holds = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
+        // Only in a run: the plant of a simulated rig stands frozen afterwards, whatever holds it.
+        let runs = self.supervisor.mode() == Mode::Running;
         let closed = config.law.control_loop == Loop::Closed;
         let evidence = Evidence {
             motion,
             input,
             referenced: self.supervisor.is_referenced(),
-            pushes: holds && closed && 2 * i32::from(self.observation.command).abs() > largest,
+            pushes: runs && closed && 2 * i32::from(self.observation.command).abs() > largest,
         };
         self.supervisor.watch(&config.limits, &evidence);
     }

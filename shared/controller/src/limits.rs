@@ -5,7 +5,7 @@
 //! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
 //! | a raw pressure at or beyond an end of its converter, for some samples | [`Fault::SensorRange`] |
-//! | a closed loop that asks for half of the valve or more and does not move | [`Fault::NoMotion`] |
+//! | in a run, a closed loop that asks for more than half of the valve and does not move | [`Fault::NoMotion`] |
 //!
 //! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
 //! stuck spool.
@@ -70,7 +70,7 @@ pub(crate) struct Evidence<'a> {
     pub input: &'a Sample,
     /// Whether counts mean positions.
     pub referenced: bool,
-    /// Whether the command in force is a closed loop's, and asks for half of the valve or more.
+    /// Whether the command in force is a running closed loop's, and asks for more than half of the valve.
     pub pushes: bool,
 }
 

@@ -371,7 +371,7 @@ pub static KEYS: &[Key] = &[
     number("safety.max_speed_m_s", 5.0, 1e-3, 100.0, "", "A faster step of the encoder trips the supervisor."),
     number("safety.host_silence_s", 0.5, 0.0, 3600.0, "", "Silence of the host that trips a running move; 0: off."),
     switch("safety.sensor_watch", true, "", "Whether a pressure at an end of its converter trips, if no pressure of the drive can be there."),
-    number("safety.no_motion_s", 0.5, 0.0, 3600.0, "", "A closed loop that asks for half of the valve or more and does not move for so long trips; 0: off."),
+    number("safety.no_motion_s", 0.5, 0.0, 3600.0, "", "A run in closed loop that asks for more than half of the valve and does not move for so long trips; 0: off."),
     key("safety.end_min_mm", Kind::Number { min: -1000.0, max: 20_000.0 }, Default::Absent("none"), "", "Software end position: lower setpoints are refused, an open loop pushes no further."),
     key("safety.end_max_mm", Kind::Number { min: -1000.0, max: 20_000.0 }, Default::Absent("none"), "", "The other software end position."),
     integer("safety.late_sample_us", 100, 1, 100_000, "", "A sample later than this trips the supervisor."),
