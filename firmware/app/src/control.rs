@@ -129,10 +129,16 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// # Errors
     /// When the flash does not take it.
     pub fn tidy_up(&mut self, board: &mut impl Board) -> Result<(), NotStored> {
-        if self.state.supervisor.drives() || self.state.spool_location() != SpoolLocation::default() {
+        if self.state.supervisor.drives() || self.spool_walks() {
             return Ok(());
         }
         board.store().flush()
+    }
+
+    /// Whether the spool of a stepper is on its way to mid-travel: its translator is enabled until then, and
+    /// a flash that stalls the processor would keep it open.
+    fn spool_walks(&self) -> bool {
+        self.state.spool_location() != SpoolLocation::default()
     }
 
     /// Logs the fault that the drive is in, once.
@@ -315,6 +321,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// When the drive is enabled, or the flash does not take them.
     pub fn save_parameters(&mut self, board: &mut impl Board) -> Result<(), SaveRefused> {
         self.must_be_disarmed().map_err(SaveRefused::NotNow)?;
+        if self.spool_walks() {
+            return Err(SaveRefused::NotNow(Refusal::ValveNotAtNull));
+        }
         self.configuration.save(board.store()).map_err(|NotStored| SaveRefused::NotStored)
     }
 

@@ -155,6 +155,24 @@ fn flash_is_not_written_while_the_drive_is_enabled() {
     assert_eq!(format!("{:?}", drive.board.store.flash()), before);
 }
 
+/// An erase stalls the processor, and a spool that is on its way would stay open meanwhile.
+#[test]
+fn flash_is_not_written_while_a_steppers_spool_walks_to_mid_travel() {
+    let mut drive = Drive::on(RamFlash::default());
+    drive.set(id::STEPPER, 1);
+    drive.set(id::OPEN_LOOP, 1);
+    drive.control.set_test(pneudrive_app::control::Test::new("open", 99, 1, 0)).expect("disarmed");
+    drive.control.push_move(Move { at_sample: 0, target: 40 }).expect("room");
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(5);
+    drive.control.disarm();
+    let refused = Err(pneudrive_app::control::SaveRefused::NotNow(Refusal::ValveNotAtNull));
+    assert_eq!(drive.control.save_parameters(&mut drive.board), refused);
+    drive.samples(5);
+    assert_eq!(drive.control.save_parameters(&mut drive.board), Ok(()));
+}
+
 /// 8.2.3: what a run has learned is part of the parameters from the next arming on, also through a reset;
 /// the record of the run still has the parameters that it was taken with.
 #[test]
