@@ -160,6 +160,7 @@ fn record(run: &Run) -> Result<Vec<RecordedSample>, Refusal> {
     state.supervisor.arm().expect("a new drive does not run");
     state.start(&config, &sequence)?;
     let mut recorder = Box::<Recorder>::default();
+    recorder.arm(1, 0);
     recorder.start();
     for (k, input) in run.path.iter().enumerate() {
         if k == run.stop {

@@ -8,13 +8,13 @@
 //! ```
 //!
 //! - **Gain profile**: as above.
-//! - **Proportional**: the same with one gain for Kp[i].
+//! - **Proportional**: the same with one gain for `Kp[i]`.
 //! - **Moore's proportional** (L(22) = 13; the thesis has no equation of it): the proportional law, and
 //!   in the direction of the error the command that takes the spool across the dead zone of the valve,
 //!   `demand = n_DAC1 / scale + sign(n_p) dead zone + null offset`. The profile's high gains on small
 //!   errors, "based on the findings of Moore" (Appendix IX), do the same.
 //! - **On-off** (L(22) = 2): Burrows' relay with a dead zone and hysteresis, on position, velocity and
-//!   quasi-transient pressure ([`Motion::pressure`], gain k5 = C(68)). The [`Relay`] switches on
+//!   quasi-transient pressure ([`Motion::pressure`], gain k5 = C(68)). The relay switches on
 //!   `s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale`; its demand is the full range to either side, or 0.
 //!
 //! Inside the position dead band the demand is the null offset alone; inside the velocity dead band n_v

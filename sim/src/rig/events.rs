@@ -10,7 +10,7 @@ use super::read::{Reader, did_you_mean, value_of};
 use super::{Rig, Value, default_value, whole_microseconds};
 use crate::faults::{FaultEvent, FaultKind, OpenSensor};
 
-/// The fields of an event, in the order of [`FIELDS`], with their values.
+/// The fields of an event, in the order of `FIELDS`, with their values.
 pub type Fields = Vec<(&'static str, Value)>;
 
 /// The key of the list.
