@@ -2,26 +2,10 @@
 //! instructions of whole runs in the emulator.
 #![cfg(unix)]
 
-use std::path::PathBuf;
-
-use pneudrive_hil_tests::cost::{BUDGET, HELD, HELD_FIRST, measure, table, together};
-
-const BEGIN: &str = "<!-- instructions -->\n";
-const END: &str = "<!-- end -->\n";
+use pneudrive_hil_tests::cost::{BUDGET, HELD, HELD_FIRST, document, measure, parts, table, together};
 
 /// How far a figure may be off the table, per cent.
 const TOLERANCE: u64 = 3;
-
-fn document() -> PathBuf {
-    xtask::cargo::root().join("docs/firmware-figures.md")
-}
-
-/// The text before the table, the table, and the text behind it.
-fn parts(text: &str) -> (&str, &str, &str) {
-    let (before, rest) = text.split_once(BEGIN).expect("a mark before the table");
-    let (table, behind) = rest.split_once(END).expect("a mark behind the table");
-    (before, table, behind)
-}
 
 fn numbers(table: &str) -> Vec<u64> {
     table.split([' ', '|', '\n']).filter_map(|word| word.parse().ok()).collect()
@@ -36,20 +20,10 @@ fn sample_and_output_take_no_more_instructions_than_is_held() {
     assert!(first.most <= HELD_FIRST, "{} at a first sample, held are {HELD_FIRST}", first.most);
 
     let text = std::fs::read_to_string(document()).expect("the document");
-    let (written, measured) = (numbers(parts(&text).1), numbers(&table(&costs)));
+    let (written, measured) = (numbers(parts(&text).expect("a table").1), numbers(&table(&costs)));
     assert_eq!(written.len(), measured.len(), "write the table anew: cargo xtask figures");
     for (written, measured) in written.into_iter().zip(measured) {
         let off = written.abs_diff(measured) * 100;
         assert!(off <= TOLERANCE * written, "{measured} is not {written}: cargo xtask figures");
     }
-}
-
-/// Run by `cargo xtask figures`.
-#[test]
-#[ignore = "writes the table"]
-fn write_the_table() {
-    let text = std::fs::read_to_string(document()).expect("the document");
-    let (before, _, behind) = parts(&text);
-    let table = table(&measure().expect("an emulated board"));
-    std::fs::write(document(), format!("{before}{BEGIN}{table}{END}{behind}")).expect("the document");
 }

@@ -95,8 +95,7 @@ pub fn probe(tally: &mut Tally) {
 /// Writes the figures of the control interrupt anew.
 pub fn figures(tally: &mut Tally) {
     tally.check("emulator", emulator::ensure);
-    let package = ["test", "--package", "pneudrive-hil-tests", "--test", "instructions"];
-    let arguments = [&package[..], &["--", "--ignored", "write_the_table"]].concat();
+    let arguments = ["run", "--package", "pneudrive-hil-tests", "--example", "figures"];
     tally.check("figures of the firmware", || run(&mut in_root(&arguments)));
 }
 

@@ -172,9 +172,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         board.drive(self.configuration.config(), command);
         self.record();
         self.log_fault(board);
-        let latency = board.now_us().saturating_sub(self.clock.last_us);
-        let delay_us = self.config().timing.delay_us.get();
-        self.clock.latencies.take(microseconds(latency), delay_us);
+        let latency = microseconds(board.now_us().wrapping_sub(self.clock.last_us));
+        self.clock.latencies.take(latency, self.configuration.config().timing.delay_us.get());
     }
 
     /// Gives the present sample to the recorder, once, by what the mode was when it was taken: requests

@@ -1,8 +1,11 @@
 //! The integer law against an independent model of it in f64, over a grid with the edges of every
 //! range. All values stay below 2^53, so the oracle is exact and so is the comparison.
 
+mod bench;
+
+use bench::{Bench, WIDE, changed};
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Config, Move, Parameters, Sample, Sequence, State, output, sample};
+use pneudrive_controller::{Parameters, Sample};
 
 /// n_DAC2 of Appendix IX (a) to (d), in real numbers.
 fn oracle(parameters: &Parameters, setpoint: f64, positions: &[f64]) -> f64 {
@@ -36,51 +39,16 @@ fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 
-/// A controller that runs toward one setpoint, with limits that nothing reaches.
-struct Bench {
-    parameters: Parameters,
-    config: Config,
-    sequence: Sequence,
-    state: State,
-}
-
-impl Bench {
-    fn new(changes: &[(u16, i32)], setpoint: i32) -> Bench {
-        let mut parameters = Parameters::default();
-        parameters.set(id::POSITION_MIN_COUNTS, -i32::MAX).expect("in range");
-        parameters.set(id::POSITION_MAX_COUNTS, i32::MAX).expect("in range");
-        parameters.set(id::ENCODER_STEP_COUNTS, i32::MAX).expect("in range");
-        parameters.set(id::SENSOR_LOW_RAW, -1).expect("in range");
-        parameters.set(id::NO_MOTION_MS, 0).expect("in range");
-        for &(id, value) in changes {
-            parameters.set(id, value).expect("in range");
-        }
-        let config = Config::new(&parameters).expect("they go together");
-        let mut sequence = Sequence::new(1000);
-        sequence.push(Move { at_sample: 0, target: setpoint }).expect("room");
-        let mut state = State::default();
-        state.supervisor.set_referenced();
-        state.supervisor.arm().expect("referenced");
-        state.start(&config, &sequence).expect("armed");
-        Bench { parameters, config, sequence, state }
-    }
-
-    /// The command for one sample.
-    fn step(&mut self, position: i32, [pressure_1, pressure_2]: [i16; 2]) -> i16 {
-        let input = Sample { position, pressure_1, pressure_2, ..Sample::default() };
-        sample(&self.config, &self.sequence, &mut self.state, &input);
-        output(&self.config, &mut self.state).counts
-    }
-}
-
 /// Runs the controller over the positions and compares every command with the oracle's.
 fn agree(changes: &[(u16, i32)], setpoint: i32, positions: &[i32]) {
-    let mut bench = Bench::new(changes, setpoint);
+    let changes = [WIDE.as_slice(), changes].concat();
+    let parameters = changed(&changes);
+    let mut bench = Bench::running(&changes, &[(0, setpoint)]);
     let mut history = Vec::new();
     for &position in positions {
         history.push(f64::from(position));
-        let expected = oracle(&bench.parameters, f64::from(setpoint), &history);
-        let counts = bench.step(position, [0, 0]);
+        let expected = oracle(&parameters, f64::from(setpoint), &history);
+        let counts = bench.take(Sample { position, ..Sample::default() });
         assert_eq!(f64::from(counts), expected, "{changes:?}, setpoint {setpoint}, positions {history:?}");
     }
 }
@@ -146,7 +114,8 @@ fn the_on_off_law_is_a_relay_on_position_velocity_and_quasi_transient_pressure()
             (id::RELAY_HYSTERESIS_COUNTS, hysteresis),
             (id::SCALE, scale),
         ];
-        let (mut controller, mut history) = (Bench::new(&changes, 0), vec![0.0; 5]); // at 0 before k = 0
+        let changes = [WIDE.as_slice(), &changes].concat();
+        let (mut controller, mut history) = (Bench::running(&changes, &[(0, 0)]), vec![0.0; 5]); // at 0 before k = 0
         let (mut side, mut mean) = (0.0, None);
         for k in 0..400 {
             let position = (f64::from(k) / 20.0).sin() * 30.0;
@@ -159,7 +128,9 @@ fn the_on_off_law_is_a_relay_on_position_velocity_and_quasi_transient_pressure()
             let (n, before) = (history[history.len() - 1], history[history.len() - 6]);
             let s = ((-256.0 * n - 100.0 * (n - before) - 775.0 * n_q) / f64::from(scale)).trunc();
             side = relay(side, s, f64::from(dead_zone), f64::from(hysteresis));
-            let counts = controller.step(position.trunc() as i32, [p1 as i16, p2 as i16]);
+            let (pressure_1, pressure_2) = (p1 as i16, p2 as i16);
+            let position = position.trunc() as i32;
+            let counts = controller.take(Sample { position, pressure_1, pressure_2, ..Sample::default() });
             assert_eq!(f64::from(counts), side * 2048.0, "k {k}, s {s}");
         }
     }

@@ -2,23 +2,28 @@
 
 use super::*;
 
-/// A harmonic oscillator: smooth, x = (cos t, -sin t).
-struct Oscillator;
+/// A system without events: its right-hand side alone.
+struct Smooth<F>(F);
 
-impl Hybrid<2, 0, 0> for Oscillator {
-    fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
-        [x[1], -x[0]]
+impl<const N: usize, F: FnMut(f64, &[f64; N]) -> [f64; N]> Hybrid<N, 0, 0> for Smooth<F> {
+    fn derivative(&mut self, t: f64, x: &[f64; N]) -> [f64; N] {
+        self.0(t, x)
     }
-    fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+    fn guards(&mut self, _: f64, _: &[f64; N]) -> [f64; 0] {
         []
     }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+    fn flow_guards(&mut self, _: f64, _: &[f64; N]) -> [f64; 0] {
         []
     }
     fn next_instant(&self, _: f64) -> f64 {
         f64::INFINITY
     }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 2]) {}
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; N]) {}
+}
+
+/// A harmonic oscillator: smooth, x = (cos t, -sin t).
+fn oscillator(_: f64, x: &[f64; 2]) -> [f64; 2] {
+    [x[1], -x[0]]
 }
 
 /// The oscillator's error at t = 2 in steps of exactly `h`.
@@ -28,7 +33,7 @@ fn error_with_step(method: Method, h: f64) -> f64 {
     for step in 1..=steps {
         integrator.wanted = 1.0;
         let t = f64::from(step) * h;
-        integrator.run_to(&mut Oscillator, t, t).expect("smooth");
+        integrator.run_to(&mut Smooth(oscillator), t, t).expect("smooth");
     }
     assert_eq!(integrator.work.steps, u64::from(steps));
     let x = integrator.state(2.0);
@@ -44,22 +49,8 @@ fn the_error_falls_with_the_order_of_the_method() {
 }
 
 /// x' = x^2 from 1: x = 1/(1-t): not linear.
-struct Riccati;
-
-impl Hybrid<1, 0, 0> for Riccati {
-    fn derivative(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
-        [x[0] * x[0]]
-    }
-    fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 1]) {}
+fn riccati(_: f64, x: &[f64; 1]) -> [f64; 1] {
+    [x[0] * x[0]]
 }
 
 #[test]
@@ -68,7 +59,9 @@ fn the_order_holds_on_a_nonlinear_problem() {
         let mut integrator = Integrator::<1, 0, 0>::new(method, 1e6, [1.0], [1.0]);
         for step in 1..=(0.5 / h).round() as u32 {
             integrator.wanted = 1.0;
-            integrator.run_to(&mut Riccati, f64::from(step) * h, f64::from(step) * h).expect("smooth");
+            integrator
+                .run_to(&mut Smooth(riccati), f64::from(step) * h, f64::from(step) * h)
+                .expect("smooth");
         }
         (integrator.state(0.5)[0] - 2.0).abs()
     };
@@ -84,7 +77,7 @@ fn the_dense_output_is_as_good_between_the_ends_of_a_step() {
         let error = |h: f64| {
             let mut integrator = Integrator::<2, 0, 0>::new(method, 1e6, [1.0; 2], [1.0, 0.0]);
             integrator.wanted = 1.0;
-            integrator.run_to(&mut Oscillator, h, h).expect("smooth");
+            integrator.run_to(&mut Smooth(oscillator), h, h).expect("smooth");
             let x = integrator.state(0.4 * h);
             (x[0] - (0.4 * h).cos()).hypot(x[1] + (0.4 * h).sin())
         };
@@ -98,7 +91,7 @@ fn a_tighter_tolerance_gives_a_smaller_error() {
     let error = |tolerance| {
         let mut integrator =
             Integrator::<2, 0, 0>::new(Method::DormandPrince, tolerance, [1.0; 2], [1.0, 0.0]);
-        integrator.run_to(&mut Oscillator, 10.0, 10.0).expect("smooth");
+        integrator.run_to(&mut Smooth(oscillator), 10.0, 10.0).expect("smooth");
         (integrator.state(10.0)[0] - 10.0_f64.cos()).abs()
     };
     assert!(error(1e-6) < 1e-4);
@@ -208,80 +201,38 @@ fn a_guard_that_begins_at_zero_and_comes_back_at_once_is_crossed_where_it_comes_
 }
 
 /// A right-hand side that fails.
-struct Broken;
-
-impl Hybrid<1, 0, 0> for Broken {
-    fn derivative(&mut self, t: f64, _: &[f64; 1]) -> [f64; 1] {
-        [if t > 0.5 { f64::NAN } else { 1.0 }]
-    }
-    fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 1]) {}
+fn broken(t: f64, _: &[f64; 1]) -> [f64; 1] {
+    [if t > 0.5 { f64::NAN } else { 1.0 }]
 }
 
 #[test]
 fn a_state_that_stops_being_a_number_is_said_with_its_time() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [0.0]);
-    let error = integrator.run_to(&mut Broken, 1.0, 1.0).expect_err("not a number");
+    let error = integrator.run_to(&mut Smooth(broken), 1.0, 1.0).expect_err("not a number");
     assert!(matches!(error, IntegrationError::NotANumber { at_s } if (at_s - 0.5).abs() < 1e-6), "{error}");
 }
 
 /// A rotation so fast that its steps come to nothing, though each one succeeds.
-struct Whirl;
-
-impl Hybrid<2, 0, 0> for Whirl {
-    fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
-        [1e9 * x[1], -1e9 * x[0]]
-    }
-    fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
-        []
-    }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 2]) {}
+fn whirl(_: f64, x: &[f64; 2]) -> [f64; 2] {
+    [1e9 * x[1], -1e9 * x[0]]
 }
 
 #[test]
 fn a_run_that_would_take_for_ever_is_ended_and_said_so() {
     let mut integrator = Integrator::<2, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0; 2], [1.0, 0.0]);
-    let error = integrator.run_to(&mut Whirl, 1.0, 1.0).expect_err("too fast");
+    let error = integrator.run_to(&mut Smooth(whirl), 1.0, 1.0).expect_err("too fast");
     assert!(matches!(error, IntegrationError::NoProgress { at_s } if at_s < 1e-3), "{error}");
 }
 
 /// A fast decay towards a slow oscillation (Prothero and Robinson): x = cos t.
-struct Chase;
-
-impl Hybrid<1, 0, 0> for Chase {
-    fn derivative(&mut self, t: f64, x: &[f64; 1]) -> [f64; 1] {
-        [-1e6 * (x[0] - t.cos()) - t.sin()]
-    }
-    fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 1]) {}
+fn chase(t: f64, x: &[f64; 1]) -> [f64; 1] {
+    [-1e6 * (x[0] - t.cos()) - t.sin()]
 }
 
 #[test]
 fn a_stiff_stretch_is_followed_in_steps_of_what_happens_in_it() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
-    integrator.run_to(&mut Chase, 3.0, 3.0).expect("a solution");
+    integrator.run_to(&mut Smooth(chase), 3.0, 3.0).expect("a solution");
     assert!(integrator.stiffness.implicit && integrator.work.steps < 1000, "{:?}", integrator.work);
     assert!((integrator.state(3.0)[0] - 3.0_f64.cos()).abs() < 1e-7);
 }
@@ -291,9 +242,9 @@ fn implicit_errors(h: f64) -> (f64, f64) {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-11, [1.0], [1.0]);
     let mut inside = 0.0_f64;
     for _ in 0..(0.5 / h).round() as u32 {
-        let slope = Riccati.derivative(integrator.t, &integrator.x);
-        let slopes = integrator.slopes(&mut Riccati, slope);
-        let trial = integrator.implicit_trial(&mut Riccati, slope, &slopes, h);
+        let slope = riccati(integrator.t, &integrator.x);
+        let slopes = integrator.slopes(&mut Smooth(riccati), slope);
+        let trial = integrator.implicit_trial(&mut Smooth(riccati), slope, &slopes, h);
         let middle = integrator.t + 0.5 * h;
         inside = inside.max((trial.segment.at(middle)[0] - 1.0 / (1.0 - middle)).abs());
         (integrator.t, integrator.x) = (integrator.t + h, trial.x);

@@ -20,24 +20,27 @@ pub fn running(config: &Config) -> State {
     state
 }
 
+/// Limits that nothing reaches.
+pub const WIDE: [(u16, i32); 5] = [
+    (id::POSITION_MIN_COUNTS, -i32::MAX),
+    (id::POSITION_MAX_COUNTS, i32::MAX),
+    (id::ENCODER_STEP_COUNTS, i32::MAX),
+    (id::SENSOR_LOW_RAW, -1),
+    (id::NO_MOTION_MS, 0),
+];
+
 /// Parameters with limits that nothing reaches.
 pub fn wide_open() -> Parameters {
-    let mut parameters = Parameters::default();
-    parameters.set(id::POSITION_MIN_COUNTS, -i32::MAX).expect("in range");
-    parameters.set(id::POSITION_MAX_COUNTS, i32::MAX).expect("in range");
-    parameters.set(id::ENCODER_STEP_COUNTS, i32::MAX).expect("in range");
-    parameters.set(id::SENSOR_LOW_RAW, -1).expect("in range");
-    parameters.set(id::NO_MOTION_MS, 0).expect("in range");
-    parameters
+    changed(&WIDE)
 }
 
-/// Parameters with changes.
-pub fn configured(changes: &[(u16, i32)]) -> Config {
+/// The default parameters with changes.
+pub fn changed(changes: &[(u16, i32)]) -> Parameters {
     let mut parameters = Parameters::default();
     for &(id, value) in changes {
         parameters.set(id, value).expect("in range");
     }
-    Config::new(&parameters).expect("they go together")
+    parameters
 }
 
 /// A sample at a position, with pressures that a sound sensor reads.
@@ -62,7 +65,8 @@ impl Bench {
         let mut state = State::default();
         state.supervisor.set_referenced();
         state.supervisor.arm().expect("not running");
-        Bench { config: configured(changes), sequence, state }
+        let config = Config::new(&changed(changes)).expect("they go together");
+        Bench { config, sequence, state }
     }
 
     /// The same, running.
