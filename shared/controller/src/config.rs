@@ -358,6 +358,12 @@ mod tests {
     }
 
     #[test]
+    fn a_time_without_motion_below_a_period_is_one_sample_and_none_is_off() {
+        let samples = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.no_motion_samples);
+        assert_eq!([0, 1, 13].map(samples), [Ok(0), Ok(1), Ok(10)], "periods of 1.3 ms");
+    }
+
+    #[test]
     fn parameters_that_do_not_go_together_are_named() {
         let cases: [(&[(u16, i32)], ConfigError); 4] = [
             (&[(id::PERIOD_US, 500)], ConfigError::DelayNotBelowPeriod),

@@ -304,6 +304,14 @@ mod tests {
     }
 
     #[test]
+    fn a_name_leads_to_its_line_and_no_name_to_none() {
+        for parameter in &TABLE {
+            assert_eq!(by_name(parameter.name).map(|found| found.id), Some(parameter.id));
+        }
+        assert!(by_name("velocity").is_none());
+    }
+
+    #[test]
     fn every_parameter_takes_the_ends_of_its_range_and_nothing_beyond() {
         for parameter in &TABLE {
             for id in [parameter.id, parameter.id + parameter.len - 1] {

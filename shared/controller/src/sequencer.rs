@@ -313,9 +313,9 @@ mod tests {
 
     #[test]
     fn a_dwell_comes_between_the_arrival_and_the_next_move() {
-        let dwell = MotionConfig { dwell: 2, ..FAST };
-        let (setpoints, _) = setpoints(&dwell, &sequence(&[(0, 10), (0, 20)], 100), &[9, 0, 5, 5, 5]);
-        assert_eq!(setpoints, [10, 10, 10, 10, 20], "arrived is arrived, also when it is pushed away");
+        let dwell = MotionConfig { dwell: 3, ..FAST };
+        let (setpoints, _) = setpoints(&dwell, &sequence(&[(0, 10), (0, 20)], 100), &[9, 0, 5, 5, 5, 5]);
+        assert_eq!(setpoints, [10, 10, 10, 10, 10, 20], "arrived is arrived, also when it is pushed away");
     }
 
     #[test]
