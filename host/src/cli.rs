@@ -1,6 +1,10 @@
 //! Arguments of the command line.
 
+mod transients;
+
 use std::path::PathBuf;
+
+pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -33,8 +37,12 @@ pub enum Command {
     Record(Record),
     /// Recorded inputs through the controller on the PC; its outputs compared, bit for bit
     Replay(Replay),
+    /// A transient in engineering units: its moves in figures, its channels as graphs
+    Eval(Eval),
     /// TARGET files and simulated runs on the same graphs, with their deviations
     Overlay(Overlay),
+    /// What frequencies a channel holds, as a graph and a table of its peaks
+    Spectrum(Spectrum),
 }
 
 /// Which rig, and what to change in it.
@@ -305,17 +313,4 @@ pub struct Record {
 pub struct Replay {
     /// A TARGET file that was recorded with test.decimation=1
     pub file: PathBuf,
-}
-
-/// Arguments of `overlay`.
-#[derive(Debug, Args)]
-pub struct Overlay {
-    /// What the others are held against: a TARGET file or a run folder
-    pub reference: PathBuf,
-    /// TARGET files and run folders
-    #[arg(required = true)]
-    pub others: Vec<PathBuf>,
-    /// Where to leave the page
-    #[arg(long, value_name = "FILE", default_value = "report.html")]
-    pub out: PathBuf,
 }

@@ -2,12 +2,14 @@
 
 mod demo;
 mod device;
+mod eval;
 mod overlay;
 mod record;
 mod replay;
 mod rig;
 mod run;
 mod simulate;
+mod spectrum;
 mod virtual_rig;
 
 use std::path::Path;
@@ -34,7 +36,9 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Record(arguments) => record::execute(&arguments),
         Command::Replay(arguments) => replay::execute(&arguments),
+        Command::Eval(arguments) => eval::execute(&arguments),
         Command::Overlay(arguments) => overlay::execute(&arguments),
+        Command::Spectrum(arguments) => spectrum::execute(&arguments),
     }
 }
 

@@ -1,7 +1,6 @@
 //! How far one transient is from another (the thesis's `stat`, Tab. 7.4).
 
-use std::fmt::Write;
-
+use crate::page::Table;
 use crate::transient::{CHANNELS, Transient};
 
 /// The deviation of one channel.
@@ -62,15 +61,20 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
     })
 }
 
-/// Headings of the table.
-pub const HEADINGS: [&str; 7] =
-    ["channel", "unit", "mean", "std deviation", "mean square", "largest", "rms / range"];
-
-/// The table's cells.
+/// The deviations as a table.
 #[must_use]
-pub fn cells(deviation: &Deviation) -> [String; 7] {
+pub fn table(heading: &str, deviations: &[Deviation]) -> Table {
+    let columns = ["channel", "unit", "mean", "std deviation", "mean square", "largest", "rms / range"];
+    Table {
+        heading: heading.to_owned(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows: deviations.iter().map(cells).collect(),
+    }
+}
+
+fn cells(deviation: &Deviation) -> Vec<String> {
     let percent = 100.0 * deviation.fraction_of_range;
-    [
+    vec![
         deviation.channel.to_owned(),
         deviation.unit.to_owned(),
         number(deviation.mean),
@@ -86,26 +90,6 @@ fn number(value: f64) -> String {
     format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0)
 }
 
-/// The deviations as a table of text.
-#[must_use]
-pub fn table(deviations: &[Deviation]) -> String {
-    let mut text = String::new();
-    let mut line = |cells: [&str; 7]| {
-        let [channel, unit, numbers @ ..] = cells;
-        write!(text, "{channel:<11} {unit:<7}").expect("writing to a string");
-        for number in numbers {
-            write!(text, " {number:>14}").expect("writing to a string");
-        }
-        text.push('\n');
-    };
-    line(HEADINGS);
-    for deviation in deviations {
-        let cells = cells(deviation);
-        line(std::array::from_fn(|i| cells[i].as_str()));
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,7 +97,8 @@ mod tests {
     fn transient(position: &[f64]) -> Transient {
         let mut channels: [Vec<f64>; CHANNELS.len()] = std::array::from_fn(|_| vec![0.0; position.len()]);
         channels[1] = position.to_vec();
-        Transient { name: String::new(), time: (0..position.len()).map(|i| i as f64).collect(), channels }
+        let time = (0..position.len()).map(|i| i as f64).collect();
+        Transient { time, channels, ..Transient::default() }
     }
 
     #[test]

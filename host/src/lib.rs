@@ -10,7 +10,11 @@
 //! | [`run_folder`] | trace.csv and run.json: read, write |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
-//! | [`report`] | the page with the graphs |
+//! | [`alignment`] | two transients on one time |
+//! | [`spectrum`] | which frequencies a channel holds |
+//! | [`evaluation`] | what a transient tells about its moves |
+//! | [`page`] | notes, tables and graphs in one file |
+//! | [`report`] | the page of transients |
 
 /// Prints a line. A reader that has gone, as in `pneudrive rig show servo-b | head -3`, is no reason
 /// to stop, let alone to panic as `println!` does.
@@ -21,16 +25,20 @@ macro_rules! say {
     }};
 }
 
+pub mod alignment;
 pub mod cli;
 pub mod client;
 pub mod command;
 pub mod deviation;
 #[cfg(unix)]
 pub mod emulated_board;
+pub mod evaluation;
+pub mod page;
 pub mod port;
 pub mod replay;
 pub mod report;
 pub mod run_folder;
+pub mod spectrum;
 pub mod target;
 pub mod transient;
 pub mod virtual_rig;

@@ -15,6 +15,12 @@ use crate::words;
 /// `format` of run.json.
 const FORMAT: &str = "pneudrive-run 1";
 
+/// `controller.loop` of a run whose moves are commands.
+const OPEN: &str = "open";
+
+/// Keys of the windows over which the controller forms velocity and acceleration.
+const WINDOWS: [&str; 2] = ["controller.velocity_window_samples", "controller.acceleration_window_samples"];
+
 /// Writes trace.csv and run.json of a run into a folder.
 ///
 /// # Errors
@@ -123,6 +129,10 @@ pub struct StoredRun {
     pub rig: String,
     /// mm of stroke per encoder count.
     pub mm_per_count: f64,
+    /// Whether its moves are commands.
+    pub open_loop: bool,
+    /// Windows of the controller's velocity and acceleration, samples.
+    pub windows: [u8; 2],
     columns: Vec<Vec<f64>>,
 }
 
@@ -136,7 +146,13 @@ impl StoredRun {
                 column.push(value);
             }
         }
-        StoredRun { rig: rig.name().to_owned(), mm_per_count: rig.number("encoder.mm_per_count"), columns }
+        StoredRun {
+            rig: rig.name().to_owned(),
+            mm_per_count: rig.number("encoder.mm_per_count"),
+            open_loop: rig.word("controller.loop") == OPEN,
+            windows: WINDOWS.map(|key| rig.integer(key) as u8),
+            columns,
+        }
     }
 
     /// Reads a run folder.
@@ -154,7 +170,10 @@ impl StoredRun {
         let text = fs::read_to_string(&trace_path)
             .with_context(|| format!("cannot read {}", trace_path.display()))?;
         let columns = columns_of(&text).with_context(|| trace_path.display().to_string())?;
-        Ok(StoredRun { rig, mm_per_count, columns })
+        let open_loop = description["keys"]["controller.loop"] == OPEN;
+        let window = |key: &str| description["keys"][key].as_u64().map(|samples| samples as u8);
+        let windows = WINDOWS.map(|key| window(key).unwrap_or(1));
+        Ok(StoredRun { rig, mm_per_count, open_loop, windows, columns })
     }
 
     /// A column of the trace by its name.

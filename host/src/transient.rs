@@ -18,8 +18,21 @@ pub const CHANNELS: [(&str, &str); 7] = [
     ("error", "counts"),
 ];
 
+/// Places in [`CHANNELS`].
+pub const SETPOINT: usize = 0;
+/// The position, mm.
+pub const POSITION: usize = 1;
+/// The pressures, kPa.
+pub const PRESSURES: [usize; 2] = [2, 3];
+/// The spool, mm.
+pub const SPOOL: usize = 4;
+/// The command, counts.
+pub const COMMAND: usize = 5;
+/// The error, counts.
+pub const ERROR: usize = 6;
+
 /// Channels over time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Transient {
     /// Where it comes from, for legends.
     pub name: String,
@@ -27,6 +40,14 @@ pub struct Transient {
     pub time: Vec<f64>,
     /// In the order of [`CHANNELS`].
     pub channels: [Vec<f64>; CHANNELS.len()],
+    /// The encoder count at each instant.
+    pub counts: Vec<i32>,
+    /// mm of stroke per encoder count.
+    pub mm_per_count: f64,
+    /// Windows of the controller's velocity and acceleration, samples.
+    pub windows: [u8; 2],
+    /// Air that flows into the chambers, kg/s; None of a record, which has no flows.
+    pub inflow_kg_s: Option<Vec<f64>>,
 }
 
 impl Transient {
@@ -72,6 +93,13 @@ impl Transient {
                 channel(&|s| f64::from(s.command)),
                 channel(&|s| f64::from(s.error)),
             ],
+            counts: file.samples.iter().map(|(_, sample)| sample.position).collect(),
+            mm_per_count: mm,
+            windows: [
+                file.number("param.velocity_window_samples")? as u8,
+                file.number("param.acceleration_window_samples")? as u8,
+            ],
+            inflow_kg_s: None,
         })
     }
 
@@ -80,11 +108,14 @@ impl Transient {
     pub fn of_run(name: &str, run: &StoredRun) -> Transient {
         let scaled =
             |column: &str, factor: f64| run.column(column).iter().map(|value| value * factor).collect();
+        let asked = if run.open_loop { f64::NAN } else { run.mm_per_count };
+        let inflow = |flows: (&f64, &f64)| flows.0.max(0.0) + flows.1.max(0.0);
+        let flows = run.column("mass_flow_1_kg_s").iter().zip(run.column("mass_flow_2_kg_s"));
         Transient {
             name: name.to_owned(),
             time: run.column("time_s").to_vec(),
             channels: [
-                scaled("setpoint_counts", run.mm_per_count),
+                scaled("setpoint_counts", asked),
                 scaled("position_m", 1e3),
                 scaled("pressure_1_pa", 1e-3),
                 scaled("pressure_2_pa", 1e-3),
@@ -92,6 +123,41 @@ impl Transient {
                 scaled("command_counts", 1.0),
                 scaled("error_counts", 1.0),
             ],
+            counts: run.column("position_counts").iter().map(|&count| count as i32).collect(),
+            mm_per_count: run.mm_per_count,
+            windows: run.windows,
+            inflow_kg_s: Some(flows.map(inflow).collect()),
+        }
+    }
+
+    /// Whether the setpoint is unknown throughout: the moves are commands.
+    #[must_use]
+    pub fn is_open_loop(&self) -> bool {
+        self.channels[SETPOINT].iter().all(|setpoint| setpoint.is_nan())
+    }
+
+    /// Time between two samples, s; 0 of a transient of less than two.
+    #[must_use]
+    pub fn period_s(&self) -> f64 {
+        match (self.time.first(), self.time.last()) {
+            (Some(first), Some(last)) if last > first => (last - first) / (self.time.len() - 1) as f64,
+            _ => 0.0,
+        }
+    }
+
+    /// What lies between two times, s, both included.
+    #[must_use]
+    pub fn between(&self, from: f64, to: f64) -> Transient {
+        let first = self.time.partition_point(|&time| time < from);
+        let end = self.time.partition_point(|&time| time <= to).max(first);
+        Transient {
+            name: self.name.clone(),
+            time: self.time[first..end].to_vec(),
+            channels: std::array::from_fn(|channel| self.channels[channel][first..end].to_vec()),
+            counts: self.counts[first..end].to_vec(),
+            mm_per_count: self.mm_per_count,
+            windows: self.windows,
+            inflow_kg_s: self.inflow_kg_s.as_ref().map(|flow| flow[first..end].to_vec()),
         }
     }
 
@@ -115,9 +181,8 @@ mod tests {
 
     #[test]
     fn between_samples_a_channel_is_a_straight_line_and_outside_there_is_none() {
-        let mut channels: [Vec<f64>; CHANNELS.len()] = std::array::from_fn(|_| vec![0.0; 3]);
-        channels[1] = vec![10.0, 20.0, 0.0];
-        let transient = Transient { name: String::new(), time: vec![0.0, 1.0, 2.0], channels };
+        let mut transient = Transient { time: vec![0.0, 1.0, 2.0], ..Transient::default() };
+        transient.channels[1] = vec![10.0, 20.0, 0.0];
         assert_eq!(transient.at(1, 0.25), Some(12.5));
         assert_eq!(transient.at(1, 1.0), Some(20.0));
         assert_eq!(transient.at(1, 0.0), Some(10.0));

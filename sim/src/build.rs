@@ -201,7 +201,9 @@ fn network(rig: &Rig, gas: Gas) -> Network {
     if supply_tube.is_none() { network.from_reservoir() } else { network }
 }
 
-fn actuator(rig: &Rig) -> Actuator {
+/// The cylinder of a rig.
+#[must_use]
+pub fn actuator(rig: &Rig) -> Actuator {
     let rod_diameter = rig.number("actuator.rod_diameter_m");
     let [blind, rod_side, rod] = Actuator::areas(rig.number("actuator.bore_m"), rod_diameter);
     let symmetric = rig.word("actuator.model") == "symmetric";

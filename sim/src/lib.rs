@@ -27,7 +27,7 @@
 pub mod actuator;
 pub mod air;
 mod assembly;
-mod build;
+pub mod build;
 pub mod continuous;
 pub mod discharge;
 pub mod dither;

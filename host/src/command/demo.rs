@@ -11,7 +11,7 @@ use super::run::run_test;
 use super::{load_rig, simulate};
 use crate::cli::Demo;
 use crate::client::Client;
-use crate::report::Report;
+use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::target::TargetFile;
 use crate::transient::Transient;
@@ -57,8 +57,8 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let name = target_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let transients =
         [Transient::of_target(&name, &target)?, Transient::of_run("simulated", &StoredRun::of(&model, &run))];
-    let deviations = overlay(&transients)?;
-    let notes = [
+    let tables = overlay(&transients)?;
+    let notes = vec![
         format!(
             "{name} was recorded on a virtual rig whose true parameters lie within {percent} % of the rig file's (seed {}), with noise on its sensors; the simulation knows only the rig file.",
             arguments.seed
@@ -67,7 +67,7 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     ];
     let title = format!("{}: {name} and the simulation", model.name());
     let page = arguments.out.join("report.html");
-    Report { title: &title, notes: &notes, transients: &transients, deviations: &deviations }.write(&page)?;
+    report::page(&title, notes, &transients, tables).write(&page)?;
     say!("open {} in a browser", page.display());
     Ok(())
 }

@@ -1,34 +1,58 @@
 //! `pneudrive overlay`.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 
-use crate::cli::Overlay;
-use crate::deviation::{Deviation, deviations, table};
-use crate::report::{GENERATOR, Report};
+use super::eval::stretch;
+use crate::alignment::{best_shift, first_move};
+use crate::cli::{Align, Overlay};
+use crate::deviation::{deviations, table};
+use crate::page::{GENERATOR, Table};
+use crate::report;
 use crate::run_folder::refuse_foreign;
 use crate::transient::Transient;
 
 pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     refuse_foreign(&arguments.out, GENERATOR)?;
-    let reference = Transient::read(&arguments.reference)?;
-    let mut transients = vec![reference];
+    let mut transients = vec![stretch(Transient::read(&arguments.reference)?, &arguments.stretch)?];
+    let mut notes = Vec::new();
     for path in &arguments.others {
-        transients.push(Transient::read(path)?);
+        let mut other = Transient::read(path)?;
+        let shift = shift(arguments.align, &transients[0], &other)?;
+        if shift != 0.0 {
+            other.time.iter_mut().for_each(|time| *time += shift);
+            notes.push(format!("{} is shifted by {:.3} ms.", other.name, 1e3 * shift));
+        }
+        transients.push(other);
     }
-    let deviations = overlay(&transients)?;
+    for note in &notes {
+        say!("{note}");
+    }
+    let tables = overlay(&transients)?;
     let title = format!("{} and {}", transients[0].name, names(&transients[1..]));
-    Report { title: &title, notes: &[], transients: &transients, deviations: &deviations }
-        .write(&arguments.out)?;
+    report::page(&title, notes, &transients, tables).write(&arguments.out)?;
     say!("{}", arguments.out.display());
     Ok(())
+}
+
+/// How far `other` has to be shifted, s.
+fn shift(align: Align, reference: &Transient, other: &Transient) -> Result<f64> {
+    let move_of =
+        |of: &Transient| first_move(of).with_context(|| format!("{} has no move to align by", of.name));
+    match align {
+        Align::Start => Ok(0.0),
+        Align::Move => Ok(move_of(reference)? - move_of(other)?),
+        Align::Correlation => best_shift(reference, other).with_context(|| {
+            format!("{} and {} have too little time in common to align", reference.name, other.name)
+        }),
+    }
 }
 
 fn names(transients: &[Transient]) -> String {
     transients.iter().map(|transient| transient.name.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// Prints the deviations of all others from the first, and gives them with their headings.
-pub(super) fn overlay(transients: &[Transient]) -> Result<Vec<(String, Vec<Deviation>)>> {
+/// Prints the deviations of all others from the first, and gives their tables.
+pub(super) fn overlay(transients: &[Transient]) -> Result<Vec<Table>> {
     let Some((reference, others)) = transients.split_first() else { bail!("there is nothing to compare") };
     let mut all = Vec::new();
     for other in others {
@@ -36,9 +60,9 @@ pub(super) fn overlay(transients: &[Transient]) -> Result<Vec<(String, Vec<Devia
         if found.is_empty() {
             bail!("{} and {} have no time in common", reference.name, other.name);
         }
-        let heading = format!("deviation of {} from {}", other.name, reference.name);
-        say!("{heading}\n{}", table(&found));
-        all.push((heading, found));
+        let table = table(&format!("deviation of {} from {}", other.name, reference.name), &found);
+        say!("{}\n{}", table.heading, table.to_text());
+        all.push(table);
     }
     Ok(all)
 }

@@ -5,7 +5,7 @@ use pneudrive_sim::{Rig, Run, run_watched};
 
 use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
-use crate::report::Report;
+use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::transient::Transient;
 use crate::words;
@@ -24,9 +24,8 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     run_folder::write(&arguments.out, &rig, accuracy, &run)?;
     let transient = Transient::of_run("simulated", &StoredRun::of(&rig, &run));
     let title = format!("{}, simulated", rig.name());
-    let report =
-        Report { title: &title, notes: &[summary(&rig, &run)], transients: &[transient], deviations: &[] };
-    report.write(&arguments.out.join("report.html"))?;
+    let page = report::page(&title, vec![summary(&rig, &run)], &[transient], Vec::new());
+    page.write(&arguments.out.join("report.html"))?;
     say!("{}", summary(&rig, &run));
     say!("{}: trace.csv, run.json, report.html", arguments.out.display());
     Ok(())

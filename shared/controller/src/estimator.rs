@@ -75,7 +75,7 @@ impl Estimator {
     }
 
     /// Takes the sample k and tells the motion at k.
-    pub(crate) fn update(&mut self, config: &EstimatorConfig, input: &Sample) -> Motion {
+    pub fn update(&mut self, config: &EstimatorConfig, input: &Sample) -> Motion {
         let difference = i32::from(input.pressure_1) - i32::from(input.pressure_2);
         if self.taken == 0 {
             self.pressures = difference << MEAN_SHIFT;

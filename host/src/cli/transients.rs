@@ -1,0 +1,135 @@
+//! Arguments of the commands that look at transients.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+/// A stretch of time.
+#[derive(Debug, Args)]
+pub struct Stretch {
+    /// Leave out what is before, s from the start of the test
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub from: Option<f64>,
+    /// Leave out what is after, s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub to: Option<f64>,
+}
+
+/// Arguments of `eval`.
+#[derive(Debug, Args)]
+pub struct Eval {
+    /// A TARGET file or a run folder
+    pub file: PathBuf,
+    /// The stretch to evaluate.
+    #[command(flatten)]
+    pub stretch: Stretch,
+    /// A move has settled within this distance of its setpoint
+    #[arg(long, value_name = "MM", default_value_t = 0.05, value_parser = positive)]
+    pub tolerance: f64,
+    /// The rig of a record: its cylinder tells how much air the moves took
+    #[arg(long)]
+    pub rig: Option<String>,
+    /// Where to leave the page
+    #[arg(long, value_name = "FILE", default_value = "eval.html")]
+    pub out: PathBuf,
+    /// Also write the channels, with velocity and acceleration, as CSV
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err("must be more than 0".to_owned()) }
+}
+
+/// Arguments of `spectrum`.
+#[derive(Debug, Args)]
+pub struct Spectrum {
+    /// A TARGET file or a run folder
+    pub file: PathBuf,
+    /// The channel
+    #[arg(value_enum)]
+    pub channel: Channel,
+    /// A second transient on the same graph
+    #[arg(long, value_name = "FILE")]
+    pub with: Option<PathBuf>,
+    /// The second transient's channel; the same one if left out
+    #[arg(long, value_enum, requires = "with")]
+    pub with_channel: Option<Channel>,
+    /// The stretch of time.
+    #[command(flatten)]
+    pub stretch: Stretch,
+    /// What the samples are weighted by
+    #[arg(long, value_enum, default_value_t = Window::Hann)]
+    pub window: Window,
+    /// Where to leave the page
+    #[arg(long, value_name = "FILE", default_value = "spectrum.html")]
+    pub out: PathBuf,
+    /// Also write the channel as integers of 12 bits, -2048 to 2048, a line each
+    #[arg(long, value_name = "FILE")]
+    pub ascii: Option<PathBuf>,
+}
+
+/// Names of the channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Channel {
+    /// The position, mm
+    Position,
+    /// Its velocity, as the controller estimates it, mm/s
+    Velocity,
+    /// Its acceleration, as the controller estimates it, mm/s^2
+    Acceleration,
+    /// Pressure in chamber 1, kPa
+    #[value(name = "pressure-1")]
+    Pressure1,
+    /// Pressure in chamber 2, kPa
+    #[value(name = "pressure-2")]
+    Pressure2,
+    /// The spool, mm
+    Spool,
+    /// The command, counts
+    Command,
+    /// The error, counts
+    Error,
+}
+
+/// Names of the windows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Window {
+    /// Narrow peaks, amplitudes up to 1.4 dB low
+    Hann,
+    /// Amplitudes to 0.01 dB, wide peaks
+    FlatTop,
+    /// No weighting: for a whole number of periods
+    Rectangular,
+}
+
+/// Arguments of `overlay`.
+#[derive(Debug, Args)]
+pub struct Overlay {
+    /// What the others are held against: a TARGET file or a run folder
+    pub reference: PathBuf,
+    /// TARGET files and run folders
+    #[arg(required = true)]
+    pub others: Vec<PathBuf>,
+    /// How their times are made one
+    #[arg(long, value_enum, default_value_t = Align::Start)]
+    pub align: Align,
+    /// The stretch of the reference to compare.
+    #[command(flatten)]
+    pub stretch: Stretch,
+    /// Where to leave the page
+    #[arg(long, value_name = "FILE", default_value = "report.html")]
+    pub out: PathBuf,
+}
+
+/// How transients are laid over each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Align {
+    /// By the start of their tests
+    Start,
+    /// By the beginning of their first move
+    Move,
+    /// By the shift at which their positions agree best
+    Correlation,
+}

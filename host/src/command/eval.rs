@@ -1,0 +1,112 @@
+//! `pneudrive eval`.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::{Result, bail};
+
+use super::load_rig;
+use crate::cli::{Eval, Stretch};
+use crate::evaluation::{Chambers, Motion, moves, table};
+use crate::page::{Curve, Figure, GENERATOR, Page, Panel};
+use crate::report;
+use crate::run_folder::{put, refuse_foreign};
+use crate::transient::{CHANNELS, Transient};
+
+/// Names of the columns behind the channels in a CSV file.
+const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
+
+pub(super) fn execute(arguments: &Eval) -> Result<()> {
+    refuse_foreign(&arguments.out, GENERATOR)?;
+    let transient = stretch(Transient::read(&arguments.file)?, &arguments.stretch)?;
+    let motion = Motion::of(&transient);
+    let rig = arguments.rig.as_ref().map(|rig| load_rig(rig, &[])).transpose()?;
+    let chambers = rig.as_ref().map(Chambers::of);
+    let moves = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
+    let table = table(&moves, arguments.tolerance);
+    say!("{}\n{}", table.heading, table.to_text());
+    if let Some(path) = &arguments.csv {
+        write_csv(path, &transient, &motion)?;
+        say!("{}", path.display());
+    }
+    let page = Page {
+        title: format!("{}, evaluated", transient.name),
+        notes: notes(&transient, chambers.is_some()),
+        tables: vec![table],
+        figures: vec![Figure::over_time(panels(&transient, &motion))],
+    };
+    page.write(&arguments.out)?;
+    say!("{}", arguments.out.display());
+    Ok(())
+}
+
+/// What lies in a stretch of a transient.
+///
+/// # Errors
+/// When nothing does.
+pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transient> {
+    let (from, to) = (stretch.from.unwrap_or(f64::NEG_INFINITY), stretch.to.unwrap_or(f64::INFINITY));
+    let part = transient.between(from, to);
+    if part.time.len() < 2 {
+        match (transient.time.first(), transient.time.last()) {
+            (Some(first), Some(last)) => bail!(
+                "{} has fewer than two samples there; it goes from {first:.4} s to {last:.4} s",
+                transient.name
+            ),
+            _ => bail!("{} has no samples", transient.name),
+        }
+    }
+    Ok(part)
+}
+
+fn notes(transient: &Transient, chambers: bool) -> Vec<String> {
+    let [v, a] = transient.windows;
+    let mut notes = vec![format!(
+        "Velocity and acceleration are the controller's own: differences over {v} and {a} samples of {:.4} ms.",
+        1e3 * transient.period_s()
+    )];
+    if transient.inflow_kg_s.is_none() {
+        notes.push(if chambers {
+            "The air comes from pressures and positions at the supply's temperature; pressure that rises by compression counts as well, so it is an upper bound.".to_owned()
+        } else {
+            "A record has no flows: --rig tells the cylinder, and with it the air that the moves took."
+                .to_owned()
+        });
+    }
+    notes
+}
+
+/// The channels, with velocity and acceleration under the position.
+fn panels(transient: &Transient, motion: &Motion) -> Vec<Panel> {
+    let curve = |title: &str, values: &[f64]| {
+        let name = title.split(',').next().unwrap_or(title);
+        Panel::new(title, vec![Curve::new(name, transient.time.clone(), values.to_vec())])
+    };
+    let mut panels = report::panels(std::slice::from_ref(transient));
+    panels.insert(1, curve(MOTION[0], &motion.velocity_mm_s));
+    panels.insert(2, curve(MOTION[1], &motion.acceleration_mm_s2));
+    panels
+}
+
+/// Header and a line a sample; what is not known is left empty.
+fn write_csv(path: &Path, transient: &Transient, motion: &Motion) -> Result<()> {
+    let names = CHANNELS.iter().map(|(name, unit)| format!("{name}, {unit}"));
+    let names: Vec<String> = names.chain(MOTION.map(str::to_owned)).map(|name| column(&name)).collect();
+    let mut text = format!("time_s,{}\n", names.join(","));
+    for (k, time) in transient.time.iter().enumerate() {
+        let channels = transient.channels.iter().map(|channel| channel[k]);
+        write!(text, "{time:.7}")?;
+        for value in channels.chain([motion.velocity_mm_s[k], motion.acceleration_mm_s2[k]]) {
+            let cell = if value.is_finite() { format!("{value:.6}") } else { String::new() };
+            write!(text, ",{cell}")?;
+        }
+        text.push('\n');
+    }
+    refuse_foreign(path, "time_s,setpoint_mm")?;
+    put(path, &text)
+}
+
+/// `pressure 1, kPa` as the name of a column: `pressure_1_kpa`.
+fn column(title: &str) -> String {
+    title.replace(", ", "_").replace([' ', '/'], "_").replace('^', "").to_lowercase()
+}

@@ -1,0 +1,168 @@
+//! Graphs above each other over one axis, so that zooming one zooms all.
+
+use plotly::common::{Anchor, DashType, Font, Line, LineShape, Marker, Mode, Orientation};
+use plotly::layout::{Axis, AxisType, HoverMode, Legend, Margin};
+use plotly::{Layout, Plot, Scatter};
+
+/// Height of a panel, and of a figure's axis with its title, pixels.
+const PANEL_HEIGHT: usize = 235;
+const FRAME_HEIGHT: usize = 75;
+
+/// The y axes that the plotting library has: the most panels of a figure.
+const Y_AXES: [fn(Layout, Axis) -> Layout; 8] = [
+    Layout::y_axis,
+    Layout::y_axis2,
+    Layout::y_axis3,
+    Layout::y_axis4,
+    Layout::y_axis5,
+    Layout::y_axis6,
+    Layout::y_axis7,
+    Layout::y_axis8,
+];
+
+/// Panels over one axis.
+#[derive(Clone, Debug, Default)]
+pub struct Figure {
+    /// Its heading; may be empty.
+    pub heading: String,
+    /// Name and unit of the axis that all panels share.
+    pub across: String,
+    /// Whether that axis is logarithmic.
+    pub logarithmic: bool,
+    /// From top to bottom, eight at most.
+    pub panels: Vec<Panel>,
+}
+
+/// Curves on one vertical axis.
+#[derive(Clone, Debug, Default)]
+pub struct Panel {
+    /// Name and unit of the vertical axis.
+    pub title: String,
+    /// Whether it is logarithmic.
+    pub logarithmic: bool,
+    /// What is drawn.
+    pub curves: Vec<Curve>,
+}
+
+/// How a curve is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Look {
+    /// A line.
+    #[default]
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// Each value holds until the next one.
+    Steps,
+    /// The same, dashed.
+    DashedSteps,
+    /// Points alone.
+    Points,
+}
+
+/// One curve. Values that are no numbers leave a gap.
+#[derive(Clone, Debug, Default)]
+pub struct Curve {
+    /// For the legend.
+    pub name: String,
+    /// Along the shared axis.
+    pub x: Vec<f64>,
+    /// As many as x.
+    pub y: Vec<f64>,
+    /// How it is drawn.
+    pub look: Look,
+    /// Such as `#1f4e9c`; the library's next one if None.
+    pub colour: Option<&'static str>,
+}
+
+impl Curve {
+    /// A line in the next colour.
+    #[must_use]
+    pub fn new(name: &str, x: Vec<f64>, y: Vec<f64>) -> Curve {
+        Curve { name: name.to_owned(), x, y, ..Curve::default() }
+    }
+
+    fn trace(&self, row: usize) -> Box<dyn plotly::Trace> {
+        let values: Vec<Option<f64>> =
+            self.y.iter().map(|value| value.is_finite().then_some(*value)).collect();
+        let (shape, dash) = match self.look {
+            Look::Steps => (LineShape::Hv, DashType::Solid),
+            Look::DashedSteps => (LineShape::Hv, DashType::Dash),
+            Look::Dashed => (LineShape::Linear, DashType::Dash),
+            Look::Line | Look::Points => (LineShape::Linear, DashType::Solid),
+        };
+        let mut line = Line::new().width(1.5).dash(dash).shape(shape);
+        let mut marker = Marker::new().size(5);
+        if let Some(colour) = self.colour {
+            (line, marker) = (line.color(colour), marker.color(colour));
+        }
+        let mode = if self.look == Look::Points { Mode::Markers } else { Mode::Lines };
+        Scatter::new(self.x.clone(), values)
+            .mode(mode)
+            .line(line)
+            .marker(marker)
+            .name(&self.name)
+            .y_axis(axis_name(row))
+    }
+}
+
+impl Panel {
+    /// Curves on a linear axis.
+    #[must_use]
+    pub fn new(title: &str, curves: Vec<Curve>) -> Panel {
+        Panel { title: title.to_owned(), logarithmic: false, curves }
+    }
+}
+
+impl Figure {
+    /// Panels over the time in seconds, without a heading.
+    #[must_use]
+    pub fn over_time(panels: Vec<Panel>) -> Figure {
+        Figure { across: "time, s".to_owned(), panels, ..Figure::default() }
+    }
+
+    /// Height in pixels.
+    pub(super) fn height(&self) -> usize {
+        FRAME_HEIGHT + PANEL_HEIGHT * self.panels.len()
+    }
+
+    pub(super) fn plot(&self) -> Plot {
+        let mut plot = Plot::new();
+        for (row, panel) in self.panels.iter().enumerate() {
+            for curve in &panel.curves {
+                plot.add_trace(curve.trace(row));
+            }
+        }
+        plot.set_layout(self.layout());
+        plot.set_configuration(plotly::Configuration::new().responsive(true).display_logo(false));
+        plot
+    }
+
+    fn layout(&self) -> Layout {
+        let last = self.panels.len().saturating_sub(1);
+        let layout = Layout::new()
+            .height(self.height())
+            .margin(Margin::new().top(30).right(20).left(70).bottom(50))
+            .font(Font::new().size(13))
+            .hover_mode(HoverMode::XUnified)
+            .show_legend(true)
+            .legend(Legend::new().orientation(Orientation::Horizontal).y(1.01).y_anchor(Anchor::Bottom))
+            .x_axis(axis(&self.across, self.logarithmic).anchor(axis_name(last)));
+        let share = 1.0 / self.panels.len() as f64;
+        let rows = Y_AXES.iter().zip(&self.panels).enumerate();
+        rows.fold(layout, |layout, (row, (set, panel))| {
+            let top = 1.0 - row as f64 * share;
+            let bottom = if row == last { 0.0 } else { top - share + 0.03 };
+            set(layout, axis(&panel.title, panel.logarithmic).domain(&[bottom, top]).zero_line(false))
+        })
+    }
+}
+
+fn axis(title: &str, logarithmic: bool) -> Axis {
+    let axis = Axis::new().title(title);
+    if logarithmic { axis.type_(AxisType::Log) } else { axis }
+}
+
+fn axis_name(row: usize) -> String {
+    if row == 0 { "y".to_owned() } else { format!("y{}", row + 1) }
+}
