@@ -12,7 +12,7 @@ use crate::board::Board;
 use crate::configuration::Configuration;
 use crate::recorder::Recorder;
 use crate::store::{NotStored, Store};
-use crate::timing::Histogram;
+use crate::timing::Clock;
 
 /// Bytes of a test's name.
 pub const NAME_BYTES: usize = 32;
@@ -66,21 +66,6 @@ pub enum ChangeError {
     Inconsistent(ConfigError),
 }
 
-/// When samples came.
-#[derive(Clone, Copy, Debug, Default)]
-struct Clock {
-    first_us: u64,
-    last_us: u64,
-    samples: u64,
-    intervals: Histogram,
-    latencies: Histogram,
-}
-
-/// A time that fits, or the longest.
-fn microseconds(time_us: u64) -> u32 {
-    u32::try_from(time_us).unwrap_or(u32::MAX)
-}
-
 /// The controller, its configuration, the test and the recorder: its own, or one that is lent, since
 /// a microcontroller has no room to make it on the stack. By default: disarmed, with the thesis's
 /// parameters and no test.
@@ -123,12 +108,13 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// What waits for a disarmed drive: stores what was logged. The board calls it from where the port is
-    /// served.
+    /// What waits for idle time: settles the timing, and stores what was logged once the drive is disarmed. The
+    /// board calls it from where the port is served.
     ///
     /// # Errors
     /// When the flash does not take it.
     pub fn tidy_up(&mut self, board: &mut impl Board) -> Result<(), NotStored> {
+        self.settle_timing();
         if self.state.supervisor.drives() || self.spool_walks() {
             return Ok(());
         }
@@ -158,7 +144,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// one: an interrupt has a frame of its own, whatever calls it.
     #[inline(never)]
     pub fn on_sample(&mut self, board: &mut impl Board) {
-        self.judge_lateness(board.now_us());
+        self.judge_lateness(board.now_us() as u32);
         self.watch_host(board);
         self.sampled = Some(self.state.supervisor.mode());
         let input = board.read_sensors(self.configuration.config());
@@ -172,8 +158,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         board.drive(self.configuration.config(), command);
         self.record();
         self.log_fault(board);
-        let latency = microseconds(board.now_us().wrapping_sub(self.clock.last_us));
-        self.clock.latencies.take(latency, self.configuration.config().timing.delay_us.get());
+        self.clock.output(board.now_us() as u32);
     }
 
     /// Gives the present sample to the recorder, once, by what the mode was when it was taken: requests
@@ -190,21 +175,13 @@ impl<R: BorrowMut<Recorder>> Control<R> {
 
     /// A sample whose distance from the one before is off the period by more than the allowed time
     /// trips; so does one that is missing, since the next one is a whole period late.
-    fn judge_lateness(&mut self, now_us: u64) {
+    fn judge_lateness(&mut self, now_us: u32) {
         let timing = &self.configuration.config().timing;
-        let clock = &mut self.clock;
-        if clock.samples == 0 {
-            clock.first_us = now_us;
-        } else {
-            let interval = microseconds(now_us.wrapping_sub(clock.last_us));
-            clock.intervals.take(interval, timing.period_us.get());
-            let off = interval.abs_diff(timing.period_us.get());
-            if off > timing.late_sample_us && self.state.supervisor.drives() {
-                self.state.supervisor.trip(Fault::LateSample);
-            }
+        let Some(interval_us) = self.clock.sample(now_us, timing) else { return };
+        let off_us = interval_us.abs_diff(timing.period_us.get());
+        if off_us > timing.late_sample_us && self.state.supervisor.drives() {
+            self.state.supervisor.trip(Fault::LateSample);
         }
-        clock.last_us = now_us;
-        clock.samples += 1;
     }
 
     fn watch_host(&mut self, board: &impl Board) {
@@ -222,19 +199,23 @@ impl<R: BorrowMut<Recorder>> Control<R> {
 
     /// Mean interval of the samples since the clock was restarted, ns; the period before there are two.
     #[must_use]
-    pub fn measured_period_ns(&self) -> u32 {
-        let elapsed_ns = (self.clock.last_us - self.clock.first_us).saturating_mul(1000);
+    pub fn measured_period_ns(&mut self) -> u32 {
+        self.settle_timing();
         let nominal = self.config().timing.period_us.get().saturating_mul(1000);
-        elapsed_ns
-            .checked_div(self.clock.samples.saturating_sub(1))
-            .and_then(|mean| u32::try_from(mean).ok())
-            .unwrap_or(nominal)
+        self.clock.mean_interval_ns().unwrap_or(nominal)
     }
 
     /// How even the samples are: from one to the next, and from a sample to the end of its output.
     #[must_use]
-    pub fn timing(&self) -> [Spread; 2] {
-        [self.clock.intervals.spread(), self.clock.latencies.spread()]
+    pub fn timing(&mut self) -> [Spread; 2] {
+        self.settle_timing();
+        self.clock.spreads()
+    }
+
+    /// Takes the times of the last sample into their histograms: what the control interrupt leaves to who is
+    /// idle, before the next sample.
+    pub fn settle_timing(&mut self) {
+        self.clock.settle(&self.configuration.config().timing);
     }
 
     /// Mode, limits, fault latch.

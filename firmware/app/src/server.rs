@@ -294,6 +294,7 @@ const DIGEST_AT_ONCE: usize = 64;
 fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_> {
     let over = !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running);
     let crc = if over { control.recorder.borrow_mut().digest(DIGEST_AT_ONCE) } else { None };
+    let measured_period_ns = control.measured_period_ns();
     let recorder: &Recorder = control.recorder.borrow();
     ReplyBody::RecordInfo(RecordInfo {
         test: control.test().name(),
@@ -302,7 +303,7 @@ fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_>
         decimation: recorder.decimation() as u16,
         pre_trigger: recorder.pre_trigger(),
         complete: crc.is_some(),
-        measured_period_ns: control.measured_period_ns(),
+        measured_period_ns,
         mean_spool_raw: recorder.mean_spool(),
         crc32: crc.unwrap_or(0),
     })

@@ -67,6 +67,12 @@ impl Drive {
         }
     }
 
+    /// Whether the control has run since this was last asked; its times are settled then.
+    fn has_run(&mut self) -> bool {
+        self.control.settle_timing();
+        core::mem::take(&mut self.ran)
+    }
+
     /// What waits for a disabled drive. False when the flash does not take it.
     fn tidy_up(&mut self) -> bool {
         !self.board.rests() || self.control.tidy_up(&mut self.board).is_ok()
@@ -90,7 +96,7 @@ impl Talk {
             self.listen(drive);
             self.port.send();
         }
-        if drive.lock(|drive| core::mem::take(&mut drive.ran)) {
+        if drive.lock(Drive::has_run) {
             self.watchdog.feed();
             self.tidy_up(drive);
         }
