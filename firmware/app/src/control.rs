@@ -352,7 +352,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The next run starts where the last one has learned to. Between runs only, and not before the next
     /// one: a record is read with the parameters that it was taken with.
     fn take_over_null_offset(&mut self, board: &mut impl Board) {
-        let learned = self.state.learned_null_offset(self.config());
+        let learned = self.state.learned_null_offset();
         if learned == 0 || matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
             return;
         }

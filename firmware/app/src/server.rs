@@ -239,7 +239,7 @@ fn motion(control: &Control<impl BorrowMut<Recorder>>) -> Motion {
         },
         begun: moves.begun() as u16,
         not_reached: moves.not_reached(),
-        learned_null_offset: state.learned_null_offset(control.config()),
+        learned_null_offset: state.learned_null_offset(),
     }
 }
 

@@ -37,7 +37,7 @@ probes! {
         state.start(config, sequence);
     probe_home(state: &mut State) -> Result<(), Refusal> = state.home();
     probe_reference_at(state: &mut State, position: i32) = state.reference(position);
-    probe_learned(state: &State, config: &Config) -> i32 = state.learned_null_offset(config);
+    probe_learned(state: &State) -> i32 = state.learned_null_offset();
 
     probe_reference(state: &mut State) = state.supervisor.set_referenced();
     probe_arm(state: &mut State) -> Result<(), Refusal> = state.supervisor.arm();

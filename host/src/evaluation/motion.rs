@@ -1,6 +1,5 @@
 //! Velocity and acceleration of a transient, as the controller estimates them.
 
-use pneudrive_controller::Sample;
 use pneudrive_controller::estimator::{Estimator, EstimatorConfig};
 
 use crate::transient::Transient;
@@ -30,7 +29,7 @@ impl Motion {
             .counts
             .iter()
             .map(|&position| {
-                let motion = estimator.update(&windows, &Sample { position, ..Sample::default() });
+                let motion = estimator.update(&windows, position);
                 (motion.velocity as f64 * velocity, motion.acceleration as f64 * acceleration)
             })
             .unzip();

@@ -1,30 +1,19 @@
-//! Velocity and acceleration as differences of encoder counts (thesis 6.3.3, flags L(14), L(52), L(77)),
-//! and the quasi-transient part of the pressure difference.
+//! Velocity and acceleration as differences of encoder counts (thesis 6.3.3, flags L(14), L(52), L(77)).
 //!
 //! ```text
 //! n_v[k] = n[k] - n[k - Wv]          counts per Wv samples
 //! n_a[k] = n_v[k] - n_v[k - Wa]      counts per Wv and Wa samples
-//! n_q[k] = q[k] - mean of q          q = raw P1 - raw P2
 //! ```
 //!
 //! The thesis's "vary mode" is lost; EQUATIONS section 9 resolves it to these windows (5 and 3
 //! samples by default). One history of positions serves both: n_a needs n at k, k - Wv, k - Wa and
 //! k - Wv - Wa. Values are exact: no rounding, no overflow (34 bits at most, held in 64).
-//!
-//! The mean of q forgets with a time constant of 64 samples, so that a standing pressure difference
-//! (a load's weight) is no feedback: Burrows' servomechanism has it so (Burrows and Webb, "Further study
-//! of a low-pressure on-off pneumatic servomechanism"; the time constant is our choice).
-
-use crate::signal::Sample;
 
 /// Positions kept; the sum of both windows must be smaller.
 const HISTORY: usize = 128;
 
 /// Longest window, samples. Two of them and the present sample fit the history.
 pub const MAX_WINDOW_SAMPLES: u8 = 63;
-
-/// The mean of the pressure difference forgets in 2^this samples.
-const MEAN_SHIFT: u32 = 6;
 
 /// The windows, in samples, 1 to [`MAX_WINDOW_SAMPLES`] each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,12 +31,12 @@ pub struct Motion {
     pub position: i32,
     /// `|n[k] - n[k-1]|`, counts: what the supervisor judges the encoder by.
     pub step: u32,
+    /// `|n_v[k]|`, counts per velocity window: 32 bits hold it.
+    pub speed: u32,
     /// `n_v[k]`, counts per velocity window.
     pub velocity: i64,
     /// `n_a[k]`, counts per velocity window per acceleration window.
     pub acceleration: i64,
-    /// `n_q[k]`, raw: the quasi-transient part of the pressure difference.
-    pub pressure: i32,
 }
 
 /// The history of positions. Before its first sample the drive stood where that one found it, so a
@@ -58,13 +47,11 @@ pub struct Estimator {
     newest: usize,
     /// Samples taken, as far as they are kept.
     taken: usize,
-    /// 2^MEAN_SHIFT times the mean of q.
-    pressures: i32,
 }
 
 impl Default for Estimator {
     fn default() -> Self {
-        Estimator { positions: [0; HISTORY], newest: 0, taken: 0, pressures: 0 }
+        Estimator { positions: [0; HISTORY], newest: 0, taken: 0 }
     }
 }
 
@@ -74,34 +61,38 @@ impl Estimator {
         self.taken = 0;
     }
 
-    /// Takes the sample k and tells the motion at k.
-    pub fn update(&mut self, config: &EstimatorConfig, input: &Sample) -> Motion {
-        let difference = i32::from(input.pressure_1) - i32::from(input.pressure_2);
-        if self.taken == 0 {
-            self.pressures = difference << MEAN_SHIFT;
-        }
-        self.newest = (self.newest + 1) % HISTORY;
-        self.positions[self.newest] = input.position;
-        self.taken = HISTORY.min(self.taken + 1);
-        self.pressures += difference - (self.pressures >> MEAN_SHIFT);
-
+    /// Takes the position at sample k and tells the motion at k.
+    pub fn update(&mut self, config: &EstimatorConfig, position: i32) -> Motion {
         let v = usize::from(config.velocity_window);
         let a = usize::from(config.acceleration_window);
-        let [n, n_v, n_a, n_va] = [0, v, a, a + v].map(|samples| i64::from(self.back(samples)));
-        let velocity = n - n_v;
-        let velocity_before = n_a - n_va;
-        Motion {
-            position: input.position,
-            step: input.position.abs_diff(self.back(1)),
-            velocity,
-            acceleration: velocity - velocity_before,
-            pressure: difference - (self.pressures >> MEAN_SHIFT),
+        let mut windows = [v, a, a + v];
+        if self.taken < HISTORY {
+            self.begin(&mut windows, position);
         }
+        let step = position.abs_diff(self.back(0));
+        self.newest = (self.newest + 1) % HISTORY;
+        self.positions[self.newest] = position;
+
+        let [n_v, n_a, n_va] = windows.map(|samples| self.back(samples));
+        let velocity = i64::from(position) - i64::from(n_v);
+        let velocity_before = i64::from(n_a) - i64::from(n_va);
+        let acceleration = velocity - velocity_before;
+        Motion { position, step, speed: position.abs_diff(n_v), velocity, acceleration }
     }
 
-    /// `n[k - samples]`; before the first sample, that one's.
+    /// Windows that end at the first sample, and the position before that one.
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, windows: &mut [usize; 3], position: i32) {
+        if self.taken == 0 {
+            self.positions[self.newest % HISTORY] = position;
+        }
+        *windows = windows.map(|samples| samples.min(self.taken));
+        self.taken += 1;
+    }
+
+    /// `n[k - samples]`.
     fn back(&self, samples: usize) -> i32 {
-        let samples = samples.min(self.taken.wrapping_sub(1));
         self.positions[self.newest.wrapping_sub(samples) % HISTORY]
     }
 }
@@ -110,21 +101,13 @@ impl Estimator {
 mod tests {
     use super::*;
 
-    fn at(position: i32) -> Sample {
-        Sample { position, ..Sample::default() }
-    }
-
-    fn pressures(pressure_1: i16, pressure_2: i16) -> Sample {
-        Sample { pressure_1, pressure_2, ..Sample::default() }
-    }
-
     const THESIS: EstimatorConfig = EstimatorConfig { velocity_window: 5, acceleration_window: 3 };
 
     #[test]
     fn a_drive_at_rest_has_no_velocity_from_the_first_sample_on() {
         let mut estimator = Estimator::default();
         for _ in 0..20 {
-            let motion = estimator.update(&THESIS, &at(8192));
+            let motion = estimator.update(&THESIS, 8192);
             assert_eq!((motion.velocity, motion.acceleration, motion.step), (0, 0, 0));
         }
     }
@@ -133,19 +116,19 @@ mod tests {
     fn what_was_before_a_new_beginning_is_no_motion() {
         let (mut used, mut new) = (Estimator::default(), Estimator::default());
         for k in 0..200 {
-            used.update(&THESIS, &at(50 * k));
+            used.update(&THESIS, 50 * k);
         }
         used.forget();
         for k in 0..200 {
-            let input = Sample { pressure_1: 3000, ..at(8192 + k * k) };
-            assert_eq!(used.update(&THESIS, &input), new.update(&THESIS, &input));
+            let position = 8192 + k * k;
+            assert_eq!(used.update(&THESIS, position), new.update(&THESIS, position));
         }
     }
 
     #[test]
     fn constant_speed_is_counts_per_window_without_acceleration() {
         let mut estimator = Estimator::default();
-        let motion = (0..20).map(|k| estimator.update(&THESIS, &at(7 * k))).last().expect("samples");
+        let motion = (0..20).map(|k| estimator.update(&THESIS, 7 * k)).last().expect("samples");
         assert_eq!((motion.velocity, motion.acceleration, motion.step), (35, 0, 7));
     }
 
@@ -153,7 +136,7 @@ mod tests {
     fn constant_acceleration_is_the_product_of_the_windows() {
         // n = k^2: n_v = 10 k - 25, n_a = 10 * 3.
         let mut estimator = Estimator::default();
-        let motion = (0..20).map(|k| estimator.update(&THESIS, &at(k * k))).last().expect("samples");
+        let motion = (0..20).map(|k| estimator.update(&THESIS, k * k)).last().expect("samples");
         assert_eq!((motion.velocity, motion.acceleration), (10 * 19 - 25, 30));
     }
 
@@ -162,7 +145,7 @@ mod tests {
         let longest =
             EstimatorConfig { velocity_window: MAX_WINDOW_SAMPLES, acceleration_window: MAX_WINDOW_SAMPLES };
         let mut estimator = Estimator::default();
-        let motion = (0..300).map(|k| estimator.update(&longest, &at(k * k))).last().expect("samples");
+        let motion = (0..300).map(|k| estimator.update(&longest, k * k)).last().expect("samples");
         assert_eq!(motion.velocity, 299 * 299 - (299 - 63) * (299 - 63));
         assert_eq!(motion.acceleration, 2 * 63 * 63);
     }
@@ -170,35 +153,9 @@ mod tests {
     #[test]
     fn the_ends_of_the_count_range_do_not_overflow() {
         let mut estimator = Estimator::default();
-        estimator.update(&THESIS, &at(i32::MIN));
-        let motion = estimator.update(&THESIS, &at(i32::MAX));
+        estimator.update(&THESIS, i32::MIN);
+        let motion = estimator.update(&THESIS, i32::MAX);
         assert_eq!(motion.velocity, (1 << 32) - 1);
         assert_eq!(motion.acceleration, (1 << 32) - 1);
-    }
-
-    #[test]
-    fn a_step_of_pressure_is_fed_back_and_forgotten() {
-        let mut estimator = Estimator::default();
-        assert_eq!(estimator.update(&THESIS, &pressures(1000, 2000)).pressure, 0, "standing from the start");
-        let after = |n: usize, estimator: &mut Estimator| {
-            (0..n)
-                .map(|_| estimator.update(&THESIS, &pressures(1640, 2000)).pressure)
-                .last()
-                .expect("samples")
-        };
-        assert_eq!(after(1, &mut estimator), 630, "640 less what the mean took of it");
-        let after_64 = after(63, &mut estimator);
-        assert!((230..=240).contains(&after_64), "640 / e after 64 samples: {after_64}");
-        assert!((0..=1).contains(&after(1000, &mut estimator)), "a standing difference is no feedback");
-    }
-
-    #[test]
-    fn the_ends_of_the_pressure_range_do_not_overflow() {
-        let mut estimator = Estimator::default();
-        estimator.update(&THESIS, &pressures(i16::MIN, i16::MAX));
-        for _ in 0..1000 {
-            let motion = estimator.update(&THESIS, &pressures(i16::MAX, i16::MIN));
-            assert!(motion.pressure.abs() <= 2 * 65_535);
-        }
     }
 }

@@ -19,8 +19,9 @@ pub(crate) fn saturate(value: i64) -> i32 {
 /// The magnitudes are divided, since an unsigned division by a `NonZeroU32` has no path that traps.
 /// EQUATIONS section 9: the thesis says "/" and "shifting"; toward zero keeps the law odd.
 pub(crate) fn divide_toward_zero(value: i32, divisor: NonZeroU32) -> i32 {
-    let magnitude = i64::from(value.unsigned_abs() / divisor);
-    saturate(if value < 0 { -magnitude } else { magnitude })
+    // At most 2^31, which is what i32::MIN by 1 gives: as its own negative.
+    let magnitude = (value.unsigned_abs() / divisor) as i32;
+    if value < 0 { magnitude.wrapping_neg() } else { magnitude }
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //!   `demand = n_DAC1 / scale + sign(n_p) dead zone + null offset`. The profile's high gains on small
 //!   errors, "based on the findings of Moore" (Appendix IX), do the same.
 //! - **On-off** (L(22) = 2): Burrows' relay with a dead zone and hysteresis, on position, velocity and
-//!   quasi-transient pressure ([`Motion::pressure`], gain k5 = C(68)). The relay switches on
+//!   quasi-transient pressure ([`crate::pressure`], gain k5 = C(68)). The relay switches on
 //!   `s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale`; its demand is the full range to either side, or 0.
 //!
 //! Inside the position dead band the demand is the null offset alone; inside the velocity dead band n_v
@@ -27,6 +27,8 @@ use crate::drive::MAX_COUNTS;
 use crate::estimator::Motion;
 use crate::fixed::{divide_toward_zero, saturate};
 use crate::learning::NullOffset;
+use crate::pressure::Mean;
+use crate::signal::Sample;
 
 /// Entries of the gain profile (thesis 6.3.3).
 pub const PROFILE_LEN: usize = 256;
@@ -115,6 +117,7 @@ impl Relay {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Memory {
     pub relay: Relay,
+    pub pressure: Mean,
     pub null_offset: NullOffset,
 }
 
@@ -125,39 +128,49 @@ pub(crate) fn demand(
     setpoint: i32,
     error: i32,
     motion: &Motion,
+    input: &Sample,
 ) -> i32 {
     match (config.control_loop, config.kind) {
         (Loop::Open, _) => setpoint,
         (Loop::Closed, LawKind::OnOff) => {
-            let s = weighed(config, error, motion);
+            let s = relay_input(config, &mut memory.pressure, error, motion, input);
             let side = memory.relay.switch(s, config.dead_band, config.relay_hysteresis);
             i32::from(side) * i32::from(MAX_COUNTS)
         }
         (Loop::Closed, _) => {
-            let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts(config.scale));
+            let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts());
             from_null(config, error, motion).saturating_add(null)
         }
     }
 }
 
+/// s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale.
+fn relay_input(config: &LawConfig, mean: &mut Mean, error: i32, motion: &Motion, input: &Sample) -> i32 {
+    let pressure = i64::from(config.pressure_feedback_gain) * i64::from(mean.transient(input));
+    scaled(config, weighed(config, config.proportional_gain, error, motion) - pressure)
+}
+
 /// The demand as the valve's null has it.
 fn from_null(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
     if error.unsigned_abs() < config.dead_band {
-        0
-    } else {
-        weighed(config, error, motion).saturating_add(across_dead_zone(config, error))
+        return 0;
     }
+    let sum = weighed(config, position_gain(config, error), error, motion);
+    scaled(config, sum).saturating_add(across_dead_zone(config, error))
 }
 
-/// (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale.
-fn weighed(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
-    let still = motion.velocity.unsigned_abs() < u64::from(config.velocity_dead_band);
+/// Kp n_p - Kv n_v - Ka n_a: 16 + 32, 16 + 33 and 16 + 34 bits, so the sum is exact in 64, also with the 16 + 17
+/// bits of k5 n_q.
+fn weighed(config: &LawConfig, gain: u16, error: i32, motion: &Motion) -> i64 {
+    let still = motion.speed < config.velocity_dead_band;
     let velocity = if still { 0 } else { motion.velocity };
-    // 32 + 16, 33 + 16, 34 + 16 and 17 + 16 bits: the sum is exact in 64.
-    let sum = i64::from(position_gain(config, error)) * i64::from(error)
+    i64::from(gain) * i64::from(error)
         - i64::from(config.velocity_gain) * velocity
         - i64::from(config.acceleration_gain) * motion.acceleration
-        - i64::from(pressure_gain(config)) * i64::from(motion.pressure);
+}
+
+/// Saturated once, and divided toward zero.
+fn scaled(config: &LawConfig, sum: i64) -> i32 {
     divide_toward_zero(saturate(sum), config.scale)
 }
 
@@ -169,14 +182,6 @@ fn position_gain(config: &LawConfig, error: i32) -> u16 {
             config.gain_profile[index as usize]
         }
         LawKind::Proportional | LawKind::MooreProportional | LawKind::OnOff => config.proportional_gain,
-    }
-}
-
-/// k5: the on-off law alone feeds the pressure back.
-fn pressure_gain(config: &LawConfig) -> u16 {
-    match config.kind {
-        LawKind::OnOff => config.pressure_feedback_gain,
-        LawKind::GainProfile | LawKind::Proportional | LawKind::MooreProportional => 0,
     }
 }
 

@@ -13,19 +13,23 @@ use core::num::NonZeroU32;
 
 use crate::fixed::{divide_toward_zero, saturate};
 
-/// What has been learned, times the scale of the law.
+/// What has been learned: times the scale of the law, and in valve counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct NullOffset(i32);
+pub(crate) struct NullOffset {
+    scaled: i32,
+    counts: i32,
+}
 
 impl NullOffset {
     /// A move has ended with this error, counts.
-    pub fn learn(&mut self, gain: u16, error: i32) {
-        self.0 = self.0.saturating_add(saturate(i64::from(gain) * i64::from(error)));
+    pub fn learn(&mut self, gain: u16, error: i32, scale: NonZeroU32) {
+        self.scaled = self.scaled.saturating_add(saturate(i64::from(gain) * i64::from(error)));
+        self.counts = divide_toward_zero(self.scaled, scale);
     }
 
     /// The offset, valve counts.
-    pub fn counts(self, scale: NonZeroU32) -> i32 {
-        divide_toward_zero(self.0, scale)
+    pub fn counts(self) -> i32 {
+        self.counts
     }
 }
 
@@ -38,18 +42,18 @@ mod tests {
         let scale = NonZeroU32::new(256).expect("not zero");
         let mut offset = NullOffset::default();
         for (error, counts) in [(3, 1), (3, 3), (-20, -7), (0, -7)] {
-            offset.learn(128, error);
-            assert_eq!(offset.counts(scale), counts);
+            offset.learn(128, error, scale);
+            assert_eq!(offset.counts(), counts);
         }
-        offset.learn(u16::MAX, i32::MIN);
-        offset.learn(u16::MAX, i32::MIN);
-        assert_eq!(offset.counts(scale), i32::MIN / 256, "saturated, not wrapped");
+        offset.learn(u16::MAX, i32::MIN, scale);
+        offset.learn(u16::MAX, i32::MIN, scale);
+        assert_eq!(offset.counts(), i32::MIN / 256, "saturated, not wrapped");
     }
 
     #[test]
     fn without_a_gain_nothing_is_learned() {
         let mut offset = NullOffset::default();
-        offset.learn(0, i32::MAX);
+        offset.learn(0, i32::MAX, NonZeroU32::MIN);
         assert_eq!(offset, NullOffset::default());
     }
 }

@@ -22,6 +22,7 @@
 //! | [`law`] | error, velocity and acceleration to an unlimited demand |
 //! | [`learning`] | the command at which the valve is at its null, learned at rest |
 //! | [`homing`] | the run that gives counts their meaning |
+//! | `pressure` | the quasi-transient part of the pressure difference |
 //! | [`limits`] | what an axis may do |
 //! | [`supervisor`] | modes and fault latch: the last word on every command |
 //! | [`drive`] | the drive stages: counts of a DAC, pulses of a stepper |
@@ -44,6 +45,7 @@ pub mod law;
 pub mod learning;
 pub mod limits;
 pub mod parameters;
+mod pressure;
 pub mod sequencer;
 pub mod signal;
 mod standstill;
@@ -58,7 +60,7 @@ pub use supervisor::{Fault, Mode, Refusal};
 use drive::{DriveConfig, SpoolLocation};
 use estimator::{Estimator, Motion};
 use homing::{Homing, Progress};
-use law::{Loop, Memory};
+use law::{LawConfig, Loop, Memory};
 use limits::Evidence;
 use sequencer::Sequencer;
 use supervisor::Supervisor;
@@ -101,8 +103,8 @@ impl State {
     /// What this run has learned of the valve's null, counts: the next run starts with the null offset
     /// of the parameters, so it is to be added there.
     #[must_use]
-    pub fn learned_null_offset(&self, config: &Config) -> i32 {
-        self.law.null_offset.counts(config.law.scale)
+    pub fn learned_null_offset(&self) -> i32 {
+        self.law.null_offset.counts()
     }
 
     /// What was learned has become part of the parameters.
@@ -176,11 +178,10 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
     let motion = state.estimate(config, input);
     let target = state.target(config, sequence, motion.position);
     state.watch(config, input, &motion);
-    let demand = state.demand(config, &target, &motion, input.home_switch);
+    let demand = state.demand(config, &target, &motion, input);
     let command = state.supervisor.permit(&config.law, config.drive.limit(demand));
     state.observation = Observation {
         running: target.running,
-        index: state.sequencer.index(),
         setpoint: target.setpoint,
         error: target.error,
         command,
@@ -201,7 +202,7 @@ impl State {
     fn estimate(&mut self, config: &Config, input: &Sample) -> Motion {
         self.encoder = input.position;
         let position = input.position.wrapping_sub(self.origin);
-        let motion = self.estimator.update(&config.estimator, &Sample { position, ..*input });
+        let motion = self.estimator.update(&config.estimator, position);
         self.observation = Observation {
             position,
             velocity: motion.velocity,
@@ -224,11 +225,15 @@ impl State {
         let rested = if over {
             self.supervisor.finish();
             self.sequencer.close()
+        } else if running {
+            self.observation.index = self.sequencer.taken();
+            self.sequencer.advance(&config.motion, sequence)
         } else {
-            running && self.sequencer.advance(&config.motion, sequence)
+            false
         };
         if rested {
-            self.law.null_offset.learn(config.law.learning_gain, self.observation.error);
+            let LawConfig { learning_gain, scale, .. } = config.law;
+            self.law.null_offset.learn(learning_gain, self.observation.error, scale);
         }
         let setpoint = self.sequencer.setpoint();
         let error = law::error(&config.law, setpoint, position);
@@ -252,11 +257,11 @@ impl State {
         self.supervisor.watch(&config.limits, &evidence);
     }
 
-    fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, home_switch: bool) -> i32 {
+    fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {
         if self.supervisor.mode() == Mode::Homing {
-            return self.seek(config, motion, home_switch);
+            return self.seek(config, motion, input.home_switch);
         }
-        let demand = law::demand(&config.law, &mut self.law, target.setpoint, target.error, motion);
+        let demand = law::demand(&config.law, &mut self.law, target.setpoint, target.error, motion, input);
         match config.law.control_loop {
             Loop::Open if self.supervisor.is_referenced() => config.limits.hold_back(demand, motion.position),
             _ => demand,

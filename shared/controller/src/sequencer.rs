@@ -147,8 +147,11 @@ impl Sequencer {
 
     /// The next move, if its time has come and it need not wait for the one before.
     fn due(&self, config: &MotionConfig, sequence: &Sequence) -> Option<Move> {
+        if self.taken < self.next_at {
+            return None;
+        }
         let waits = config.on_arrival && self.next_move > 0 && !self.ended;
-        if self.taken < self.next_at || waits {
+        if waits {
             return None;
         }
         sequence.moves().get(self.next_move).filter(|next| next.at_sample <= self.taken).copied()
@@ -217,9 +220,9 @@ impl Sequencer {
         self.setpoint
     }
 
-    /// k of the last sample taken.
-    pub(crate) fn index(&self) -> u32 {
-        self.taken.saturating_sub(1)
+    /// Samples taken: k of the next one.
+    pub(crate) fn taken(&self) -> u32 {
+        self.taken
     }
 
     /// Whether the last sample of the run has been taken, or the last move has ended that others wait
@@ -292,7 +295,7 @@ mod tests {
             sequencer.is_over(&TIMED, &sequence)
         });
         assert_eq!(over, [false, false, false, true]);
-        assert_eq!(sequencer.index(), 3);
+        assert_eq!(sequencer.taken(), 4);
     }
 
     #[test]

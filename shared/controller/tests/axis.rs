@@ -244,10 +244,10 @@ fn the_null_offset_is_learned_where_a_move_ends_that_has_arrived() {
     let mut bench = Bench::running(&learning, &[(0, 100), (3, 200), (6, 400)]);
     assert_eq!(bench.hold(at(93), 3), 7);
     assert_eq!(bench.take(at(193)), 7 + 7, "what was left of the first move is added");
-    assert_eq!(bench.state.learned_null_offset(&bench.config), 7);
+    assert_eq!(bench.state.learned_null_offset(), 7);
     bench.hold(at(150), 2);
     assert_eq!(bench.take(at(300)), 100 + 7, "the second one was pushed away again: that is no rest");
-    assert_eq!(bench.state.learned_null_offset(&bench.config), 7);
+    assert_eq!(bench.state.learned_null_offset(), 7);
     bench.state.forget_null_offset();
-    assert_eq!(bench.state.learned_null_offset(&bench.config), 0, "it is in the parameters now");
+    assert_eq!(bench.state.learned_null_offset(), 0, "it is in the parameters now");
 }
