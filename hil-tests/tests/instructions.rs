@@ -2,7 +2,7 @@
 //! instructions of whole runs in the emulator.
 #![cfg(unix)]
 
-use pneudrive_hil_tests::cost::{BUDGET, HELD, HELD_FIRST, document, measure, parts, table, together};
+use pneudrive_hil_tests::cost::{BUDGET, Cost, HELD, HELD_FIRST, document, measure, parts, table, together};
 
 /// How far a figure may be off the table, per cent.
 const TOLERANCE: u64 = 3;
@@ -16,6 +16,10 @@ fn sample_and_output_take_no_more_instructions_than_is_held() {
     let costs = measure().expect("an emulated board");
     let (both, first) = together(&costs);
     println!("{}\nall: {both}, first samples {first}, budget {BUDGET}", table(&costs));
+    for Cost { run, figures } in &costs {
+        let mean = figures.control_instructions.mean();
+        assert!(mean <= BUDGET, "{run}: {mean:.0} instructions in the mean, the budget is {BUDGET}");
+    }
     assert!(both.most <= HELD, "{} instructions at most, held are {HELD}", both.most);
     assert!(first.most <= HELD_FIRST, "{} at a first sample, held are {HELD_FIRST}", first.most);
 

@@ -127,13 +127,11 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.state.spool_location() != SpoolLocation::default()
     }
 
-    /// Logs the fault that the drive is in, once.
+    /// Logs the fault that the drive is in, once: only arming leaves it.
     fn log_fault(&mut self, board: &mut impl Board) {
-        let Mode::Fault(fault) = self.state.supervisor.mode() else {
-            self.logged = false;
-            return;
-        };
-        if !self.logged {
+        if let Mode::Fault(fault) = self.state.supervisor.mode()
+            && !self.logged
+        {
             let (seen, now_us) = (*self.state.observation(), board.now_us());
             board.store().log(fault.code(), seen.index, seen.position, now_us);
             self.logged = true;
@@ -343,6 +341,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.log_fault(board);
         self.take_over_null_offset(board);
         self.state.supervisor.arm()?;
+        self.logged = false;
         // Storing has stalled the processor: what was late while disarmed is no fault.
         self.clock = Clock::default();
         self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);

@@ -33,9 +33,9 @@ pub struct Recorder {
     /// Index of the oldest stored sample.
     first_index: i32,
     started: bool,
-    spool_sum: i64,
-    /// CRC-32 of the samples up to `digested`.
+    /// CRC-32 of the samples up to `digested`, and the sum of the spool channel of those of the run.
     crc: RecordCrc,
+    spool_sum: i64,
     digested: usize,
 }
 
@@ -117,7 +117,6 @@ impl Recorder {
         }
         self.put(self.ring + self.stored, seen);
         self.stored += 1;
-        self.spool_sum += i64::from(seen.spool);
     }
 
     fn put(&mut self, place: usize, seen: &Observation) {
@@ -172,10 +171,12 @@ impl Recorder {
         self.pre_triggered() as u16
     }
 
-    /// Mean of the spool channel over the run, rounded toward zero; 0 for an empty record.
+    /// Mean of the spool channel over the run, as far as it is [digested](Recorder::digest), rounded toward zero;
+    /// 0 for an empty record.
     #[must_use]
     pub fn mean_spool(&self) -> i16 {
-        self.spool_sum.checked_div(self.stored as i64).unwrap_or(0) as i16
+        let samples = self.digested.saturating_sub(self.pre_triggered());
+        self.spool_sum.checked_div(samples as i64).unwrap_or(0) as i16
     }
 
     /// The stored bytes of sample `i`; 0 is the oldest.
@@ -192,16 +193,44 @@ impl Recorder {
         self.samples.as_chunks().0.get(place)
     }
 
-    /// Takes up to `samples` more samples of a finished record into its CRC, and tells it once all
-    /// are in: a whole record at once would keep the control interrupt waiting.
+    /// Takes up to `samples` more samples of a finished record into its CRC and the mean of the spool, and tells
+    /// the CRC once all are in: a whole record at once would keep the control interrupt waiting.
     pub fn digest(&mut self, samples: usize) -> Option<u32> {
         let end = self.len().min(self.digested.saturating_add(samples));
         for i in self.digested..end {
             if let Some(sample) = self.get(i).copied() {
                 self.crc.update(&sample);
+                let spool = i64::from(RecordedSample::from_bytes(&sample).spool);
+                self.spool_sum += if i < self.pre_triggered() { 0 } else { spool };
             }
         }
         self.digested = end;
         (end == self.len()).then(|| self.crc.clone().finish())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::boxed::Box;
+
+    #[test]
+    fn the_mean_of_the_spool_is_that_of_the_run_once_all_of_it_is_digested() {
+        let mut recorder = Box::new(Recorder::new());
+        recorder.arm(1, 2);
+        let seen = |index, spool| Observation { index, spool, ..Observation::default() };
+        for spool in [900, 1000, 1100] {
+            recorder.before_start(&seen(0, spool));
+        }
+        recorder.start();
+        for (index, spool) in [(0, 10), (1, 20), (2, -31)] {
+            recorder.store(&seen(index, spool));
+        }
+        assert_eq!((recorder.digest(4), recorder.mean_spool()), (None, 15));
+        assert!(recorder.digest(4).is_some(), "two from before and three of the run");
+        assert_eq!(recorder.mean_spool(), 0, "-1 / 3, toward zero");
+        recorder.empty();
+        assert_eq!(recorder.mean_spool(), 0);
     }
 }

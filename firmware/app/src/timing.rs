@@ -38,6 +38,7 @@ impl Clock {
     }
 
     /// Takes the noted times into the histograms.
+    #[cold]
     #[inline(never)]
     pub fn settle(&mut self, timing: &Timing) {
         if let Some(interval_us) = self.interval_us.take() {

@@ -152,11 +152,16 @@ fn relay_input(config: &LawConfig, mean: &mut Mean, error: i32, motion: &Motion,
 
 /// The demand as the valve's null has it.
 fn from_null(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
-    if error.unsigned_abs() < config.dead_band {
-        return 0;
+    let by_gain = |gain| scaled(config, weighed(config, gain, error, motion));
+    match config.kind {
+        _ if error.unsigned_abs() < config.dead_band => 0,
+        LawKind::GainProfile => by_gain(profile_gain(config, error)),
+        LawKind::MooreProportional => {
+            let across_dead_zone = error.signum() * i32::from(config.dead_zone);
+            by_gain(config.proportional_gain).saturating_add(across_dead_zone)
+        }
+        LawKind::Proportional | LawKind::OnOff => by_gain(config.proportional_gain),
     }
-    let sum = weighed(config, position_gain(config, error), error, motion);
-    scaled(config, sum).saturating_add(across_dead_zone(config, error))
 }
 
 /// Kp n_p - Kv n_v - Ka n_a: 16 + 32, 16 + 33 and 16 + 34 bits, so the sum is exact in 64, also with the 16 + 17
@@ -174,23 +179,10 @@ fn scaled(config: &LawConfig, sum: i64) -> i32 {
     divide_toward_zero(saturate(sum), config.scale)
 }
 
-/// Kp for this error.
-fn position_gain(config: &LawConfig, error: i32) -> u16 {
-    match config.kind {
-        LawKind::GainProfile => {
-            let index = (error.unsigned_abs() / config.profile_span).min(PROFILE_LEN as u32 - 1);
-            config.gain_profile[index as usize]
-        }
-        LawKind::Proportional | LawKind::MooreProportional | LawKind::OnOff => config.proportional_gain,
-    }
-}
-
-/// What Moore's law adds in the direction of the error.
-fn across_dead_zone(config: &LawConfig, error: i32) -> i32 {
-    match config.kind {
-        LawKind::MooreProportional => error.signum() * i32::from(config.dead_zone),
-        LawKind::GainProfile | LawKind::Proportional | LawKind::OnOff => 0,
-    }
+/// Kp[i] for this error.
+fn profile_gain(config: &LawConfig, error: i32) -> u16 {
+    let index = (error.unsigned_abs() / config.profile_span).min(PROFILE_LEN as u32 - 1);
+    config.gain_profile[index as usize]
 }
 
 #[cfg(test)]

@@ -59,7 +59,8 @@ impl Limits {
     }
 
     fn are_pressures(&self, raw_1: i16, raw_2: i16) -> bool {
-        self.sensor_low < raw_1.min(raw_2) && i32::from(raw_1.max(raw_2)) < self.sensor_high
+        let is_pressure = |raw: i16| self.sensor_low < raw && i32::from(raw) < self.sensor_high;
+        is_pressure(raw_1) && is_pressure(raw_2)
     }
 }
 

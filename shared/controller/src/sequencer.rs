@@ -135,26 +135,31 @@ pub struct Sequencer {
 impl Sequencer {
     /// Takes sample k; the setpoint is 0 before the first move. Whether it ends a move that rests.
     pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
-        let mut rested = false;
-        while let Some(due) = self.due(config, sequence) {
-            rested |= self.close();
-            self.begin(due.target);
-            self.next_at = sequence.moves().get(self.next_move).map_or(u32::MAX, |next| next.at_sample);
-        }
+        let rested = self.taken >= self.next_at && !self.waits(config) && self.move_on(config, sequence);
         self.taken = self.taken.saturating_add(1);
         rested
     }
 
-    /// The next move, if its time has come and it need not wait for the one before.
-    fn due(&self, config: &MotionConfig, sequence: &Sequence) -> Option<Move> {
-        if self.taken < self.next_at {
-            return None;
+    /// Whether the next move waits for the end of the one before.
+    fn waits(&self, config: &MotionConfig) -> bool {
+        config.on_arrival && self.next_move > 0 && !self.ended
+    }
+
+    /// Begins the moves that are due, of which the last one holds. Whether one before it rests.
+    #[cold]
+    #[inline(never)]
+    fn move_on(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
+        let mut rested = false;
+        while let Some(next) = sequence.moves().get(self.next_move) {
+            self.next_at = next.at_sample;
+            if self.taken < self.next_at || self.waits(config) {
+                return rested;
+            }
+            rested |= self.close();
+            self.begin(next.target);
         }
-        let waits = config.on_arrival && self.next_move > 0 && !self.ended;
-        if waits {
-            return None;
-        }
-        sequence.moves().get(self.next_move).filter(|next| next.at_sample <= self.taken).copied()
+        self.next_at = u32::MAX;
+        rested
     }
 
     fn begin(&mut self, target: i32) {
