@@ -52,6 +52,19 @@ fn a_step_of_the_encoder_as_long_as_allowed_does_not_trip() {
     }
 }
 
+/// What the recorder and the status show.
+#[test]
+fn a_sample_of_a_run_is_observed_as_it_came_with_what_was_made_of_it() {
+    let mut bench = Bench::running(&[], &[(0, 1000)]);
+    bench.hold(at(100), 10);
+    bench.take(Sample { position: 107, pressure_1: 1500, pressure_2: 2500, spool: 9, ..Sample::default() });
+    let seen = *bench.state.observation();
+    assert_eq!((seen.index, seen.running), (10, true));
+    assert_eq!((seen.position, seen.setpoint, seen.error), (107, 1000, 893));
+    assert_eq!((seen.velocity, seen.acceleration), (7, 7));
+    assert_eq!((seen.pressure_1, seen.pressure_2, seen.spool), (1500, 2500, 9));
+}
+
 /// Swapped tubes, a lost encoder, a stuck spool: the law pushes and nothing moves.
 #[test]
 fn a_closed_loop_that_pushes_and_moves_nothing_trips() {
@@ -71,6 +84,10 @@ fn one_that_moves_or_asks_for_less_than_half_of_the_valve_does_not() {
     let mut gentle = Bench::running(&[(id::NO_MOTION_MS, 13)], &[(0, 1124)]);
     assert_eq!(gentle.hold(at(100), 100), 1024);
     assert_eq!(gentle.mode(), Mode::Running, "1024 of 2048 is not more than half");
+    let mut firmer = Bench::running(&[(id::NO_MOTION_MS, 13)], &[(0, 1125)]);
+    assert_eq!(firmer.hold(at(100), 10), 1025);
+    firmer.take(at(100));
+    assert_eq!(firmer.mode(), Mode::Fault(Fault::NoMotion), "1025 is");
     let mut open = Bench::running(&[(id::NO_MOTION_MS, 13), OPEN_LOOP], &[(0, 2048)]);
     assert_eq!(open.hold(at(100), 100), 2048, "an open loop may stand at a stop");
     let mut off = Bench::running(&[(id::NO_MOTION_MS, 0)], FAR);
