@@ -1,9 +1,8 @@
 //! What the control interrupt costs, over runs of the servo-drives in the emulator.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use pneudrive::emulated_board::{Figures, Spread};
 use pneudrive_sim::Rig;
 
@@ -67,34 +66,15 @@ pub fn together(costs: &[Cost]) -> (Spread, Spread) {
     })
 }
 
-const BEGIN: &str = "<!-- instructions -->\n";
-const END: &str = "<!-- end -->\n";
-
-/// The document that holds the table.
-#[must_use]
-pub fn document() -> PathBuf {
-    xtask::cargo::root().join("docs/firmware-figures.md")
-}
-
-/// The document's text before the table, the table, and the text behind it.
-///
-/// # Errors
-/// When the text has no table.
-pub fn parts(text: &str) -> Result<(&str, &str, &str)> {
-    let (before, rest) = text.split_once(BEGIN).context("there is no mark before the table")?;
-    let (table, behind) = rest.split_once(END).context("there is no mark behind the table")?;
-    Ok((before, table, behind))
-}
+/// The table's name in docs/firmware-figures.md.
+pub const TABLE: &str = "instructions";
 
 /// Measures, and writes the table of the document anew.
 ///
 /// # Errors
 /// When there is no emulated board, or no document.
 pub fn write_the_table() -> Result<()> {
-    let text = std::fs::read_to_string(document())?;
-    let (before, _, behind) = parts(&text)?;
-    let table = table(&measure()?);
-    Ok(std::fs::write(document(), format!("{before}{BEGIN}{table}{END}{behind}"))?)
+    xtask::figures::write(TABLE, &table(&measure()?))
 }
 
 /// Steps that begin, arrive and are reversed.

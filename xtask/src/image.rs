@@ -140,7 +140,14 @@ impl Image {
         (reached, indirect)
     }
 
-    fn instructions_of(&self, name: &str) -> &[Instruction] {
+    /// The function that an instruction of another one calls or goes on in; none if it stays where it is.
+    pub(crate) fn callee(&self, caller: &str, at: &Instruction) -> Option<String> {
+        let callee = self.function_at(at.call_target()?);
+        (callee != caller || at.is_call()).then_some(callee)
+    }
+
+    /// The instructions of a function; none of one that is not there.
+    pub(crate) fn instructions_of(&self, name: &str) -> &[Instruction] {
         let mut functions = self.symbols.iter().filter(|symbol| symbol.defined);
         let Some(start) = functions.find(|symbol| symbol.name == name).map(|symbol| symbol.address) else {
             return &[];
@@ -154,6 +161,13 @@ impl Image {
     #[must_use]
     pub fn has_function(&self, name: &str) -> bool {
         self.symbols.iter().any(|symbol| symbol.defined && symbol.name == name)
+    }
+
+    /// The first function whose name has this part: for one that the compiler has named.
+    #[must_use]
+    pub fn function_like(&self, part: &str) -> Option<String> {
+        let mut functions = self.symbols.iter().filter(|symbol| symbol.defined);
+        functions.find(|symbol| symbol.name.contains(part)).map(|symbol| symbol.name.clone())
     }
 
     /// Everything in the image that must not be there.

@@ -11,15 +11,23 @@
 //! | [`probe`] | builds the probe image of the firmware and judges it |
 //! | [`image`] | reads an image: its symbols, its code, what is in it that must not be |
 //! | [`forbidden`] | which symbols those are |
+//! | [`memory`] | what the images take of flash, memory and stack |
+//! | [`figures`] | the tables of docs/firmware-figures.md |
+//! | [`stack`] | the most stack that a function of an image takes |
+//! | [`frame`] | what an instruction takes from the stack |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
 
 pub mod cargo;
 pub mod emulator;
+pub mod figures;
 pub mod firmware;
 pub mod forbidden;
+pub mod frame;
 pub mod image;
+pub mod memory;
 pub mod nucleo;
 pub mod probe;
+pub mod stack;
 pub mod steps;
 pub mod tally;
 pub mod thumb;

@@ -32,7 +32,8 @@ enum Command {
     Docs,
     /// Build the image that links the controller; no panic, no float, no division routine may be in it
     Probe,
-    /// Measure in the emulator what the control interrupt costs, and write docs/firmware-figures.md anew
+    /// Measure the instructions of the control in the emulator, read flash, memory and stack from the images, and
+    /// write the tables of docs/firmware-figures.md anew
     Figures,
 }
 

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
-use crate::{emulator, firmware, nucleo, probe};
+use crate::{emulator, firmware, memory, nucleo, probe};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -90,13 +90,15 @@ pub fn docs(tally: &mut Tally) {
 pub fn probe(tally: &mut Tally) {
     tally.check("probe image", probe::check);
     tally.check("image for the Nucleo board", nucleo::check);
+    tally.check("flash, memory and stack of the images", memory::check);
 }
 
-/// Writes the figures of the control interrupt anew.
+/// Writes the figures of the control interrupt and of the images anew.
 pub fn figures(tally: &mut Tally) {
     tally.check("emulator", emulator::ensure);
     let arguments = ["run", "--package", "pneudrive-hil-tests", "--example", "figures"];
-    tally.check("figures of the firmware", || run(&mut in_root(&arguments)));
+    tally.check("instructions of the control", || run(&mut in_root(&arguments)));
+    tally.check("flash, memory and stack of the images", memory::write);
 }
 
 /// What CI runs.

@@ -61,6 +61,12 @@ impl Instruction {
         self.second.is_none() && self.first & 0xFF07 == 0x4700 && (register != 14 || self.first & 0x80 != 0)
     }
 
+    /// Whether it is a BL.
+    #[must_use]
+    pub fn is_call(&self) -> bool {
+        self.first & 0xF800 == 0xF000 && self.second.is_some_and(|second| second & 0xD000 == 0xD000)
+    }
+
     /// Where a BL goes, or a B that always goes (a tail call, or a jump inside a function).
     #[must_use]
     pub fn call_target(&self) -> Option<u32> {
@@ -179,6 +185,9 @@ mod tests {
         assert_eq!(target(0x1000, &[0xE002]), Some(0x1008), "b forward");
         assert_eq!(target(0x1000, &[0xE7FE]), Some(0x1000), "b to itself");
         assert_eq!(target(0x1000, &LDR_W_R0_R1), None);
+        let is_call = |halfwords: &[u16]| decode(0x1000, halfwords, &[])[0].is_call();
+        assert!(is_call(&[0xF000, 0xF802]) && is_call(&[0xF7FF, 0xFFFE]), "bl");
+        assert!(!is_call(&[0xF000, 0xB802]) && !is_call(&[0xE002]) && !is_call(&LDR_W_R0_R1));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use xtask::forbidden::Kind;
 use xtask::image::{Finding, Image};
 use xtask::probe::{self, Variant};
+use xtask::stack::Stack;
 
 /// One build at a time, since a build may install the target.
 static BUILD: Mutex<()> = Mutex::new(());
@@ -55,4 +56,21 @@ fn what_a_function_reaches_is_followed_to_the_panic() {
     };
     assert!(reaches_panic("probe_guilty_index"));
     assert!(!reaches_panic("probe_sample"));
+}
+
+#[test]
+fn the_stack_of_a_sample_has_a_bound_and_what_calls_itself_has_none() {
+    let image = image("guilty", Variant::Guilty);
+    let sample = Stack::of(&image, "probe_sample").expect("a bound");
+    let deepest = sample.path.last().expect("at least the function itself");
+    assert_eq!(sample.path.first().map(String::as_str), Some("probe_sample"));
+    assert!(sample.bytes >= Stack::of(&image, deepest).expect("a bound").bytes, "{sample:?}");
+    assert!((40..400).contains(&sample.bytes) && sample.indirect.is_empty(), "{sample:?}");
+
+    let error = Stack::of(&image, "probe_guilty_recursion").expect_err("no bound").to_string();
+    assert!(error.contains("probe_guilty_recursion calls itself"), "{error}");
+    let called = Stack::of(&image, "probe_guilty_call").expect("what is seen of it");
+    assert_eq!(called.indirect.len(), 1, "{called:?}");
+    let error = Stack::of(&image, "no_such_function").expect_err("nothing").to_string();
+    assert!(error.contains("no function no_such_function"), "{error}");
 }
