@@ -1,6 +1,8 @@
 //! Test bodies that every rung is put through. They panic, as tests do.
 
 pub mod axis;
+pub mod keeping;
+pub mod punctuality;
 
 use std::sync::atomic::AtomicBool;
 

@@ -8,7 +8,7 @@ use pneudrive::client::Client;
 use pneudrive::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
-use crate::Target;
+use crate::{Delayed, Supplied, Target};
 
 /// The firmware's image on an emulated Cortex-M4, its plant simulated in lock step.
 pub struct QemuTarget {
@@ -22,7 +22,27 @@ impl QemuTarget {
     /// # Errors
     /// When the image cannot be built or run.
     pub fn start(rig: &Rig) -> Result<QemuTarget> {
-        let target = QemuTarget { board: EmulatedBoard::start(rig, image()?, 0)? };
+        QemuTarget::commission(EmulatedBoard::start(rig, image()?, 0)?, rig)
+    }
+
+    /// The same in real time.
+    ///
+    /// # Errors
+    /// When the image cannot be built or run.
+    pub fn start_in_step(rig: &Rig) -> Result<QemuTarget> {
+        QemuTarget::commission(EmulatedBoard::start_in_step(rig, image()?, 0)?, rig)
+    }
+
+    /// The same with another image.
+    ///
+    /// # Errors
+    /// When the image cannot be run.
+    pub fn start_image(rig: &Rig, image: &Path) -> Result<QemuTarget> {
+        QemuTarget::commission(EmulatedBoard::start(rig, image, 0)?, rig)
+    }
+
+    fn commission(board: EmulatedBoard, rig: &Rig) -> Result<QemuTarget> {
+        let target = QemuTarget { board };
         let mut client = target.connect()?;
         client.import_parameters(&rig.parameters())?;
         let position = client.status()?.position;
@@ -48,6 +68,22 @@ impl Target for QemuTarget {
 
     fn cost(&self) -> Option<String> {
         Some(self.board.figures().to_string())
+    }
+}
+
+impl Delayed for QemuTarget {
+    fn delay_sample(&self, k: u64, late_us: u16) {
+        self.board.late_sample().set(k, late_us);
+    }
+}
+
+impl Supplied for QemuTarget {
+    fn cut_power_at(&self, nth: u64) {
+        self.board.flash().cut_power_at(nth);
+    }
+
+    fn power_up(&mut self) -> Result<()> {
+        self.board.power_up()
     }
 }
 

@@ -16,6 +16,8 @@ mod emulated;
 
 use anyhow::Result;
 use pneudrive::client::Client;
+use pneudrive::kept_flash::KeptFlash;
+use pneudrive::punctuality::LateSample;
 use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
@@ -38,10 +40,34 @@ pub trait Target {
     }
 }
 
+/// A rung whose power can be cut.
+pub trait Supplied: Target {
+    /// The power goes in the middle of the nth write or erase of the flash from now; the next one is the
+    /// first.
+    fn cut_power_at(&self, nth: u64);
+
+    /// The power comes back, or goes and comes back.
+    ///
+    /// # Errors
+    /// When the rung does not come up again.
+    fn power_up(&mut self) -> Result<()>;
+}
+
+/// A rung that can be made late.
+pub trait Delayed: Target {
+    /// Sample k of each run comes so much later than it should, microseconds of the board's clock.
+    fn delay_sample(&self, k: u64, late_us: u16);
+}
+
 /// The firmware's application natively, its plant simulated.
 pub struct VirtualTarget {
     name: String,
     rig: Background,
+    model: Rig,
+    door: String,
+    pace: Pace,
+    flash: KeptFlash,
+    late: LateSample,
 }
 
 impl VirtualTarget {
@@ -51,9 +77,44 @@ impl VirtualTarget {
     /// # Errors
     /// When the door cannot be opened.
     pub fn start(rig: &Rig, door: &str) -> Result<VirtualTarget> {
-        let virtual_rig = VirtualRig::new(rig.clone(), 0, Pace { fast: true, live: false })?;
-        let rig = Background::start(virtual_rig, Door::open(door)?);
-        Ok(VirtualTarget { name: format!("virtual rig on {}", rig.port()), rig })
+        VirtualTarget::at_pace(rig, door, Pace { fast: true, live: false })
+    }
+
+    /// The same in real time.
+    ///
+    /// # Errors
+    /// When the door cannot be opened.
+    pub fn start_in_step(rig: &Rig, door: &str) -> Result<VirtualTarget> {
+        VirtualTarget::at_pace(rig, door, Pace { fast: false, live: false })
+    }
+
+    fn at_pace(model: &Rig, door: &str, pace: Pace) -> Result<VirtualTarget> {
+        let (flash, model, door) = (KeptFlash::default(), model.clone(), door.to_owned());
+        let virtual_rig = VirtualRig::with_flash(model.clone(), 0, pace, flash.clone())?;
+        let late = virtual_rig.late_sample().clone();
+        let rig = Background::start(virtual_rig, Door::open(&door)?);
+        let name = format!("virtual rig on {}", rig.port());
+        Ok(VirtualTarget { name, rig, model, door, pace, flash, late })
+    }
+}
+
+impl Delayed for VirtualTarget {
+    fn delay_sample(&self, k: u64, late_us: u16) {
+        self.late.set(k, late_us);
+    }
+}
+
+impl Supplied for VirtualTarget {
+    fn cut_power_at(&self, nth: u64) {
+        self.flash.cut_power_at(nth);
+    }
+
+    fn power_up(&mut self) -> Result<()> {
+        self.flash.switch_on();
+        let rig = VirtualRig::with_flash(self.model.clone(), 0, self.pace, self.flash.clone())?;
+        self.late = rig.late_sample().clone();
+        self.rig = Background::start(rig, Door::open(&self.door)?);
+        Ok(())
     }
 }
 

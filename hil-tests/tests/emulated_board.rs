@@ -5,12 +5,21 @@
 use std::path::Path;
 
 use pneudrive::emulated_board::EmulatedBoard;
-use pneudrive_hil_tests::{QemuTarget, Target, body};
+use pneudrive_controller::Fault;
+use pneudrive_hil_tests::{QemuTarget, Supplied, Target, body};
+use pneudrive_protocol::Mode;
 use pneudrive_sim::Rig;
 
+fn started(rig: &Rig) -> QemuTarget {
+    QemuTarget::start(rig).unwrap_or_else(|error| panic!("no emulated board: {error:#}"))
+}
+
 fn emulated_board(rig: &Rig) -> Box<dyn Target> {
-    let target = QemuTarget::start(rig).unwrap_or_else(|error| panic!("no emulated board: {error:#}"));
-    Box::new(target)
+    Box::new(started(rig))
+}
+
+fn supplied(rig: &Rig) -> Box<dyn Supplied> {
+    Box::new(started(rig))
 }
 
 #[test]
@@ -81,6 +90,51 @@ fn a_step_of_the_emulated_board_meets_its_requirements() {
 #[test]
 fn parameters_are_saved_on_the_emulated_board() {
     body::axis::parameters_are_saved(emulated_board);
+}
+
+#[test]
+fn a_power_cut_in_a_save_leaves_the_old_or_the_new_configuration_on_the_emulated_board() {
+    body::keeping::a_power_cut_in_a_save_leaves_the_old_or_the_new(supplied);
+}
+
+#[test]
+fn what_is_stored_on_the_emulated_board_is_in_force_after_a_power_cut() {
+    body::keeping::what_is_stored_is_in_force_after_a_power_cut(supplied);
+}
+
+#[test]
+fn the_watchdog_ends_a_stalled_loop_and_the_drive_comes_up_disabled_with_the_reason() {
+    let rig = body::rig("servo-b", &["test.duration_s=3000"]);
+    let target = started(&rig);
+    let mut client = target.connect().expect("a board that answers");
+    client.save_parameters().expect("disarmed");
+    client.download_test(&rig).expect("disarmed");
+    client.arm().expect("referenced");
+    client.start().expect("armed");
+    while client.status().expect("an answer").index < 100 {}
+    target.board().stall().expect("a debugger");
+
+    let status = client.status().expect("an answer after the reset");
+    assert_eq!((status.mode, status.fault), (Mode::Fault, Fault::Watchdog.code()));
+    let newest = client.events().expect("a log").first().copied().expect("an event");
+    assert_eq!((newest.code, newest.boot), (Fault::Watchdog.code(), 2), "in the life after the first");
+    assert_eq!(client.parameters().expect("an answer"), rig.parameters(), "stored before");
+    client.arm().expect("arming leaves the fault");
+    client.disarm().expect("an answer");
+    drop(client);
+    body::assert_equal_in_every_integer(&target, &body::rig("servo-b", &["test.duration_s=0.5"]));
+}
+
+#[test]
+fn a_late_sample_trips_the_emulated_board_by_name() {
+    body::punctuality::a_late_sample_trips_by_name(|rig| Box::new(started(rig)));
+}
+
+#[test]
+fn a_silent_host_trips_the_emulated_board_by_name() {
+    body::punctuality::a_silent_host_trips_by_name(|rig| {
+        Box::new(QemuTarget::start_in_step(rig).unwrap_or_else(|error| panic!("{error:#}")))
+    });
 }
 
 #[test]

@@ -4,11 +4,15 @@
 use std::sync::atomic::AtomicBool;
 
 use pneudrive_hil_tests::body::{self, rig, run_and_record};
-use pneudrive_hil_tests::{Target, VirtualTarget};
+use pneudrive_hil_tests::{Supplied, Target, VirtualTarget};
 use pneudrive_protocol::Mode;
 use pneudrive_sim::{Accuracy, Rig, run};
 
 fn virtual_rig(rig: &Rig) -> Box<dyn Target> {
+    Box::new(VirtualTarget::start(rig, "tcp:127.0.0.1:0").expect("a virtual rig"))
+}
+
+fn supplied(rig: &Rig) -> Box<dyn Supplied> {
     Box::new(VirtualTarget::start(rig, "tcp:127.0.0.1:0").expect("a virtual rig"))
 }
 
@@ -131,4 +135,28 @@ fn a_step_of_the_virtual_rig_meets_its_requirements() {
 #[test]
 fn parameters_are_saved_on_the_virtual_rig() {
     body::axis::parameters_are_saved(virtual_rig);
+}
+
+#[test]
+fn a_power_cut_in_a_save_leaves_the_old_or_the_new_configuration_on_the_virtual_rig() {
+    body::keeping::a_power_cut_in_a_save_leaves_the_old_or_the_new(supplied);
+}
+
+#[test]
+fn what_is_stored_on_the_virtual_rig_is_in_force_after_a_power_cut() {
+    body::keeping::what_is_stored_is_in_force_after_a_power_cut(supplied);
+}
+
+#[test]
+fn a_late_sample_trips_the_virtual_rig_by_name() {
+    body::punctuality::a_late_sample_trips_by_name(|rig| {
+        Box::new(VirtualTarget::start(rig, "tcp:127.0.0.1:0").expect("a virtual rig"))
+    });
+}
+
+#[test]
+fn a_silent_host_trips_the_virtual_rig_by_name() {
+    body::punctuality::a_silent_host_trips_by_name(|rig| {
+        Box::new(VirtualTarget::start_in_step(rig, "tcp:127.0.0.1:0").expect("a virtual rig"))
+    });
 }

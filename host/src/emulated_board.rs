@@ -3,29 +3,35 @@
 //! QEMU takes the image's plant bus ([`pneudrive_app::plant_bus`]) from two pipes in a folder of its
 //! own, and gives its UART0 as a TCP port to talk to. The processor stands still while it waits for the
 //! plant, and the plant while it waits for the processor: the two are in lock step, however fast each is.
+//! Its flash is served in the same way ([`pneudrive_app::flash_bus`]) and outlives the emulator.
 //! One program can talk to the port at a time, as to a serial port.
 
 mod figures;
+mod flash;
+mod pipes;
 mod plant;
+mod stall;
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::ErrorKind;
 use std::net::TcpListener;
 use std::os::fd::OwnedFd;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
-use nix::sys::stat::Mode;
 use pneudrive_sim::Rig;
 use tempfile::TempDir;
 
+use crate::kept_flash::KeptFlash;
+use crate::punctuality::LateSample;
 pub use figures::{Figures, Spread};
-use plant::PlantServer;
+use pipes::Pipes;
+use plant::{PlantServer, Time};
 
 /// The emulator.
 const QEMU: &str = "qemu-system-arm";
@@ -37,46 +43,59 @@ const ICOUNT_SHIFT: u32 = 7;
 /// How long the image may take to say hello.
 const HELLO_WAIT: Duration = Duration::from_secs(20);
 
-/// Pipes of the plant bus, as the image opens them.
-const INPUTS: &str = "inputs";
-const OUTPUTS: &str = "outputs";
+/// Pipes of the plant bus and of the flash bus, to the board and from it, as the image opens them.
+const PLANT_BUS: [&str; 2] = ["inputs", "outputs"];
+const FLASH_BUS: [&str; 2] = ["flash-answers", "flash-requests"];
+
+/// The port of the emulator's debugger.
+const DEBUGGER: &str = "debugger";
 
 /// What the emulator had to say.
 const LOG: &str = "qemu.log";
 
 /// An emulated board. It is switched off when dropped.
 pub struct EmulatedBoard {
-    qemu: Child,
-    plant: Option<JoinHandle<Result<()>>>,
-    figures: Arc<Mutex<Figures>>,
+    rig: Rig,
+    seed: u64,
+    /// The plant's time keeps step with the wall clock.
+    in_step: bool,
+    late: LateSample,
+    image: PathBuf,
+    listener: TcpListener,
     port: String,
-    folder: TempDir,
+    figures: Arc<Mutex<Figures>>,
+    flash: KeptFlash,
+    power: Powered,
 }
 
 impl EmulatedBoard {
-    /// Starts an image whose plant has the true parameters of `rig`. `seed` is for sensor noise. The
-    /// image has its own parameters: download those of the rig.
+    /// Starts an image whose plant has the true parameters of `rig`, with a blank flash. `seed` is for
+    /// sensor noise. The image has its own parameters: download those of the rig.
     ///
     /// # Errors
     /// When QEMU is missing, or the image is none or of another version.
     pub fn start(rig: &Rig, image: &Path, seed: u64) -> Result<EmulatedBoard> {
-        let folder = tempfile::tempdir().context("no folder for the pipes of the plant bus")?;
-        let pipes = Pipes::make(folder.path()).context("no pipes for the plant bus")?;
+        EmulatedBoard::switched_on(rig, image, seed, false)
+    }
+
+    /// The same, its plant in step with the wall clock: the silence of the host counts.
+    ///
+    /// # Errors
+    /// As [`EmulatedBoard::start`].
+    pub fn start_in_step(rig: &Rig, image: &Path, seed: u64) -> Result<EmulatedBoard> {
+        EmulatedBoard::switched_on(rig, image, seed, true)
+    }
+
+    fn switched_on(rig: &Rig, image: &Path, seed: u64, in_step: bool) -> Result<EmulatedBoard> {
         let listener = TcpListener::bind("127.0.0.1:0").context("no port for the emulated board")?;
         let port = format!("tcp://{}", listener.local_addr()?);
-        let qemu = start_qemu(QEMU, image, folder.path(), listener)?;
-
-        let figures = Arc::new(Mutex::new(Figures::default()));
-        let server = PlantServer::new(rig.clone(), seed, Arc::clone(&figures));
-        let (greet, greeted) = channel();
-        let Pipes { inputs, outputs, held } = pipes;
-        let plant = std::thread::spawn(move || server.serve(outputs, inputs, &greet));
-        let mut board = EmulatedBoard { qemu, plant: Some(plant), figures, port, folder };
-        let result = board.wait_for_hello(&greeted);
-        // From here on the pipe ends with the emulator.
-        drop(held);
-        result.map_err(|error| board.explain(error))?;
-        Ok(board)
+        let (figures, flash) = (Arc::new(Mutex::new(Figures::default())), KeptFlash::default());
+        let late = LateSample::default();
+        let time = Time::new(late.clone(), in_step);
+        let plant = PlantServer::new(rig.clone(), seed, time, Arc::clone(&figures));
+        let power = Powered::on(image, &listener, plant, flash.clone())?;
+        let (rig, image) = (rig.clone(), image.to_owned());
+        Ok(EmulatedBoard { rig, seed, in_step, late, image, listener, port, figures, flash, power })
     }
 
     /// The port's name for a client.
@@ -88,7 +107,41 @@ impl EmulatedBoard {
     /// What the runs so far have cost.
     #[must_use]
     pub fn figures(&self) -> Figures {
-        self.figures.lock().map_or_else(|poisoned| *poisoned.into_inner(), |figures| *figures)
+        *self.figures.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The board's flash.
+    #[must_use]
+    pub fn flash(&self) -> &KeptFlash {
+        &self.flash
+    }
+
+    /// The sample of each run that comes late.
+    #[must_use]
+    pub fn late_sample(&self) -> &LateSample {
+        &self.late
+    }
+
+    /// Takes the power away, if it is not gone yet, and gives it back: memory is lost, the flash is kept, the
+    /// plant stands in its initial state, and the port is the same.
+    ///
+    /// # Errors
+    /// When the board does not come up again, or the simulation could not go on before.
+    pub fn power_up(&mut self) -> Result<()> {
+        self.power.off()?;
+        self.flash.switch_on();
+        let time = Time::new(self.late.clone(), self.in_step);
+        let plant = PlantServer::new(self.rig.clone(), self.seed, time, Arc::clone(&self.figures));
+        self.power = Powered::on(&self.image, &self.listener, plant, self.flash.clone())?;
+        Ok(())
+    }
+
+    /// Puts the processor into an endless loop, as a fault of the program would.
+    ///
+    /// # Errors
+    /// When the emulator does not let it.
+    pub fn stall(&self) -> Result<()> {
+        stall::stall(&self.power.folder.path().join(DEBUGGER))
     }
 
     /// Switches the board off.
@@ -96,13 +149,48 @@ impl EmulatedBoard {
     /// # Errors
     /// When it has ended by itself, or the simulation could not go on.
     pub fn stop(mut self) -> Result<()> {
-        let ended = self.qemu.try_wait()?;
-        self.kill();
-        self.plant_result()?;
-        match ended {
-            Some(status) => Err(self.explain(anyhow!("{QEMU} ended by itself with {status}"))),
+        match self.power.off()? {
+            Some(status) => Err(self.power.explain(anyhow!("{QEMU} ended by itself with {status}"))),
             None => Ok(()),
         }
+    }
+}
+
+/// A board that has power: the emulator, and who serves its two buses.
+struct Powered {
+    qemu: Arc<Mutex<Child>>,
+    plant: Option<JoinHandle<Result<()>>>,
+    flash: Option<JoinHandle<Result<()>>>,
+    folder: TempDir,
+}
+
+impl Powered {
+    fn on(image: &Path, listener: &TcpListener, plant: PlantServer, mut flash: KeptFlash) -> Result<Powered> {
+        let folder = tempfile::tempdir().context("no folder for the pipes of the emulated board")?;
+        let pipes = |[to_board, from_board]: [&str; 2]| {
+            Pipes::make(folder.path(), to_board, from_board).context("no pipes for the emulated board")
+        };
+        let (plant_bus, flash_bus) = (pipes(PLANT_BUS)?, pipes(FLASH_BUS)?);
+        let qemu = start_qemu(QEMU, image, folder.path(), listener.try_clone()?)?;
+        let qemu = Arc::new(Mutex::new(qemu));
+
+        let (greet, greeted) = channel();
+        let Pipes { to_board, from_board, held } = plant_bus;
+        let inputs = folder.path().join(PLANT_BUS[0]);
+        let plant = std::thread::spawn(move || plant.serve(from_board, to_board, &inputs, &greet));
+        let supply = Arc::clone(&qemu);
+        let flash = std::thread::spawn(move || {
+            if flash::serve(&mut flash, flash_bus.from_board, flash_bus.to_board)? {
+                kill(&supply);
+            }
+            Ok(())
+        });
+        let mut board = Powered { qemu, plant: Some(plant), flash: Some(flash), folder };
+        let result = board.wait_for_hello(&greeted);
+        // From here on the pipes end with the emulator.
+        drop((held, flash_bus.held));
+        result.map_err(|error| board.explain(error))?;
+        Ok(board)
     }
 
     fn wait_for_hello(&mut self, greeted: &Receiver<()>) -> Result<()> {
@@ -110,10 +198,10 @@ impl EmulatedBoard {
         loop {
             match greeted.recv_timeout(Duration::from_millis(50)) {
                 Ok(()) => return Ok(()),
-                Err(RecvTimeoutError::Disconnected) => return self.plant_result(),
+                Err(RecvTimeoutError::Disconnected) => return result_of(self.plant.take()),
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            if let Some(status) = self.qemu.try_wait()? {
+            if let Some(status) = lock(&self.qemu).try_wait()? {
                 bail!("{QEMU} ended with {status}");
             }
             if Instant::now() > deadline {
@@ -131,44 +219,38 @@ impl EmulatedBoard {
         }
     }
 
-    fn kill(&mut self) {
-        // It may have ended by itself.
-        let _ = self.qemu.kill();
-        let _ = self.qemu.wait();
-    }
-
-    fn plant_result(&mut self) -> Result<()> {
-        match self.plant.take().map(JoinHandle::join) {
-            Some(Err(_)) => Err(anyhow!("the plant of the emulated board broke down")),
-            Some(Ok(result)) => result,
-            None => Ok(()),
-        }
+    /// Takes the power away; how the emulator had ended before, if it had.
+    fn off(&mut self) -> Result<Option<ExitStatus>> {
+        let ended = lock(&self.qemu).try_wait()?;
+        kill(&self.qemu);
+        result_of(self.plant.take())?;
+        result_of(self.flash.take())?;
+        Ok(ended)
     }
 }
 
-impl Drop for EmulatedBoard {
+impl Drop for Powered {
     fn drop(&mut self) {
-        self.kill();
-        let _ = self.plant_result();
+        let _ = self.off();
     }
 }
 
-/// The host's ends of the plant bus.
-struct Pipes {
-    inputs: File,
-    outputs: File,
-    /// Writes nothing; keeps `outputs` from waiting for the emulator, or from ending before it has come.
-    held: File,
+fn lock(qemu: &Mutex<Child>) -> MutexGuard<'_, Child> {
+    qemu.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Pipes {
-    fn make(folder: &Path) -> Result<Pipes> {
-        let both = |name: &str| OpenOptions::new().read(true).write(true).open(folder.join(name));
-        for name in [INPUTS, OUTPUTS] {
-            nix::unistd::mkfifo(&folder.join(name), Mode::S_IRUSR | Mode::S_IWUSR)?;
-        }
-        let held = both(OUTPUTS)?;
-        Ok(Pipes { inputs: both(INPUTS)?, outputs: File::open(folder.join(OUTPUTS))?, held })
+fn kill(qemu: &Mutex<Child>) {
+    let mut qemu = lock(qemu);
+    // It may have ended by itself.
+    let _ = qemu.kill();
+    let _ = qemu.wait();
+}
+
+fn result_of(thread: Option<JoinHandle<Result<()>>>) -> Result<()> {
+    match thread.map(JoinHandle::join) {
+        Some(Err(_)) => Err(anyhow!("the plant or the flash of the emulated board broke down")),
+        Some(Ok(result)) => result,
+        None => Ok(()),
     }
 }
 
@@ -182,7 +264,8 @@ fn start_qemu(program: &str, image: &Path, folder: &Path, listener: TcpListener)
         .args(["-machine", "mps2-an386", "-nodefaults", "-display", "none", "-icount", &icount])
         .args(["-semihosting-config", "enable=on,target=native"])
         .args(["-chardev", "socket,id=uart0,fd=0,server=on,wait=off,nodelay=on"])
-        .args(["-serial", "chardev:uart0", "-kernel"])
+        .args(["-chardev", &format!("socket,id=debugger,path={DEBUGGER},server=on,wait=off")])
+        .args(["-gdb", "chardev:debugger", "-serial", "chardev:uart0", "-kernel"])
         .arg(image)
         .stdin(Stdio::from(OwnedFd::from(listener)))
         .stdout(Stdio::null())

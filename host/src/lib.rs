@@ -6,6 +6,8 @@
 //! | [`port`], [`client`] | a byte link to a rig, and the requests over it |
 //! | [`virtual_rig`] | the firmware's application on the simulated plant |
 //! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
+//! | [`kept_flash`] | their flash, which outlives them |
+//! | [`punctuality`] | how they keep time |
 //! | [`target`] | TARGETxx.DAT: read, write, number |
 //! | [`run_folder`] | trace.csv and run.json: read, write |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
@@ -33,8 +35,10 @@ pub mod deviation;
 #[cfg(unix)]
 pub mod emulated_board;
 pub mod evaluation;
+pub mod kept_flash;
 pub mod page;
 pub mod port;
+pub mod punctuality;
 pub mod replay;
 pub mod report;
 pub mod run_folder;

@@ -20,7 +20,9 @@ use pneudrive_app::{Board, Control, Server};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
+use crate::kept_flash::KeptFlash;
 use crate::port::{Link, is_wait, read_some};
+use crate::punctuality::LateSample;
 
 /// How a virtual rig runs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,16 +48,19 @@ struct VirtualBoard {
     running: bool,
     period_us: u64,
     time_us: u64,
-    /// From the sample to now.
+    /// From the sample's instant to now.
     since_sample_us: u64,
+    /// Samples of the run so far.
+    k: u64,
+    late: LateSample,
     since: Instant,
     failed: Option<IntegrationError>,
-    /// What it keeps, until it is switched off.
-    store: FlashStore<RamFlash, Box<Memory>>,
+    /// What it keeps.
+    store: FlashStore<KeptFlash, Box<Memory>>,
 }
 
 impl VirtualBoard {
-    fn new(rig: Rig, seed: u64, pace: Pace) -> VirtualBoard {
+    fn new(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> VirtualBoard {
         let plant = Plant::new(&rig, Accuracy::default(), seed);
         VirtualBoard {
             period_us: u64::from(rig.period_us().get()),
@@ -66,9 +71,11 @@ impl VirtualBoard {
             running: false,
             time_us: 0,
             since_sample_us: 0,
+            k: 0,
+            late: LateSample::default(),
             since: Instant::now(),
             failed: None,
-            store: blank_store(),
+            store: store_in(flash),
         }
     }
 
@@ -84,17 +91,24 @@ impl VirtualBoard {
             self.failed = Some(error);
         }
         self.time_us += self.period_us;
+        self.k += 1;
+    }
+
+    /// How late the present sample is.
+    fn lateness_us(&self) -> u64 {
+        if self.running { u64::from(self.late.lateness_of(self.k)) } else { 0 }
     }
 }
 
-fn blank_store() -> FlashStore<RamFlash, Box<Memory>> {
+/// What is in the flash, and memory that was without power.
+fn store_in(flash: KeptFlash) -> FlashStore<KeptFlash, Box<Memory>> {
     let memory = Box::new([0; MEMORY_BYTES]);
-    let taken_up = FlashStore::take_up(RamFlash::default(), RamFlash::layout(), memory);
+    let taken_up = FlashStore::take_up(flash, RamFlash::layout(), memory);
     taken_up.expect("the layout is that of this flash").0
 }
 
 impl Board for VirtualBoard {
-    type Store = FlashStore<RamFlash, Box<Memory>>;
+    type Store = FlashStore<KeptFlash, Box<Memory>>;
 
     fn store(&mut self) -> &mut Self::Store {
         &mut self.store
@@ -120,7 +134,7 @@ impl Board for VirtualBoard {
     }
 
     fn now_us(&self) -> u64 {
-        self.time_us + self.since_sample_us
+        self.time_us + self.since_sample_us + self.lateness_us()
     }
 
     fn host_clock_ms(&self) -> Option<u64> {
@@ -131,6 +145,7 @@ impl Board for VirtualBoard {
     /// plant keeps its own.
     fn run_begins(&mut self, config: &Config) {
         self.running = true;
+        self.k = 0;
         if !self.pace.live {
             let timing = &config.timing;
             self.period_us = u64::from(timing.period_us.get());
@@ -151,11 +166,19 @@ pub struct VirtualRig {
 }
 
 impl VirtualRig {
-    /// A rig with the true parameters of `rig`, powered on. `seed` is for sensor noise.
+    /// A rig with the true parameters of `rig`, powered on, its flash blank. `seed` is for sensor noise.
     ///
     /// # Errors
     /// For a rig with the simulator's own controller.
     pub fn new(rig: Rig, seed: u64, pace: Pace) -> Result<VirtualRig> {
+        VirtualRig::with_flash(rig, seed, pace, KeptFlash::default())
+    }
+
+    /// The same with a flash that it has had before: what is stored there is in force.
+    ///
+    /// # Errors
+    /// For a rig with the simulator's own controller.
+    pub fn with_flash(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> Result<VirtualRig> {
         if rig.word("controller.model") == "continuous" {
             bail!(
                 "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
@@ -164,7 +187,7 @@ impl VirtualRig {
         if rig.switch("faults.positive_gain_only") {
             bail!("faults.positive_gain_only is the simulator's own; no firmware has this bug");
         }
-        let board = VirtualBoard::new(rig, seed, pace);
+        let mut board = VirtualBoard::new(rig, seed, pace, flash);
         let mut control = Box::<Control>::default();
         control
             .load_parameters(board.rig.parameters())
@@ -172,10 +195,17 @@ impl VirtualRig {
         if board.starts_referenced() {
             control.set_referenced().map_err(|_| anyhow::anyhow!("a new rig is enabled"))?;
         }
+        control.take_up(&mut board);
         Ok(VirtualRig { control, board })
     }
 
-    /// Serves a port until `stop` is set.
+    /// The sample of each run that comes late.
+    #[must_use]
+    pub fn late_sample(&self) -> &LateSample {
+        &self.board.late
+    }
+
+    /// Serves a port until `stop` is set, or the power is cut.
     ///
     /// # Errors
     /// When the simulation cannot go on.
@@ -190,10 +220,16 @@ impl VirtualRig {
                 heard |= count > 0;
                 let control = &mut self.control;
                 let Ok(()) = caller.server.receive(&bytes[..count], control, &mut self.board, &mut replies);
+                if self.board.store.flash().is_dark() {
+                    return false;
+                }
                 let written = caller.write(&replies);
                 replies.clear();
                 written.is_ok()
             });
+            if self.board.store.flash().is_dark() {
+                return Ok(());
+            }
             let sampled = self.catch_up()?;
             let _ = self.control.tidy_up(&mut self.board);
             if !heard && !sampled {

@@ -13,7 +13,7 @@
 //! that the server hands to the control half, one at a time.
 //!
 //! The same code runs natively as the virtual rig and on the microcontroller. A board whose plant is
-//! simulated exchanges it over the [`plant_bus`].
+//! simulated exchanges it over the [`plant_bus`] and is a [`LockStep`].
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -21,6 +21,8 @@ pub mod board;
 pub mod configuration;
 pub mod control;
 pub mod fault_log;
+pub mod flash_bus;
+pub mod lock_step;
 pub mod plant_bus;
 pub mod ram_flash;
 pub mod recorder;
@@ -31,6 +33,7 @@ pub mod timing;
 
 pub use board::Board;
 pub use control::Control;
+pub use lock_step::LockStep;
 pub use recorder::Recorder;
 pub use server::Server;
 pub use store::Store;

@@ -20,8 +20,11 @@
 //! | 0..4 | position, counts |
 //! | 4..6, 6..8 | pressures, raw |
 //! | 8..10 | spool, raw |
-//! | 10 | bit 0: the plant is frozen; bit 1: the homing switch is closed; the others are 0 |
-//! | 11 | 0 |
+//! | 10 | bit 0: the plant is frozen; bit 1: the homing switch is closed; bit 2: [`Tempo::in_step`]; the others are 0 |
+//! | 11 | [`Tempo::late_us`], in 16 us |
+//!
+//! A board that does not know of the tempo takes every sample for punctual, as a board does that is sent
+//! none.
 
 use pneudrive_controller::{Command, Sample};
 
@@ -164,5 +167,37 @@ impl Inputs {
             },
             frozen: flags & 1 != 0,
         }
+    }
+}
+
+/// How time goes on, which the plant says beside the sensors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tempo {
+    /// By the board's clock, the sample comes so much after its instant, microseconds: up to 4080, in steps
+    /// of 16.
+    pub late_us: u16,
+    /// The board's clock keeps step with the wall clock: silence of the host means something.
+    pub in_step: bool,
+}
+
+/// Bit of the byte of switches.
+const IN_STEP: u8 = 1 << 2;
+
+/// Microseconds of a step of the lateness.
+const LATE_STEP_US: u16 = 16;
+
+impl Tempo {
+    /// Puts it into inputs that are about to travel. A lateness between two steps is rounded down.
+    pub fn mark(self, inputs: &mut [u8; Inputs::BYTES]) {
+        let [.., flags, late] = inputs;
+        *flags |= if self.in_step { IN_STEP } else { 0 };
+        *late = (self.late_us / LATE_STEP_US).min(u16::from(u8::MAX)) as u8;
+    }
+
+    /// That of inputs that have come.
+    #[must_use]
+    pub fn of(inputs: &[u8; Inputs::BYTES]) -> Tempo {
+        let [.., flags, late] = inputs;
+        Tempo { late_us: u16::from(*late) * LATE_STEP_US, in_step: flags & IN_STEP != 0 }
     }
 }

@@ -1,4 +1,4 @@
-//! A flash in memory, for rungs without one: blank after a power cut, and never worn.
+//! A flash in memory, for rungs without one: never worn, and kept for as long as its owner keeps it.
 
 use core::convert::Infallible;
 
@@ -6,16 +6,23 @@ use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
 use crate::store::Layout;
 
-const SECTOR: usize = 4096;
+/// Bytes of a sector.
+pub const SECTOR: usize = 4096;
 const SECTORS: usize = 4;
+
+/// Bytes of the whole.
+pub const BYTES: usize = SECTORS * SECTOR;
+
+/// Bytes of a word, the least that is written.
+pub const WORD: usize = 4;
 
 /// Four sectors: two slots of the configuration, two of the fault log.
 #[derive(Clone, Debug)]
-pub struct RamFlash([u8; SECTORS * SECTOR]);
+pub struct RamFlash([u8; BYTES]);
 
 impl Default for RamFlash {
     fn default() -> Self {
-        RamFlash([0xff; SECTORS * SECTOR])
+        RamFlash([0xff; BYTES])
     }
 }
 
@@ -47,12 +54,12 @@ impl ReadNorFlash for RamFlash {
     }
 
     fn capacity(&self) -> usize {
-        SECTORS * SECTOR
+        BYTES
     }
 }
 
 impl NorFlash for RamFlash {
-    const WRITE_SIZE: usize = 4;
+    const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {

@@ -4,7 +4,7 @@
 use core::ffi::CStr;
 use core::fmt;
 
-use pneudrive_app::plant_bus::{HELLO, Inputs, Outputs};
+use pneudrive_app::plant_bus::{HELLO, Inputs, Outputs, Tempo};
 use semihosting::fs::File;
 use semihosting::io::{self, Read, Write};
 
@@ -56,11 +56,11 @@ impl PlantBus {
     }
 
     /// One turn of each side; None once the plant has gone.
-    pub fn exchange(&mut self, outputs: Outputs) -> Result<Option<Inputs>, Error> {
+    pub fn exchange(&mut self, outputs: Outputs) -> Result<Option<(Inputs, Tempo)>, Error> {
         self.outputs.write_all(&outputs.to_bytes())?;
         let mut bytes = [0; Inputs::BYTES];
         match self.inputs.read_exact(&mut bytes) {
-            Ok(()) => Ok(Some(Inputs::from_bytes(bytes))),
+            Ok(()) => Ok(Some((Inputs::from_bytes(bytes), Tempo::of(&bytes)))),
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
             Err(error) => Err(error.into()),
         }

@@ -1,17 +1,23 @@
-//! All of this image that needs `unsafe`: registers at fixed addresses, and the fault handler.
+//! All of this image that needs `unsafe`: registers at fixed addresses, memory that a reset leaves as it
+//! is, and the handlers of what can't be masked.
 #![allow(unsafe_code)]
 
+use core::cell::UnsafeCell;
+use core::hint::black_box;
+use core::mem::MaybeUninit;
 use core::ptr::{read_volatile, write_volatile};
 
 use cortex_m::Peripherals;
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::{ExceptionFrame, exception};
+use pneudrive_app::fault_log::Memory;
 use semihosting::{eprintln, process};
 
 use crate::bus;
 use crate::clock::Clock;
 use crate::uart::Uart;
+use crate::watchdog::{BITTEN, Watchdog};
 
 /// What the board has.
 pub struct Hardware {
@@ -19,6 +25,10 @@ pub struct Hardware {
     pub uart: Uart,
     /// The counter.
     pub clock: Clock,
+    /// It must be fed.
+    pub watchdog: Watchdog,
+    /// The memory of the fault log, with whatever stands in it.
+    pub fault_memory: &'static mut Memory,
 }
 
 impl Hardware {
@@ -27,7 +37,11 @@ impl Hardware {
         let peripherals = Peripherals::take()?;
         // There is one port, since the peripherals can be taken but once.
         let uart = Uart::start(UartRegisters(()));
-        Some(Hardware { uart, clock: Clock::start(peripherals.SYST) })
+        let watchdog = Watchdog::start(WatchdogRegisters(()));
+        // SAFETY: any bytes are such a memory, and this is its one reference, since the peripherals can be
+        // taken but once. The compiler is not to know that nobody has written them.
+        let fault_memory = unsafe { &mut *black_box(FAULTS.0.get()).cast() };
+        Some(Hardware { uart, clock: Clock::start(peripherals.SYST), watchdog, fault_memory })
     }
 }
 
@@ -93,6 +107,69 @@ impl UartRegisters {
         // SAFETY: a register of UART0, which only this value reaches.
         unsafe { write_volatile(INTERRUPT_CLEAR, RECEIVE) }
         NVIC::unpend(Received);
+    }
+}
+
+/// The registers of the watchdog. There is one value of this type.
+pub struct WatchdogRegisters(());
+
+const WATCHDOG_LOAD: *mut u32 = 0x4000_8000 as *mut u32;
+const WATCHDOG_CONTROL: *mut u32 = 0x4000_8008 as *mut u32;
+const WATCHDOG_CLEAR: *mut u32 = 0x4000_800c as *mut u32;
+
+/// It counts and interrupts, and resets the board when it comes to its end again.
+const INTERRUPT_AND_RESET: u32 = 1 << 0 | 1 << 1;
+
+impl WatchdogRegisters {
+    /// Counts down from this many clocks, again and again.
+    pub fn start(&mut self, clocks: u32) {
+        // SAFETY: the watchdog's registers, which only this value reaches.
+        unsafe {
+            write_volatile(WATCHDOG_LOAD, clocks);
+            write_volatile(WATCHDOG_CONTROL, INTERRUPT_AND_RESET);
+        }
+    }
+
+    /// Begins anew, without an interrupt.
+    pub fn reload(&mut self) {
+        // SAFETY: a register of the watchdog, which only this value reaches.
+        unsafe { write_volatile(WATCHDOG_CLEAR, 1) }
+    }
+}
+
+/// Memory that the start-up code leaves as it is. Without power it is zeros.
+struct Kept<T>(UnsafeCell<MaybeUninit<T>>);
+
+// SAFETY: each of the two below is used in one place at a time, as is said there.
+unsafe impl<T: Send> Sync for Kept<T> {}
+
+#[unsafe(link_section = ".uninit.note")]
+static NOTE: Kept<u32> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+
+#[unsafe(link_section = ".uninit.faults")]
+static FAULTS: Kept<Memory> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// The note that was left before the reset; there is none after.
+pub fn take_note() -> u32 {
+    // SAFETY: any four bytes are a number. Who leaves a note does not return.
+    let note = unsafe { read_volatile(NOTE.0.get().cast()) };
+    leave_note(0);
+    note
+}
+
+/// Leaves a note for after the reset.
+pub fn leave_note(note: u32) {
+    // SAFETY: as for taking it.
+    unsafe { write_volatile(NOTE.0.get().cast(), note) }
+}
+
+/// The watchdog was not fed: that is noted, and nothing else is done until it resets the board.
+// SAFETY: the attribute wants `unsafe`. It does not return, so it cannot disturb what it interrupted.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    leave_note(BITTEN);
+    loop {
+        cortex_m::asm::nop();
     }
 }
 

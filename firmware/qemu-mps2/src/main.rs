@@ -10,14 +10,16 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`board`] | the [`pneudrive_app::Board`]: what came from the plant and what goes to it |
+//! | [`board`] | the [`pneudrive_app::Board`], in lock step with the plant, and what it keeps |
 //! | [`bus`] | the two pipes of the plant bus |
+//! | [`flash`] | the pipes of the flash, which the PC keeps |
+//! | [`watchdog`] | ends a loop that has stalled; the reason of a reset |
 //! | [`clock`] | ticks that the control takes, and rest between runs |
 //! | [`uart`] | the protocol's serial port |
-//! | [`hardware`] | all that needs `unsafe`: registers and the fault handler |
+//! | [`hardware`] | all that needs `unsafe`: registers and the fault handlers |
 //!
 //! The image ends with exit code 0 when the plant has gone, 1 after a panic or a broken bus, 2 after a
-//! fault of the processor.
+//! fault of the processor. A bite of the watchdog resets the board into a fault.
 #![no_std]
 #![no_main]
 #![deny(unsafe_code)]
@@ -25,14 +27,15 @@
 mod board;
 mod bus;
 mod clock;
+mod flash;
 mod hardware;
 mod uart;
+mod watchdog;
 
 use core::panic::PanicInfo;
 
 use pneudrive_app::plant_bus::{Next, Outputs, Ticks};
 use pneudrive_app::{Board, Recorder, Server};
-use pneudrive_controller::Mode;
 use semihosting::{eprintln, process};
 
 use board::EmulatedBoard;
@@ -40,6 +43,7 @@ use bus::PlantBus;
 use clock::Clock;
 use hardware::Hardware;
 use uart::Uart;
+use watchdog::fault_before_reset;
 
 /// The half with a deadline, with a recorder that stands in zeroed memory.
 type Control = pneudrive_app::Control<&'static mut Recorder>;
@@ -63,28 +67,29 @@ fn main() -> ! {
 
 /// Samples, outputs and requests, until the plant has gone.
 fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
-    let Hardware { mut uart, mut clock } = hardware;
-    let mut board = EmulatedBoard::default();
+    let Hardware { mut uart, mut clock, mut watchdog, fault_memory } = hardware;
+    let mut board = board::take_up(fault_memory)?;
     let mut server = Server::default();
     if board.starts_referenced() {
         control.set_referenced().expect("a new drive is disarmed");
     }
+    if let Some(fault) = fault_before_reset() {
+        control.trip(fault);
+    }
+    control.take_up(&mut board);
     let mut bus = PlantBus::open()?;
     let mut outputs = Outputs::OFF;
-    while let Some(inputs) = bus.exchange(outputs)? {
-        board.latch(inputs.sample);
+    while let Some((inputs, tempo)) = bus.exchange(outputs)? {
+        board.latch(&inputs, tempo);
         let ticks = run_control(control, &mut board, &clock);
-        let runs = matches!(control.state().supervisor.mode(), Mode::Running | Mode::Homing);
+        let ran = EmulatedBoard::runs(control.state().supervisor.mode());
         listen(&mut server, control, &mut board, &mut uart);
         let _ = control.tidy_up(&mut board);
-        let next = board.run_begun().unwrap_or(if runs { Next::Advance } else { Next::Stay });
-        outputs = Outputs { command: board.command(), next, ticks };
-        let period_us = control.config().timing.period_us.get();
-        if inputs.frozen && next == Next::Stay {
-            clock.rest(period_us);
+        outputs = board.outputs(control, ran, ticks);
+        if inputs.frozen && outputs.next == Next::Stay {
+            clock.rest(control.config().timing.period_us.get());
         }
-        let delay_us = control.config().timing.delay_us.get();
-        board.passes(period_us.saturating_sub(delay_us));
+        watchdog.feed();
     }
     Ok(())
 }

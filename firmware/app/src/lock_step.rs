@@ -1,0 +1,122 @@
+//! A board whose plant is simulated elsewhere, in lock step: a sample is what has come over the plant bus, a
+//! command what will go. Its clock is that of the plant.
+
+use core::borrow::BorrowMut;
+
+use pneudrive_controller::{Command, Config, Mode, Sample};
+
+use crate::board::Board;
+use crate::control::Control;
+use crate::plant_bus::{Inputs, Next, Outputs, Tempo, Ticks};
+use crate::recorder::Recorder;
+use crate::store::Store;
+
+/// The board.
+#[derive(Debug)]
+pub struct LockStep<S> {
+    name: &'static str,
+    store: S,
+    sample: Sample,
+    tempo: Tempo,
+    command: Command,
+    begin: Option<Next>,
+    /// Microseconds since the reset; with the lateness of a sample, until its outputs go.
+    now_us: u64,
+    /// Those without it in whole milliseconds, and what is over: there is no instruction that divides 64 bits.
+    now_ms: u64,
+    rest_us: u32,
+}
+
+impl<S: Store> LockStep<S> {
+    /// A board of this name, with what it keeps.
+    pub fn new(name: &'static str, store: S) -> LockStep<S> {
+        LockStep {
+            name,
+            store,
+            sample: Sample::default(),
+            tempo: Tempo::default(),
+            command: Command::OFF,
+            begin: None,
+            now_us: 0,
+            now_ms: 0,
+            rest_us: 0,
+        }
+    }
+
+    /// Takes what the plant has sent.
+    pub fn latch(&mut self, inputs: &Inputs, tempo: Tempo) {
+        self.sample = inputs.sample;
+        self.tempo = tempo;
+        self.now_us += u64::from(tempo.late_us);
+    }
+
+    /// Time goes on, to the output or to the next sample.
+    pub fn passes(&mut self, time_us: u32) {
+        let rest_us = self.rest_us.saturating_add(time_us);
+        self.now_us += u64::from(time_us);
+        self.now_ms += u64::from(rest_us / 1000);
+        self.rest_us = rest_us % 1000;
+    }
+
+    /// What goes to the plant after an output and the requests that have come since.
+    pub fn outputs(
+        &mut self,
+        control: &Control<impl BorrowMut<Recorder>>,
+        ran: bool,
+        ticks: Ticks,
+    ) -> Outputs {
+        let next = self.begin.take().unwrap_or(if ran { Next::Advance } else { Next::Stay });
+        let timing = &control.config().timing;
+        self.now_us -= u64::from(self.tempo.late_us);
+        self.passes(timing.period_us.get().saturating_sub(timing.delay_us.get()));
+        Outputs { command: self.command, next, ticks }
+    }
+
+    /// Whether the plant moves in the mode that a sample has led to.
+    #[must_use]
+    pub fn runs(mode: Mode) -> bool {
+        matches!(mode, Mode::Running | Mode::Homing)
+    }
+}
+
+impl<S: Store> Board for LockStep<S> {
+    type Store = S;
+
+    fn store(&mut self) -> &mut S {
+        &mut self.store
+    }
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn build(&self) -> &'static str {
+        crate::BUILD
+    }
+
+    fn read_sensors(&mut self, _: &Config) -> Sample {
+        self.sample
+    }
+
+    fn drive(&mut self, _: &Config, command: Command) {
+        self.command = command;
+    }
+
+    fn now_us(&self) -> u64 {
+        self.now_us
+    }
+
+    /// Silence means nothing where time stands still between two samples.
+    fn host_clock_ms(&self) -> Option<u64> {
+        self.tempo.in_step.then_some(self.now_ms)
+    }
+
+    fn run_begins(&mut self, config: &Config) {
+        let (period_us, delay_us) = (config.timing.period_us.get(), config.timing.delay_us.get());
+        self.begin = Some(Next::Begin { period_us, delay_us });
+    }
+
+    fn starts_referenced(&self) -> bool {
+        true
+    }
+}

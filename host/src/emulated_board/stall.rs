@@ -1,0 +1,64 @@
+//! Makes the processor of an emulated board hang, from outside: the image knows nothing of it.
+
+use std::io::{self, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+
+/// Where the loop is put: memory that the machine has and the image does not.
+const PLACE: u32 = 0x2003_0000;
+
+/// `b .`, a branch to itself.
+const LOOP: [u8; 2] = 0xe7fe_u16.to_le_bytes();
+
+/// The debugger's answer to what it has done.
+const DONE: &[u8] = b"$OK#9a";
+
+/// How long an answer may take, and how often it is asked for.
+const ANSWER_WAIT: Duration = Duration::from_millis(200);
+const ATTEMPTS: u32 = 25;
+
+/// Stops the processor by the debugger's port, puts it into an endless loop, and lets it go on.
+pub(super) fn stall(debugger: &Path) -> Result<()> {
+    let mut link = UnixStream::connect(debugger).context("the emulator's debugger port")?;
+    link.set_read_timeout(Some(ANSWER_WAIT))?;
+    ask(&mut link, &format!("M{PLACE:x},{:x}:{}", LOOP.len(), hex(&LOOP)))?;
+    // It goes on there, in Thumb state, and there is no answer before it stops again.
+    Ok(say(&mut link, &format!("c{:x}", PLACE | 1))?)
+}
+
+/// One request of the GDB remote protocol. While the processor still runs, the emulator takes what it hears
+/// for a wish to stop: it is asked again.
+fn ask(link: &mut UnixStream, request: &str) -> Result<()> {
+    let mut heard = Vec::new();
+    for _ in 0..ATTEMPTS {
+        say(link, request)?;
+        if is_done(link, &mut heard) {
+            return Ok(link.write_all(b"+")?);
+        }
+    }
+    bail!("the debugger did not do {request}: {}", String::from_utf8_lossy(&heard))
+}
+
+fn say(link: &mut UnixStream, request: &str) -> io::Result<()> {
+    let sum = request.bytes().fold(0u8, u8::wrapping_add);
+    write!(link, "${request}#{sum:02x}")
+}
+
+/// Whether the emulator says so in time.
+fn is_done(link: &mut UnixStream, heard: &mut Vec<u8>) -> bool {
+    let mut byte = [0];
+    while !heard.ends_with(DONE) {
+        if link.read_exact(&mut byte).is_err() {
+            return false;
+        }
+        heard.extend(byte);
+    }
+    true
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,139 @@
+//! The flash of a simulated board, kept by this program: it outlives the board, and the board's power can
+//! be cut at any of its operations.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use pneudrive_app::ram_flash::{RamFlash, SECTOR, WORD};
+
+/// The flash. Clones are one and the same.
+#[derive(Clone, Debug, Default)]
+pub struct KeptFlash(Arc<Mutex<Cells>>);
+
+#[derive(Debug, Default)]
+struct Cells {
+    flash: RamFlash,
+    /// Writes and erases that are still carried out whole; None: all.
+    until_cut: Option<u64>,
+    dark: bool,
+}
+
+/// The power is off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dark;
+
+impl NorFlashError for Dark {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl KeptFlash {
+    /// The power goes in the middle of the nth write or erase from now, the next one being the first:
+    /// half of its bytes are done.
+    pub fn cut_power_at(&self, nth: u64) {
+        self.cells().until_cut = Some(nth.saturating_sub(1));
+    }
+
+    /// Whether the power is off.
+    #[must_use]
+    pub fn is_dark(&self) -> bool {
+        self.cells().dark
+    }
+
+    /// The power is on again, and stays on.
+    pub fn switch_on(&self) {
+        let mut cells = self.cells();
+        (cells.until_cut, cells.dark) = (None, false);
+    }
+
+    fn cells(&self) -> MutexGuard<'_, Cells> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Cells {
+    /// How many of `bytes` are done: all, or half of them in whole `unit`s as the power goes.
+    fn grant(&mut self, bytes: usize, unit: usize) -> Result<usize, Dark> {
+        match self.until_cut {
+            _ if self.dark => Err(Dark),
+            Some(0) => {
+                self.dark = true;
+                Ok(bytes / unit / 2 * unit)
+            }
+            ref mut left => {
+                *left = left.map(|left| left - 1);
+                Ok(bytes)
+            }
+        }
+    }
+
+    fn told(&self) -> Result<(), Dark> {
+        if self.dark { Err(Dark) } else { Ok(()) }
+    }
+}
+
+impl ErrorType for KeptFlash {
+    type Error = Dark;
+}
+
+impl ReadNorFlash for KeptFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Dark> {
+        let mut cells = self.cells();
+        let Ok(()) = cells.flash.read(offset, bytes);
+        cells.told()
+    }
+
+    fn capacity(&self) -> usize {
+        self.cells().flash.capacity()
+    }
+}
+
+impl NorFlash for KeptFlash {
+    const WRITE_SIZE: usize = WORD;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Dark> {
+        let mut cells = self.cells();
+        // An erase that is cut stops anywhere in a sector.
+        let done = cells.grant(to.saturating_sub(from) as usize, 1)?;
+        let Ok(()) = cells.flash.erase(from, from + done as u32);
+        cells.told()
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Dark> {
+        let mut cells = self.cells();
+        let done = cells.grant(bytes.len(), WORD)?;
+        let Ok(()) = cells.flash.write(offset, &bytes[..done]);
+        cells.told()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(flash: &mut KeptFlash) -> [u8; 8] {
+        let mut bytes = [0; 8];
+        flash.read(0, &mut bytes).expect("power");
+        bytes
+    }
+
+    #[test]
+    fn the_operation_in_which_the_power_goes_is_half_done_and_nothing_comes_after_it() {
+        let mut flash = KeptFlash::default();
+        flash.cut_power_at(2);
+        assert_eq!(flash.write(0, &[0; 4]), Ok(()));
+        assert_eq!(flash.write(4, &[0; 4]), Err(Dark), "a word is written or not");
+        assert_eq!((flash.write(4, &[0; 4]), flash.read(0, &mut [0])), (Err(Dark), Err(Dark)));
+        assert!(flash.is_dark());
+        flash.switch_on();
+        assert_eq!(read(&mut flash), [0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff]);
+        flash.cut_power_at(1);
+        assert_eq!(flash.erase(0, SECTOR as u32), Err(Dark));
+        flash.switch_on();
+        assert_eq!(read(&mut flash), [0xff; 8], "the first half is erased");
+    }
+}
