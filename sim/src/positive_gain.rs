@@ -10,6 +10,8 @@
 //! zero, dead bands, limits. It is a component of the simulator alone, for a repetition of the thesis's
 //! figures: no firmware has it. After an overshoot the error pushes on in its direction.
 
+use std::num::NonZeroU32;
+
 use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::law::{LawConfig, LawKind};
 use pneudrive_controller::{Command, Config, Mode, Observation};
@@ -68,7 +70,8 @@ impl PositiveGain {
         if seen.error.unsigned_abs() < law.dead_band {
             return null;
         }
-        let still = seen.velocity.unsigned_abs() < u64::from(law.velocity_dead_band);
+        let still =
+            seen.velocity.unsigned_abs() < u64::from(law.velocity_dead_band.map_or(0, NonZeroU32::get));
         let velocity = if still { 0 } else { seen.velocity };
         let sum = i64::from(self.gain(seen.error)) * i64::from(seen.error).abs()
             - i64::from(law.velocity_gain) * velocity

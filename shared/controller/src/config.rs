@@ -109,7 +109,7 @@ impl Default for Config {
                 proportional_gain: 1,
                 velocity_gain: 1,
                 acceleration_gain: 1,
-                velocity_dead_band: 0,
+                velocity_dead_band: None,
                 dead_band: 0,
                 dead_zone: 102,
                 relay_hysteresis: 0,
@@ -212,7 +212,7 @@ fn law(
         proportional_gain: unsigned(id::PROPORTIONAL_GAIN) as u16,
         velocity_gain: unsigned(id::VELOCITY_GAIN) as u16,
         acceleration_gain: unsigned(id::ACCELERATION_GAIN) as u16,
-        velocity_dead_band: unsigned(id::VELOCITY_DEAD_BAND),
+        velocity_dead_band: NonZeroU32::new(unsigned(id::VELOCITY_DEAD_BAND)),
         dead_band: unsigned(id::DEAD_BAND_COUNTS),
         dead_zone: unsigned(id::DEAD_ZONE_COUNTS) as u16,
         relay_hysteresis: unsigned(id::RELAY_HYSTERESIS_COUNTS),
@@ -343,7 +343,7 @@ mod tests {
             (config.law.proportional_gain, config.law.velocity_gain, config.law.acceleration_gain),
             (2, 3, 4)
         );
-        assert_eq!((config.law.velocity_dead_band, config.law.dead_band), (5, 6));
+        assert_eq!((config.law.velocity_dead_band, config.law.dead_band), (NonZeroU32::new(5), 6));
         assert_eq!((config.law.null_offset, config.law.profile_span.get()), (-7, 8));
         assert!(config.encoder_inverted);
         assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: 2048, inverted: true }));

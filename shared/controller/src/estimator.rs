@@ -31,8 +31,6 @@ pub struct Motion {
     pub position: i32,
     /// `|n[k] - n[k-1]|`, counts: what the supervisor judges the encoder by.
     pub step: u32,
-    /// `|n_v[k]|`, counts per velocity window: 32 bits hold it.
-    pub speed: u32,
     /// `n_v[k]`, counts per velocity window.
     pub velocity: i64,
     /// `n_a[k]`, counts per velocity window per acceleration window.
@@ -77,7 +75,7 @@ impl Estimator {
         let velocity = i64::from(position) - i64::from(n_v);
         let velocity_before = i64::from(n_a) - i64::from(n_va);
         let acceleration = velocity - velocity_before;
-        Motion { position, step, speed: position.abs_diff(n_v), velocity, acceleration }
+        Motion { position, step, velocity, acceleration }
     }
 
     /// Windows that end at the first sample, and the position before that one.

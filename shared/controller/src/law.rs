@@ -72,8 +72,8 @@ pub struct LawConfig {
     pub velocity_gain: u16,
     /// Ka, on counts per velocity window per acceleration window.
     pub acceleration_gain: u16,
-    /// |n_v| below this counts as standing still; 0 switches it off.
-    pub velocity_dead_band: u32,
+    /// |n_v| below this counts as standing still.
+    pub velocity_dead_band: Option<NonZeroU32>,
     /// |n_p| below this asks for nothing; 0 switches it off.
     pub dead_band: u32,
     /// Moore's proportional law: the command that takes the spool across the dead zone, counts.
@@ -167,8 +167,10 @@ fn from_null(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
 /// Kp n_p - Kv n_v - Ka n_a: 16 + 32, 16 + 33 and 16 + 34 bits, so the sum is exact in 64, also with the 16 + 17
 /// bits of k5 n_q.
 fn weighed(config: &LawConfig, gain: u16, error: i32, motion: &Motion) -> i64 {
-    let still = motion.speed < config.velocity_dead_band;
-    let velocity = if still { 0 } else { motion.velocity };
+    let velocity = match config.velocity_dead_band {
+        Some(band) if motion.velocity.unsigned_abs() < u64::from(band.get()) => 0,
+        _ => motion.velocity,
+    };
     i64::from(gain) * i64::from(error)
         - i64::from(config.velocity_gain) * velocity
         - i64::from(config.acceleration_gain) * motion.acceleration

@@ -121,7 +121,7 @@ impl State {
             check_moves(config, sequence)?;
         }
         self.supervisor.start(config.law.control_loop, self.location)?;
-        self.begin_anew();
+        self.begin_anew(Sequencer::new(sequence));
         Ok(())
     }
 
@@ -132,12 +132,12 @@ impl State {
     pub fn home(&mut self) -> Result<(), Refusal> {
         self.supervisor.home(self.location)?;
         self.homing = Homing::default();
-        self.begin_anew();
+        self.begin_anew(Sequencer::default());
         Ok(())
     }
 
-    fn begin_anew(&mut self) {
-        self.sequencer = Sequencer::default();
+    fn begin_anew(&mut self, sequencer: Sequencer) {
+        self.sequencer = sequencer;
         self.estimator.forget();
         self.law = Memory::default();
         self.observation = Observation::default();

@@ -110,3 +110,19 @@ impl Watch {
         0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Config;
+
+    #[test]
+    fn either_pressure_beyond_either_end_of_its_converter_is_none() {
+        let limits = Limits { sensor_low: 10, sensor_high: 4000, ..Config::default().limits };
+        assert!(limits.are_pressures(11, 3999) && limits.are_pressures(3999, 11));
+        for bad in [i16::MIN, 10, 4000, i16::MAX] {
+            assert!(!limits.are_pressures(bad, 2000), "{bad}");
+            assert!(!limits.are_pressures(2000, bad), "{bad}");
+        }
+    }
+}

@@ -133,16 +133,21 @@ pub struct Sequencer {
 }
 
 impl Sequencer {
-    /// Takes sample k; the setpoint is 0 before the first move. Whether it ends a move that rests.
+    /// At the beginning of a run: the setpoint is 0 before the first move.
+    pub(crate) fn new(sequence: &Sequence) -> Sequencer {
+        Sequencer { next_at: next_at(sequence, 0), ..Sequencer::default() }
+    }
+
+    /// Takes sample k. Whether it ends a move that rests.
     pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
-        let rested = self.taken >= self.next_at && !self.waits(config) && self.move_on(config, sequence);
+        let rested = self.is_due(config) && self.move_on(config, sequence);
         self.taken = self.taken.saturating_add(1);
         rested
     }
 
-    /// Whether the next move waits for the end of the one before.
-    fn waits(&self, config: &MotionConfig) -> bool {
-        config.on_arrival && self.next_move > 0 && !self.ended
+    /// Whether the time of the next move has come, and it need not wait for the end of the one before.
+    fn is_due(&self, config: &MotionConfig) -> bool {
+        self.taken >= self.next_at && (!config.on_arrival || self.next_move == 0 || self.ended)
     }
 
     /// Begins the moves that are due, of which the last one holds. Whether one before it rests.
@@ -150,15 +155,13 @@ impl Sequencer {
     #[inline(never)]
     fn move_on(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
         let mut rested = false;
-        while let Some(next) = sequence.moves().get(self.next_move) {
-            self.next_at = next.at_sample;
-            if self.taken < self.next_at || self.waits(config) {
-                return rested;
-            }
+        while self.is_due(config)
+            && let Some(next) = sequence.moves().get(self.next_move)
+        {
             rested |= self.close();
             self.begin(next.target);
+            self.next_at = next_at(sequence, self.next_move);
         }
-        self.next_at = u32::MAX;
         rested
     }
 
@@ -238,6 +241,11 @@ impl Sequencer {
     }
 }
 
+/// The sample of a move; the last one of all where there is none.
+fn next_at(sequence: &Sequence, next_move: usize) -> u32 {
+    sequence.moves().get(next_move).map_or(u32::MAX, |next| next.at_sample)
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -251,7 +259,7 @@ mod tests {
 
     /// The setpoints while an axis has these errors.
     fn setpoints(config: &MotionConfig, sequence: &Sequence, errors: &[i32]) -> (Vec<i32>, Sequencer) {
-        let mut sequencer = Sequencer::default();
+        let mut sequencer = Sequencer::new(sequence);
         let seen = errors.iter().map(|&error| {
             sequencer.advance(config, sequence);
             sequencer.judge(config, error);
@@ -294,7 +302,7 @@ mod tests {
     #[test]
     fn a_run_of_n_samples_ends_with_sample_n() {
         let sequence = sequence(&[(0, 1)], 3);
-        let mut sequencer = Sequencer::default();
+        let mut sequencer = Sequencer::new(&sequence);
         let over: [bool; 4] = core::array::from_fn(|_| {
             sequencer.advance(&TIMED, &sequence);
             sequencer.is_over(&TIMED, &sequence)
