@@ -22,7 +22,7 @@
 //! | [`law`] | error, velocity and acceleration to an unlimited demand |
 //! | [`learning`] | the command at which the valve is at its null, learned at rest |
 //! | [`homing`] | the run that gives counts their meaning |
-//! | `pressure` | the quasi-transient part of the pressure difference |
+//! | [`pressure`] | the quasi-transient part of the pressure difference |
 //! | [`limits`] | what an axis may do |
 //! | [`supervisor`] | modes and fault latch: the last word on every command |
 //! | [`drive`] | the drive stages: counts of a DAC, pulses of a stepper |
@@ -45,7 +45,7 @@ pub mod law;
 pub mod learning;
 pub mod limits;
 pub mod parameters;
-mod pressure;
+pub mod pressure;
 pub mod sequencer;
 pub mod signal;
 mod standstill;
