@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod keeping;
 pub mod punctuality;
+pub mod soak;
 
 use std::sync::atomic::AtomicBool;
 
@@ -66,17 +67,20 @@ fn recorded(seen: &Observation) -> RecordedSample {
 /// # Panics
 /// At the first sample that is different, with both sides.
 pub fn assert_equal_in_every_integer(target: &dyn Target, rig: &Rig) {
-    let simulated = run(rig, Accuracy::default()).expect("a transient").observations;
-    let record = run_and_record(target, rig);
     let what = format!("{}, {}", target.name(), rig.name());
-    assert_eq!(record.samples.len(), simulated.len(), "{what}: samples");
-    for (k, (on_rig, seen)) in record.samples.iter().zip(&simulated).enumerate() {
-        assert_eq!(*on_rig, recorded(seen), "{what}: sample {k} (left: recorded, right: simulated)");
-    }
-    assert!(simulated.iter().any(|seen| seen.command != 0), "a test that moves nothing proves nothing");
+    let simulated = run(rig, Accuracy::default()).expect("a transient").observations;
+    assert_is_the_simulation(&what, &run_and_record(target, rig), &simulated);
     if let Some(cost) = target.cost() {
         println!("{what}: {cost}");
     }
+}
+
+fn assert_is_the_simulation(what: &str, record: &Record, simulated: &[Observation]) {
+    assert_eq!(record.samples.len(), simulated.len(), "{what}: samples");
+    for (k, (on_rig, seen)) in record.samples.iter().zip(simulated).enumerate() {
+        assert_eq!(*on_rig, recorded(seen), "{what}: sample {k} (left: recorded, right: simulated)");
+    }
+    assert!(simulated.iter().any(|seen| seen.command != 0), "a test that moves nothing proves nothing");
 }
 
 /// Steps of the servo-drives in closed loop.
@@ -148,6 +152,22 @@ pub fn records_replay(start: Start) {
         assert_eq!(replay.recorded.len(), rig.last_sample() as usize + 1, "{name}: samples");
         assert!(replay.replayed.iter().any(|output| output.command != 0), "{name} moves");
     }
+}
+
+/// One run of a test on a real cylinder, with the parameters and the reference that the drive has: the
+/// recorded inputs make the recorded outputs on the PC.
+///
+/// # Panics
+/// When the run does not come to its end, or does not replay equal.
+pub fn the_record_of_a_real_cylinder_replays(start: &dyn Fn(&Rig) -> Box<dyn Target>, rig: &Rig) {
+    let target = start(rig);
+    let mut client = target.connect().expect("a rig that answers");
+    run_on(&mut client, rig);
+    let replay = replayed(&mut client);
+    client.disarm().expect("an answer");
+    assert_eq!(replay.first, None, "{}, {}", target.name(), rig.name());
+    println!("{}: {} samples replay equal", target.name(), replay.equal_samples());
+    assert!(replay.replayed.iter().any(|output| output.command != 0), "a test that moves nothing");
 }
 
 /// A run that was stopped in the middle replays equal up to there, and the stop is no difference.

@@ -103,14 +103,28 @@ pub fn image() -> Result<&'static Path> {
 /// # Errors
 /// When it cannot be built.
 pub fn program() -> Result<PathBuf> {
+    Ok(built(&["--bin", "pneudrive"])?.join("pneudrive"))
+}
+
+/// The program that runs the test bodies on a board, built as [`program`].
+///
+/// # Errors
+/// When it cannot be built.
+pub fn board_runner() -> Result<PathBuf> {
+    Ok(built(&["--example", "board"])?.join("examples").join("board"))
+}
+
+/// Builds a program and tells the folder of its profile.
+fn built(what: &[&str]) -> Result<PathBuf> {
     let test = std::env::current_exe()?;
     let profile = test.ancestors().nth(2).context("a test lies in a folder of its profile")?;
     // With the features of the whole workspace, as for all tests: then it is there already.
-    let mut arguments = vec!["build", "--quiet", "--workspace", "--bin", "pneudrive"];
+    let mut arguments = vec!["build", "--quiet", "--workspace"];
+    arguments.extend(what);
     if profile.ends_with("release") {
         arguments.push("--release");
     }
     let mut build = xtask::cargo::in_root(&arguments);
     xtask::cargo::run(build.env("CARGO_TARGET_DIR", profile.parent().unwrap_or(profile)))?;
-    Ok(profile.join("pneudrive"))
+    Ok(profile.to_owned())
 }

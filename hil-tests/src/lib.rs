@@ -5,14 +5,17 @@
 //! |---|---|
 //! | [`VirtualTarget`] | the virtual rig, over TCP and over a pty |
 //! | [`QemuTarget`] | the image for a Cortex-M4, in the emulator |
-//!
-//! The board will be a further implementation of [`Target`].
+//! | [`board`] | the image on a board, where one is named: `cargo xtask hil` |
 
+#[cfg(unix)]
+pub mod board;
 pub mod body;
 #[cfg(unix)]
 pub mod cost;
 #[cfg(unix)]
 mod emulated;
+#[cfg(unix)]
+pub mod rounding;
 
 use anyhow::Result;
 use pneudrive::client::Client;
@@ -22,7 +25,7 @@ use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 #[cfg(unix)]
-pub use emulated::{QemuTarget, image, program};
+pub use emulated::{QemuTarget, board_runner, image, program};
 
 /// A rung with a port to talk to.
 pub trait Target {
@@ -95,6 +98,14 @@ impl VirtualTarget {
         let rig = Background::start(virtual_rig, Door::open(&door)?);
         let name = format!("virtual rig on {}", rig.port());
         Ok(VirtualTarget { name, rig, model, door, pace, flash, late })
+    }
+}
+
+impl VirtualTarget {
+    /// The port's name for a client.
+    #[must_use]
+    pub fn port(&self) -> &str {
+        self.rig.port()
     }
 }
 

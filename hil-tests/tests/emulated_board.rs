@@ -137,6 +137,13 @@ fn a_silent_host_trips_the_emulated_board_by_name() {
     });
 }
 
+/// Ten minutes of it: `cargo xtask soak`.
+#[test]
+fn runs_again_and_again_on_the_emulated_board_are_the_simulation() {
+    let soaked = body::soak::soak(&started(&body::soak::drive()), 11.0);
+    println!("{soaked:?}");
+}
+
 #[test]
 fn a_file_that_is_no_image_is_refused_with_the_reason_of_the_emulator() {
     let rig = body::rig("servo-b", &[]);

@@ -160,3 +160,11 @@ fn a_silent_host_trips_the_virtual_rig_by_name() {
         Box::new(VirtualTarget::start_in_step(rig, "tcp:127.0.0.1:0").expect("a virtual rig"))
     });
 }
+
+#[test]
+fn runs_again_and_again_on_the_virtual_rig_are_the_simulation() {
+    use body::soak::{drive, soak};
+    let target = VirtualTarget::start(&drive(), "tcp:127.0.0.1:0").expect("a virtual rig");
+    let soaked = soak(&target, 11.0);
+    println!("{soaked:?}");
+}

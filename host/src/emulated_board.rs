@@ -6,10 +6,10 @@
 //! Its flash is served in the same way ([`pneudrive_app::flash_bus`]) and outlives the emulator.
 //! One program can talk to the port at a time, as to a serial port.
 
+mod bridge;
 mod figures;
 mod flash;
 mod pipes;
-mod plant;
 mod stall;
 
 use std::fs::File;
@@ -18,7 +18,7 @@ use std::net::TcpListener;
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -28,10 +28,10 @@ use pneudrive_sim::Rig;
 use tempfile::TempDir;
 
 use crate::kept_flash::KeptFlash;
+use crate::plant_server::{PlantServer, Time};
 use crate::punctuality::LateSample;
 pub use figures::{Figures, Spread};
 use pipes::Pipes;
-use plant::{PlantServer, Time};
 
 /// The emulator.
 const QEMU: &str = "qemu-system-arm";
@@ -55,17 +55,22 @@ const LOG: &str = "qemu.log";
 
 /// An emulated board. It is switched off when dropped.
 pub struct EmulatedBoard {
-    rig: Rig,
-    seed: u64,
-    /// The plant's time keeps step with the wall clock.
-    in_step: bool,
-    late: LateSample,
     image: PathBuf,
     listener: TcpListener,
     port: String,
+    plant: PlantSide,
     figures: Arc<Mutex<Figures>>,
+    late: LateSample,
     flash: KeptFlash,
     power: Powered,
+}
+
+/// Who is at the other end of the plant bus.
+enum PlantSide {
+    /// The plant of a rig, simulated here; in step with the wall clock or not.
+    Simulated { rig: Box<Rig>, seed: u64, in_step: bool },
+    /// Whoever calls at this port.
+    Port(TcpListener),
 }
 
 impl EmulatedBoard {
@@ -75,7 +80,8 @@ impl EmulatedBoard {
     /// # Errors
     /// When QEMU is missing, or the image is none or of another version.
     pub fn start(rig: &Rig, image: &Path, seed: u64) -> Result<EmulatedBoard> {
-        EmulatedBoard::switched_on(rig, image, seed, false)
+        let plant = PlantSide::Simulated { rig: Box::new(rig.clone()), seed, in_step: false };
+        EmulatedBoard::switched_on(image, plant)
     }
 
     /// The same, its plant in step with the wall clock: the silence of the host counts.
@@ -83,19 +89,30 @@ impl EmulatedBoard {
     /// # Errors
     /// As [`EmulatedBoard::start`].
     pub fn start_in_step(rig: &Rig, image: &Path, seed: u64) -> Result<EmulatedBoard> {
-        EmulatedBoard::switched_on(rig, image, seed, true)
+        let plant = PlantSide::Simulated { rig: Box::new(rig.clone()), seed, in_step: true };
+        EmulatedBoard::switched_on(image, plant)
     }
 
-    fn switched_on(rig: &Rig, image: &Path, seed: u64, in_step: bool) -> Result<EmulatedBoard> {
+    /// Starts an image whose plant is at a port of its own, as that of a real board; the port's name, too.
+    /// The plant can call there once.
+    ///
+    /// # Errors
+    /// As [`EmulatedBoard::start`].
+    pub fn start_without_plant(image: &Path) -> Result<(EmulatedBoard, String)> {
+        let listener = TcpListener::bind("127.0.0.1:0").context("no port for the plant bus")?;
+        let port = format!("tcp://{}", listener.local_addr()?);
+        Ok((EmulatedBoard::switched_on(image, PlantSide::Port(listener))?, port))
+    }
+
+    fn switched_on(image: &Path, plant: PlantSide) -> Result<EmulatedBoard> {
         let listener = TcpListener::bind("127.0.0.1:0").context("no port for the emulated board")?;
         let port = format!("tcp://{}", listener.local_addr()?);
         let (figures, flash) = (Arc::new(Mutex::new(Figures::default())), KeptFlash::default());
         let late = LateSample::default();
-        let time = Time::new(late.clone(), in_step);
-        let plant = PlantServer::new(rig.clone(), seed, time, Arc::clone(&figures));
-        let power = Powered::on(image, &listener, plant, flash.clone())?;
-        let (rig, image) = (rig.clone(), image.to_owned());
-        Ok(EmulatedBoard { rig, seed, in_step, late, image, listener, port, figures, flash, power })
+        let serve = plant.server(&late, &figures)?;
+        let power = Powered::on(image, &listener, serve, flash.clone())?;
+        let image = image.to_owned();
+        Ok(EmulatedBoard { image, listener, port, plant, figures, late, flash, power })
     }
 
     /// The port's name for a client.
@@ -130,9 +147,8 @@ impl EmulatedBoard {
     pub fn power_up(&mut self) -> Result<()> {
         self.power.off()?;
         self.flash.switch_on();
-        let time = Time::new(self.late.clone(), self.in_step);
-        let plant = PlantServer::new(self.rig.clone(), self.seed, time, Arc::clone(&self.figures));
-        self.power = Powered::on(&self.image, &self.listener, plant, self.flash.clone())?;
+        let serve = self.plant.server(&self.late, &self.figures)?;
+        self.power = Powered::on(&self.image, &self.listener, serve, self.flash.clone())?;
         Ok(())
     }
 
@@ -156,6 +172,26 @@ impl EmulatedBoard {
     }
 }
 
+/// What serves the plant bus until the board has gone; it tells when the board has said hello.
+type Serve = Box<dyn FnOnce(Pipes, &Sender<()>) -> Result<()> + Send>;
+
+impl PlantSide {
+    fn server(&self, late: &LateSample, figures: &Arc<Mutex<Figures>>) -> Result<Serve> {
+        Ok(match self {
+            PlantSide::Simulated { rig, seed, in_step } => {
+                let time = Time::new(late.clone(), *in_step);
+                let rig = Arc::new(Mutex::new(Rig::clone(rig)));
+                let server = PlantServer::new(rig, *seed, time, Arc::clone(figures));
+                Box::new(move |pipes, greet| server.serve(pipes, greet))
+            }
+            PlantSide::Port(listener) => {
+                let listener = listener.try_clone()?;
+                Box::new(move |pipes, greet| bridge::carry(pipes, &listener, greet))
+            }
+        })
+    }
+}
+
 /// A board that has power: the emulator, and who serves its two buses.
 struct Powered {
     qemu: Arc<Mutex<Child>>,
@@ -165,22 +201,20 @@ struct Powered {
 }
 
 impl Powered {
-    fn on(image: &Path, listener: &TcpListener, plant: PlantServer, mut flash: KeptFlash) -> Result<Powered> {
+    fn on(image: &Path, listener: &TcpListener, serve: Serve, mut flash: KeptFlash) -> Result<Powered> {
         let folder = tempfile::tempdir().context("no folder for the pipes of the emulated board")?;
         let pipes = |[to_board, from_board]: [&str; 2]| {
             Pipes::make(folder.path(), to_board, from_board).context("no pipes for the emulated board")
         };
-        let (plant_bus, flash_bus) = (pipes(PLANT_BUS)?, pipes(FLASH_BUS)?);
+        let ((plant_bus, plant_held), (flash_bus, flash_held)) = (pipes(PLANT_BUS)?, pipes(FLASH_BUS)?);
         let qemu = start_qemu(QEMU, image, folder.path(), listener.try_clone()?)?;
         let qemu = Arc::new(Mutex::new(qemu));
 
         let (greet, greeted) = channel();
-        let Pipes { to_board, from_board, held } = plant_bus;
-        let inputs = folder.path().join(PLANT_BUS[0]);
-        let plant = std::thread::spawn(move || plant.serve(from_board, to_board, &inputs, &greet));
+        let plant = std::thread::spawn(move || serve(plant_bus, &greet));
         let supply = Arc::clone(&qemu);
         let flash = std::thread::spawn(move || {
-            if flash::serve(&mut flash, flash_bus.from_board, flash_bus.to_board)? {
+            if flash::serve(&mut flash, flash_bus)? {
                 kill(&supply);
             }
             Ok(())
@@ -188,7 +222,7 @@ impl Powered {
         let mut board = Powered { qemu, plant: Some(plant), flash: Some(flash), folder };
         let result = board.wait_for_hello(&greeted);
         // From here on the pipes end with the emulator.
-        drop((held, flash_bus.held));
+        drop((plant_held, flash_held));
         result.map_err(|error| board.explain(error))?;
         Ok(board)
     }

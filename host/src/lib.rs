@@ -6,6 +6,7 @@
 //! | [`port`], [`client`] | a byte link to a rig, and the requests over it |
 //! | [`virtual_rig`] | the firmware's application on the simulated plant |
 //! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
+//! | [`board_plant`] | the simulated plant of a real board, over its second serial port |
 //! | [`kept_flash`] | their flash, which outlives them |
 //! | [`punctuality`] | how they keep time |
 //! | [`target`] | TARGETxx.DAT: read, write, number |
@@ -28,6 +29,8 @@ macro_rules! say {
 }
 
 pub mod alignment;
+#[cfg(unix)]
+pub mod board_plant;
 pub mod cli;
 pub mod client;
 pub mod command;
@@ -37,6 +40,8 @@ pub mod emulated_board;
 pub mod evaluation;
 pub mod kept_flash;
 pub mod page;
+#[cfg(unix)]
+mod plant_server;
 pub mod port;
 pub mod punctuality;
 pub mod replay;

@@ -42,7 +42,19 @@ pub fn in_root(arguments: &[&str]) -> Command {
 /// the PC don't reach it.
 #[must_use]
 pub fn in_firmware(arguments: &[&str], target_folder: &Path) -> Command {
-    let mut command = cargo(&root().join("firmware"), arguments);
+    in_inner(&firmware(), arguments, target_folder)
+}
+
+/// The inner workspace.
+#[must_use]
+pub fn firmware() -> PathBuf {
+    root().join("firmware")
+}
+
+/// As [`in_firmware`], in another copy of the inner workspace.
+#[must_use]
+pub fn in_inner(workspace: &Path, arguments: &[&str], target_folder: &Path) -> Command {
+    let mut command = cargo(workspace, arguments);
     command.env("CARGO_TARGET_DIR", target_folder);
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     command

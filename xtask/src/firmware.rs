@@ -16,11 +16,23 @@ pub const EMULATED: &str = "qemu-mps2";
 /// # Errors
 /// When the target of the boards is missing, or the build fails.
 pub fn build(target_folder: &Path, image: &str, features: &[&str]) -> Result<PathBuf> {
+    build_from(&cargo::firmware(), target_folder, image, features)
+}
+
+/// The same from another copy of the inner workspace.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_in(workspace: &Path, target_folder: &Path, image: &str) -> Result<PathBuf> {
+    build_from(workspace, target_folder, image, &[])
+}
+
+fn build_from(workspace: &Path, target_folder: &Path, image: &str, features: &[&str]) -> Result<PathBuf> {
     cargo::ensure_thumb_target()?;
     let package = format!("pneudrive-{image}");
     let mut arguments = vec!["build", "--package", &package, "--release", "--target", THUMB];
     features.iter().for_each(|feature| arguments.extend(["--features", *feature]));
-    cargo::run(&mut cargo::in_firmware(&arguments, target_folder))
+    cargo::run(&mut cargo::in_inner(workspace, &arguments, target_folder))
         .with_context(|| format!("building the image {image}"))?;
     Ok(target_folder.join(THUMB).join("release").join(image))
 }

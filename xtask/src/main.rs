@@ -32,6 +32,19 @@ enum Command {
     Docs,
     /// Build the image that links the controller; no panic, no float, no division routine may be in it
     Probe,
+    /// Run the test bodies on the board that PNEUDRIVE_BOARD names (hil-tests/src/board.rs)
+    Hil {
+        /// Only bodies with one of these words in their name
+        bodies: Vec<String>,
+    },
+    /// Ten minutes of a drive's time in the emulator, compared with the simulation sample by sample
+    Soak {
+        /// So many seconds instead
+        #[arg(default_value_t = 600)]
+        seconds: u32,
+    },
+    /// Change one rounding in a copy of the sources: the test that the rungs are equal must fail
+    ProveRounding,
     /// Measure the instructions of the control in the emulator, read flash, memory and stack from the images, and
     /// write the tables of docs/firmware-figures.md anew
     Figures,
@@ -46,6 +59,9 @@ fn main() -> ExitCode {
         Command::Lint => steps::lint(&mut tally),
         Command::Docs => steps::docs(&mut tally),
         Command::Probe => steps::probe(&mut tally),
+        Command::Hil { bodies } => steps::hil(&mut tally, &bodies),
+        Command::Soak { seconds } => steps::soak(&mut tally, seconds),
+        Command::ProveRounding => steps::prove_rounding(&mut tally),
         Command::Figures => steps::figures(&mut tally),
     }
     tally.report()

@@ -96,9 +96,32 @@ pub fn probe(tally: &mut Tally) {
 /// Writes the figures of the control interrupt and of the images anew.
 pub fn figures(tally: &mut Tally) {
     tally.check("emulator", emulator::ensure);
-    let arguments = ["run", "--package", "pneudrive-hil-tests", "--example", "figures"];
-    tally.check("instructions of the control", || run(&mut in_root(&arguments)));
+    tally.check("instructions of the control", || example("figures", &[]));
     tally.check("flash, memory and stack of the images", memory::write);
+}
+
+/// The test bodies on a real board.
+pub fn hil(tally: &mut Tally, bodies: &[String]) {
+    let bodies: Vec<&str> = bodies.iter().map(String::as_str).collect();
+    tally.check("tests on the board", || example("board", &bodies));
+}
+
+/// A long time in the emulator.
+pub fn soak(tally: &mut Tally, seconds: u32) {
+    tally.check("emulator", emulator::ensure);
+    tally.check("soak", || example("soak", &[&seconds.to_string()]));
+}
+
+/// A changed rounding is seen.
+pub fn prove_rounding(tally: &mut Tally) {
+    tally.check("emulator", emulator::ensure);
+    tally.check("a changed rounding makes the test fail", || example("prove_rounding", &[]));
+}
+
+/// Runs a program of hil-tests.
+fn example(name: &str, arguments: &[&str]) -> Result<()> {
+    let run_it = ["run", "--package", "pneudrive-hil-tests", "--example", name, "--"];
+    run(&mut in_root(&[&run_it, arguments].concat()))
 }
 
 /// What CI runs.

@@ -81,7 +81,7 @@ pub struct Figures {
 
 impl Figures {
     /// Takes in a turn of the board that the plant answered from `begun` to `ended`.
-    pub(super) fn add(&mut self, outputs: Outputs, begun: Instant, ended: Instant) {
+    pub(crate) fn add(&mut self, outputs: Outputs, begun: Instant, ended: Instant) {
         if outputs.next == Next::Advance {
             self.samples += 1;
             self.elapsed += ended - self.since.unwrap_or(begun);

@@ -1,40 +1,74 @@
 //! The two pipes of a bus between this program and the image.
 
 use std::fs::{File, OpenOptions};
-use std::io::Read;
+use std::io::{ErrorKind, Read, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use nix::fcntl::OFlag;
 use nix::sys::stat::Mode;
 
+use crate::plant_server::{Bus, Hello};
+
 /// This program's ends of a bus.
 pub(super) struct Pipes {
-    /// To the board.
-    pub to_board: File,
-    /// From the board.
-    pub from_board: File,
-    /// Writes nothing; keeps `from_board` from waiting for the emulator, or from ending before it has come.
-    pub held: File,
+    to_board: File,
+    from_board: File,
+    /// Where `to_board` is.
+    path: PathBuf,
 }
+
+/// Writes nothing; keeps a pipe from waiting for the emulator, or from ending before it has come.
+pub(super) struct Held(#[expect(dead_code, reason = "held open, not used")] File);
 
 impl Pipes {
     /// Makes both pipes, named as the image opens them.
-    pub(super) fn make(folder: &Path, to_board: &str, from_board: &str) -> Result<Pipes> {
+    pub(super) fn make(folder: &Path, to_board: &str, from_board: &str) -> Result<(Pipes, Held)> {
         let both = |name: &str| OpenOptions::new().read(true).write(true).open(folder.join(name));
         for name in [to_board, from_board] {
             nix::unistd::mkfifo(&folder.join(name), Mode::S_IRUSR | Mode::S_IWUSR)?;
         }
-        let held = both(from_board)?;
-        Ok(Pipes { to_board: both(to_board)?, from_board: File::open(folder.join(from_board))?, held })
+        let held = Held(both(from_board)?);
+        let (path, from_board) = (folder.join(to_board), File::open(folder.join(from_board))?);
+        Ok((Pipes { to_board: both(to_board)?, from_board, path }, held))
+    }
+
+    /// The two ends: to the board, and from it.
+    pub(super) fn ends(self) -> (File, File) {
+        (self.to_board, self.from_board)
+    }
+
+    /// Fills the bytes with what the board says next; false once it has gone.
+    pub(super) fn fill(&mut self, bytes: &mut [u8]) -> Result<bool> {
+        match self.from_board.read_exact(bytes) {
+            Ok(()) => Ok(true),
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(false),
+            Err(error) => Err(error).context("a bus of the emulated board broke"),
+        }
     }
 }
 
-/// Takes out of a pipe what its reader has left there.
-pub(super) fn drain(pipe: &PathBuf) -> Result<()> {
-    let mut pipe = OpenOptions::new().read(true).custom_flags(OFlag::O_NONBLOCK.bits()).open(pipe)?;
-    // It ends as empty: this program holds the other end, too.
-    let _ = pipe.read_to_end(&mut Vec::new());
-    Ok(())
+impl Bus for Pipes {
+    fn hello(&mut self) -> Result<Option<Hello>> {
+        self.read()
+    }
+
+    fn read<const N: usize>(&mut self) -> Result<Option<[u8; N]>> {
+        let mut bytes = [0; N];
+        Ok(self.fill(&mut bytes)?.then_some(bytes))
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        Ok(self.to_board.write_all(bytes)?)
+    }
+
+    /// Takes out of the pipe what the board has left there.
+    fn forget(&mut self) -> Result<()> {
+        let mut options = OpenOptions::new();
+        let mut pipe = options.read(true).custom_flags(OFlag::O_NONBLOCK.bits()).open(&self.path)?;
+        // It ends as empty, not as closed: this program holds the other end, too.
+        let _ = pipe.read_to_end(&mut Vec::new());
+        Ok(())
+    }
 }

@@ -1,23 +1,44 @@
-//! The plant's end of the plant bus.
+//! The plant's end of the plant bus, whatever carries it.
 
-use std::fs::File;
-use std::io::{ErrorKind, Read, Write};
-use std::path::PathBuf;
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo, VERSION};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
-use super::figures::Figures;
-use super::pipes::drain;
+use crate::emulated_board::Figures;
 use crate::punctuality::LateSample;
 
+/// The first bytes of a board.
+pub(crate) type Hello = [u8; HELLO.len()];
+
+/// What carries the bus to a board.
+pub(crate) trait Bus {
+    /// The board's hello, or what it says instead; None once it has gone.
+    fn hello(&mut self) -> Result<Option<Hello>>;
+
+    /// The bytes that the board says next; None once it has gone.
+    fn read<const N: usize>(&mut self) -> Result<Option<[u8; N]>>;
+
+    /// Says something to the board.
+    fn write(&mut self, bytes: &[u8]) -> Result<()>;
+
+    /// Forgets what was on its way when the board was reset.
+    fn forget(&mut self) -> Result<()>;
+}
+
+/// The rig whose plant is simulated; another one is taken over when a run begins.
+pub(crate) type SharedRig = Arc<Mutex<Rig>>;
+
+fn current(rig: &SharedRig) -> Rig {
+    rig.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
 /// A plant that answers a board's outputs with the inputs of the next sample.
-pub(super) struct PlantServer {
-    rig: Rig,
+pub(crate) struct PlantServer {
+    rig: SharedRig,
     seed: u64,
     plant: Plant,
     time: Time,
@@ -25,7 +46,7 @@ pub(super) struct PlantServer {
 }
 
 /// How the plant's time goes on.
-pub(super) struct Time {
+pub(crate) struct Time {
     /// A sample that comes late.
     pub late: LateSample,
     /// It keeps step with the wall clock.
@@ -38,7 +59,7 @@ pub(super) struct Time {
 
 impl Time {
     /// Without a run.
-    pub(super) fn new(late: LateSample, in_step: bool) -> Time {
+    pub(crate) fn new(late: LateSample, in_step: bool) -> Time {
         Time { late, in_step, k: 0, period_us: 0, begun: Instant::now() }
     }
 
@@ -63,41 +84,35 @@ impl Time {
 
 impl PlantServer {
     /// The plant of a rig in the initial state of its test.
-    pub(super) fn new(rig: Rig, seed: u64, time: Time, figures: Arc<Mutex<Figures>>) -> PlantServer {
-        let plant = Plant::new(&rig, Accuracy::default(), seed);
+    pub(crate) fn new(rig: SharedRig, seed: u64, time: Time, figures: Arc<Mutex<Figures>>) -> PlantServer {
+        let plant = Plant::new(&current(&rig), Accuracy::default(), seed);
         PlantServer { rig, seed, plant, time, figures }
     }
 
-    /// Serves the bus until the board has gone. Tells `greet` once the hellos are exchanged.
-    /// A board that was reset says hello again.
-    pub(super) fn serve(
-        mut self,
-        mut outputs: File,
-        mut inputs: File,
-        pipe: &PathBuf,
-        greet: &Sender<()>,
-    ) -> Result<()> {
-        let hello = read(&mut outputs)?.context("the image ended before its hello")?;
-        exchange_hellos(hello, &mut inputs)?;
+    /// Serves the bus until the board has gone. Tells `greet` once the hellos are exchanged. A board that was
+    /// reset says hello again.
+    pub(crate) fn serve(mut self, mut bus: impl Bus, greet: &Sender<()>) -> Result<()> {
+        let hello = bus.hello()?.context("the board ended before its hello")?;
+        exchange_hellos(hello, &mut bus)?;
         // Nobody may be waiting any more.
         let _ = greet.send(());
-        while let Some(first) = read(&mut outputs)? {
+        while let Some(first) = bus.read()? {
             if first == HELLO {
-                drain(pipe)?;
-                exchange_hellos(first, &mut inputs)?;
+                bus.forget()?;
+                exchange_hellos(first, &mut bus)?;
                 continue;
             }
-            let Some(rest) = read(&mut outputs)? else { break };
+            let Some(rest) = bus.read()? else { break };
             let bytes = together(first, rest);
             let Some(from_board) = Outputs::from_bytes(bytes) else {
                 bail!("the board said something that is not of version {VERSION} of the plant bus: {bytes:?}")
             };
             let begun = Instant::now();
-            let answer = self.answer(from_board).context("the plant of the emulated board stopped")?;
+            let answer = self.answer(from_board).context("the plant of the board stopped")?;
             self.note(from_board, begun);
             let mut answer = answer.to_bytes();
             self.time.tempo(from_board.next != Next::Stay).mark(&mut answer);
-            inputs.write_all(&answer)?;
+            bus.write(&answer)?;
         }
         Ok(())
     }
@@ -111,7 +126,7 @@ impl PlantServer {
                 self.time.advance();
             }
             Next::Begin { period_us, delay_us } => {
-                self.plant = Plant::new(&self.rig, Accuracy::default(), self.seed)
+                self.plant = Plant::new(&current(&self.rig), Accuracy::default(), self.seed)
                     .with_timing(u64::from(period_us), u64::from(delay_us));
                 self.time.begin(period_us);
             }
@@ -126,8 +141,8 @@ impl PlantServer {
     }
 }
 
-fn exchange_hellos(hello: [u8; HELLO.len()], inputs: &mut File) -> Result<()> {
-    inputs.write_all(&HELLO)?;
+fn exchange_hellos(hello: Hello, bus: &mut impl Bus) -> Result<()> {
+    bus.write(&HELLO)?;
     match hello {
         HELLO => Ok(()),
         [b'P', b'N', b'B', version] => {
@@ -139,22 +154,12 @@ fn exchange_hellos(hello: [u8; HELLO.len()], inputs: &mut File) -> Result<()> {
     }
 }
 
-/// Bytes of outputs that follow the first ones, which no command looks like a hello in.
+/// Bytes of outputs after as many as a hello has. No command looks like a hello.
 const REST: usize = Outputs::BYTES - HELLO.len();
 
-fn together(first: [u8; HELLO.len()], rest: [u8; REST]) -> [u8; Outputs::BYTES] {
+fn together(first: Hello, rest: [u8; REST]) -> [u8; Outputs::BYTES] {
     let mut bytes = [0; Outputs::BYTES];
     bytes[..HELLO.len()].copy_from_slice(&first);
     bytes[HELLO.len()..].copy_from_slice(&rest);
     bytes
-}
-
-/// The bytes that the board says next; None once it has gone.
-fn read<const N: usize>(outputs: &mut File) -> Result<Option<[u8; N]>> {
-    let mut bytes = [0; N];
-    match outputs.read_exact(&mut bytes) {
-        Ok(()) => Ok(Some(bytes)),
-        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(None),
-        Err(error) => Err(error).context("the plant bus broke"),
-    }
 }

@@ -1,0 +1,72 @@
+//! The proof that the equality of the rungs is held by a test: with one rounding changed in the image, and
+//! nowhere else, it fails.
+
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+use xtask::cargo::{image_folder, root};
+use xtask::firmware;
+
+use crate::{QemuTarget, body};
+
+/// The file in which a rounding is changed, in a copy of the sources.
+const FILE: &str = "shared/controller/src/law.rs";
+
+/// The law's division toward zero, and what makes it one toward minus infinity: each negative demand that is
+/// no whole number is a count less.
+const TOWARD_ZERO: &str = "divide_toward_zero(saturate(sum), config.scale)";
+const LESS: &str = " - i32::from(saturate(sum) < 0 && saturate(sum).unsigned_abs() % config.scale != 0)";
+
+/// Builds the image with the changed rounding, compares a run with the simulation, and tells how the test
+/// failed.
+///
+/// # Errors
+/// When the test passes, or fails for another reason.
+pub fn prove() -> Result<String> {
+    let copy = tempfile::tempdir().context("no folder for a copy of the sources")?;
+    copy_sources(copy.path())?;
+    change(&copy.path().join(FILE))?;
+    let image = firmware::build_in(
+        &copy.path().join("firmware"),
+        &image_folder()?.join("rounding"),
+        firmware::EMULATED,
+    )?;
+    failure(&image)
+}
+
+/// What is in the repository, as it is now.
+fn copy_sources(to: &Path) -> Result<()> {
+    let listed = Command::new("git").current_dir(root()).args(["ls-files", "-z"]).output();
+    let listed = listed.context("git can't be started: the sources are copied by its list")?;
+    ensure!(listed.status.success(), "git ls-files: {}", String::from_utf8_lossy(&listed.stderr));
+    for name in String::from_utf8(listed.stdout)?.split_terminator('\0') {
+        let target = to.join(name);
+        fs::create_dir_all(target.parent().unwrap_or(to))?;
+        fs::copy(root().join(name), &target).with_context(|| name.to_owned())?;
+    }
+    Ok(())
+}
+
+fn change(file: &Path) -> Result<()> {
+    let text = fs::read_to_string(file)?;
+    let places = text.matches(TOWARD_ZERO).count();
+    ensure!(places == 1, "{FILE} has {TOWARD_ZERO:?} {places} times, not once: name the rounding anew");
+    Ok(fs::write(file, text.replace(TOWARD_ZERO, &format!("{TOWARD_ZERO}{LESS}")))?)
+}
+
+/// How the equality test fails with an image.
+fn failure(image: &Path) -> Result<String> {
+    let moves = "test.moves=[[0.0, 8192], [0.3, 16384]]";
+    let rig = body::rig("servo-b-tuned", &["test.duration_s=1", moves]);
+    let target = QemuTarget::start_image(&rig, image)?;
+    let outcome = catch_unwind(AssertUnwindSafe(|| body::assert_equal_in_every_integer(&target, &rig)));
+    let Err(panic) = outcome else {
+        bail!("the records are equal: the test does not see the changed rounding")
+    };
+    let message = panic.downcast_ref::<String>().cloned().unwrap_or_default();
+    ensure!(message.contains(": sample ") && message.contains("left: "), "it failed otherwise: {message}");
+    Ok(message)
+}
