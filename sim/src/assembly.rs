@@ -11,6 +11,7 @@
 
 mod following;
 mod lag;
+mod lands;
 mod ports;
 
 pub(crate) use lag::Lag;
@@ -28,12 +29,13 @@ use crate::network::{Network, Node, PortFlow};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
 use crate::valve::Valve;
+use lands::Lands;
 use ports::Ports;
 
 /// Number of states.
 pub(crate) const STATES: usize = 11;
-/// Guards read from the state: stiction and stops of the load, the entry of the gain profile, then
-/// those of the operator.
+/// Guards read from the state: stiction and stops of the load, the entry of the gain profile, the edges of
+/// the lands, then those of the operator.
 pub(crate) const GUARDS: usize = LOAD_GUARDS + operator::GUARDS;
 /// Guards that need the flows: the direction of the air in each port.
 pub(crate) const FLOW_GUARDS: usize = 2;
@@ -61,7 +63,8 @@ const LOAD_FRICTION: usize = 0;
 const LOAD_STOPS: usize = 1;
 const PROFILE_FARTHER: usize = 2;
 const PROFILE_NEARER: usize = 3;
-const LOAD_GUARDS: usize = 4;
+const LANDS: usize = 4;
+const LOAD_GUARDS: usize = 6;
 
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
@@ -69,6 +72,7 @@ pub(crate) struct Assembly {
     pub parts: Parts,
     load_contact: Contact,
     load_side: Side,
+    lands: Lands,
     ports: Ports,
     /// The last solution of the network, and the spool position and state it belongs to.
     solved: Option<(f64, StateVector, [Node; 2])>,
@@ -108,25 +112,36 @@ impl Assembly {
         let mut assembly = Assembly {
             load_contact: Contact::Stuck,
             load_side: parts.load.stops.side(x[slot::POSITION]),
+            lands: Lands::at(&parts.valve, 0.0),
             ports: Ports::new(),
             solved: None,
             parts,
         };
         assembly.load_contact = assembly.parts.load.friction.at_rest(assembly.applied_to_load(x));
+        assembly.lands = Lands::at(&assembly.parts.valve, assembly.spool(0.0, x));
         assembly.find_port_directions(0.0, x);
         assembly.pass_faults(0.0, &mut { *x });
         assembly
     }
 
     /// A request to the operator takes effect at `t`. A spool that jumps takes the flows with it.
-    pub fn drive(&mut self, t: f64, x: &StateVector, request: Request) {
+    pub fn drive(&mut self, t: f64, x: &mut StateVector, request: Request) {
+        self.settle(t, x);
         let flow_force = self.flow_force(t, x);
         let before = self.spool(t, x);
         self.parts.operator.drive(t, spool_state(x), request, flow_force);
-        if self.spool(t, x) != before {
-            self.parts.network.expect_jump();
+        let spool = self.spool(t, x);
+        if spool != before {
+            self.lands = Lands::at(&self.parts.valve, spool);
+            self.parts.network.jump();
             self.find_port_directions(t, x);
         }
+    }
+
+    /// Brings the integrator's state of the spool to where it is, before a mode of it changes.
+    fn settle(&self, t: f64, x: &mut StateVector) {
+        let SpoolState { position, velocity } = self.parts.operator.place(t, spool_state(x));
+        [x[slot::SPOOL], x[slot::SPOOL_VELOCITY]] = [position, velocity];
     }
 
     /// Where the spool is, m.
@@ -141,22 +156,24 @@ impl Assembly {
             return 0.0;
         }
         let nodes = self.nodes(t, x);
+        let ends = self.ends_at_valve(x);
+        let behind = [0, 1].map(|i| self.parts.network.exner_behind_port(&nodes[i], &ends[i]));
         let spool = self.spool(t, x);
         let pressure = |exner| self.parts.gas.pressure(exner);
         let flows = ValveFlows {
             supply: Source {
-                pressure: pressure(nodes[0].supply_exner),
+                pressure: pressure(self.parts.network.exner_at_lands(&nodes)),
                 temperature: self.parts.network.supply().temperature,
             },
             exhaust: Source {
                 pressure: pressure(self.parts.network.exhaust().exner),
                 temperature: self.parts.network.exhaust().temperature,
             },
-            nodes: nodes.map(|node| NodeFlows {
-                supply: node.supply_flow,
-                exhaust: node.exhaust_flow,
-                pressure: pressure(node.exner),
-                port_pressure: pressure(node.port_exner),
+            nodes: [0, 1].map(|i| NodeFlows {
+                supply: nodes[i].supply_flow,
+                exhaust: nodes[i].exhaust_flow,
+                pressure: pressure(nodes[i].exner),
+                port_pressure: pressure(behind[i]),
             }),
             land_areas: self.parts.valve.land_areas(spool),
             path_area: path_area(self.parts.valve.spool_diameter, self.parts.valve.rod_diameter),
@@ -177,10 +194,11 @@ impl Assembly {
             lag.supply.exner = supply;
         }
         if faults.stuck_spool {
+            self.settle(t, x);
             self.parts.operator.stick(t, spool_state(x));
             x[slot::SPOOL_VELOCITY] = 0.0;
         }
-        self.parts.network.expect_jump();
+        self.parts.network.jump();
         self.solved = None;
         self.find_port_directions(t, x);
     }
@@ -206,8 +224,8 @@ impl Assembly {
             Some((at, solved, nodes)) if *at == spool && solved == x => *nodes,
             _ => {
                 let stations = self.ends_at_valve(x);
-                let conductances = self.parts.valve.conductances(&self.parts.gas, spool);
-                let nodes = self.parts.network.solve(&conductances, &stations, &self.ports.directions);
+                let conductances = self.parts.valve.conductances_of(&self.parts.gas, spool, self.lands.open);
+                let nodes = self.parts.network.solve_at(t, &conductances, &stations, &self.ports.directions);
                 self.solved = Some((spool, *x, nodes));
                 nodes
             }
@@ -354,6 +372,8 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         guards[LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
         [guards[PROFILE_FARTHER], guards[PROFILE_NEARER]] =
             self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
+        let spool = self.parts.operator.position(t, spool_state(x));
+        [guards[LANDS], guards[LANDS + 1]] = self.lands.guards(&self.parts.valve, spool);
         guards[LOAD_GUARDS..].copy_from_slice(&self.parts.operator.guards(t, spool_state(x), flow_force));
         guards
     }
@@ -363,18 +383,35 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         self.ports.guards(&nodes)
     }
 
+    fn sharpen(&mut self, sharp: bool) {
+        if self.parts.network.sharpen(sharp) {
+            self.solved = None;
+        }
+    }
+
+    fn longest_step(&self) -> f64 {
+        self.parts.operator.longest_step()
+    }
+
     fn next_instant(&self, t: f64) -> f64 {
         self.parts.operator.next_instant(t).min(self.parts.faults.next_instant())
     }
 
     fn cross(&mut self, event: Event, t: f64, x: &mut StateVector) {
+        if matches!(event, Event::Instant | Event::Guard(LOAD_GUARDS..)) {
+            self.settle(t, x);
+        }
         match event {
             Event::Instant => {
                 self.pass_faults(t, x);
                 let flow_force = self.flow_force(t, x);
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }
-            Event::Guard(guard @ ..LOAD_GUARDS) => self.cross_load(guard, t, x),
+            Event::Guard(guard @ LANDS..LOAD_GUARDS) => {
+                let spool = self.spool(t, x);
+                self.lands.pass(guard - LANDS, &self.parts.valve, spool);
+            }
+            Event::Guard(guard @ ..LANDS) => self.cross_load(guard, t, x),
             Event::Guard(guard) => {
                 self.follow(x);
                 self.follow_rate(t, x);

@@ -332,6 +332,7 @@ fn solenoid_parameters(rig: &Rig) -> SolenoidParameters {
             rig.number("operator.stop_damping_ratio"),
             spool_mass,
         ),
+        feels_flow: rig.word("valve.flow_force") != "none",
     }
 }
 

@@ -36,6 +36,11 @@ impl Dither {
         if self.amplitude == 0.0 { 0.0 } else { self.amplitude * libm::sin(2.0 * PI * self.cycle(t)) }
     }
 
+    /// Sine and cosine of its angle at `t`.
+    pub(crate) fn sine_and_cosine(&self, t: f64) -> (f64, f64) {
+        libm::sincos(2.0 * PI * self.cycle(t))
+    }
+
     /// Its rate at `t`, per second.
     #[must_use]
     pub fn rate(&self, t: f64) -> f64 {

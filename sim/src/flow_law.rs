@@ -24,6 +24,7 @@ pub enum FlowLaw {
 
 impl FlowLaw {
     /// psi from `upstream` to `downstream` (Exner pressures) with its slopes.
+    #[inline(always)]
     pub(crate) fn flow_function(&self, gas: &Gas, upstream: f64, downstream: f64) -> FlowFunction {
         match self {
             FlowLaw::Orifice => gas.flow_function(upstream, downstream),

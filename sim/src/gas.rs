@@ -22,6 +22,8 @@ pub struct Gas {
     exner_exponent: f64,
     /// e = 2/(n-1).
     flow_exponent: f64,
+    /// e/(e+1): w downstream over w upstream where the flow chokes.
+    sonic_part: f64,
     /// Whether n = 1.4, where all powers are whole or halves.
     diatomic: bool,
 }
@@ -38,11 +40,13 @@ impl Gas {
     /// A gas with a ratio of heat capacities above 1 and a gas constant in J/(kg K).
     #[must_use]
     pub fn new(heat_capacity_ratio: f64, gas_constant: f64) -> Gas {
+        let flow_exponent = 2.0 / (heat_capacity_ratio - 1.0);
         Gas {
             heat_capacity_ratio,
             gas_constant,
             exner_exponent: (heat_capacity_ratio - 1.0) / heat_capacity_ratio,
-            flow_exponent: 2.0 / (heat_capacity_ratio - 1.0),
+            flow_exponent,
+            sonic_part: flow_exponent / (flow_exponent + 1.0),
             diatomic: heat_capacity_ratio == 1.4,
         }
     }
@@ -55,6 +59,7 @@ impl Gas {
 
     /// P in Pa of an Exner pressure.
     #[must_use]
+    #[inline]
     pub fn pressure(&self, exner: f64) -> f64 {
         if self.diatomic {
             exner * exner * exner * exner.sqrt()
@@ -80,28 +85,37 @@ impl Gas {
     }
 
     /// The flow function from `upstream` to `downstream`, choked where it must be.
+    #[inline(always)]
     pub(crate) fn flow_function(&self, upstream: f64, downstream: f64) -> FlowFunction {
         let e = self.flow_exponent;
-        let sonic = upstream * (e / (e + 1.0));
+        let sonic = upstream * self.sonic_part;
         if downstream <= sonic {
-            let value = upstream * self.power_of_flow(sonic) * (upstream - sonic);
-            FlowFunction { value, by_upstream: (e + 2.0) * value / upstream, by_downstream: 0.0 }
+            let [_, power] = self.powers_of_flow(sonic);
+            let by_upstream = power * (upstream - sonic);
+            FlowFunction {
+                value: upstream * by_upstream,
+                by_upstream: (e + 2.0) * by_upstream,
+                by_downstream: 0.0,
+            }
         } else {
-            let power = self.power_of_flow(downstream);
+            let [lower, power] = self.powers_of_flow(downstream);
             FlowFunction {
                 value: upstream * power * (upstream - downstream),
                 by_upstream: power * (2.0 * upstream - downstream),
-                by_downstream: upstream * power / downstream * (e * upstream - (e + 1.0) * downstream),
+                by_downstream: upstream * lower * (e * upstream - (e + 1.0) * downstream),
             }
         }
     }
 
-    fn power_of_flow(&self, exner: f64) -> f64 {
+    /// w^(e-1) and w^e.
+    #[inline]
+    fn powers_of_flow(&self, exner: f64) -> [f64; 2] {
         if self.diatomic {
             let square = exner * exner;
-            square * square * exner
+            [square * square, square * square * exner]
         } else {
-            libm::pow(exner, self.flow_exponent)
+            let power = libm::pow(exner, self.flow_exponent);
+            [power / exner, power]
         }
     }
 }

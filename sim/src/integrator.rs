@@ -16,13 +16,15 @@ mod crossing;
 mod explicit;
 mod implicit;
 mod linear;
+mod pace;
 mod segment;
 mod stiffness;
 mod tableau;
 
 use crate::root::bracketed_root;
 use crossing::{LOOKS, first_negative};
-use segment::{Segment, Trial};
+use pace::Pace;
+use segment::{Segment, Taken};
 use stiffness::Stiffness;
 use tableau::Tableau;
 
@@ -47,6 +49,13 @@ pub trait Hybrid<const N: usize, const G: usize, const F: usize> {
     fn flow_guards(&mut self, t: f64, x: &[f64; N]) -> [f64; F];
     /// The next instant after `t` at which the system changes of itself.
     fn next_instant(&self, t: f64) -> f64;
+    /// The longest step (s) that meets all that guards do.
+    fn longest_step(&self) -> f64 {
+        f64::INFINITY
+    }
+    /// Differences of derivatives are about to be taken, or no more: they ask for all the digits that
+    /// there are.
+    fn sharpen(&mut self, _sharp: bool) {}
     /// Changes modes (and state, where a velocity becomes zero) at an event.
     fn cross(&mut self, event: Event, t: f64, x: &mut [f64; N]);
 }
@@ -117,6 +126,10 @@ pub enum IntegrationError {
 /// Smallest step, s: below it rounding of the time is felt.
 const SMALLEST_STEP: f64 = 1e-13;
 
+/// To how much of a step a flow guard's zero is located: such a guard is dear, and what it changes begins
+/// with nothing.
+const FLOW_PLACE: f64 = 1e-10;
+
 /// Most events within [`SMALLEST_STEP`] of each other.
 const MOST_EVENTS_AT_ONCE: u32 = 64;
 
@@ -138,12 +151,15 @@ pub struct Integrator<const N: usize, const G: usize, const F: usize> {
     x: [f64; N],
     /// dx/dt at t, if it is known in the present modes.
     slope: Option<[f64; N]>,
+    /// The guards at t, if they are known in the present modes.
+    guards: Option<[f64; G]>,
     /// The step that led to t.
     segment: Option<Segment<N>>,
     /// What happens at t, if it has not been taken yet.
     pending: Option<Event>,
     /// The step size that the error asks for.
     wanted: f64,
+    pace: Pace,
     events_at_once: (u32, f64),
     stiffness: Stiffness,
     /// When the present [`STRETCH`] began, and the steps tried until then.
@@ -164,9 +180,11 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             t: 0.0,
             x,
             slope: None,
+            guards: None,
             segment: None,
             pending: None,
             wanted: 1e-5,
+            pace: Pace::default(),
             events_at_once: (0, 0.0),
             stiffness: Stiffness::default(),
             stretch: (0.0, 0),
@@ -222,6 +240,8 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     fn restart(&mut self) {
         self.segment = None;
         self.slope = None;
+        self.guards = None;
+        self.pace = Pace::default();
         self.work.restarts += 1;
     }
 
@@ -251,8 +271,9 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     /// One accepted step, ended at the first event in it.
     fn step(&mut self, system: &mut impl Hybrid<N, G, F>, horizon: f64) -> Result<(), IntegrationError> {
         self.count_step()?;
+        system.sharpen(self.stiffness.implicit);
         let instant = system.next_instant(self.t);
-        let limit = instant.min(horizon);
+        let limit = instant.min(horizon).min(self.t + system.longest_step());
         let slope = match self.slope {
             Some(slope) => slope,
             None => {
@@ -260,10 +281,9 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
                 system.derivative(self.t, &self.x)
             }
         };
-        let (Trial { segment, x, end_slope, .. }, end) = self.accepted(system, slope, limit)?;
+        let (Taken { segment, x, end_slope, .. }, end) = self.accepted(system, slope, limit)?;
         self.work.steps += 1;
-        let event = self.first_event(system, &segment, end, &x);
-        match event {
+        match self.first_event(system, &segment, end, &x) {
             Some((event, at)) => {
                 self.x = segment.at(at);
                 self.t = at;
@@ -273,7 +293,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             None => {
                 self.x = x;
                 self.t = end;
-                self.slope = end_slope;
+                self.slope = end_slope.filter(|_| !self.stiffness.implicit);
                 self.pending = (end == instant).then_some(Event::Instant);
             }
         }
@@ -287,7 +307,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         system: &mut impl Hybrid<N, G, F>,
         slope: [f64; N],
         limit: f64,
-    ) -> Result<(Trial<N>, f64), IntegrationError> {
+    ) -> Result<(Taken<N>, f64), IntegrationError> {
         let slopes = self.stiffness.implicit.then(|| self.slopes(system, slope));
         loop {
             let room = limit - self.t;
@@ -303,17 +323,18 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             if !error.is_finite() {
                 self.wanted = 0.1 * h;
             } else {
-                let factor = 0.9 * libm::pow(error.max(1e-10), -1.0 / trial.order);
-                let next = h * factor.clamp(0.2, 5.0);
-                if error <= 1.0 {
+                let next = h * self.pace.factor(h, error, trial.order);
+                if let Some(taken) = trial.taken {
+                    self.pace.note(h, error);
                     // A step cut short by an event says nothing of the wanted size.
                     self.wanted = if limited { next.max(self.wanted) } else { next };
-                    self.note_step(&trial, limited);
-                    return Ok((trial, end));
+                    self.note_step(&taken, limited);
+                    return Ok((taken, end));
                 }
                 self.wanted = next;
             }
             self.work.rejected += 1;
+            self.pace.reject();
             if self.wanted < SMALLEST_STEP {
                 return Err(if error.is_finite() {
                     IntegrationError::StepTooSmall { at_s: self.t, step_s: self.wanted }
@@ -325,29 +346,28 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     }
 
     /// A step cut short says nothing of how far a method might go.
-    fn note_step(&mut self, trial: &Trial<N>, limited: bool) {
+    fn note_step(&mut self, taken: &Taken<N>, limited: bool) {
         if !limited {
-            let moved = std::array::from_fn(|i| trial.x[i] - self.x[i]);
-            self.stiffness.note(trial.stiffness, self.error_norm(&moved, &trial.x));
+            let moved = std::array::from_fn(|i| taken.x[i] - self.x[i]);
+            self.stiffness.note(taken.stiffness, self.error_norm(&moved, &taken.x));
         }
     }
 
     /// The largest error of a state over what is allowed.
     fn error_norm(&self, error: &[f64; N], x: &[f64; N]) -> f64 {
-        let mut largest = 0.0_f64;
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
         for i in 0..N {
-            let ratio = error[i].abs() / (self.tolerance * self.scale[i].max(x[i].abs()));
-            if !ratio.is_finite() {
-                return f64::INFINITY;
-            }
+            let ratio = error[i].abs() / self.scale[i].max(x[i].abs());
             largest = largest.max(ratio);
+            sum += ratio;
         }
-        largest
+        // What is no number is in no maximum.
+        if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
     }
 
     /// The first guard in the step that becomes negative, and when.
     fn first_event(
-        &self,
+        &mut self,
         system: &mut impl Hybrid<N, G, F>,
         segment: &Segment<N>,
         end: f64,
@@ -360,7 +380,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             }
         };
         let when = |theta: f64| if theta == 1.0 { end } else { segment.start + theta * segment.width };
-        let begin = system.guards(segment.start, &self.x);
+        let begin = self.guards.unwrap_or_else(|| system.guards(segment.start, &self.x));
         let looks = LOOKS.map(|theta| match theta {
             1.0 => system.guards(end, x),
             _ => system.guards(when(theta), &segment.at_part(theta)),
@@ -372,6 +392,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
                 note(Event::Guard(guard), when(theta));
             }
         }
+        self.guards = Some(looks[LOOKS.len() - 1]);
         let after = system.flow_guards(end, x);
         for guard in 0..F {
             if after[guard] < 0.0 {
@@ -379,7 +400,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
                 let mut value_at =
                     |theta: f64| system.flow_guards(when(theta), &segment.at_part(theta))[guard];
                 let ends = [(0.0, before[guard].max(0.0)), (1.0, after[guard])];
-                note(Event::FlowGuard(guard), when(bracketed_root(&mut value_at, ends, 1e-14)));
+                note(Event::FlowGuard(guard), when(bracketed_root(&mut value_at, ends, FLOW_PLACE)));
             }
         }
         first

@@ -26,16 +26,17 @@
 //! pressure, so they cannot fail (EQUATIONS section 3).
 
 mod brackets;
+mod course;
+mod newton;
 mod rest;
 mod restriction;
 
 use crate::air::Station;
 use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
-use crate::tubing::{FarEnd, Tube};
+use crate::tubing::Tube;
 use crate::valve::Conductances;
-use rest::{Slopes, land_line};
-use restriction::Approach;
+use course::Course;
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,10 +60,6 @@ pub struct Node {
     pub supply_flow: f64,
     /// e, kg/s, from the exhaust; negative when air leaves.
     pub exhaust_flow: f64,
-    /// w in front of the supply land, behind the supply's tube.
-    pub supply_exner: f64,
-    /// w at the far side of the port.
-    pub port_exner: f64,
 }
 
 impl Node {
@@ -76,8 +73,6 @@ impl Node {
         carried: f64::NAN,
         supply_flow: f64::NAN,
         exhaust_flow: f64::NAN,
-        supply_exner: f64::NAN,
-        port_exner: f64::NAN,
     };
 
     fn is_finite(&self) -> bool {
@@ -118,8 +113,14 @@ pub struct Network {
     started: bool,
     /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
     far: bool,
-    /// Solutions that were not found since the last one that was.
+    course: Course,
+    /// Allowed error of a flow, kg/s.
+    flow_error: f64,
+    /// Whether flows are solved to rounding instead.
+    sharp: bool,
+    /// Solutions that were not found, and those found since, until these are [`CALM`].
     failures: u32,
+    found: u32,
     /// Work done so far.
     pub work: NetworkWork,
 }
@@ -135,34 +136,16 @@ pub struct NetworkWork {
     pub bracketed: u64,
 }
 
-/// Flows are solved to this change in the last correction, kg/s. The error after it is far smaller,
-/// the convergence being quadratic but for the node temperature.
-const FLOW_TOLERANCE: f64 = 1e-12;
+/// Allowed error of a flow, kg/s, unless told otherwise.
+const FLOW_ERROR: f64 = 1e-15;
 
 /// After so many failures, with a step ten times shorter each time, the solution that was followed has
 /// come to its end: with upstream Mach numbers a land that is wider than its port has none below M = 1
 /// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
-const MOST_FAILURES: u32 = 5;
+const MOST_FAILURES: u32 = 3;
 
-/// Residuals and slopes of the three restrictions of a node.
-struct Linearised {
-    /// Residuals of supply land, exhaust land and port.
-    residual: [f64; 3],
-    /// Slopes over each flow: 2|s|, 2|e| and 2|m| with approach, the port's with its tube.
-    stiffness: [f64; 3],
-    /// Slope of each residual over w_n; the port's is negative.
-    by_node: [f64; 3],
-    /// Slope of the supply land's residual over the flow in the supply tube.
-    by_total: f64,
-}
-
-/// A correction of one node: at a fixed flow in the supply tube, and per unit of its change.
-#[derive(Clone, Copy)]
-struct Correction {
-    exner: f64,
-    supply: f64,
-    exhaust: f64,
-}
+/// So many solutions in a row that were found, of two steps, make good for failures before them.
+const CALM: u32 = 12;
 
 impl Network {
     /// A network at rest between a supply and an exhaust. `port_area` (m^2) makes flows approach
@@ -183,8 +166,6 @@ impl Network {
             carried: supply.temperature,
             supply_flow: 0.0,
             exhaust_flow: 0.0,
-            supply_exner: supply.exner,
-            port_exner: supply.exner,
         };
         Network {
             gas,
@@ -198,7 +179,11 @@ impl Network {
             nodes: [node; 2],
             started: false,
             far: true,
+            course: Course::UNKNOWN,
+            flow_error: FLOW_ERROR,
+            sharp: false,
             failures: 0,
+            found: 0,
             work: NetworkWork::default(),
         }
     }
@@ -209,7 +194,24 @@ impl Network {
         Network { reservoir: true, ..self }
     }
 
-    /// The next solution may be far from the last one: the spool has jumped, or a mode changed.
+    /// The same with flows to an error of so many kg/s.
+    #[must_use]
+    pub fn to_within(self, flow_error: f64) -> Network {
+        Network { flow_error, ..self }
+    }
+
+    /// Has flows solved to rounding from now on, or no more; tells whether that is new.
+    pub fn sharpen(&mut self, sharp: bool) -> bool {
+        std::mem::replace(&mut self.sharp, sharp) != sharp
+    }
+
+    /// The flows jump: what they were says nothing of the next ones.
+    pub fn jump(&mut self) {
+        self.course = Course::UNKNOWN;
+        self.expect_jump();
+    }
+
+    /// The next solution may be far from the last one: a mode changed.
     pub fn expect_jump(&mut self) {
         self.far = true;
     }
@@ -231,6 +233,18 @@ impl Network {
         &self.exhaust
     }
 
+    /// w in front of the supply's lands, behind its tube.
+    #[must_use]
+    pub fn exner_at_lands(&self, nodes: &[Node; 2]) -> f64 {
+        self.supply_tube.far_end(&self.supply, nodes[0].supply_flow + nodes[1].supply_flow).exner
+    }
+
+    /// w at the far side of a port, for the chamber that it is joined to.
+    #[must_use]
+    pub fn exner_behind_port(&self, node: &Node, chamber: &Station) -> f64 {
+        self.far_of_cylinder(chamber, node.port_flow())
+    }
+
     /// The flows for the open areas, chambers and port directions of this instant.
     pub(crate) fn solve(
         &mut self,
@@ -248,7 +262,7 @@ impl Network {
         // told so, and the last solution is not spoilt by it.
         let last = self.nodes;
         if !(self.started && self.by_newton(valve, chambers, ports)) {
-            self.failures += 1;
+            (self.failures, self.found) = (self.failures + 1, 0);
             if !self.far && self.failures < MOST_FAILURES {
                 self.nodes = last;
                 return [Node::NOT_A_NUMBER; 2];
@@ -262,125 +276,20 @@ impl Network {
             }
         }
         let mut solved = self.nodes;
-        let total = solved[0].supply_flow + solved[1].supply_flow;
-        let supply_exner = self.supply_tube.far_end(&self.supply, total).exner;
-        for ((node, lands), chamber) in solved.iter_mut().zip(valve).zip(chambers) {
+        for (node, lands) in solved.iter_mut().zip(valve) {
             node.carried = self.carried(node, lands.port);
-            node.supply_exner = supply_exner;
-            node.port_exner = self.far_of_cylinder(chamber, node.port_flow());
         }
         if solved.iter().all(Node::is_finite) {
             self.started = true;
             self.far = false;
-            self.failures = 0;
+            self.found += 1;
+            if self.found >= CALM {
+                self.failures = 0;
+            }
         } else {
             self.nodes = last;
         }
         solved
-    }
-
-    /// Newton's method from the present nodes; false where it does not converge.
-    fn newton(
-        &mut self,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-        slopes: Slopes,
-    ) -> bool {
-        self.begin_flows(valve);
-        for _ in 0..slopes.most_iterations() {
-            self.work.iterations += 1;
-            let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
-            let at_valve = self.supply_tube.far_end(&self.supply, total);
-            let mut fixed = [Correction { exner: 0.0, supply: 0.0, exhaust: 0.0 }; 2];
-            let mut per_total = fixed;
-            for i in 0..2 {
-                self.nodes[i].temperature = match valve[i].port {
-                    Some(_) => self.mixed_temperature(i, &chambers[i], ports[i]),
-                    // Without a node the exhaust land takes the cylinder's air (6.40).
-                    None => chambers[i].temperature,
-                };
-                let lines = self.linearise(i, &valve[i], &chambers[i], ports[i], at_valve, slopes);
-                let r = lines.residual;
-                fixed[i] = lines.correct([-r[0], -r[1], -r[2]]);
-                per_total[i] = lines.correct([-lines.by_total, 0.0, 0.0]);
-            }
-            // The change of the total is the sum of its parts, which depend on it.
-            let change =
-                (fixed[0].supply + fixed[1].supply) / (1.0 - per_total[0].supply - per_total[1].supply);
-            let largest = self.apply(&fixed, &per_total, change);
-            if !largest.is_finite() {
-                return false;
-            }
-            if largest < FLOW_TOLERANCE || self.is_rounding(slopes, largest) {
-                return true;
-            }
-        }
-        false
-    }
-
-    /// A land that was shut and has opened begins with what its pressures drive through it: from no flow
-    /// at all a square has no slope to follow.
-    fn begin_flows(&mut self, valve: &[Conductances; 2]) {
-        let signed_root = |square: f64| square.abs().sqrt().copysign(square);
-        for (i, lands) in valve.iter().enumerate() {
-            let (node, here) = (self.nodes[i], self.nodes[i].station());
-            if node.supply_flow == 0.0 && lands.supply > 0.0 {
-                let square = self.land(lands.supply, &self.supply, Approach::NONE, &here).value;
-                self.nodes[i].supply_flow = signed_root(square);
-            }
-            if node.exhaust_flow == 0.0 && lands.exhaust > 0.0 {
-                let square = self.land(lands.exhaust, &self.exhaust, Approach::NONE, &here).value;
-                self.nodes[i].exhaust_flow = signed_root(square);
-            }
-        }
-    }
-
-    /// Applies a correction and tells its largest change of a flow.
-    fn apply(&mut self, fixed: &[Correction; 2], per_total: &[Correction; 2], change: f64) -> f64 {
-        let mut largest = 0.0_f64;
-        for i in 0..2 {
-            let node = &mut self.nodes[i];
-            let supply = fixed[i].supply + change * per_total[i].supply;
-            let exhaust = fixed[i].exhaust + change * per_total[i].exhaust;
-            let exner = node.exner + fixed[i].exner + change * per_total[i].exner;
-            if !(supply + exhaust + exner).is_finite() {
-                return f64::NAN;
-            }
-            node.exner = exner.clamp(0.5 * node.exner, 2.0 * node.exner);
-            node.supply_flow += supply;
-            node.exhaust_flow += exhaust;
-            largest = largest.max(supply.abs().max(exhaust.abs()));
-        }
-        largest
-    }
-
-    fn linearise(
-        &self,
-        i: usize,
-        valve: &Conductances,
-        chamber: &Station,
-        port: PortFlow,
-        at_valve: FarEnd,
-        slopes: Slopes,
-    ) -> Linearised {
-        let node = &self.nodes[i];
-        let here = node.station();
-        let supply = Station { exner: at_valve.exner, temperature: self.supply.temperature };
-        let (s_flow, e_flow) = (node.supply_flow, node.exhaust_flow);
-        let s = self.land(valve.supply, &supply, self.supply_approach(&supply, s_flow), &here);
-        let e = self.land(valve.exhaust, &self.exhaust, Approach::NONE, &here);
-        let p = self.port_line(valve.port, node, chamber, port, slopes);
-        let shut = valve.supply == 0.0 || valve.exhaust == 0.0;
-        let least = |conductance, source| if shut { self.creeping(conductance, source) } else { 0.0 };
-        let s_line = land_line(valve.supply, s_flow, s.value, least(valve.supply, &supply), slopes);
-        let e_line = land_line(valve.exhaust, e_flow, e.value, least(valve.exhaust, &self.exhaust), slopes);
-        Linearised {
-            residual: [s_line.0, e_line.0, p.residual],
-            stiffness: [s_line.1 - s.by_flow, e_line.1 - e.by_flow, p.by_flow],
-            by_node: [-s.by_second, -e.by_second, p.by_node],
-            by_total: -s.by_first * at_valve.by_flow,
-        }
     }
 
     /// A node mixes what flows into it; without one the air comes from the land that feeds the port.
@@ -391,19 +300,6 @@ impl Network {
             Some(_) => node.temperature,
             None => mean_of_inflows(&from_lands).unwrap_or(node.temperature),
         }
-    }
-
-    /// T_n of node `i`. A node that nothing flows into keeps its temperature.
-    fn mixed_temperature(&self, i: usize, chamber: &Station, port: PortFlow) -> f64 {
-        let node = &self.nodes[i];
-        let [supply, exhaust, far] = self.approaches(i, chamber, port);
-        let from_cylinder = if port == PortFlow::Discharging { -node.port_flow() } else { 0.0 };
-        let inflows = [
-            (node.supply_flow, self.supply.temperature * supply.factor),
-            (node.exhaust_flow, self.exhaust.temperature * exhaust.factor),
-            (from_cylinder, chamber.temperature * far.factor),
-        ];
-        mean_of_inflows(&inflows).unwrap_or(node.temperature)
     }
 }
 
@@ -416,24 +312,6 @@ fn mean_of_inflows(inflows: &[(f64, f64)]) -> Option<f64> {
         heat += flow * temperature;
     }
     (mass > 0.0).then(|| heat / mass)
-}
-
-impl Linearised {
-    /// Solves the three lines for a right side, by elimination written out. The determinant vanishes
-    /// only where no air flows at all.
-    fn correct(&self, right: [f64; 3]) -> Correction {
-        let [a, b, c] = self.stiffness;
-        let [s, e, p] = self.by_node;
-        let n = -p;
-        let [rs, re, rp] = right;
-        let across = c * re - b * rp;
-        let determinant = c * b * s + a * c * e + a * b * n;
-        Correction {
-            exner: (b * c * rs + a * across) / determinant,
-            supply: (rs * (c * e + b * n) - s * across) / determinant,
-            exhaust: (s * c * re + a * (e * rp + n * re) - rs * e * c) / determinant,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -9,10 +9,12 @@
 //! | [`stuck`] | | not at all any more: what a fault makes of the others |
 //!
 //! An operator is given a [`Request`] at each output and tells where its spool is. Those with a
-//! moving mass have two states, position and velocity; what else they remember (hysteresis,
+//! moving mass have two states, position and velocity, for the integrator; as long as the motion is known
+//! beforehand (`operator/flight.rs`) these rest, and [`Operator::place`] tells where it is. What else they remember (hysteresis,
 //! stiction, stops) are modes, each with a guard that says how long it holds.
 
 pub mod empirical;
+mod flight;
 mod hysteresis;
 mod moving_hysteresis;
 pub mod on_off;
@@ -71,11 +73,32 @@ pub enum Operator {
 }
 
 impl Operator {
+    /// Position and velocity of a moving spool at `t`, if the integrator's state of it is `spool`. Whoever
+    /// changes a mode begins with it.
+    #[must_use]
+    pub fn place(&self, t: f64, spool: SpoolState) -> SpoolState {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.place(t, spool),
+            Operator::Empirical(empirical) => empirical.place(t, spool),
+            Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => spool,
+        }
+    }
+
+    /// The longest step (s) in which no guard can change its sign twice unseen.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.longest_step(),
+            Operator::Empirical(empirical) => empirical.longest_step(),
+            Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => f64::INFINITY,
+        }
+    }
+
     /// A request takes effect at `t`, under a flow force (N) on the spool.
     pub fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
         match self {
             Operator::Solenoid(solenoid) => solenoid.drive(t, spool, request, flow_force),
-            Operator::Empirical(empirical) => empirical.drive(request),
+            Operator::Empirical(empirical) => empirical.drive(t, spool, request),
             Operator::Stepper(stepper) => stepper.drive(request),
             Operator::OnOff(on_off) => on_off.drive(t, request),
             Operator::Stuck(stuck) => stuck.drive(t, spool, request, flow_force),
@@ -142,7 +165,7 @@ impl Operator {
     #[must_use]
     pub fn position(&self, t: f64, spool: SpoolState) -> f64 {
         match self {
-            Operator::Solenoid(_) => spool.position,
+            Operator::Solenoid(solenoid) => solenoid.place(t, spool).position,
             Operator::Empirical(empirical) => empirical.position(t, spool),
             Operator::Stepper(stepper) => stepper.position(),
             Operator::OnOff(on_off) => on_off.position(t),
@@ -155,8 +178,13 @@ impl Operator {
     #[must_use]
     pub fn derivative(&self, t: f64, spool: SpoolState, flow_force: f64) -> [f64; 2] {
         match self {
-            Operator::Solenoid(solenoid) => [spool.velocity, solenoid.acceleration(t, spool, flow_force)],
-            Operator::Empirical(empirical) => [spool.velocity, empirical.acceleration(spool)],
+            Operator::Solenoid(solenoid) if !solenoid.flies() => {
+                [spool.velocity, solenoid.acceleration(t, spool, flow_force)]
+            }
+            Operator::Empirical(empirical) if !empirical.flies() => {
+                [spool.velocity, empirical.acceleration(spool)]
+            }
+            Operator::Solenoid(_) | Operator::Empirical(_) => [0.0; 2],
             Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => [0.0; 2],
         }
     }
@@ -184,7 +212,7 @@ impl Operator {
     #[must_use]
     pub fn next_instant(&self, t: f64) -> f64 {
         match self {
-            Operator::Solenoid(solenoid) => solenoid.next_instant(t),
+            Operator::Solenoid(solenoid) => solenoid.next_instant(),
             Operator::OnOff(on_off) => on_off.next_instant(t),
             Operator::Empirical(_) | Operator::Stepper(_) | Operator::Stuck(_) => f64::INFINITY,
         }

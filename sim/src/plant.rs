@@ -51,6 +51,9 @@ pub struct Plant {
     k: u64,
 }
 
+/// What counts as large in a flow, kg/s.
+const FLOW: f64 = 1e-2;
+
 /// What can be measured at one instant, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapshot {
@@ -94,7 +97,8 @@ impl Plant {
     /// The plant of a rig in the initial state of its test, at t = 0. `seed` is for sensor noise.
     #[must_use]
     pub fn new(rig: &Rig, accuracy: Accuracy, seed: u64) -> Plant {
-        let (parts, x) = build::drive(rig);
+        let (mut parts, x) = build::drive(rig);
+        parts.network = parts.network.to_within(FLOW * accuracy.tolerance);
         let assembly = Assembly::new(parts, &x);
         Plant {
             assembly,

@@ -115,6 +115,7 @@ impl Tube {
 
     /// The far end, for a flow (kg/s) from the known end to the far end. The temperature at the known
     /// end counts for both directions.
+    #[inline]
     pub(crate) fn far_end(&self, known: &Station, flow: f64) -> FarEnd {
         let w = known.exner;
         match &self.0 {

@@ -70,8 +70,21 @@ impl Valve {
     /// Areas of land 1 and land 2 for a spool position in m.
     #[must_use]
     pub fn land_areas(&self, spool: f64) -> [f64; 2] {
+        self.openings(spool).map(|opening| self.edge_area(opening))
+    }
+
+    /// z_1 and z_2 for a spool position, m.
+    pub(crate) fn openings(&self, spool: f64) -> [f64; 2] {
         let x = spool - self.null_offset;
-        [self.edge_area(x - self.lap), self.edge_area(-x - self.lap)]
+        [x - self.lap, -x - self.lap]
+    }
+
+    /// A^2 of an edge that counts as open or shut, m^4: smooth a little beyond the change as well.
+    fn squared_area(&self, opening: f64, open: bool) -> f64 {
+        let around = PI * (self.sleeve_diameter + self.spool_diameter) / 2.0;
+        let clearance = (self.sleeve_diameter - self.spool_diameter) / 2.0;
+        let across = if open { opening * opening } else { 0.0 };
+        around * around * (across + clearance * clearance)
     }
 
     /// A_p, m^2.
@@ -81,25 +94,32 @@ impl Valve {
     }
 
     /// The restrictions around nodes 1 and 2 for a spool position in m.
+    #[cfg(test)]
     pub(crate) fn conductances(&self, gas: &Gas, spool: f64) -> [Conductances; 2] {
-        let [land_1, land_2] = self.land_areas(spool);
+        self.conductances_of(gas, spool, self.openings(spool).map(|opening| opening >= 0.0))
+    }
+
+    /// The same with land 1 and land 2 told to be open or shut.
+    pub(crate) fn conductances_of(&self, gas: &Gas, spool: f64, open: [bool; 2]) -> [Conductances; 2] {
+        let openings = self.openings(spool);
+        let lands = [0, 1].map(|i| self.squared_area(openings[i], open[i]));
         let constant = gas.flow_constant();
-        let of = |discharge: f64, area: f64| match self.land_law {
-            FlowLaw::Orifice => constant * (discharge * area) * (discharge * area),
-            FlowLaw::Perry => constant * area * area,
+        let of = |discharge: f64, squared_area: f64| match self.land_law {
+            FlowLaw::Orifice => constant * discharge * discharge * squared_area,
+            FlowLaw::Perry => constant * squared_area,
             // The conductance is that of full opening, and goes with the area of the edge.
             FlowLaw::Iso6358(component) => {
-                let part = area / self.edge_area(self.travel - self.lap);
-                component.conductance() * part * part
+                component.conductance() * squared_area / self.squared_area(self.travel - self.lap, true)
             }
         };
-        let port = self.has_node.then(|| of(self.discharge_supply, self.port_area()));
+        let port_area = self.port_area();
+        let port = self.has_node.then(|| of(self.discharge_supply, port_area * port_area));
         let node = |supply_land, exhaust_land| Conductances {
             supply: of(self.discharge_supply, supply_land),
             exhaust: of(self.discharge_exhaust, exhaust_land),
             port,
         };
-        [node(land_1, land_2), node(land_2, land_1)]
+        [node(lands[0], lands[1]), node(lands[1], lands[0])]
     }
 }
 

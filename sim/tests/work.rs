@@ -8,13 +8,13 @@ fn the_run_of_servo_b_costs_what_it_cost() {
     let rig = Rig::builtin("servo-b").expect("a built-in rig");
     let work = run(&rig, Accuracy::default()).expect("a transient").work;
     let counts = [
-        ("steps", work.integrator.steps, 41_593),
-        ("rejected steps", work.integrator.rejected, 1_260),
-        ("evaluations", work.integrator.evaluations, 260_446),
-        ("restarts", work.integrator.restarts, 3_335),
-        ("events", work.integrator.events, 1_374),
-        ("flow solutions", work.network.solutions, 259_902),
-        ("flow iterations", work.network.iterations, 1_010_755),
+        ("steps", work.integrator.steps, 15_154),
+        ("rejected steps", work.integrator.rejected, 1_196),
+        ("evaluations", work.integrator.evaluations, 101_516),
+        ("restarts", work.integrator.restarts, 3_423),
+        ("events", work.integrator.events, 1_462),
+        ("flow solutions", work.network.solutions, 101_803),
+        ("flow iterations", work.network.iterations, 136_099),
         ("flow solutions by brackets", work.network.bracketed, 1),
     ];
     let wrong: Vec<String> = counts

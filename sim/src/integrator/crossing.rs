@@ -6,6 +6,9 @@ use crate::root::bracketed_root;
 /// back is seen.
 pub(super) const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
+/// To how much of a step a zero is located.
+const PLACE: f64 = 1e-13;
+
 /// How often the way to the first look is halved in search of a guard that leaves zero and comes back.
 const DEPARTURES: u32 = 12;
 
@@ -16,7 +19,7 @@ pub(super) fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -
         let (before, here) = (values[i - 1], values[i]);
         if here < 0.0 {
             let left = if before > 0.0 { (place(i - 1), before) } else { departure(place(i), value_at) };
-            return Some(bracketed_root(value_at, [left, (place(i), here)], 1e-14));
+            return Some(bracketed_root(value_at, [left, (place(i), here)], PLACE));
         }
         if i + 1 < values.len()
             && let Some(dip) = dip_between(before, here, values[i + 1])
@@ -28,7 +31,7 @@ pub(super) fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -
                 return Some(bracketed_root(
                     value_at,
                     [(place(left), values[left].max(0.0)), (theta, value)],
-                    1e-14,
+                    PLACE,
                 ));
             }
         }

@@ -11,7 +11,7 @@
 //! the air is nearly at rest its flow bends within a millionth of a pressure.
 
 use super::linear::Factors;
-use super::segment::{Segment, Trial};
+use super::segment::{Segment, Taken, Trial};
 use super::{Hybrid, Integrator};
 
 const STAGES: usize = 6;
@@ -101,14 +101,14 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     ) -> Trial<N> {
         let u = self.increments(system, slope, slopes, h);
         let x = std::array::from_fn(|i| self.x[i] + combined(A[5], &u, i) + u[5][i]);
-        Trial {
-            error: self.error_norm(&u[5], &x),
-            order: ERROR_ORDER,
+        let error = self.error_norm(&u[5], &x);
+        let taken = (error <= 1.0).then(|| Taken {
             segment: Segment { start: self.t, width: h, coefficients: self.interpolant(&u, &x) },
             x,
             end_slope: None,
             stiffness: h * self.fastest(&slopes.jacobian),
-        }
+        });
+        Trial { error, order: ERROR_ORDER, taken }
     }
 
     fn increments(

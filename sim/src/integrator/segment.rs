@@ -25,6 +25,12 @@ pub(super) struct Trial<const N: usize> {
     /// Its error over what is allowed, and the power of the step size that it goes with.
     pub error: f64,
     pub order: f64,
+    /// None where the error is more than that, or no number.
+    pub taken: Option<Taken<N>>,
+}
+
+/// A step that is good enough.
+pub(super) struct Taken<const N: usize> {
     pub segment: Segment<N>,
     /// The state at the end, and dx/dt there if it is known.
     pub x: [f64; N],

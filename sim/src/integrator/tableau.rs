@@ -16,6 +16,8 @@ pub(super) struct Tableau {
     pub error: &'static [f64],
     /// Weights of all slopes in the quartic term of the dense output; empty for the cubic one.
     pub dense: &'static [f64],
+    /// Weights of the slopes in the difference of the last two stages' states.
+    pub apart: &'static [f64],
     /// The power of the step size that the error estimate goes with.
     pub error_order: f64,
 }
@@ -63,6 +65,14 @@ static DORMAND_PRINCE: Tableau = Tableau {
         -1_453_857_185.0 / 822_651_844.0,
         69_997_945.0 / 29_380_423.0,
     ],
+    apart: &[
+        35.0 / 384.0 - 9017.0 / 3168.0,
+        355.0 / 33.0,
+        500.0 / 1113.0 - 46732.0 / 5247.0,
+        125.0 / 192.0 - 49.0 / 176.0,
+        5103.0 / 18656.0 - 2187.0 / 6784.0,
+        11.0 / 84.0,
+    ],
     error_order: 5.0,
 };
 
@@ -79,5 +89,6 @@ static MERSON: Tableau = Tableau {
     ],
     error: &[1.0 / 15.0, 0.0, -3.0 / 10.0, 4.0 / 15.0, -1.0 / 30.0],
     dense: &[],
+    apart: &[1.0 / 6.0 - 1.0 / 2.0, 0.0, 3.0 / 2.0, 2.0 / 3.0 - 2.0, 1.0 / 6.0],
     error_order: 5.0,
 };

@@ -134,8 +134,6 @@ impl Network {
             carried: supply.temperature,
             supply_flow: 0.0,
             exhaust_flow: 0.0,
-            supply_exner: at_valve,
-            port_exner: side.chamber.exner,
         };
         let [from_supply, from_exhaust, from_port] = *side.approaches;
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);

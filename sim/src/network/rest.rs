@@ -50,6 +50,7 @@ impl Slopes {
 }
 
 /// Slope of m|m| over m, with the value that it is to come to.
+#[inline]
 pub(super) fn square_slope(slopes: Slopes, flow: f64, value: f64) -> f64 {
     let size = flow.abs();
     let driven = value.abs().sqrt();
@@ -63,6 +64,7 @@ pub(super) fn square_slope(slopes: Slopes, flow: f64, value: f64) -> f64 {
 /// Residual of a land whose pressures give the signed square `value`, and its slope over the flow. A
 /// land that is shut (a spool without clearance) has no flow, said linearly: squares would leave Newton's
 /// method without a pivot.
+#[inline]
 pub(super) fn land_line(
     conductance: f64,
     flow: f64,
@@ -87,7 +89,7 @@ impl Network {
         CREEPING * conductance / source.temperature * choked
     }
 
-    /// Newton's method from the last solution by tangents, else by secants.
+    /// Newton's method by tangents from where the solution is going or was last, else by secants.
     pub(super) fn by_newton(
         &mut self,
         valve: &[Conductances; 2],
@@ -95,15 +97,22 @@ impl Network {
         ports: &[PortFlow; 2],
     ) -> bool {
         let last = self.nodes;
+        if let Some(ahead) = self.course.ahead(&last) {
+            self.nodes = ahead;
+            if self.newton(valve, chambers, ports, Slopes::Tangent) {
+                return true;
+            }
+            self.nodes = last;
+        }
         if self.newton(valve, chambers, ports, Slopes::Tangent) {
             return true;
         }
         self.nodes = last;
         self.newton(valve, chambers, ports, Slopes::Secant)
     }
+}
 
-    /// Whether a correction near rest is no more than rounding.
-    pub(super) fn is_rounding(&self, slopes: Slopes, correction: f64) -> bool {
-        slopes == Slopes::Secant && correction * correction < ROUNDING
-    }
+/// Whether a correction near rest is no more than rounding.
+pub(super) fn is_rounding(correction: f64) -> bool {
+    correction * correction < ROUNDING
 }

@@ -1,8 +1,7 @@
 //! One restriction of the network: its squared flow with the slopes that Newton's method needs, and
 //! how the air approaches it.
 
-use super::rest::{Slopes, square_slope};
-use super::{Network, Node, PortFlow, Station};
+use super::{Network, PortFlow, Station};
 use crate::flow_law::FlowLaw;
 
 /// A signed square of a flow from a first place to a second, with its slopes over both Exner
@@ -18,8 +17,8 @@ pub(super) struct SquareFlow {
 #[derive(Clone, Copy)]
 pub(super) struct Approach {
     pub factor: f64,
-    by_exner: f64,
-    by_flow: f64,
+    pub by_exner: f64,
+    pub by_flow: f64,
 }
 
 impl Approach {
@@ -27,19 +26,9 @@ impl Approach {
     pub const NONE: Approach = Approach { factor: 1.0, by_exner: 0.0, by_flow: 0.0 };
 }
 
-/// What joins a node with its cylinder: a residual that is zero in balance, and its slopes.
-pub(super) struct PortLine {
-    pub residual: f64,
-    pub by_flow: f64,
-    /// Over w_n; negative.
-    pub by_node: f64,
-}
-
-/// Residual of a port without a bore, per unit of Exner pressure: of the size of the others, kg^2/s^2.
-const OPEN_PORT: f64 = 1e-6;
-
 impl Network {
     /// How the air at a place approaches a restriction that takes `flow` from it.
+    #[inline(always)]
     pub(super) fn approach(&self, place: &Station, flow: f64) -> Approach {
         if self.mach == 0.0 || flow <= 0.0 {
             return Approach::NONE;
@@ -59,12 +48,14 @@ impl Network {
     }
 
     /// How the supply's air approaches a land.
+    #[inline(always)]
     pub(super) fn supply_approach(&self, supply: &Station, flow: f64) -> Approach {
         if self.reservoir { Approach::NONE } else { self.approach(supply, flow) }
     }
 
     /// The flow through a restriction from `first` to `second`, whose air approaches as told. The
     /// stagnation pressures decide its direction.
+    #[inline(always)]
     pub(super) fn restriction(
         &self,
         law: &FlowLaw,
@@ -77,11 +68,14 @@ impl Network {
             if forward { (first, approach_1, second) } else { (second, approach_2, first) };
         let psi = law.flow_function(&self.gas, up.exner * approach.factor, down.exner);
         let k = conductance / (up.temperature * approach.factor);
-        // Over anything that changes the factor by df: w changes by w df and T by T df.
-        let by_factor = psi.by_upstream * up.exner - psi.value / approach.factor;
-        let by_up = k * (psi.by_upstream * approach.factor + by_factor * approach.by_exner);
         let by_down = k * psi.by_downstream;
-        let by_flow = k * by_factor * approach.by_flow;
+        let (mut by_up, mut by_flow) = (k * psi.by_upstream, 0.0);
+        if approach.factor > 1.0 {
+            // Over anything that changes the factor by df: w changes by w df and T by T df.
+            let by_factor = psi.by_upstream * up.exner - psi.value / approach.factor;
+            by_up = k * (psi.by_upstream * approach.factor + by_factor * approach.by_exner);
+            by_flow = k * by_factor * approach.by_flow;
+        }
         if forward {
             SquareFlow { value: k * psi.value, by_first: by_up, by_second: by_down, by_flow }
         } else {
@@ -90,6 +84,7 @@ impl Network {
     }
 
     /// A land from a source to a node, where air stands still.
+    #[inline(always)]
     pub(super) fn land(
         &self,
         conductance: f64,
@@ -102,6 +97,7 @@ impl Network {
 
     /// The port between a node and the far end of its tube, whose air has the same temperature: the
     /// direction of the step tells whose, also a little beyond the reversal.
+    #[inline(always)]
     pub(super) fn port(
         &self,
         conductance: f64,
@@ -132,35 +128,6 @@ impl Network {
             PortFlow::Discharging => chamber.temperature,
         };
         (Station { exner: far.exner, temperature }, -far.by_flow)
-    }
-
-    /// The line from a node through its port into the cylinder. Without a bore (single restriction)
-    /// the node is the valve's end of the tube.
-    pub(super) fn port_line(
-        &self,
-        conductance: Option<f64>,
-        node: &Node,
-        chamber: &Station,
-        port: PortFlow,
-        slopes: Slopes,
-    ) -> PortLine {
-        let m = node.port_flow();
-        let (far, far_by_flow) = self.port_station(&node.station(), chamber, port, m);
-        match conductance {
-            None => PortLine {
-                residual: OPEN_PORT * (far.exner - node.exner),
-                by_flow: OPEN_PORT * far_by_flow,
-                by_node: -OPEN_PORT,
-            },
-            Some(conductance) => {
-                let p = self.port(conductance, &node.station(), &far, self.approach(&far, -m));
-                PortLine {
-                    residual: m * m.abs() - p.value,
-                    by_flow: square_slope(slopes, m, p.value) - p.by_flow - p.by_second * far_by_flow,
-                    by_node: -p.by_first,
-                }
-            }
-        }
     }
 
     /// A flow that a restriction cannot reach, at whatever Mach number it is approached: a bracket's

@@ -8,6 +8,7 @@
 //! Dither, hysteresis and limit act on a copy of the state (6.4.2; EQUATIONS section 11 rule 5); the
 //! play's memory is not limited.
 
+use super::flight::{Drive, Flight, Oscillator};
 use super::{GUARDS, Request, SpoolState};
 use crate::dither::Dither;
 use crate::play::{self, Play};
@@ -41,6 +42,8 @@ pub struct Empirical {
     play: Play,
     /// Whether the play's output is beyond the travel.
     limited: bool,
+    /// The motion until the next command, unless that moves all the time.
+    flight: Option<Flight>,
 }
 
 /// The guards of the play come first.
@@ -52,7 +55,7 @@ impl Empirical {
     pub fn new(parameters: EmpiricalParameters) -> Empirical {
         let mut play = Play::new(parameters.hysteresis_half_width);
         play.jump(0.0, parameters.dither.value(0.0), parameters.dither.direction(0.0));
-        Empirical { parameters, counts: 0.0, play, limited: false }
+        Empirical { parameters, counts: 0.0, play, limited: false, flight: None }
     }
 
     pub(super) fn commanded(&self) -> f64 {
@@ -60,12 +63,38 @@ impl Empirical {
     }
 
     /// The command reaches the spool through its acceleration alone: nothing jumps.
-    pub(super) fn drive(&mut self, request: Request) {
+    pub(super) fn drive(&mut self, t: f64, spool: SpoolState, request: Request) {
         self.counts = f64::from(request.counts);
+        let p = &self.parameters;
+        let oscillator =
+            Oscillator { stiffness_per_mass: p.stiffness_per_mass, damping_per_mass: p.damping_per_mass };
+        let steady = p.stiffness_per_mass * self.amplified();
+        let swing = Dither { amplitude: 0.0, ..p.dither };
+        self.flight = Flight::new(oscillator, Drive { steady, swing }, t, spool);
     }
 
     pub(super) fn follow(&mut self, counts: f64) {
         self.counts = counts;
+    }
+
+    /// Where the spool is at `t`, if the integrator's state is `spool`.
+    pub(super) fn place(&self, t: f64, spool: SpoolState) -> SpoolState {
+        self.flight.as_ref().map_or(spool, |flight| flight.at(t))
+    }
+
+    /// Whether the motion is known, so that the integrator's state rests.
+    pub(super) fn flies(&self) -> bool {
+        self.flight.is_some()
+    }
+
+    /// s.
+    pub(super) fn longest_step(&self) -> f64 {
+        self.flight.as_ref().map_or(f64::INFINITY, Flight::quarter_period)
+    }
+
+    fn amplified(&self) -> f64 {
+        let p = &self.parameters;
+        (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation)
     }
 
     fn input(&self, t: f64, spool: SpoolState) -> f64 {
@@ -78,6 +107,7 @@ impl Empirical {
 
     pub(super) fn position(&self, t: f64, spool: SpoolState) -> f64 {
         let travel = self.parameters.travel;
+        let spool = self.place(t, spool);
         let unlimited = self.play.output(self.input(t, spool));
         // Within a step the mode stays, so that the areas are smooth a little beyond the limit.
         if self.limited { unlimited.clamp(-travel, travel) } else { unlimited }
@@ -85,11 +115,11 @@ impl Empirical {
 
     pub(super) fn acceleration(&self, spool: SpoolState) -> f64 {
         let p = &self.parameters;
-        let amplified = (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation);
-        p.stiffness_per_mass * (amplified - spool.position) - p.damping_per_mass * spool.velocity
+        p.stiffness_per_mass * (self.amplified() - spool.position) - p.damping_per_mass * spool.velocity
     }
 
     pub(super) fn guards(&self, t: f64, spool: SpoolState) -> [f64; GUARDS] {
+        let spool = self.place(t, spool);
         let input = self.input(t, spool);
         let room = self.parameters.travel - self.play.output(input).abs();
         let mut guards = [1.0; GUARDS];
@@ -130,7 +160,7 @@ mod tests {
     #[test]
     fn at_its_command_and_at_rest_the_spool_stays() {
         let mut empirical = thesis();
-        empirical.drive(Request { counts: 1024, step: 0 });
+        empirical.follow(1024.0);
         assert_eq!(empirical.acceleration(SpoolState { position: 0.5e-3, velocity: 0.0 }), 0.0);
         assert_eq!(empirical.acceleration(SpoolState::default()), 36_000.0 * 0.5e-3);
     }

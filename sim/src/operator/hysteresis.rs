@@ -33,6 +33,22 @@ impl Hysteresis {
         self.play.output(self.input(t))
     }
 
+    /// The output on the present branch: a constant, and whether the dither is added to it.
+    pub fn course(&self) -> (f64, bool) {
+        let w = self.play.half_width();
+        match self.play.branch() {
+            _ if w == 0.0 => (self.command, true),
+            Branch::Held(s) => (s, false),
+            Branch::DrivenUp => (self.command - w, true),
+            Branch::DrivenDown => (self.command + w, true),
+        }
+    }
+
+    /// What is added to the command.
+    pub fn dither(&self) -> Dither {
+        self.dither
+    }
+
     /// The command jumps to `command` at `t`.
     pub fn jump(&mut self, t: f64, command: f64) {
         let before = self.input(t);

@@ -10,6 +10,7 @@
 //! X_b makes the null of the +-1 mm signal the middle of the coil's 0 to 2 mm (EQUATIONS section 7).
 //! F_ind is the force of the flow, F_se that of the spool's stops.
 
+use super::flight::{Drive, Flight, Oscillator};
 use super::hysteresis::Hysteresis;
 use super::moving_hysteresis::MovingHysteresis;
 use super::{GUARDS, Request, SpoolState, within_range};
@@ -44,6 +45,8 @@ pub struct SolenoidParameters {
     pub friction: DryFriction,
     /// The ends of the spool's travel.
     pub stops: Stops,
+    /// Whether it is given a force of the flow.
+    pub feels_flow: bool,
 }
 
 impl SolenoidParameters {
@@ -80,7 +83,14 @@ pub struct Solenoid {
     magnetism: Magnetism,
     contact: Contact,
     side: Side,
+    /// The motion until the next event, where it is known.
+    flight: Option<Flight>,
+    /// When the coil runs out of current or has some again, if the branch stays.
+    passage: f64,
 }
+
+/// s: a time in which no force changes its kind by itself.
+const MOMENT: f64 = 1e-3;
 
 const FRICTION: usize = 0;
 const STOPS: usize = 1;
@@ -93,7 +103,7 @@ impl Solenoid {
         let p = &parameters;
         let hysteresis = Hysteresis::new(p.hysteresis_half_width, p.dither, 0.0);
         let mut solenoid = Solenoid::stuck(parameters, Magnetism::Stepped(hysteresis));
-        solenoid.break_away(0.0, SpoolState::default(), 0.0);
+        solenoid.set_off(0.0, SpoolState::default(), 0.0);
         solenoid
     }
 
@@ -108,12 +118,18 @@ impl Solenoid {
 
     fn stuck(parameters: SolenoidParameters, magnetism: Magnetism) -> Solenoid {
         let side = parameters.stops.side(0.0);
-        Solenoid { parameters, counts: 0.0, magnetism, contact: Contact::Stuck, side }
+        let contact = Contact::Stuck;
+        Solenoid { parameters, counts: 0.0, magnetism, contact, side, flight: None, passage: f64::INFINITY }
     }
 
     /// X_c, m.
     pub(super) fn commanded(&self) -> f64 {
         self.counts * self.parameters.travel_per_count
+    }
+
+    /// Where the spool is at `t`, if the integrator's state is `spool`.
+    pub(super) fn place(&self, t: f64, spool: SpoolState) -> SpoolState {
+        self.flight.as_ref().map_or(spool, |flight| flight.at(t))
     }
 
     pub(super) fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
@@ -123,7 +139,7 @@ impl Solenoid {
             Magnetism::Stepped(hysteresis) => hysteresis.jump(t, amplified),
             Magnetism::Moving(hysteresis) => hysteresis.jump(t, amplified, 0.0),
         }
-        self.break_away(t, spool, flow_force);
+        self.set_off(t, spool, flow_force);
     }
 
     pub(super) fn follow(&mut self, demand: f64) {
@@ -175,6 +191,44 @@ impl Solenoid {
         (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation)
     }
 
+    /// The forces have changed: the spool is tested for breakaway, and its motion begins anew.
+    fn set_off(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
+        self.break_away(t, spool, flow_force);
+        self.fly(t, spool);
+    }
+
+    /// Between its stops a spool that slips goes as far as is known beforehand.
+    fn fly(&mut self, t: f64, spool: SpoolState) {
+        let Magnetism::Stepped(hysteresis) = self.magnetism else { return };
+        self.passage = hysteresis.next_passage(t, -self.bias());
+        let moves = self.contact != Contact::Stuck && self.side == Side::Free;
+        self.flight = if moves && !self.parameters.feels_flow {
+            let p = &self.parameters;
+            let oscillator = Oscillator {
+                stiffness_per_mass: p.spring / p.spool_mass,
+                damping_per_mass: p.damping / p.spool_mass,
+            };
+            Flight::new(oscillator, self.forces(t, &hysteresis), t, spool)
+        } else {
+            None
+        };
+    }
+
+    /// What drives a slipping spool from `t` to the next kink of the magnetic force.
+    fn forces(&self, t: f64, hysteresis: &Hysteresis) -> Drive {
+        let p = &self.parameters;
+        let (level, driven) = hysteresis.course();
+        let inside = t + 0.5 * (self.next_instant() - t).min(MOMENT);
+        let pulls = self.magnetism.output(inside) + self.bias() > 0.0;
+        let magnetic = if pulls { p.force_gain * (level + self.bias()) } else { 0.0 };
+        let steady = magnetic - p.spring_preload - p.friction.force(self.contact, 0.0);
+        let amplitude = if pulls && driven { p.force_gain * hysteresis.dither().amplitude } else { 0.0 };
+        Drive {
+            steady: steady / p.spool_mass,
+            swing: Dither { amplitude: amplitude / p.spool_mass, ..hysteresis.dither() },
+        }
+    }
+
     /// A stuck spool is tested for breakaway after a jump of its force; a slipping one keeps its
     /// mode (EQUATIONS section 11 rule 2).
     fn break_away(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
@@ -205,7 +259,9 @@ impl Solenoid {
     }
 
     pub(super) fn guards(&self, t: f64, spool: SpoolState, flow_force: f64) -> [f64; GUARDS] {
-        let applied = self.applied_force(t, spool, flow_force);
+        let spool = self.place(t, spool);
+        let stuck = self.contact == Contact::Stuck;
+        let applied = if stuck { self.applied_force(t, spool, flow_force) } else { 0.0 };
         let mut guards = [1.0; GUARDS];
         guards[FRICTION] = self.parameters.friction.guard(self.contact, applied, spool.velocity);
         guards[STOPS] = self.parameters.stops.guard(self.side, spool.position);
@@ -218,6 +274,7 @@ impl Solenoid {
     pub(super) fn cross(&mut self, guard: usize, t: f64, spool: &mut SpoolState, flow_force: f64) {
         if guard == STOPS {
             self.side = self.parameters.stops.after(self.side, spool.position);
+            self.fly(t, *spool);
             return;
         }
         if let Magnetism::Moving(hysteresis) = &mut self.magnetism
@@ -231,17 +288,26 @@ impl Solenoid {
         }
         let applied = self.applied_force(t, *spool, flow_force);
         self.contact = self.parameters.friction.after(self.contact, applied);
+        self.fly(t, *spool);
     }
 
     /// The next kink of the magnetic force: of the hysteresis, or where the coil has no more current
     /// to lose.
-    pub(super) fn next_instant(&self, t: f64) -> f64 {
+    pub(super) fn next_instant(&self) -> f64 {
         match &self.magnetism {
-            Magnetism::Stepped(hysteresis) => {
-                hysteresis.next_instant().min(hysteresis.next_passage(t, -self.bias()))
-            }
+            Magnetism::Stepped(hysteresis) => hysteresis.next_instant().min(self.passage),
             Magnetism::Moving(_) => f64::INFINITY,
         }
+    }
+
+    /// Whether the motion is known, so that the integrator's state rests.
+    pub(super) fn flies(&self) -> bool {
+        self.flight.is_some()
+    }
+
+    /// s.
+    pub(super) fn longest_step(&self) -> f64 {
+        self.flight.as_ref().map_or(f64::INFINITY, Flight::quarter_period)
     }
 
     /// Where the coil runs out of current nothing changes but the force's slope.
@@ -251,7 +317,7 @@ impl Solenoid {
         {
             hysteresis.pass_instant();
         }
-        self.break_away(t, spool, flow_force);
+        self.set_off(t, spool, flow_force);
     }
 }
 
@@ -273,6 +339,7 @@ mod tests {
             spool_mass: 0.023,
             friction: DryFriction::symmetric(3.0, 2.0),
             stops: Stops::new(-1e-3, 1e-3, 1e5, 5e-5, 0.5, 0.023),
+            feels_flow: false,
         })
     }
 

@@ -1,0 +1,200 @@
+//! A spool between two events, exactly.
+//!
+//! As long as its friction keeps its direction and its coil its branch, a moving spool is a linear
+//! oscillator under a constant and a sinusoidal force, and needs no steps:
+//!
+//! ```text
+//! x'' + 2 a x' + w0^2 x = g + h sin(theta),   theta = 2 pi f t + phi
+//! x  = g/w0^2 + p sin(theta) + q cos(theta) + c x_h + s (v_h + a x_h)
+//! x' = 2 pi f (p cos(theta) - q sin(theta))  + c v_h - s (a v_h + w0^2 x_h)
+//! c, s = exp(-a tau) (cos(w tau), sin(w tau) / w),   w^2 = w0^2 - a^2,   tau from the start
+//! ```
+//!
+//! x_h and v_h are what the start differs by from the first three terms; overdamped, c and s are
+//! hyperbolic.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::SpoolState;
+use crate::dither::Dither;
+
+/// A damped oscillator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Oscillator {
+    /// w0^2, 1/s^2, above 0.
+    pub stiffness_per_mass: f64,
+    /// 2 a, 1/s.
+    pub damping_per_mass: f64,
+}
+
+/// What drives an oscillator, as accelerations, m/s^2.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drive {
+    /// g.
+    pub steady: f64,
+    /// h, with f and phi.
+    pub swing: Dither,
+}
+
+/// The motion of a driven oscillator from a given state on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flight {
+    since: f64,
+    /// a.
+    decay: f64,
+    /// w0^2.
+    stiffness: f64,
+    /// w^2; negative where overdamped.
+    free: f64,
+    /// sqrt |w^2|.
+    frequency: f64,
+    rest: f64,
+    /// With an amplitude of 1; p and q.
+    swing: Dither,
+    in_phase: f64,
+    across: f64,
+    /// x_h and v_h.
+    left: SpoolState,
+    /// A quarter of the fastest period, s.
+    quarter: f64,
+}
+
+/// |(w0^2 - (2 pi f)^2)^2 + (2 a 2 pi f)^2| below which, over w0^4, an oscillator without damping is in
+/// resonance.
+const RESONANCE: f64 = 1e-12;
+
+impl Flight {
+    /// From the state `start` at `t`; None in a resonance without damping.
+    pub fn new(oscillator: Oscillator, drive: Drive, t: f64, start: SpoolState) -> Option<Flight> {
+        let (stiffness, decay) = (oscillator.stiffness_per_mass, 0.5 * oscillator.damping_per_mass);
+        let angular = if drive.swing.amplitude == 0.0 { 0.0 } else { 2.0 * PI * drive.swing.frequency_hz };
+        let (stiff, damped) = (stiffness - angular * angular, 2.0 * decay * angular);
+        let size = stiff * stiff + damped * damped;
+        if size < RESONANCE * stiffness * stiffness {
+            return None;
+        }
+        let free = stiffness - decay * decay;
+        let mut flight = Flight {
+            since: t,
+            decay,
+            stiffness,
+            free,
+            frequency: free.abs().sqrt(),
+            rest: drive.steady / stiffness,
+            swing: Dither { amplitude: if angular == 0.0 { 0.0 } else { 1.0 }, ..drive.swing },
+            in_phase: drive.swing.amplitude * stiff / size,
+            across: -drive.swing.amplitude * damped / size,
+            left: SpoolState::default(),
+            quarter: FRAC_PI_2 / stiffness.sqrt().max(angular),
+        };
+        let forced = flight.forced(t);
+        flight.left = SpoolState {
+            position: start.position - forced.position,
+            velocity: start.velocity - forced.velocity,
+        };
+        Some(flight)
+    }
+
+    /// Where the spool is at `t`, and how fast.
+    pub fn at(&self, t: f64) -> SpoolState {
+        let (c, s) = self.free_motion(t - self.since);
+        let SpoolState { position, velocity } = self.left;
+        let forced = self.forced(t);
+        SpoolState {
+            position: forced.position + c * position + s * (velocity + self.decay * position),
+            velocity: forced.velocity + c * velocity
+                - s * (self.decay * velocity + self.stiffness * position),
+        }
+    }
+
+    /// A step no longer than this meets every turn of the motion, s.
+    pub fn quarter_period(&self) -> f64 {
+        self.quarter
+    }
+
+    fn forced(&self, t: f64) -> SpoolState {
+        if self.swing.amplitude == 0.0 {
+            return SpoolState { position: self.rest, velocity: 0.0 };
+        }
+        let (sine, cosine) = self.swing.sine_and_cosine(t);
+        let angular = 2.0 * PI * self.swing.frequency_hz;
+        SpoolState {
+            position: self.rest + self.in_phase * sine + self.across * cosine,
+            velocity: angular * (self.in_phase * cosine - self.across * sine),
+        }
+    }
+
+    /// c and s.
+    fn free_motion(&self, tau: f64) -> (f64, f64) {
+        let w = self.frequency;
+        if self.free > 0.0 {
+            let fade = libm::exp(-self.decay * tau);
+            let (sine, cosine) = libm::sincos(w * tau);
+            (fade * cosine, fade * sine / w)
+        } else if self.free == 0.0 {
+            let fade = libm::exp(-self.decay * tau);
+            (fade, fade * tau)
+        } else {
+            // a - w without the loss of digits.
+            let slow = libm::exp(-self.stiffness / (self.decay + w) * tau);
+            let gone = libm::expm1(-2.0 * w * tau);
+            (0.5 * slow * (2.0 + gone), -0.5 * slow * gone / w)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SWING: Dither = Dither { amplitude: 200.0, frequency_hz: 50.0, phase_cycles: 0.1 };
+    const START: SpoolState = SpoolState { position: 2e-4, velocity: -0.1 };
+
+    /// Below, at and above the critical damping, and without any.
+    const OSCILLATORS: [Oscillator; 4] = [
+        Oscillator { stiffness_per_mass: 1.09e6, damping_per_mass: 100.0 },
+        Oscillator { stiffness_per_mass: 1e6, damping_per_mass: 2000.0 },
+        Oscillator { stiffness_per_mass: 1e6, damping_per_mass: 9000.0 },
+        Oscillator { stiffness_per_mass: 1e6, damping_per_mass: 0.0 },
+    ];
+
+    #[test]
+    fn it_begins_where_the_spool_is() {
+        for oscillator in OSCILLATORS {
+            let flight = Flight::new(oscillator, Drive { steady: 50.0, swing: SWING }, 0.3, START);
+            let begin = flight.expect("no resonance").at(0.3);
+            assert!((begin.position - START.position).abs() < 1e-18, "{begin:?}");
+            assert!((begin.velocity - START.velocity).abs() < 1e-15, "{begin:?}");
+        }
+    }
+
+    /// By central differences over 0.1 us.
+    #[test]
+    fn it_meets_the_equation_of_motion() {
+        let d = 1e-7;
+        for oscillator in OSCILLATORS {
+            let drive = Drive { steady: 50.0, swing: SWING };
+            let flight = Flight::new(oscillator, drive, 0.3, START).expect("no resonance");
+            for t in [0.3, 0.3004, 0.31, 0.4] {
+                let [before, now, after] = [t - d, t, t + d].map(|t| flight.at(t));
+                let velocity = (after.position - before.position) / (2.0 * d);
+                assert!((velocity - now.velocity).abs() < 1e-6, "{oscillator:?} at {t}");
+                let acceleration = (after.velocity - before.velocity) / (2.0 * d);
+                let expected = drive.steady + SWING.value(t)
+                    - oscillator.damping_per_mass * now.velocity
+                    - oscillator.stiffness_per_mass * now.position;
+                assert!(
+                    (acceleration - expected).abs() < 3e-2,
+                    "{oscillator:?} at {t}: {acceleration} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_resonance_without_damping_is_left_to_the_integrator() {
+        let angular = 2.0 * PI * 50.0;
+        let oscillator = Oscillator { stiffness_per_mass: angular * angular, damping_per_mass: 0.0 };
+        assert!(Flight::new(oscillator, Drive { steady: 0.0, swing: SWING }, 0.0, START).is_none());
+    }
+}
