@@ -85,6 +85,7 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
         Refused::NoRecord => "nothing has been recorded; run a test first (`pneudrive run`)".to_owned(),
         Refused::RecordRange { samples } => format!("the record has only {samples} samples"),
         Refused::NotStored => "the board could not write its flash".to_owned(),
+        Refused::OtherRecord => "its record is another one by now; record again".to_owned(),
         Refused::Unknown => {
             "the firmware does not know this request; it is older than this program".to_owned()
         }

@@ -7,6 +7,7 @@
 //! | [`Control::on_sample`] | timer, at k * period | highest | before the output |
 //! | [`Control::on_output`] | timer, `delay` later | highest | before the next sample |
 //! | [`Server::receive`] | serial port | below | none: it never blocks the two above |
+//! | [`Server::attend`], [`Server::speak`] | idle task | below | none; streams miss samples that it is late for |
 //!
 //! A sample that comes later than the configuration allows trips the supervisor; it is never made up
 //! for. The [`Control`] half and the [`Server`] half share nothing but the requests
@@ -29,6 +30,7 @@ pub mod recorder;
 pub mod server;
 pub mod storage;
 pub mod store;
+pub mod stream;
 pub mod timing;
 
 pub use board::Board;

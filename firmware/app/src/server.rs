@@ -2,7 +2,7 @@
 //!
 //! Every request is carried out or refused in one go, and answered with its own sequence number;
 //! the host asks again for what it has not heard. Nothing here waits: a reply is written, and that
-//! is all.
+//! is all. Unasked go the rows of a [`Stream`](crate::stream) alone.
 
 use core::borrow::BorrowMut;
 
@@ -12,8 +12,8 @@ use pneudrive_controller::sequencer::{Arrival, SequenceError};
 use pneudrive_controller::{Mode, Move};
 use pneudrive_protocol::{
     self as protocol, Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, Event, MAX_EVENTS, MAX_FRAME,
-    MAX_VALUES, MIN_VERSION, Motion, RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody,
-    Request, RequestBody, Status, Values, decode_request, encode,
+    MAX_ROWS, MAX_VALUES, MIN_VERSION, Motion, RecordCrc, RecordInfo, RecordedSample, Refused, Reply,
+    ReplyBody, Request, RequestBody, Status, StreamedSample, Values, decode_request, encode,
 };
 
 use crate::board::Board;
@@ -22,6 +22,7 @@ use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
 use crate::fault_log::EVENTS;
 use crate::recorder::{CAPACITY, Recorder};
 use crate::store::Store;
+use crate::stream::Stream;
 
 /// Version of the firmware, as `info` and TARGET files have it.
 pub const FIRMWARE: &str = concat!("pneudrive ", env!("CARGO_PKG_VERSION"));
@@ -33,19 +34,31 @@ pub struct Server {
     /// The last request, by its CRC, and the length of its reply in `reply`.
     answered: Option<(u32, usize)>,
     reply: [u8; MAX_FRAME],
+    stream: Stream,
 }
 
 impl Default for Server {
     fn default() -> Self {
-        Server { accumulator: Accumulator::new(), answered: None, reply: [0; MAX_FRAME] }
+        Server {
+            accumulator: Accumulator::new(),
+            answered: None,
+            reply: [0; MAX_FRAME],
+            stream: Stream::default(),
+        }
     }
 }
 
 /// Room for what a reply borrows.
-struct Scratch {
-    values: [u8; 4 * MAX_VALUES],
-    samples: [u8; RecordedSample::BYTES * CHUNK_SAMPLES],
-}
+type Scratch = [u8; RecordedSample::BYTES * CHUNK_SAMPLES];
+
+/// Nothing yet.
+const SCRATCH: Scratch = [0; RecordedSample::BYTES * CHUNK_SAMPLES];
+
+const _: () = {
+    assert!(4 * MAX_VALUES <= SCRATCH.len());
+    assert!(Event::BYTES * MAX_EVENTS <= SCRATCH.len());
+    assert!(StreamedSample::BYTES * MAX_ROWS <= SCRATCH.len());
+};
 
 impl Server {
     /// Takes bytes from the port, carries out the requests in them and writes the replies.
@@ -69,12 +82,30 @@ impl Server {
             let fingerprint = crc32(message);
             let len = match self.answered {
                 Some((answered, len)) if answered == fingerprint => len,
-                _ => answer(message, control, board, damaged, &mut self.reply),
+                _ => answer(message, control, board, damaged, &mut self.stream, &mut self.reply),
             };
             self.answered = Some((fingerprint, len));
             port.write_all(self.reply.get(..len).unwrap_or(&[]))?;
         }
         Ok(())
+    }
+
+    /// What is to be done between two samples: a row of the stream is gathered, and the CRC of a finished
+    /// record goes on. Changes nothing else.
+    pub fn attend(&mut self, control: &mut Control<impl BorrowMut<Recorder>>) {
+        self.stream.observe(control.state().observation());
+        let _ = digest(control, DIGEST_BETWEEN);
+    }
+
+    /// Writes what is due unasked: one frame at most. To be called when the port has room for it.
+    ///
+    /// # Errors
+    /// When the port does not take it.
+    pub fn speak<W: Write>(&mut self, port: &mut W) -> Result<(), W::Error> {
+        let mut scratch = SCRATCH;
+        let Some((sequence, body)) = self.stream.due(&mut scratch) else { return Ok(()) };
+        let mut frame = [0; MAX_FRAME];
+        port.write_all(encode(&Reply { sequence, body }, &mut frame).unwrap_or(&[]))
     }
 }
 
@@ -91,14 +122,14 @@ fn answer<B: Board>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut B,
     damaged_frames: u32,
+    stream: &mut Stream,
     frame: &mut [u8; MAX_FRAME],
 ) -> usize {
-    let mut scratch =
-        Scratch { values: [0; 4 * MAX_VALUES], samples: [0; RecordedSample::BYTES * CHUNK_SAMPLES] };
+    let mut scratch = SCRATCH;
     let reply = match decode_request(message) {
         Ok(request) => Reply {
             sequence: request.sequence,
-            body: carry_out(&request, control, board, damaged_frames, &mut scratch),
+            body: carry_out(&request, control, board, damaged_frames, stream, &mut scratch),
         },
         Err(error) => match error.sequence {
             Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },
@@ -113,6 +144,7 @@ fn carry_out<'a, B: Board>(
     control: &'a mut Control<impl BorrowMut<Recorder>>,
     board: &mut B,
     damaged_frames: u32,
+    stream: &mut Stream,
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
     match request.body {
@@ -125,7 +157,7 @@ fn carry_out<'a, B: Board>(
             record_capacity: CAPACITY as u32,
         },
         RequestBody::Status => ReplyBody::Status(status(control, damaged_frames)),
-        RequestBody::ConfigGet { first_id, count } => config(control, first_id, count, &mut scratch.values),
+        RequestBody::ConfigGet { first_id, count } => config(control, first_id, count, scratch),
         RequestBody::ConfigSet { first_id, values } => {
             done(control.set_parameters(first_id, values.iter()).map_err(|(id, error)| {
                 let place = usize::from(id.saturating_sub(first_id));
@@ -160,13 +192,26 @@ fn carry_out<'a, B: Board>(
             SaveRefused::NotStored => Refused::NotStored,
         })),
         RequestBody::ConfigState => ReplyBody::ConfigState(config_state(control.configuration())),
-        RequestBody::Events { first, count } => events(board.store(), first, count, &mut scratch.samples),
+        RequestBody::Events { first, count } => events(board.store(), first, count, scratch),
         RequestBody::Timing => {
             let [interval, latency] = control.timing();
             ReplyBody::Timing { interval, latency }
         }
         RequestBody::RecordInfo => record_info(control),
-        RequestBody::RecordRead { first, count } => chunk(control, first, count, &mut scratch.samples),
+        RequestBody::RecordRead { first, count } => chunk(control, first, count, scratch),
+        RequestBody::RecordChunk { crc32, first, count } => match digest(control, 0) {
+            Some(crc) if crc == crc32 => chunk(control, first, count, scratch),
+            _ => ReplyBody::Refused(Refused::OtherRecord),
+        },
+        RequestBody::StreamBegin { every, batch } => {
+            stream.begin(request.sequence, every, batch);
+            ReplyBody::Done
+        }
+        RequestBody::StreamGrant { until } => {
+            stream.grant(until);
+            ReplyBody::Done
+        }
+        RequestBody::StreamRead { first, count } => stream.read(first, count, scratch),
     }
 }
 
@@ -291,9 +336,17 @@ fn config<'a>(
 /// that holds its last setpoint goes on sampling meanwhile, and a request must not make a sample late.
 const DIGEST_AT_ONCE: usize = 64;
 
-fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_> {
+/// Those that it goes on by between two samples, so that the CRC is mostly there when it is asked for.
+const DIGEST_BETWEEN: usize = 8;
+
+/// Goes on with the CRC of a record that is over, and tells it once it is there.
+fn digest(control: &mut Control<impl BorrowMut<Recorder>>, samples: usize) -> Option<u32> {
     let over = !matches!(control.state().supervisor.mode(), Mode::Armed | Mode::Running);
-    let crc = if over { control.recorder.borrow_mut().digest(DIGEST_AT_ONCE) } else { None };
+    if over { control.recorder.borrow_mut().digest(samples) } else { None }
+}
+
+fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_> {
+    let crc = digest(control, DIGEST_AT_ONCE);
     let measured_period_ns = control.measured_period_ns();
     let recorder: &Recorder = control.recorder.borrow();
     ReplyBody::RecordInfo(RecordInfo {

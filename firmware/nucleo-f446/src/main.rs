@@ -3,7 +3,7 @@
 //! | task | priority | does |
 //! |---|---|---|
 //! | `control`, bound to TIM5 | highest | sample and output at their instants |
-//! | `idle` | lowest | serves the port, stores what waits for a disabled drive, feeds the watchdog |
+//! | `idle` | lowest | serves the port and the stream, stores what waits for a disabled drive, feeds the watchdog |
 //!
 //! A request is carried out in one go with the control locked out; a request must take less than
 //! `late_sample_us`, or the next sample is late. Nothing else is shared.
@@ -92,8 +92,10 @@ impl Talk {
     /// One round of the idle task.
     fn round(&mut self, drive: &mut impl Mutex<T = Drive>) {
         self.port.clear_errors();
+        drive.lock(|drive| self.server.attend(&mut drive.control));
         if self.port.is_free() {
             self.listen(drive);
+            self.speak();
             self.port.send();
         }
         if drive.lock(Drive::has_run) {
@@ -112,6 +114,13 @@ impl Talk {
                 let Ok(()) = server.receive(&[byte], control, board, port);
                 board.clock.keep(control.config().timing);
             });
+        }
+    }
+
+    /// What goes unasked, behind the replies.
+    fn speak(&mut self) {
+        if !self.port.has_collected() {
+            let Ok(()) = self.server.speak(&mut self.port);
         }
     }
 

@@ -84,6 +84,8 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
         let ticks = run_control(control, &mut board, &clock);
         let ran = EmulatedBoard::runs(control.state().supervisor.mode());
         listen(&mut server, control, &mut board, &mut uart);
+        server.attend(control);
+        let Ok(()) = server.speak(&mut uart);
         let _ = control.tidy_up(&mut board);
         outputs = board.outputs(control, ran, ticks);
         if inputs.frozen && outputs.next == Next::Stay {

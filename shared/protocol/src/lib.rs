@@ -1,7 +1,8 @@
 //! What firmware and PC say to each other over a stream of bytes (serial port, pty, TCP).
 //!
 //! The PC sends [`Request`]s, the firmware answers each with one [`Reply`] of the same sequence
-//! number. Neither sends anything unasked.
+//! number, in the order they came. Several may be on their way. Unasked come the rows of a stream alone,
+//! as replies under the number of the request that began it, and no more of them than were granted.
 //!
 //! # A frame
 //!
@@ -39,8 +40,8 @@
 //!   old PC can read.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
 //!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` those that version 2 has
-//!   added. A new version adds a file of its own.
+//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` and `tests/wire_v03.rs` those
+//!   that versions 2 and 3 have added. A new version adds a file of its own.
 //!
 //! # What is promised
 //!
@@ -54,6 +55,7 @@ pub mod event;
 pub mod frame;
 pub mod message;
 pub mod record;
+pub mod stream;
 pub mod values;
 
 pub use event::Event;
@@ -63,13 +65,14 @@ pub use message::{
     Request, RequestBody, Spread, Status, decode_reply, decode_request, encode,
 };
 pub use record::{RecordCrc, RecordedSample};
+pub use stream::StreamedSample;
 pub use values::Values;
 
 /// The oldest version this one still speaks.
 pub const MIN_VERSION: u16 = 1;
 
 /// The version described here.
-pub const CURRENT_VERSION: u16 = 2;
+pub const CURRENT_VERSION: u16 = 3;
 
 /// The longest message, bytes: sequence and body, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;
@@ -85,6 +88,9 @@ pub const CHUNK_SAMPLES: usize = 32;
 
 /// The most events of the fault log that one message carries.
 pub const MAX_EVENTS: usize = 16;
+
+/// The most rows of a stream that one message carries.
+pub const MAX_ROWS: usize = 24;
 
 /// Texts up to this long always fit their message, bytes of UTF-8. Longer ones may not.
 pub const MAX_TEXT: usize = 64;
@@ -109,6 +115,8 @@ const _: () = {
     assert!(record_info <= MAX_MESSAGE, "RecordInfo");
     let events = HEADER_BYTES + 2 + U16_BYTES + MAX_EVENTS * Event::BYTES;
     assert!(events <= MAX_MESSAGE, "Events");
+    let rows = HEADER_BYTES + U32_BYTES + U16_BYTES + MAX_ROWS * StreamedSample::BYTES;
+    assert!(rows <= MAX_MESSAGE, "Rows");
     assert!(MIN_VERSION <= CURRENT_VERSION);
     assert!(MAX_VALUES <= u8::MAX as usize, "count of ConfigGet");
     assert!(CHUNK_SAMPLES <= u8::MAX as usize, "count of RecordRead");

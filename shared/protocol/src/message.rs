@@ -99,6 +99,37 @@ pub enum RequestBody<'a> {
     },
     /// Version 2. How even are the samples? Answered by [`ReplyBody::Timing`].
     Timing,
+    /// Version 3. Samples of a record that is named by its CRC: never those of a later one. Answered by
+    /// [`ReplyBody::Chunk`].
+    RecordChunk {
+        /// CRC of the record, as [`RecordInfo`] has it.
+        crc32: u32,
+        /// Position in the record; 0 is the oldest stored sample.
+        first: u32,
+        /// How many, up to [`CHUNK_SAMPLES`](crate::CHUNK_SAMPLES).
+        count: u8,
+    },
+    /// Version 3. Begins a stream of a run's samples, its rows numbered from 0 on, and ends the one before.
+    /// The rows come unasked, as [`ReplyBody::Rows`] under the number of this request, as far as they are
+    /// granted.
+    StreamBegin {
+        /// Every how manyth sample becomes a row; 0: none.
+        every: u16,
+        /// How many rows come at once, up to [`MAX_ROWS`](crate::MAX_ROWS).
+        batch: u8,
+    },
+    /// Version 3. The rows before this one may come unasked: a host that has gone is not talked to for long.
+    StreamGrant {
+        /// Number of the first row that may not.
+        until: u32,
+    },
+    /// Version 3. Rows of the stream again. Answered by [`ReplyBody::Rows`].
+    StreamRead {
+        /// Number of the first one.
+        first: u32,
+        /// How many, up to [`MAX_ROWS`](crate::MAX_ROWS).
+        count: u8,
+    },
 }
 
 /// The answer to a request.
@@ -172,6 +203,14 @@ pub enum ReplyBody<'a> {
         interval: Spread,
         /// From a sample to its output.
         latency: Spread,
+    },
+    /// Version 3. Rows of the stream. Asked for again: those from the first one on that are still held, or
+    /// none.
+    Rows {
+        /// Number of the first one; a row before it that has not come is lost.
+        first: u32,
+        /// [`StreamedSample::BYTES`](crate::StreamedSample::BYTES) each.
+        rows: &'a [u8],
     },
 }
 
@@ -335,6 +374,8 @@ pub enum Refused<'a> {
     Unknown,
     /// Version 2. The board's flash could not be written.
     NotStored,
+    /// Version 3. The record is not the one that was named.
+    OtherRecord,
 }
 
 /// The message is not one of this version, though it came whole: a later version's, most likely.
@@ -385,7 +426,9 @@ fn decode<'a, Body: Deserialize<'a>>(message: &'a [u8]) -> Result<(u16, Body), M
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Accumulator, CHUNK_SAMPLES, MAX_FRAME, MAX_TEXT, MAX_VALUES, RecordedSample};
+    use crate::{
+        Accumulator, CHUNK_SAMPLES, MAX_FRAME, MAX_ROWS, MAX_TEXT, MAX_VALUES, RecordedSample, StreamedSample,
+    };
 
     /// The message that the frame of `message` carries.
     fn carried<'a>(message: &impl Message, accumulator: &'a mut Accumulator) -> &'a [u8] {
@@ -427,6 +470,7 @@ mod tests {
             ReplyBody::RecordInfo(record),
             ReplyBody::Chunk { first: u32::MAX, samples: &samples },
             ReplyBody::Config { first_id: u16::MAX, values },
+            ReplyBody::Rows { first: u32::MAX, rows: &[0xff; MAX_ROWS * StreamedSample::BYTES] },
             ReplyBody::Refused(Refused::Inconsistent { advice: text }),
         ];
         for body in bodies {
