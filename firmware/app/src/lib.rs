@@ -27,6 +27,7 @@ pub mod lock_step;
 pub mod plant_bus;
 pub mod ram_flash;
 pub mod recorder;
+mod repetition;
 pub mod server;
 pub mod storage;
 pub mod store;

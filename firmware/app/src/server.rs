@@ -21,6 +21,7 @@ use crate::configuration::{Configuration, Source};
 use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
 use crate::fault_log::EVENTS;
 use crate::recorder::{CAPACITY, Recorder};
+use crate::repetition::CarriedOut;
 use crate::store::Store;
 use crate::stream::Stream;
 
@@ -33,6 +34,7 @@ pub struct Server {
     accumulator: Accumulator,
     /// The last request, by its CRC, and the length of its reply in `reply`.
     answered: Option<(u32, usize)>,
+    carried_out: CarriedOut,
     reply: [u8; MAX_FRAME],
     stream: Stream,
 }
@@ -42,6 +44,7 @@ impl Default for Server {
         Server {
             accumulator: Accumulator::new(),
             answered: None,
+            carried_out: CarriedOut::default(),
             reply: [0; MAX_FRAME],
             stream: Stream::default(),
         }
@@ -64,7 +67,8 @@ impl Server {
     /// Takes bytes from the port, carries out the requests in them and writes the replies.
     ///
     /// A request that comes twice, because its reply was lost, is carried out once and answered
-    /// twice.
+    /// twice. One that changes something and comes again after later ones is not even answered: the host
+    /// has had its answer, and an old `arm` must not follow on a `disarm`.
     ///
     /// # Errors
     /// When the port does not take a reply.
@@ -82,6 +86,7 @@ impl Server {
             let fingerprint = crc32(message);
             let len = match self.answered {
                 Some((answered, len)) if answered == fingerprint => len,
+                _ if self.carried_out.has(message, fingerprint) => continue,
                 _ => answer(message, control, board, damaged, &mut self.stream, &mut self.reply),
             };
             self.answered = Some((fingerprint, len));

@@ -171,6 +171,30 @@ fn a_new_rig_is_disarmed_with_the_valve_at_null() {
 }
 
 #[test]
+fn an_arm_that_comes_late_a_second_time_does_not_follow_on_the_disarm() {
+    let mut bench = Bench::referenced();
+    let [arm, disarm] = [RequestBody::Arm, RequestBody::Disarm].map(|body| bench.frame(body));
+    let answer = bench.send(&arm);
+    assert_eq!(bench.send(&arm), answer, "its reply was lost: it is answered again");
+    bench.send(&disarm);
+    assert_eq!(bench.send(&arm), [], "an echo of the line");
+    assert_eq!(bench.mode(), Mode::Disarmed);
+    // Another program begins, by chance with the same numbers.
+    bench.sequence = 500;
+    bench.ask(RequestBody::Info);
+    assert_eq!(bench.send(&arm), answer);
+    assert_eq!(bench.mode(), Mode::Armed);
+}
+
+#[test]
+fn what_only_reads_is_answered_as_often_as_it_is_asked() {
+    let mut bench = Bench::referenced();
+    let [status, motion] = [RequestBody::Status, RequestBody::Motion].map(|body| bench.frame(body));
+    let [first, second] = [bench.send(&status), bench.send(&motion)];
+    assert_eq!([bench.send(&status), bench.send(&motion)], [first, second]);
+}
+
+#[test]
 fn closed_loop_is_refused_before_the_axis_is_referenced() {
     let mut bench = Bench::default();
     bench.armed(9, 1, 0);

@@ -1,0 +1,50 @@
+//! Requests that come late a second time, behind later ones: an echo of the line, or of a host that asked
+//! again while the answer was on its way.
+
+use pneudrive_protocol::{RequestBody, decode_request};
+
+/// Requests that are remembered.
+const REMEMBERED: usize = 8;
+
+/// The last requests of a host that changed something, by their CRC.
+#[derive(Debug, Default)]
+pub(crate) struct CarriedOut([Option<u32>; REMEMBERED]);
+
+impl CarriedOut {
+    /// Whether a request that changes something was carried out before; from now on it was. A host begins
+    /// with `Info`, and its numbers anew.
+    pub(crate) fn has(&mut self, message: &[u8], crc32: u32) -> bool {
+        let Ok(request) = decode_request(message) else { return false };
+        if request.body == RequestBody::Info {
+            *self = CarriedOut::default();
+        }
+        if only_reads(&request.body) {
+            return false;
+        }
+        let before = self.0.contains(&Some(crc32));
+        if !before {
+            self.0.rotate_right(1);
+            self.0[0] = Some(crc32);
+        }
+        before
+    }
+}
+
+/// Whether a request changes nothing: it may be carried out as often as it comes.
+fn only_reads(body: &RequestBody<'_>) -> bool {
+    use RequestBody as Body;
+    matches!(
+        body,
+        Body::Info
+            | Body::Status
+            | Body::ConfigGet { .. }
+            | Body::RecordInfo
+            | Body::RecordRead { .. }
+            | Body::Motion
+            | Body::ConfigState
+            | Body::Events { .. }
+            | Body::Timing
+            | Body::RecordChunk { .. }
+            | Body::StreamRead { .. }
+    )
+}
