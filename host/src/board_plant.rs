@@ -11,7 +11,7 @@ use pneudrive_app::plant_bus::HELLO;
 use pneudrive_sim::Rig;
 
 use crate::plant_server::{Bus, Hello, PlantServer, SharedRig, Time};
-use crate::port::{self, Link, read_some};
+use crate::port::{self, Link};
 use crate::punctuality::LateSample;
 
 /// How long a board may take to say hello: it does so every fifth of a second.
@@ -101,20 +101,20 @@ impl Bus for PortBus {
             if self.stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            filled += read_some(&mut *self.link, &mut bytes[filled..]).context("the plant's port broke")?;
+            filled += self.link.read(&mut bytes[filled..]).context("the plant's port broke")?;
         }
         Ok(Some(bytes))
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<()> {
-        self.link.write_all(bytes).and_then(|()| self.link.flush()).context("the plant's port broke")
+        self.link.write(bytes).context("the plant's port broke")
     }
 
     /// Until the line is quiet.
     fn forget(&mut self) -> Result<()> {
         let (mut since, mut bytes) = (Instant::now(), [0; 64]);
         while since.elapsed() < QUIET {
-            if read_some(&mut *self.link, &mut bytes).context("the plant's port broke")? > 0 {
+            if self.link.read(&mut bytes).context("the plant's port broke")? > 0 {
                 since = Instant::now();
             }
         }

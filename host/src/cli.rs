@@ -33,8 +33,10 @@ pub enum Command {
     Device(Device),
     /// Download a test to a rig, arm, start and follow it
     Run(Run),
-    /// Pull the recorded transient into the next free TARGETxx.DAT
+    /// Pull the recorded transient into the next free TARGETxx.DAT; goes on where it was interrupted
     Record(Record),
+    /// Live values in the terminal
+    Monitor(Monitor),
     /// Recorded inputs through the controller on the PC; its outputs compared, bit for bit
     Replay(Replay),
     /// A transient in engineering units: its moves in figures, its channels as graphs
@@ -295,6 +297,12 @@ pub struct Run {
     /// Also download the controller's parameters of the rig
     #[arg(long)]
     pub config: bool,
+    /// Write the run to this file while it is on, however long it is
+    #[arg(long, value_name = "FILE")]
+    pub stream: Option<PathBuf>,
+    /// Every how manyth sample is streamed
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "stream", value_parser = clap::value_parser!(u16).range(1..))]
+    pub every: u16,
 }
 
 /// Arguments of `record`.
@@ -306,6 +314,32 @@ pub struct Record {
     /// Where to put the file
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub dir: PathBuf,
+}
+
+/// Arguments of `monitor`.
+#[derive(Debug, Args)]
+pub struct Monitor {
+    /// The port.
+    #[command(flatten)]
+    pub port: PortChoice,
+    /// Also write the values to this file
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Seconds from one value to the next
+    #[arg(long = "every", value_name = "S", default_value_t = 0.2, value_parser = interval)]
+    pub every_s: f64,
+    /// End after so many
+    #[arg(long, value_name = "N")]
+    pub count: Option<u32>,
+}
+
+fn interval(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.01..=3600.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("must be between 0.01 and 3600 seconds".to_owned())
+    }
 }
 
 /// Arguments of `replay`.

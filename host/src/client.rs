@@ -1,18 +1,23 @@
 //! Requests to a rig, each asked again until it is answered.
 
+mod parameters;
+mod record;
+mod stream;
 mod version_2;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
-use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::TABLE;
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, MAX_FRAME, MAX_VALUES, MIN_VERSION, Mode, RecordCrc,
-    RecordedSample, ReplyBody, Request, RequestBody, Status, Values, decode_reply, encode,
+    Accumulator, CURRENT_VERSION, MAX_FRAME, MIN_VERSION, Mode, Reply, ReplyBody, Request, RequestBody,
+    Status, decode_reply, encode,
 };
 use pneudrive_sim::Rig;
+
+pub use parameters::RigParameters;
+pub use record::{Pieces, Record, RecordChanged, RecordHead};
+pub use stream::Rows;
 
 use crate::port::{self, Link};
 use crate::words;
@@ -24,15 +29,21 @@ const ANSWER_WAIT: Duration = Duration::from_millis(100);
 /// How often a request is sent.
 const ATTEMPTS: u32 = 15;
 
-/// Most questions for the CRC of a record before it must be there.
-const MOST_DIGESTS: u32 = 1000;
+/// How long a rig may say nothing of use.
+const PATIENCE: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
 
 /// A connection to a rig.
 pub struct Client {
     link: Box<dyn Link>,
     name: String,
     accumulator: Accumulator,
+    /// Bytes that came and were not looked at yet.
+    heard: std::vec::IntoIter<u8>,
     sequence: u16,
+    /// The newest version that the rig speaks.
+    version: u16,
+    repeats: u32,
+    unasked: stream::Unasked,
 }
 
 /// Who a rig is.
@@ -48,25 +59,6 @@ pub struct Info {
     pub board: String,
     /// Samples that its buffer holds.
     pub record_capacity: u32,
-}
-
-/// A recorded transient with what is known about it.
-#[derive(Clone, Debug)]
-pub struct Record {
-    /// Name of the test.
-    pub test: String,
-    /// Every Nth sample was stored.
-    pub decimation: u16,
-    /// Samples from before the start.
-    pub pre_trigger: u16,
-    /// Index of the oldest sample.
-    pub first_index: i32,
-    /// Mean interval of the samples by the board's clock, ns.
-    pub measured_period_ns: u32,
-    /// Mean of the spool channel, raw.
-    pub mean_spool_raw: i16,
-    /// The samples, oldest first.
-    pub samples: Vec<RecordedSample>,
 }
 
 impl Client {
@@ -86,64 +78,112 @@ impl Client {
         // Not where the last program began, lest its last reply be taken for ours.
         let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         let begin = std::process::id() as u16 ^ (clock.subsec_nanos() >> 8) as u16;
-        let mut client =
-            Client { link, name: name.to_owned(), accumulator: Accumulator::new(), sequence: begin };
+        let mut client = Client {
+            link,
+            name: name.to_owned(),
+            accumulator: Accumulator::new(),
+            heard: Vec::new().into_iter(),
+            sequence: begin,
+            version: MIN_VERSION,
+            repeats: 0,
+            unasked: stream::Unasked::default(),
+        };
         // Ends whatever an earlier program left half said.
-        client.link.write_all(&[0]).with_context(|| format!("cannot write to {name}"))?;
-        client.info()?;
+        client.link.write(&[0]).with_context(|| format!("cannot write to {name}"))?;
+        client.version = client.info()?.version;
         Ok(client)
     }
 
-    /// Sends a request until it is answered, and gives the answer to `take`.
+    /// Frames that came damaged, and requests that were sent again: what the link has cost so far.
+    #[must_use]
+    pub fn losses(&self) -> (u32, u32) {
+        (self.accumulator.damaged, self.repeats)
+    }
+
+    /// Sends a request until it is answered, and gives the answer to `take`, unless it is a refusal.
     fn ask<T>(&mut self, body: RequestBody<'_>, take: impl Fn(&ReplyBody<'_>) -> Result<T>) -> Result<T> {
+        let name = self.name.clone();
+        self.ask_for_any(body, |reply| match reply {
+            ReplyBody::Refused(refused) => Err(anyhow!("{name}: {}", words::refusal(refused))),
+            body => take(body),
+        })
+    }
+
+    /// Sends a request until it is answered, and gives the answer to `take`.
+    fn ask_for_any<T>(
+        &mut self,
+        body: RequestBody<'_>,
+        take: impl Fn(&ReplyBody<'_>) -> Result<T>,
+    ) -> Result<T> {
         self.sequence = self.sequence.wrapping_add(1);
-        let request = Request { sequence: self.sequence, body };
-        let mut frame = [0; MAX_FRAME];
-        let frame = encode(&request, &mut frame).ok_or_else(|| anyhow!("a request is too long to send"))?;
-        for _ in 0..ATTEMPTS {
-            self.link
-                .write_all(frame)
-                .and_then(|()| self.link.flush())
-                .with_context(|| format!("the link to {} broke", self.name))?;
-            if let Some(answer) = self.wait_for(request.sequence, &take)? {
+        let sequence = self.sequence;
+        for attempt in 0..ATTEMPTS {
+            self.repeats += u32::from(attempt > 0);
+            self.send(Request { sequence, body })?;
+            let deadline = self.link.now() + ANSWER_WAIT;
+            let answer =
+                self.hear(deadline, |reply| (reply.sequence == sequence).then(|| take(&reply.body)))?;
+            if let Some(answer) = answer {
                 return answer;
             }
         }
-        bail!(
+        Err(self.no_answer())
+    }
+
+    fn no_answer(&self) -> anyhow::Error {
+        anyhow!(
             "no answer from {} within {:.1} s; is it a rig, powered and with this firmware, and does no other program talk to it?",
             self.name,
-            (ANSWER_WAIT * ATTEMPTS).as_secs_f64()
+            PATIENCE.as_secs_f64()
         )
     }
 
-    /// The answer to a request, if it comes in time. Damaged frames and answers to others are passed
-    /// over.
-    fn wait_for<T>(
+    fn send(&mut self, request: Request<'_>) -> Result<()> {
+        let mut frame = [0; MAX_FRAME];
+        let frame = encode(&request, &mut frame).ok_or_else(|| anyhow!("a request is too long to send"))?;
+        self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
+    }
+
+    /// Gives what the rig says to `take` until that has what it wants, or the time has come. Damaged frames
+    /// are passed over; what comes unasked is set aside.
+    fn hear<T>(
         &mut self,
-        sequence: u16,
-        take: &impl Fn(&ReplyBody<'_>) -> Result<T>,
-    ) -> Result<Option<Result<T>>> {
-        let deadline = Instant::now() + ANSWER_WAIT;
-        let mut bytes = [0; 1024];
-        while Instant::now() < deadline {
-            let count = port::read_some(&mut *self.link, &mut bytes)
-                .with_context(|| format!("the link to {} broke", self.name))?;
-            for &byte in &bytes[..count] {
+        deadline: Duration,
+        mut take: impl FnMut(&Reply<'_>) -> Option<T>,
+    ) -> Result<Option<T>> {
+        loop {
+            for byte in self.heard.by_ref() {
                 let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
-                match decode_reply(message) {
-                    Ok(reply) if reply.sequence == sequence => {
-                        return Ok(Some(match reply.body {
-                            ReplyBody::Refused(refused) => {
-                                Err(anyhow!("{}: {}", self.name, words::refusal(&refused)))
-                            }
-                            body => take(&body),
-                        }));
-                    }
-                    _ => {}
+                let Ok(reply) = decode_reply(message) else { continue };
+                if !self.unasked.takes(&reply)
+                    && let Some(taken) = take(&reply)
+                {
+                    return Ok(Some(taken));
                 }
             }
+            if self.link.now() >= deadline {
+                return Ok(None);
+            }
+            let mut bytes = vec![0; 4096];
+            let count =
+                self.link.read(&mut bytes).with_context(|| format!("the link to {} broke", self.name))?;
+            bytes.truncate(count);
+            self.heard = bytes.into_iter();
         }
-        Ok(None)
+    }
+
+    /// A firmware of an older version does not know these requests: says so by name.
+    fn needs_version(&mut self, version: u16, what: &str) -> Result<()> {
+        if self.version < version {
+            let info = self.info()?;
+            bail!(
+                "{}: its firmware ({}) speaks version {} of the protocol and is too old for {what}, which needs version {version}; flash a newer one",
+                self.name,
+                info.firmware,
+                info.version
+            );
+        }
+        Ok(())
     }
 
     fn ask_done(&mut self, body: RequestBody<'_>) -> Result<()> {
@@ -229,53 +269,6 @@ impl Client {
         self.ask_done(RequestBody::Start)
     }
 
-    /// All parameters of the controller.
-    ///
-    /// # Errors
-    /// When the rig does not answer, or has a value that this program does not know.
-    pub fn parameters(&mut self) -> Result<Parameters> {
-        let mut parameters = Parameters::default();
-        for (first_id, count) in blocks() {
-            let values: Vec<i32> =
-                self.ask(RequestBody::ConfigGet { first_id, count }, |reply| match reply {
-                    ReplyBody::Config { values, .. } if values.len() == usize::from(count) => {
-                        Ok(values.iter().collect())
-                    }
-                    other => Err(unexpected(other)),
-                })?;
-            for (id, value) in (first_id..).zip(values) {
-                parameters.set(id, value).map_err(|_| {
-                    anyhow!("{} has {value} for parameter {id}, which is out of range here", self.name)
-                })?;
-            }
-        }
-        Ok(parameters)
-    }
-
-    /// Changes parameters with consecutive ids: all of them or none.
-    ///
-    /// # Errors
-    /// When a value is refused, or the drive is not disarmed.
-    pub fn set_parameters(&mut self, first_id: u16, values: &[i32]) -> Result<()> {
-        let mut room = [0; 4 * MAX_VALUES];
-        let values = Values::fill(&mut room, values.iter().copied())
-            .ok_or_else(|| anyhow!("more than {MAX_VALUES} values at once"))?;
-        self.ask_done(RequestBody::ConfigSet { first_id, values })
-    }
-
-    /// Downloads all parameters.
-    ///
-    /// # Errors
-    /// When one is refused, or the drive is not disarmed.
-    pub fn import_parameters(&mut self, parameters: &Parameters) -> Result<()> {
-        for (first_id, count) in blocks() {
-            let ids = first_id..first_id + u16::from(count);
-            let values: Vec<i32> = ids.filter_map(|id| parameters.get(id)).collect();
-            self.set_parameters(first_id, &values)?;
-        }
-        Ok(())
-    }
-
     /// Downloads the test of a rig.
     ///
     /// # Errors
@@ -299,7 +292,23 @@ impl Client {
     ///
     /// # Errors
     /// When the drive trips, the run is ended by someone else, or the rig stops answering.
-    pub fn follow(&mut self, interrupted: &AtomicBool, mut progress: impl FnMut(&Status)) -> Result<Status> {
+    pub fn follow(&mut self, interrupted: &AtomicBool, progress: impl FnMut(&Status)) -> Result<Status> {
+        self.follow_and(interrupted, progress, |_| {
+            std::thread::sleep(Duration::from_millis(20));
+            Ok(())
+        })
+    }
+
+    /// Follows a run and does something else between two looks at it.
+    ///
+    /// # Errors
+    /// As [`Client::follow`], or what the other thing says.
+    pub fn follow_and(
+        &mut self,
+        interrupted: &AtomicBool,
+        mut progress: impl FnMut(&Status),
+        mut between: impl FnMut(&mut Client) -> Result<()>,
+    ) -> Result<Status> {
         loop {
             if interrupted.load(Ordering::Relaxed) {
                 self.stop()?;
@@ -308,7 +317,7 @@ impl Client {
             let status = self.status()?;
             progress(&status);
             match status.mode {
-                Mode::Running => std::thread::sleep(Duration::from_millis(20)),
+                Mode::Running => between(self)?,
                 Mode::Fault => bail!(
                     "{} tripped at sample {}: {} ({}); `pneudrive device arm` leaves the fault",
                     self.name,
@@ -324,83 +333,6 @@ impl Client {
             }
         }
     }
-
-    /// Pulls the recorded transient; `progress` is given samples done and samples in all.
-    ///
-    /// # Errors
-    /// When there is none yet, or what came is not what was recorded.
-    pub fn record(&mut self, mut progress: impl FnMut(usize, usize)) -> Result<Record> {
-        let (mut record, count, expected_crc) = self.record_info()?;
-        let mut crc = RecordCrc::new();
-        while record.samples.len() < count {
-            let first = record.samples.len();
-            let wanted = (count - first).min(CHUNK_SAMPLES);
-            let request = RequestBody::RecordRead { first: first as u32, count: wanted as u8 };
-            let bytes: Vec<u8> = self.ask(request, |reply| match reply {
-                ReplyBody::Chunk { first: at, samples }
-                    if *at as usize == first && samples.len() == wanted * RecordedSample::BYTES =>
-                {
-                    Ok(samples.to_vec())
-                }
-                other => Err(unexpected(other)),
-            })?;
-            crc.update(&bytes);
-            record.samples.extend(RecordedSample::read(&bytes).into_iter().flatten());
-            progress(record.samples.len(), count);
-        }
-        if crc.finish() != expected_crc {
-            bail!("the record changed while it was read (its CRC does not fit); record again");
-        }
-        Ok(record)
-    }
-
-    /// What the record holds, its number of samples and its CRC.
-    fn record_info(&mut self) -> Result<(Record, usize, u32)> {
-        let mut info = self.ask_record_info()?;
-        // The rig forms the CRC of its record piece by piece.
-        for _ in 0..MOST_DIGESTS {
-            if info.3 || matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
-                break;
-            }
-            info = self.ask_record_info()?;
-        }
-        let (record, count, crc, complete) = info;
-        if !complete {
-            bail!("{} is still recording; wait for the end of the run", self.name);
-        }
-        if count == 0 {
-            bail!("{}: {}", self.name, words::refusal(&pneudrive_protocol::Refused::NoRecord));
-        }
-        Ok((record, count, crc))
-    }
-
-    fn ask_record_info(&mut self) -> Result<(Record, usize, u32, bool)> {
-        self.ask(RequestBody::RecordInfo, |reply| match reply {
-            ReplyBody::RecordInfo(info) => {
-                let record = Record {
-                    test: info.test.to_owned(),
-                    decimation: info.decimation,
-                    pre_trigger: info.pre_trigger,
-                    first_index: info.first_index,
-                    measured_period_ns: info.measured_period_ns,
-                    mean_spool_raw: info.mean_spool_raw,
-                    samples: Vec::new(),
-                };
-                Ok((record, info.samples as usize, info.crc32, info.complete))
-            }
-            other => Err(unexpected(other)),
-        })
-    }
-}
-
-/// First id and length of the blocks in which all parameters are read and written.
-fn blocks() -> impl Iterator<Item = (u16, u8)> {
-    let scalars = TABLE.iter().filter(|p| p.len == 1).count() as u16;
-    let runs = std::iter::once((TABLE[0].id, scalars))
-        .chain(TABLE.iter().filter(|p| p.len > 1).map(|p| (p.id, p.len)));
-    runs.flat_map(|(first, len)| {
-        (0..len).step_by(MAX_VALUES).map(move |at| (first + at, (len - at).min(MAX_VALUES as u16) as u8))
-    })
 }
 
 /// A name short enough for every message.

@@ -3,13 +3,15 @@
 mod demo;
 mod device;
 mod eval;
+mod monitor;
 mod overlay;
-mod record;
+pub mod record;
 mod replay;
 mod rig;
 mod run;
 mod simulate;
 mod spectrum;
+mod streaming;
 mod virtual_rig;
 
 use std::path::Path;
@@ -21,6 +23,7 @@ use pneudrive_sim::rig::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Method, Rig};
 
 use crate::cli::{Cli, Command, Integration, MethodName, RigChoice};
+use crate::client::RigParameters;
 
 /// Does what the command line asks for.
 ///
@@ -35,6 +38,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Device(arguments) => device::execute(&arguments),
         Command::Run(arguments) => run::execute(&arguments),
         Command::Record(arguments) => record::execute(&arguments),
+        Command::Monitor(arguments) => monitor::execute(&arguments),
         Command::Replay(arguments) => replay::execute(&arguments),
         Command::Eval(arguments) => eval::execute(&arguments),
         Command::Overlay(arguments) => overlay::execute(&arguments),
@@ -77,6 +81,27 @@ fn accuracy(integration: &Integration) -> Accuracy {
     Accuracy { method, tolerance: integration.tolerance }
 }
 
+/// Names for a message: the first few of many.
+fn few(names: &[&str]) -> String {
+    match names {
+        [first, second, third, _, more @ ..] => {
+            format!("{first}, {second}, {third} and {} more", more.len() + 1)
+        }
+        names => names.join(", "),
+    }
+}
+
+/// Says which parameters the rig's firmware does not have.
+fn tell_lacking(parameters: &RigParameters) {
+    let names = parameters.lacking_names();
+    if !names.is_empty() {
+        eprintln!(
+            "note: the rig's firmware is older than this program; it has no {}, and does as with their defaults",
+            few(&names)
+        );
+    }
+}
+
 /// A bar on a terminal; elsewhere a line now and then.
 struct Progress {
     bar: ProgressBar,
@@ -87,11 +112,19 @@ struct Progress {
 impl Progress {
     fn new(what: &str) -> Progress {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(10));
-        let style = ProgressStyle::with_template("{msg:<12} [{bar:40}] {pos}/{len} ({eta} left)");
+        let style = ProgressStyle::with_template("{msg:<12} [{bar:40}] {pos}/{len} ({per_sec}, {eta} left)");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(what.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
         Progress { bar, what: what.to_owned(), said: 0 }
+    }
+
+    /// What was done before does not count for the rate.
+    fn begin_at(&mut self, done: u64, all: u64) {
+        self.bar.set_length(all);
+        self.bar.set_position(done);
+        self.bar.reset_eta();
+        self.said = (4 * done).checked_div(all).unwrap_or(0);
     }
 
     fn at(&mut self, done: u64, all: u64) {

@@ -4,12 +4,15 @@
 //! |---|---|
 //! | [`cli`], [`command`] | arguments, and one thin file a subcommand |
 //! | [`port`], [`client`] | a byte link to a rig, and the requests over it |
+//! | [`download`], [`stream`] | which chunks of a record, and which rows of a stream, are there |
+//! | [`part_file`] | what an interrupted download has left |
 //! | [`virtual_rig`] | the firmware's application on the simulated plant |
 //! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
 //! | [`board_plant`] | the simulated plant of a real board, over its second serial port |
 //! | [`kept_flash`] | their flash, which outlives them |
 //! | [`punctuality`] | how they keep time |
 //! | [`target`] | TARGETxx.DAT: read, write, number |
+//! | [`stream_file`] | a run as it is streamed to disk |
 //! | [`run_folder`] | trace.csv and run.json: read, write |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
@@ -35,11 +38,13 @@ pub mod cli;
 pub mod client;
 pub mod command;
 pub mod deviation;
+pub mod download;
 #[cfg(unix)]
 pub mod emulated_board;
 pub mod evaluation;
 pub mod kept_flash;
 pub mod page;
+pub mod part_file;
 #[cfg(unix)]
 mod plant_server;
 pub mod port;
@@ -48,6 +53,8 @@ pub mod replay;
 pub mod report;
 pub mod run_folder;
 pub mod spectrum;
+pub mod stream;
+pub mod stream_file;
 pub mod target;
 pub mod transient;
 pub mod virtual_rig;

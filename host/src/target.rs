@@ -3,7 +3,6 @@
 //!
 //! A file is written whole or not at all, and never over another one.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -14,13 +13,14 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::RecordedSample;
 
-use crate::client::{Info, Record};
+use crate::client::{Info, Record, RecordHead, RigParameters};
 
 /// First line's value.
 const FORMAT: &str = "pneudrive-target 1";
 
 /// Header of the data lines.
-const COLUMNS: &str = "index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw";
+pub(crate) const COLUMNS: &str =
+    "index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw";
 
 /// A TARGET file.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,36 +34,20 @@ pub struct TargetFile {
 impl TargetFile {
     /// The file of a record, with everything that its reader needs to know.
     #[must_use]
-    pub fn new(record: &Record, info: &Info, parameters: &Parameters) -> TargetFile {
-        let get = |id: u16| f64::from(parameters.get(id).unwrap_or(0));
-        let full_scale = f64::from((1u32 << parameters.get(id::SENSOR_BITS).unwrap_or(12)) - 1);
-        let scale = |min: u16, max: u16| (get(max) - get(min)) / full_scale;
-        let mut header: Vec<(String, String)> = Vec::new();
-        let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
-        put("format", FORMAT.to_owned());
-        // A header is lines: a name with a line break in it would make a file that cannot be read.
-        put("test", record.test.replace(char::is_control, " "));
-        put("firmware", info.firmware.clone());
-        put("build", info.build.clone());
-        put("sample_period_us", format!("{}", get(id::PERIOD_US)));
-        put("measured_period_us", format!("{}", f64::from(record.measured_period_ns) / 1e3));
-        put("decimation", record.decimation.to_string());
-        put("pre_trigger", record.pre_trigger.to_string());
-        put("mm_per_count", format!("{}", get(id::ENCODER_PM_PER_COUNT) / 1e9));
-        put("pressure_scale_pa", format!("{}", scale(id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA)));
-        put("pressure_offset_pa", format!("{}", get(id::PRESSURE_MIN_PA)));
-        put("spool_scale_mm", format!("{}", scale(id::SPOOL_MIN_NM, id::SPOOL_MAX_NM) / 1e6));
-        put("spool_offset_mm", format!("{}", get(id::SPOOL_MIN_NM) / 1e6));
-        put("mean_spool_raw", record.mean_spool_raw.to_string());
-        for parameter in &TABLE {
-            put(
-                &format!("param.{}", parameter.name),
-                parameter_text(parameters, parameter.id, parameter.len),
-            );
-        }
-        let samples: Vec<(i32, RecordedSample)> =
-            indices(record).zip(record.samples.iter().copied()).collect();
-        put("crc32", format!("{:08x}", crc32(&data_lines(&samples))));
+    pub fn new(record: &Record, info: &Info, parameters: &RigParameters) -> TargetFile {
+        let head = &record.head;
+        let mut header = described(FORMAT, &head.test, info, parameters);
+        let place = header.iter().position(|(key, _)| key == "mm_per_count").unwrap_or(header.len());
+        let taken = [
+            ("measured_period_us", format!("{}", f64::from(head.measured_period_ns) / 1e3)),
+            ("decimation", head.decimation.to_string()),
+            ("pre_trigger", head.pre_trigger.to_string()),
+        ];
+        header.splice(place..place, taken.map(|(key, value)| (key.to_owned(), value)));
+        let place = header.iter().position(|(key, _)| key.starts_with("param.")).unwrap_or(header.len());
+        header.insert(place, ("mean_spool_raw".to_owned(), head.mean_spool_raw.to_string()));
+        let samples: Vec<(i32, RecordedSample)> = indices(head).zip(record.samples.iter().copied()).collect();
+        header.push(("crc32".to_owned(), format!("{:08x}", crc32(&data_lines(&samples)))));
         TargetFile { header, samples }
     }
 
@@ -85,8 +69,7 @@ impl TargetFile {
     /// The text of the file.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let header = self.header.iter().map(|(key, value)| format!("# {key} = {value}\n"));
-        header.collect::<String>() + COLUMNS + "\n" + &data_lines(&self.samples)
+        header_text(&self.header) + COLUMNS + "\n" + &data_lines(&self.samples)
     }
 
     /// Takes a file's text apart.
@@ -179,9 +162,45 @@ fn place(partial: &Path, folder: &Path) -> Result<PathBuf> {
     bail!("{} holds TARGET01.DAT to TARGET999.DAT; move some away", folder.display())
 }
 
+/// Header lines that tell which rig and which parameters the samples of a file are of. Parameters that the
+/// firmware does not have are left out.
+pub(crate) fn described(
+    format: &str,
+    test: &str,
+    info: &Info,
+    parameters: &RigParameters,
+) -> Vec<(String, String)> {
+    let RigParameters { values, lacking } = parameters;
+    let get = |id: u16| f64::from(values.get(id).unwrap_or(0));
+    let full_scale = f64::from((1u32 << values.get(id::SENSOR_BITS).unwrap_or(12)) - 1);
+    let scale = |min: u16, max: u16| (get(max) - get(min)) / full_scale;
+    let mut header: Vec<(String, String)> = Vec::new();
+    let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
+    put("format", format.to_owned());
+    // A header is lines: a name with a line break in it would make a file that cannot be read.
+    put("test", test.replace(char::is_control, " "));
+    put("firmware", info.firmware.clone());
+    put("build", info.build.clone());
+    put("sample_period_us", format!("{}", get(id::PERIOD_US)));
+    put("mm_per_count", format!("{}", get(id::ENCODER_PM_PER_COUNT) / 1e9));
+    put("pressure_scale_pa", format!("{}", scale(id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA)));
+    put("pressure_offset_pa", format!("{}", get(id::PRESSURE_MIN_PA)));
+    put("spool_scale_mm", format!("{}", scale(id::SPOOL_MIN_NM, id::SPOOL_MAX_NM) / 1e6));
+    put("spool_offset_mm", format!("{}", get(id::SPOOL_MIN_NM) / 1e6));
+    for parameter in TABLE.iter().filter(|parameter| !lacking.contains(&parameter.id)) {
+        put(&format!("param.{}", parameter.name), parameter_text(values, parameter.id, parameter.len));
+    }
+    header
+}
+
+/// The text of header lines.
+pub(crate) fn header_text(header: &[(String, String)]) -> String {
+    header.iter().map(|(key, value)| format!("# {key} = {value}\n")).collect()
+}
+
 /// The index k of each sample: from before the start as the recorder says, then from 0 on.
-fn indices(record: &Record) -> impl Iterator<Item = i32> {
-    let (step, first) = (i32::from(record.decimation.max(1)), record.first_index);
+fn indices(head: &RecordHead) -> impl Iterator<Item = i32> {
+    let (step, first) = (i32::from(head.decimation.max(1)), head.first_index);
     let before = (first..0).step_by(step as usize);
     before.chain((0..).step_by(step as usize))
 }
@@ -196,16 +215,13 @@ pub(crate) fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> S
 }
 
 fn data_lines(samples: &[(i32, RecordedSample)]) -> String {
-    let mut text = String::new();
-    for (index, s) in samples {
-        writeln!(
-            text,
-            "{index},{},{},{},{},{},{}",
-            s.position, s.pressure_1, s.pressure_2, s.command, s.error, s.spool
-        )
-        .expect("writing to a string");
-    }
-    text
+    samples.iter().map(|(index, sample)| data_line(i64::from(*index), sample)).collect()
+}
+
+/// A sample's line, with its LF.
+pub(crate) fn data_line(index: i64, s: &RecordedSample) -> String {
+    let RecordedSample { position, pressure_1, pressure_2, command, error, spool } = s;
+    format!("{index},{position},{pressure_1},{pressure_2},{command},{error},{spool}\n")
 }
 
 fn sample_of(line: &str) -> Option<(i32, RecordedSample)> {
@@ -240,15 +256,17 @@ mod tests {
             error: 5,
             spool: 2047,
         });
-        let record = Record {
+        let head = RecordHead {
             test: "servo-b".to_owned(),
+            samples: 4,
             decimation: 2,
             pre_trigger: 2,
             first_index: -3,
             measured_period_ns: 1_300_250,
             mean_spool_raw: 2047,
-            samples: samples.collect(),
+            crc32: 0,
         };
+        let record = Record { head, samples: samples.collect() };
         let info = Info {
             version: 1,
             firmware: "pneudrive 0.1.0".to_owned(),
@@ -256,7 +274,7 @@ mod tests {
             board: "virtual".to_owned(),
             record_capacity: 4389,
         };
-        TargetFile::new(&record, &info, &Parameters::default())
+        TargetFile::new(&record, &info, &RigParameters::default())
     }
 
     /// The whole text: whoever reads these files reads it so.

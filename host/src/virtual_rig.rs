@@ -5,7 +5,8 @@
 //! Over TCP several programs may talk to it at once, so that a `stop` reaches it while a run is
 //! followed.
 
-use std::io::{self, Write};
+use std::convert::Infallible;
+use std::io::{self, Read, Write};
 use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +22,7 @@ use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::kept_flash::KeptFlash;
-use crate::port::{Link, is_wait, read_some};
+use crate::port::{is_wait, read_some, write_within};
 use crate::punctuality::LateSample;
 
 /// How a virtual rig runs.
@@ -223,6 +224,7 @@ impl VirtualRig {
                 if self.board.store.flash().is_dark() {
                     return false;
                 }
+                let Ok(()) = speak(&mut caller.server, &mut replies);
                 let written = caller.write(&replies);
                 replies.clear();
                 written.is_ok()
@@ -230,7 +232,7 @@ impl VirtualRig {
             if self.board.store.flash().is_dark() {
                 return Ok(());
             }
-            let sampled = self.catch_up()?;
+            let sampled = self.catch_up(&mut door.callers)?;
             let _ = self.control.tidy_up(&mut self.board);
             if !heard && !sampled {
                 std::thread::sleep(Duration::from_micros(500));
@@ -240,11 +242,11 @@ impl VirtualRig {
     }
 
     /// Takes the samples that are due; whether there were any that moved the plant.
-    fn catch_up(&mut self) -> Result<bool> {
+    fn catch_up(&mut self, callers: &mut [Caller]) -> Result<bool> {
         if self.board.pace.fast {
             let moves = self.board.moves();
             for _ in 0..if moves { SAMPLES_AT_ONCE } else { 1 } {
-                self.tick()?;
+                self.tick(callers)?;
             }
             return Ok(moves);
         }
@@ -260,13 +262,13 @@ impl VirtualRig {
             if self.board.time_us > now_us {
                 break;
             }
-            self.tick()?;
+            self.tick(callers)?;
         }
         Ok(due && self.board.moves())
     }
 
-    /// One sample and its output.
-    fn tick(&mut self) -> Result<()> {
+    /// One sample and its output, and a look at them for each caller.
+    fn tick(&mut self, callers: &mut [Caller]) -> Result<()> {
         if !self.board.pace.live {
             self.board.period_us = u64::from(self.control.config().timing.period_us.get());
         }
@@ -274,6 +276,9 @@ impl VirtualRig {
         self.board.since_sample_us = u64::from(self.control.config().timing.delay_us.get());
         self.control.on_output(&mut self.board);
         self.board.since_sample_us = 0;
+        for caller in callers {
+            caller.server.attend(&mut self.control);
+        }
         self.board.running = matches!(self.control.state().supervisor.mode(), Mode::Running | Mode::Homing);
         self.board.next_sample();
         self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))
@@ -333,15 +338,33 @@ pub struct Door {
     _held: Option<Box<dyn Send>>,
 }
 
+/// All that is due unasked: many samples may have been taken since the last look.
+fn speak(server: &mut Server, replies: &mut Vec<u8>) -> Result<(), Infallible> {
+    let mut said = None;
+    while said != Some(replies.len()) {
+        said = Some(replies.len());
+        server.speak(replies)?;
+    }
+    Ok(())
+}
+
+/// Bytes to and from a caller.
+trait Stream: Read + Write + Send {}
+
+impl<T: Read + Write + Send> Stream for T {}
+
 /// A program that talks to the rig, with a server of its own.
 struct Caller {
-    port: Box<dyn Link>,
+    port: Box<dyn Stream>,
     server: Server,
 }
 
+/// How long the rig waits for a caller that takes nothing.
+const TAKE_WAIT: Duration = Duration::from_millis(100);
+
 impl Caller {
-    fn new(port: Box<dyn Link>) -> Caller {
-        Caller { port, server: Server::default() }
+    fn new(port: impl Stream + 'static) -> Caller {
+        Caller { port: Box::new(port), server: Server::default() }
     }
 
     /// Bytes that have come; an error when the caller has gone.
@@ -349,8 +372,10 @@ impl Caller {
         read_some(&mut *self.port, bytes)
     }
 
+    /// What a caller does not take is lost, as on a serial line: it will ask again.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        write_all(&mut self.port, bytes)
+        write_within(&mut *self.port, bytes, TAKE_WAIT)
+            .or_else(|error| if is_wait(&error) { Ok(()) } else { Err(error) })
     }
 }
 
@@ -379,7 +404,7 @@ impl Door {
         let (mut master, slave) = serialport::TTYPort::pair().context("cannot open a pty")?;
         master.set_timeout(Duration::from_millis(1))?;
         let name = format!("pty:{}", slave.name().context("the pty has no name")?);
-        let callers = vec![Caller::new(Box::new(master))];
+        let callers = vec![Caller::new(master)];
         Ok(Door { listener: None, callers, name, _held: Some(Box::new(slave)) })
     }
 
@@ -400,22 +425,7 @@ impl Door {
         if let Some((stream, _)) = waiting
             && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok()
         {
-            self.callers.push(Caller::new(Box::new(stream)));
+            self.callers.push(Caller::new(stream));
         }
     }
-}
-
-/// Writes everything, waiting where the other side is slow, but not for ever.
-fn write_all(port: &mut impl Write, mut bytes: &[u8]) -> io::Result<()> {
-    let deadline = Instant::now() + Duration::from_secs(1);
-    while !bytes.is_empty() {
-        match port.write(bytes) {
-            Ok(count) => bytes = &bytes[count..],
-            Err(error) if is_wait(&error) && Instant::now() < deadline => {
-                std::thread::sleep(Duration::from_micros(200));
-            }
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(())
 }

@@ -1,7 +1,27 @@
 //! What the codes of the controller mean to a person, and what to do.
 
+use std::cmp::Ordering;
+
 use pneudrive_controller::{Fault, Refusal};
-use pneudrive_protocol::Refused;
+use pneudrive_protocol::{CURRENT_VERSION, Refused};
+
+/// The protocol version of a rig, and what comes of it if it is not that of this program.
+pub(crate) fn protocol(version: u16) -> String {
+    match version.cmp(&CURRENT_VERSION) {
+        Ordering::Equal => format!("version {version}"),
+        Ordering::Greater => {
+            format!(
+                "version {version}; this program is older and speaks {CURRENT_VERSION}: what is newer stays unused"
+            )
+        }
+        Ordering::Less => {
+            let homing = if version < 2 { "homing, stored parameters, fault log, " } else { "" };
+            format!(
+                "version {version}; this program speaks {CURRENT_VERSION}: the firmware is older and has no {homing}streams; flash a newer one for that"
+            )
+        }
+    }
+}
 
 /// A fault's name.
 pub(crate) fn fault_name(fault: Fault) -> &'static str {
@@ -99,5 +119,18 @@ fn out_of_range(id: u16, value: i32) -> String {
             parameter.name, parameter.min, parameter.max, parameter.unit
         ),
         None => format!("parameter {id} = {value} is out of range"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rig_of_another_version_is_told_with_what_it_lacks() {
+        assert_eq!(protocol(3), "version 3");
+        assert!(protocol(2).contains("is older and has no streams;"));
+        assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams;"));
+        assert!(protocol(4).starts_with("version 4; this program is older and speaks 3:"));
     }
 }

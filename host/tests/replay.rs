@@ -1,6 +1,6 @@
 //! Whatever the controller does, its record replays equal, and a command that it did not compute is found.
 
-use pneudrive::client::{Info, Record};
+use pneudrive::client::{Info, Record, RecordHead, RigParameters};
 use pneudrive::replay::{What, replay};
 use pneudrive::target::TargetFile;
 use pneudrive_app::Recorder;
@@ -178,15 +178,17 @@ fn record(run: &Run) -> Result<Vec<RecordedSample>, Refusal> {
 
 /// The file of a record, written and read again.
 fn file(run: &Run, samples: Vec<RecordedSample>) -> TargetFile {
-    let record = Record {
+    let head = RecordHead {
         test: "any".to_owned(),
+        samples: samples.len(),
         decimation: 1,
         pre_trigger: 0,
         first_index: 0,
         measured_period_ns: 1_300_000,
         mean_spool_raw: 0,
-        samples,
+        crc32: 0,
     };
+    let record = Record { head, samples };
     let info = Info {
         version: 1,
         firmware: String::new(),
@@ -194,7 +196,8 @@ fn file(run: &Run, samples: Vec<RecordedSample>) -> TargetFile {
         board: String::new(),
         record_capacity: 4389,
     };
-    let text = TargetFile::new(&record, &info, &run.parameters).to_text();
+    let parameters = RigParameters { values: run.parameters.clone(), lacking: Vec::new() };
+    let text = TargetFile::new(&record, &info, &parameters).to_text();
     TargetFile::from_text(&text).expect("what was written is read")
 }
 

@@ -48,6 +48,8 @@ enum Command {
     /// Measure the instructions of the control in the emulator, read flash, memory and stack from the images, and
     /// write the tables of docs/firmware-figures.md anew
     Figures,
+    /// 100,000 downloads over a faulty line, and 1,000 kills of either side of a record
+    SoakLink,
 }
 
 fn main() -> ExitCode {
@@ -63,6 +65,7 @@ fn main() -> ExitCode {
         Command::Soak { seconds } => steps::soak(&mut tally, seconds),
         Command::ProveRounding => steps::prove_rounding(&mut tally),
         Command::Figures => steps::figures(&mut tally),
+        Command::SoakLink => steps::soak_link(&mut tally),
     }
     tally.report()
 }

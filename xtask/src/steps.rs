@@ -124,6 +124,16 @@ fn example(name: &str, arguments: &[&str]) -> Result<()> {
     run(&mut in_root(&[&run_it, arguments].concat()))
 }
 
+/// The tests of the link, as often as CI has no time for; they print what came of it.
+pub fn soak_link(tally: &mut Tally) {
+    let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream"];
+    let arguments = [&["test", "--package", "pneudrive"], &tests[..], &["--", "--nocapture"]].concat();
+    tally.check("soak of the link", || {
+        let mut command = in_root(&arguments);
+        run(command.env("PNEUDRIVE_DOWNLOADS", "100000").env("PNEUDRIVE_KILLS", "1000"))
+    });
+}
+
 /// What CI runs.
 pub fn ci(tally: &mut Tally) {
     fmt(tally, true);

@@ -1,26 +1,17 @@
 //! What version 2 of the protocol has added: homing, the moves, stored configuration, fault log.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use pneudrive_protocol::{ConfigState, Event, MAX_EVENTS, Motion, ReplyBody, RequestBody, Spread};
 
 use super::{Client, unexpected};
 
 impl Client {
-    /// A firmware of version 1 does not know these requests: says so by name.
-    fn needs_version_2(&mut self, what: &str) -> Result<()> {
-        let info = self.info()?;
-        if info.version < 2 {
-            bail!("{}: its firmware ({}) is too old for {what}; flash a newer one", self.name, info.firmware);
-        }
-        Ok(())
-    }
-
     /// Homes the axis; [`Client::motion`] tells when it is done.
     ///
     /// # Errors
     /// When it is refused or not answered.
     pub fn home(&mut self) -> Result<()> {
-        self.needs_version_2("homing")?;
+        self.needs_version(2, "homing")?;
         self.ask_done(RequestBody::Home)
     }
 
@@ -29,7 +20,7 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn motion(&mut self) -> Result<Motion> {
-        self.needs_version_2("the state of moves")?;
+        self.needs_version(2, "the state of moves")?;
         self.ask(RequestBody::Motion, |reply| match reply {
             ReplyBody::Motion(motion) => Ok(*motion),
             other => Err(unexpected(other)),
@@ -41,7 +32,7 @@ impl Client {
     /// # Errors
     /// When it is refused, or the flash does not take them.
     pub fn save_parameters(&mut self) -> Result<()> {
-        self.needs_version_2("a stored configuration")?;
+        self.needs_version(2, "a stored configuration")?;
         self.ask_done(RequestBody::ConfigSave)
     }
 
@@ -50,7 +41,7 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn config_state(&mut self) -> Result<ConfigState> {
-        self.needs_version_2("a stored configuration")?;
+        self.needs_version(2, "a stored configuration")?;
         self.ask(RequestBody::ConfigState, |reply| match reply {
             ReplyBody::ConfigState(state) => Ok(*state),
             other => Err(unexpected(other)),
@@ -62,7 +53,7 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn timing(&mut self) -> Result<[Spread; 2]> {
-        self.needs_version_2("the timing of samples")?;
+        self.needs_version(2, "the timing of samples")?;
         self.ask(RequestBody::Timing, |reply| match reply {
             ReplyBody::Timing { interval, latency } => Ok([*interval, *latency]),
             other => Err(unexpected(other)),
@@ -74,7 +65,7 @@ impl Client {
     /// # Errors
     /// When the rig does not answer.
     pub fn events(&mut self) -> Result<Vec<Event>> {
-        self.needs_version_2("a fault log")?;
+        self.needs_version(2, "a fault log")?;
         let mut events = Vec::new();
         loop {
             let request = RequestBody::Events { first: events.len() as u8, count: MAX_EVENTS as u8 };

@@ -42,7 +42,7 @@ fn info(client: &mut Client) -> Result<()> {
     say!("firmware    {}", info.firmware);
     say!("build       {}", info.build);
     say!("board       {}", info.board);
-    say!("protocol    version {}", info.version);
+    say!("protocol    {}", words::protocol(info.version));
     say!("record      up to {} samples", info.record_capacity);
     if info.version >= 2 {
         let state = client.config_state()?;

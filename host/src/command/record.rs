@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::Progress;
+use super::{Progress, tell_lacking};
 use crate::cli::Record;
-use crate::client::Client;
+use crate::client::{self, Client, RecordChanged, RecordHead};
+use crate::part_file::{self, PartFile};
 use crate::run_folder::make_writable;
 use crate::target::TargetFile;
 
@@ -18,13 +19,66 @@ pub(super) fn execute(arguments: &Record) -> Result<()> {
     Ok(())
 }
 
-/// Pulls the recorded transient into the next free TARGET file of a folder.
-pub(super) fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile)> {
+/// Pulls the recorded transient into the next free TARGET file of a folder. What an interrupted call has got
+/// is in a part file there, and is gone on with.
+///
+/// # Errors
+/// When there is no record, the link breaks, or the folder cannot be written to.
+pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile)> {
     let info = client.info()?;
     let parameters = client.parameters()?;
+    tell_lacking(&parameters);
+    let head = client.record_head()?;
+    let (mut part, pieces) = PartFile::open(folder, &info, &head)?;
+    tell_parts(folder, &part, pieces.samples(), &head);
+    let record = download(client, &head, &mut part, pieces);
+    if record.as_ref().is_err_and(|error| error.is::<RecordChanged>()) {
+        part.remove();
+        return Err(record.err().unwrap_or_else(|| RecordChanged.into()));
+    }
+    let record = record.map_err(|error| error.context(kept(&part)))?;
+    let file = TargetFile::new(&record, &info, &parameters);
+    let path = file.write_next(folder)?;
+    part.remove();
+    Ok((path, file))
+}
+
+/// Downloads what is missing, with a bar; each chunk goes to the part file.
+fn download(
+    client: &mut Client,
+    head: &RecordHead,
+    part: &mut PartFile,
+    pieces: client::Pieces,
+) -> Result<client::Record> {
+    let mut done = pieces.samples();
     let mut progress = Progress::new("recording");
-    let record = client.record(|done, all| progress.at(done as u64, all as u64));
+    progress.begin_at(done as u64, head.samples as u64);
+    let record = client.download(head, pieces, |first, samples| {
+        part.keep(first, samples)?;
+        done += samples.len() / pneudrive_protocol::RecordedSample::BYTES;
+        progress.at(done as u64, head.samples as u64);
+        Ok(())
+    });
     progress.done();
-    let file = TargetFile::new(&record?, &info, &parameters);
-    Ok((file.write_next(folder)?, file))
+    record
+}
+
+fn kept(part: &PartFile) -> String {
+    format!(
+        "the download did not come to its end; {} keeps what is there, record again to go on",
+        part.path().display()
+    )
+}
+
+/// Says what is there already, and what is left of other records.
+fn tell_parts(folder: &Path, part: &PartFile, there: usize, head: &RecordHead) {
+    if there > 0 {
+        eprintln!("going on with {}: {there} of {} samples are there", part.path().display(), head.samples);
+    }
+    for other in part_file::others(folder, part.path()) {
+        eprintln!(
+            "note: {} is a part of another record; delete it if you do not want the rest",
+            other.display()
+        );
+    }
 }

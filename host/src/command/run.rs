@@ -1,5 +1,6 @@
 //! `pneudrive run`.
 
+use std::path::Path;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -7,10 +8,11 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{id, lookup};
-use pneudrive_protocol::Mode;
+use pneudrive_protocol::{Mode, Status};
 use pneudrive_sim::Rig;
 
-use super::{Progress, load_rig};
+use super::streaming::Streaming;
+use super::{Progress, load_rig, tell_lacking};
 use crate::cli::Run;
 use crate::client::Client;
 use crate::words;
@@ -18,7 +20,8 @@ use crate::words;
 pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = load_rig(&arguments.rig, &arguments.settings)?;
     let mut client = Client::connect(&arguments.port.port)?;
-    run_test(&mut client, &rig, arguments.config)?;
+    let streaming = arguments.stream.as_deref().map(|path| (path, arguments.every));
+    run_test(&mut client, &rig, arguments.config, streaming)?;
     say!("{}: done", rig.name());
     if rig.word("controller.loop") == "closed" {
         say!("the drive holds its last setpoint; `pneudrive device disarm` releases it");
@@ -27,8 +30,17 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     Ok(())
 }
 
-/// Downloads the test of a rig (with its parameters, if asked for), arms, starts and follows it.
-pub(super) fn run_test(client: &mut Client, rig: &Rig, with_parameters: bool) -> Result<()> {
+/// Downloads the test of a rig (with its parameters, if asked for), arms, starts and follows it; every Nth
+/// sample goes to a file, if one is given.
+pub(super) fn run_test(
+    client: &mut Client,
+    rig: &Rig,
+    with_parameters: bool,
+    streaming: Option<(&Path, u16)>,
+) -> Result<()> {
+    if let Some((path, _)) = streaming {
+        Streaming::check(client, path)?;
+    }
     let status = client.status()?;
     match status.mode {
         Mode::Running => bail!("a run is on already; wait for its end, or stop it (`pneudrive device stop`)"),
@@ -42,11 +54,20 @@ pub(super) fn run_test(client: &mut Client, rig: &Rig, with_parameters: bool) ->
     client.disarm()?;
     if with_parameters {
         client.import_parameters(&rig.parameters())?;
-    } else {
-        compare_parameters(&client.parameters()?, &rig.parameters(), rig.name())?;
     }
-    warn_of_a_full_recorder(client, rig)?;
+    let parameters = client.parameters()?;
+    tell_lacking(&parameters);
+    if !with_parameters {
+        compare_parameters(&parameters.values, &rig.parameters(), rig.name())?;
+    }
+    if streaming.is_none() {
+        warn_of_a_full_recorder(client, rig)?;
+    }
     client.download_test(rig)?;
+    let mut stream = match streaming {
+        Some((path, every)) => Some(Streaming::begin(client, rig.name(), &parameters, path, every)?),
+        None => None,
+    };
     let interrupts = Interrupts::watch();
     client.arm()?;
     if let Err(error) = wait_for_null(client, rig).and_then(|()| client.start()) {
@@ -54,11 +75,17 @@ pub(super) fn run_test(client: &mut Client, rig: &Rig, with_parameters: bool) ->
         return Err(error);
     }
     let mut progress = Progress::new("running");
-    let followed = client.follow(interrupts.seen(), |status| {
+    let progressed = |status: &Status| {
         progress.at(u64::from(status.index), u64::from(status.duration_samples));
-    });
+    };
+    let followed = match &mut stream {
+        None => client.follow(interrupts.seen(), progressed),
+        Some(stream) => client.follow_and(interrupts.seen(), progressed, |client| stream.go_on(client)),
+    };
     progress.done();
-    followed.map(|_| ())
+    // The file is ended first, whatever became of the run.
+    let ended = stream.map_or(Ok(()), |stream| stream.end(client));
+    followed.and(ended)
 }
 
 /// The spool of a stepper valve walks to mid-travel one step a sample; a start before that is refused.

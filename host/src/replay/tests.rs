@@ -1,5 +1,5 @@
 use super::*;
-use crate::client::{Info, Record};
+use crate::client::{Info, Record, RecordHead, RigParameters};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Move, Parameters, Sequence};
 
@@ -24,16 +24,18 @@ fn info() -> Info {
 
 /// The file of these samples.
 fn file(parameters: &Parameters, first_index: i32, samples: Vec<RecordedSample>) -> TargetFile {
-    let record = Record {
+    let head = RecordHead {
         test: "bench".to_owned(),
+        samples: samples.len(),
         decimation: 1,
         pre_trigger: 0,
         first_index,
         measured_period_ns: 1_300_000,
         mean_spool_raw: 0,
-        samples,
+        crc32: 0,
     };
-    TargetFile::new(&record, &info(), parameters)
+    let parameters = RigParameters { values: parameters.clone(), lacking: Vec::new() };
+    TargetFile::new(&Record { head, samples }, &info(), &parameters)
 }
 
 /// What the recorder stores of a run over these positions.

@@ -6,13 +6,13 @@ use pneudrive_controller::parameters::{Parameter, TABLE, by_name};
 
 use crate::cli::ConfigAction;
 use crate::client::Client;
-use crate::command::{load_rig, rig_text};
+use crate::command::{few, load_rig, rig_text, tell_lacking};
 use crate::target::parameter_text;
 
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {
         ConfigAction::Get { name: None } => {
-            let parameters = client.parameters()?;
+            let parameters = read(client)?;
             for parameter in &TABLE {
                 let value = parameter_text(&parameters, parameter.id, parameter.len);
                 say!("{:<28} {value:>12} {:<14} {}", parameter.name, parameter.unit, parameter.meaning);
@@ -20,7 +20,7 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
             Ok(())
         }
         ConfigAction::Get { name: Some(name) } => {
-            let parameters = client.parameters()?;
+            let parameters = read(client)?;
             if let Some(list) = by_name(name).filter(|parameter| parameter.len > 1) {
                 say!("{name} = {}", parameter_text(&parameters, list.id, list.len));
                 return Ok(());
@@ -37,15 +37,17 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
             Ok(())
         }
         ConfigAction::Export { file } => {
-            let parameters = client.parameters()?;
-            std::fs::write(file, exported(&parameters))
+            std::fs::write(file, exported(&read(client)?))
                 .with_context(|| format!("cannot write {}", file.display()))?;
             say!("{}: the controller's parameters", file.display());
             Ok(())
         }
         ConfigAction::Import { from } => {
             let (name, parameters) = importable(from)?;
-            client.import_parameters(&parameters)?;
+            let left_out = client.import_parameters(&parameters)?;
+            if !left_out.is_empty() {
+                eprintln!("note: its firmware has no {}; they are as by default", few(&left_out));
+            }
             say!("took over the controller's parameters of {name}");
             Ok(())
         }
@@ -55,6 +57,13 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
             Ok(())
         }
     }
+}
+
+/// The parameters of the rig; says which ones its firmware does not have.
+fn read(client: &mut Client) -> Result<Parameters> {
+    let parameters = client.parameters()?;
+    tell_lacking(&parameters);
+    Ok(parameters.values)
 }
 
 /// All parameters, `name = value` a line.

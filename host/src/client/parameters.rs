@@ -1,0 +1,139 @@
+//! The controller's parameters on a rig, also on one whose firmware has fewer of them.
+
+use anyhow::{Result, anyhow, bail};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::{TABLE, lookup};
+use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
+
+use super::{Client, unexpected};
+use crate::words;
+
+/// What a rig runs on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RigParameters {
+    /// The values; defaults where the firmware has no such parameter.
+    pub values: Parameters,
+    /// Ids that the firmware does not have: it is older than they are.
+    pub lacking: Vec<u16>,
+}
+
+impl RigParameters {
+    /// Names of the parameters that the firmware does not have.
+    #[must_use]
+    pub fn lacking_names(&self) -> Vec<&'static str> {
+        let mut names: Vec<&str> = self.lacking.iter().filter_map(|&id| Some(lookup(id)?.name)).collect();
+        names.dedup();
+        names
+    }
+}
+
+impl Client {
+    /// All parameters of the controller.
+    ///
+    /// # Errors
+    /// When the rig does not answer, or has a value that this program does not know.
+    pub fn parameters(&mut self) -> Result<RigParameters> {
+        let mut read = RigParameters::default();
+        for (first_id, count) in blocks() {
+            self.read_block(first_id, first_id + u16::from(count), &mut read)?;
+        }
+        Ok(read)
+    }
+
+    /// Parameters of consecutive ids. A refusal names the first id that the firmware does not have; those
+    /// before it are asked for, and then those behind it.
+    fn read_block(&mut self, first: u16, end: u16, into: &mut RigParameters) -> Result<()> {
+        let (mut at, mut until) = (first, end);
+        while at < end {
+            match self.read_values(at, until)? {
+                Ok(values) => {
+                    for (id, value) in (at..).zip(values) {
+                        into.values.set(id, value).map_err(|_| {
+                            anyhow!(
+                                "{} has {value} for parameter {id}, which is out of range here",
+                                self.name
+                            )
+                        })?;
+                    }
+                    (at, until) = (until, end);
+                }
+                Err(unknown) if unknown == at => {
+                    into.lacking.push(at);
+                    (at, until) = (at + 1, end);
+                }
+                Err(unknown) if at < unknown && unknown < until => until = unknown,
+                Err(unknown) => {
+                    bail!("{}: {}", self.name, words::refusal(&Refused::UnknownParameter { id: unknown }))
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The values of these ids, or the first id that there is not.
+    fn read_values(&mut self, first_id: u16, end: u16) -> Result<Result<Vec<i32>, u16>> {
+        let count = end - first_id;
+        let name = self.name.clone();
+        self.ask_for_any(RequestBody::ConfigGet { first_id, count: count as u8 }, |reply| match reply {
+            ReplyBody::Config { values, .. } if values.len() == usize::from(count) => {
+                Ok(Ok(values.iter().collect()))
+            }
+            ReplyBody::Refused(Refused::UnknownParameter { id }) => Ok(Err(*id)),
+            ReplyBody::Refused(refused) => Err(anyhow!("{name}: {}", words::refusal(refused))),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// Changes parameters with consecutive ids: all of them or none.
+    ///
+    /// # Errors
+    /// When a value is refused, or the drive is not disarmed.
+    pub fn set_parameters(&mut self, first_id: u16, values: &[i32]) -> Result<()> {
+        let mut room = [0; 4 * MAX_VALUES];
+        let values = Values::fill(&mut room, values.iter().copied())
+            .ok_or_else(|| anyhow!("more than {MAX_VALUES} values at once"))?;
+        self.ask_done(RequestBody::ConfigSet { first_id, values })
+    }
+
+    /// Downloads all parameters that the firmware has, and tells the names of those that it has not: they
+    /// are as by default there.
+    ///
+    /// # Errors
+    /// When one is refused, or the drive is not disarmed; before anything is changed when the firmware does
+    /// not have a parameter that is not as by default.
+    pub fn import_parameters(&mut self, parameters: &Parameters) -> Result<Vec<&'static str>> {
+        let on_rig = self.parameters()?;
+        self.refuse_to_leave_out(&on_rig, parameters)?;
+        for (first_id, count) in blocks() {
+            let ids: Vec<u16> = (first_id..first_id + u16::from(count)).collect();
+            for run in ids.split(|id| on_rig.lacking.contains(id)).filter(|run| !run.is_empty()) {
+                let values: Vec<i32> = run.iter().filter_map(|&id| parameters.get(id)).collect();
+                self.set_parameters(run[0], &values)?;
+            }
+        }
+        Ok(on_rig.lacking_names())
+    }
+
+    fn refuse_to_leave_out(&self, on_rig: &RigParameters, parameters: &Parameters) -> Result<()> {
+        let default = Parameters::default();
+        let wanted = on_rig.lacking.iter().find(|&&id| parameters.get(id) != default.get(id));
+        let Some(&id) = wanted else { return Ok(()) };
+        bail!(
+            "{}: its firmware has no parameter {}, which shall be {} (by default {}); flash a newer one, or leave it as by default",
+            self.name,
+            lookup(id).map_or("?", |parameter| parameter.name),
+            parameters.get(id).unwrap_or(0),
+            default.get(id).unwrap_or(0)
+        )
+    }
+}
+
+/// First id and length of the blocks in which all parameters are read and written.
+fn blocks() -> impl Iterator<Item = (u16, u8)> {
+    let scalars = TABLE.iter().filter(|p| p.len == 1).count() as u16;
+    let runs = std::iter::once((TABLE[0].id, scalars))
+        .chain(TABLE.iter().filter(|p| p.len > 1).map(|p| (p.id, p.len)));
+    runs.flat_map(|(first, len)| {
+        (0..len).step_by(MAX_VALUES).map(move |at| (first + at, (len - at).min(MAX_VALUES as u16) as u8))
+    })
+}

@@ -1,0 +1,251 @@
+//! The record of a rig: what it holds, and its samples by a [`Download`].
+
+use anyhow::{Result, anyhow, bail};
+use pneudrive_protocol::{
+    CHUNK_SAMPLES, Mode, RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody, Request,
+    RequestBody,
+};
+
+use super::{ANSWER_WAIT, Client, PATIENCE, unexpected};
+use crate::download::Download;
+use crate::words;
+
+/// Most questions for the CRC of a record before it must be there.
+const MOST_DIGESTS: u32 = 1000;
+
+/// What is known of a record before its samples are there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecordHead {
+    /// Name of the test.
+    pub test: String,
+    /// Stored samples.
+    pub samples: usize,
+    /// Index of the oldest sample.
+    pub first_index: i32,
+    /// Every Nth sample was stored.
+    pub decimation: u16,
+    /// Samples from before the start.
+    pub pre_trigger: u16,
+    /// Mean interval of the samples by the board's clock, ns. It goes on being measured after the record.
+    pub measured_period_ns: u32,
+    /// Mean of the spool channel, raw.
+    pub mean_spool_raw: i16,
+    /// CRC-32 of all samples.
+    pub crc32: u32,
+}
+
+impl From<&RecordInfo<'_>> for RecordHead {
+    fn from(info: &RecordInfo<'_>) -> RecordHead {
+        RecordHead {
+            test: info.test.to_owned(),
+            samples: info.samples as usize,
+            first_index: info.first_index,
+            decimation: info.decimation,
+            pre_trigger: info.pre_trigger,
+            measured_period_ns: info.measured_period_ns,
+            mean_spool_raw: info.mean_spool_raw,
+            crc32: info.crc32,
+        }
+    }
+}
+
+impl RecordHead {
+    /// The message that tells it.
+    #[must_use]
+    pub fn info(&self) -> RecordInfo<'_> {
+        RecordInfo {
+            test: &self.test,
+            samples: self.samples as u32,
+            first_index: self.first_index,
+            decimation: self.decimation,
+            pre_trigger: self.pre_trigger,
+            complete: true,
+            measured_period_ns: self.measured_period_ns,
+            mean_spool_raw: self.mean_spool_raw,
+            crc32: self.crc32,
+        }
+    }
+
+    /// Whether another head is that of the same record: all but what goes on being measured.
+    #[must_use]
+    pub fn is_of_the_same_record(&self, other: &RecordHead) -> bool {
+        let measured_period_ns = self.measured_period_ns;
+        *self == RecordHead { measured_period_ns, ..other.clone() }
+    }
+}
+
+/// A recorded transient with what is known about it.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// What is known about it.
+    pub head: RecordHead,
+    /// The samples, oldest first.
+    pub samples: Vec<RecordedSample>,
+}
+
+/// The rig has another record now than when the download began.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("the record changed while it was read; record again")]
+pub struct RecordChanged;
+
+/// What is there of a record.
+#[derive(Clone, Debug)]
+pub struct Pieces {
+    bytes: Vec<u8>,
+    download: Download,
+}
+
+impl Pieces {
+    /// Nothing of a record of so many samples.
+    #[must_use]
+    pub fn none(samples: usize) -> Pieces {
+        Pieces {
+            bytes: vec![0; samples * RecordedSample::BYTES],
+            download: Download::new(samples.div_ceil(CHUNK_SAMPLES)),
+        }
+    }
+
+    /// Takes a chunk, unless it is there already or is none of this record.
+    pub fn take(&mut self, first: usize, samples: &[u8]) -> bool {
+        let place = first * RecordedSample::BYTES;
+        let whole = CHUNK_SAMPLES * RecordedSample::BYTES;
+        let Some(behind) = self.bytes.get_mut(place..) else { return false };
+        let length = behind.len().min(whole);
+        let fits = first.is_multiple_of(CHUNK_SAMPLES) && samples.len() == length;
+        if !fits || !self.download.arrived(first / CHUNK_SAMPLES) {
+            return false;
+        }
+        behind[..length].copy_from_slice(samples);
+        true
+    }
+
+    /// Samples that are there, at least.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        (self.download.arrivals() * CHUNK_SAMPLES).min(self.bytes.len() / RecordedSample::BYTES)
+    }
+
+    /// The record, if its CRC is that of the pieces.
+    fn join(self, head: &RecordHead) -> Result<Record, RecordChanged> {
+        let mut crc = RecordCrc::new();
+        crc.update(&self.bytes);
+        if crc.finish() != head.crc32 {
+            return Err(RecordChanged);
+        }
+        let samples = RecordedSample::read(&self.bytes).into_iter().flatten().collect();
+        Ok(Record { head: head.clone(), samples })
+    }
+}
+
+/// An answer to the request for a chunk.
+type Answer = Result<(usize, Vec<u8>)>;
+
+impl Client {
+    /// Pulls the recorded transient; `progress` is given samples done and samples in all.
+    ///
+    /// # Errors
+    /// When there is none yet, or what came is not what was recorded.
+    pub fn record(&mut self, mut progress: impl FnMut(usize, usize)) -> Result<Record> {
+        let head = self.record_head()?;
+        let mut done = 0;
+        self.download(&head, Pieces::none(head.samples), |_, samples| {
+            done += samples.len() / RecordedSample::BYTES;
+            progress(done, head.samples);
+            Ok(())
+        })
+    }
+
+    /// What is missing of a record; `keep` is given each chunk that comes: position of its first sample, and
+    /// their bytes.
+    ///
+    /// # Errors
+    /// [`RecordChanged`], or when the rig falls silent or the link breaks.
+    pub fn download(
+        &mut self,
+        head: &RecordHead,
+        mut pieces: Pieces,
+        mut keep: impl FnMut(usize, &[u8]) -> Result<()>,
+    ) -> Result<Record> {
+        // The request for a chunk is the same whenever it is sent: its number is that of the chunk.
+        let base = self.sequence.wrapping_add(1);
+        let chunks = head.samples.div_ceil(CHUNK_SAMPLES);
+        self.sequence = self.sequence.wrapping_add(chunks as u16);
+        let mut progress = self.link.now();
+        while !pieces.download.is_complete() {
+            while let Some(chunk) = pieces.download.ask() {
+                self.ask_for_chunk(head, base, chunk)?;
+            }
+            let deadline = self.link.now() + ANSWER_WAIT;
+            let rig = self.name.clone();
+            match self.hear(deadline, |reply| answer(reply, base, chunks, &rig))?.transpose()? {
+                Some((first, samples)) if pieces.take(first, &samples) => {
+                    keep(first, &samples)?;
+                    progress = self.link.now();
+                }
+                Some(_) => {}
+                None => pieces.download.fell_silent(),
+            }
+            if self.link.now() > progress + PATIENCE {
+                return Err(self.no_answer());
+            }
+        }
+        self.repeats += pieces.download.repeats() as u32;
+        Ok(pieces.join(head)?)
+    }
+
+    fn ask_for_chunk(&mut self, head: &RecordHead, base: u16, chunk: usize) -> Result<()> {
+        let first = chunk * CHUNK_SAMPLES;
+        let count = (head.samples - first).min(CHUNK_SAMPLES) as u8;
+        let first = first as u32;
+        // Older firmware has no name for a record: what it sends of another one, the CRC finds at the end.
+        let body = match self.version {
+            ..3 => RequestBody::RecordRead { first, count },
+            3.. => RequestBody::RecordChunk { crc32: head.crc32, first, count },
+        };
+        self.send(Request { sequence: base.wrapping_add(chunk as u16), body })
+    }
+
+    /// What the record holds, its CRC included.
+    ///
+    /// # Errors
+    /// When there is none yet.
+    pub fn record_head(&mut self) -> Result<RecordHead> {
+        let (mut head, mut complete) = self.ask_record_info()?;
+        // The rig forms the CRC of its record piece by piece.
+        for _ in 0..MOST_DIGESTS {
+            if complete || matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
+                break;
+            }
+            (head, complete) = self.ask_record_info()?;
+        }
+        if !complete {
+            bail!("{} is still recording; wait for the end of the run", self.name);
+        }
+        if head.samples == 0 {
+            bail!("{}: {}", self.name, words::refusal(&Refused::NoRecord));
+        }
+        Ok(head)
+    }
+
+    fn ask_record_info(&mut self) -> Result<(RecordHead, bool)> {
+        self.ask(RequestBody::RecordInfo, |reply| match reply {
+            ReplyBody::RecordInfo(info) => Ok((info.into(), info.complete)),
+            other => Err(unexpected(other)),
+        })
+    }
+}
+
+/// What a reply says of a chunk: None for a reply to something else.
+fn answer(reply: &Reply<'_>, base: u16, chunks: usize, rig: &str) -> Option<Answer> {
+    let chunk = reply.sequence.wrapping_sub(base);
+    match reply.body {
+        ReplyBody::Chunk { first, samples } if (first as usize / CHUNK_SAMPLES) as u16 == chunk => {
+            Some(Ok((first as usize, samples.to_vec())))
+        }
+        ReplyBody::Refused(refused) if usize::from(chunk) < chunks => Some(Err(match refused {
+            Refused::OtherRecord | Refused::NoRecord | Refused::RecordRange { .. } => RecordChanged.into(),
+            other => anyhow!("{rig}: {}", words::refusal(&other)),
+        })),
+        _ => None,
+    }
+}

@@ -1,0 +1,152 @@
+//! A run as it is streamed to disk: as long as it lasts, not only as long as the board's memory does.
+//!
+//! Text, LF, as a TARGET file: lines `# key = value`, the header, a line of integers a sample. What has come is
+//! in the file a moment later, so a program that is killed leaves all of it. Where samples are missing, a line
+//! `# gap = 3 samples before index 120` stands; at the end the file says how many there are and how many
+//! are missing.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use pneudrive_protocol::StreamedSample;
+
+use crate::client::{Info, RigParameters};
+use crate::target::{COLUMNS, data_line, described, header_text};
+
+/// First line's value.
+const FORMAT: &str = "pneudrive-stream 1";
+
+/// A file that a run is streamed to.
+#[derive(Debug)]
+pub struct StreamFile<W = BufWriter<File>> {
+    path: PathBuf,
+    out: W,
+    every: u32,
+    /// Index of the sample that comes next if none is missing.
+    due: u32,
+    samples: u64,
+    missing: u64,
+}
+
+impl StreamFile {
+    /// A new file for every Nth sample of a run. It must not be there yet.
+    ///
+    /// # Errors
+    /// When it is, or cannot be written.
+    pub fn create(
+        path: &Path,
+        test: &str,
+        every: u16,
+        info: &Info,
+        parameters: &RigParameters,
+    ) -> Result<StreamFile> {
+        let file = OpenOptions::new().write(true).create_new(true).open(path);
+        let file = file.with_context(|| format!("cannot make {}", path.display()))?;
+        let mut file = StreamFile::over(BufWriter::new(file), path, every);
+        let mut header = described(FORMAT, test, info, parameters);
+        header.insert(2, ("decimation".to_owned(), every.to_string()));
+        file.write(&(header_text(&header) + COLUMNS + "\n"))?;
+        file.flush()?;
+        Ok(file)
+    }
+}
+
+impl<W: Write> StreamFile<W> {
+    fn over(out: W, path: &Path, every: u16) -> StreamFile<W> {
+        StreamFile {
+            path: path.to_owned(),
+            out,
+            every: u32::from(every.max(1)),
+            due: 0,
+            samples: 0,
+            missing: 0,
+        }
+    }
+
+    /// Adds a sample, and a line about those that are missing before it.
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    pub fn add(&mut self, row: &StreamedSample) -> Result<()> {
+        self.skip_to(row.index)?;
+        self.due = row.index.saturating_add(self.every);
+        self.samples += 1;
+        self.write(&data_line(i64::from(row.index), &row.sample))
+    }
+
+    fn skip_to(&mut self, index: u32) -> Result<()> {
+        let missing = index.saturating_sub(self.due).div_ceil(self.every);
+        self.missing += u64::from(missing);
+        if missing == 0 {
+            Ok(())
+        } else {
+            self.write(&format!("# gap = {missing} samples before index {index}\n"))
+        }
+    }
+
+    /// Ends the file; `samples_of_run` is how many samples the run had, where that is known.
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    pub fn end(&mut self, samples_of_run: Option<u32>) -> Result<()> {
+        if let Some(end) = samples_of_run.filter(|&end| end > self.due) {
+            self.skip_to(end)?;
+        }
+        self.write(&format!("# samples = {}\n# missing = {}\n", self.samples, self.missing))?;
+        self.flush()
+    }
+
+    /// Hands what was added to the system.
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    pub fn flush(&mut self) -> Result<()> {
+        self.out.flush().with_context(|| self.cannot_write())
+    }
+
+    fn write(&mut self, text: &str) -> Result<()> {
+        self.out.write_all(text.as_bytes()).with_context(|| self.cannot_write())
+    }
+
+    fn cannot_write(&self) -> String {
+        format!("cannot write {}", self.path.display())
+    }
+
+    /// Samples in the file, and samples that are missing between them.
+    #[must_use]
+    pub fn counts(&self) -> (u64, u64) {
+        (self.samples, self.missing)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_marked_where_they_are_and_counted() {
+        let mut file = StreamFile::over(Vec::new(), Path::new("x"), 10);
+        for index in [0, 10, 40, 50] {
+            file.add(&StreamedSample { index, ..StreamedSample::default() }).expect("memory");
+        }
+        file.end(Some(71)).expect("memory");
+        assert_eq!(file.counts(), (4, 4));
+        assert_eq!(
+            String::from_utf8(file.out).expect("text"),
+            "0,0,0,0,0,0,0\n10,0,0,0,0,0,0\n# gap = 2 samples before index 40\n40,0,0,0,0,0,0\n50,0,0,0,0,0,0\n\
+             # gap = 2 samples before index 71\n# samples = 4\n# missing = 4\n"
+        );
+    }
+
+    #[test]
+    fn a_run_that_is_whole_has_no_gap() {
+        let mut file = StreamFile::over(Vec::new(), Path::new("x"), 10);
+        for index in [0, 10] {
+            file.add(&StreamedSample { index, ..StreamedSample::default() }).expect("memory");
+        }
+        file.end(Some(20)).expect("memory");
+        assert_eq!(file.counts(), (2, 0));
+    }
+}

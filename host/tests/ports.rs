@@ -1,0 +1,142 @@
+//! What serial ports are known for: each ends in an error that says what happened, or does no harm.
+
+mod program;
+mod simulated_link;
+
+use std::io::{self, Read, Write};
+use std::sync::mpsc::{Receiver, channel};
+
+use pneudrive::client::{Client, Pieces};
+use pneudrive::port::Wire;
+use simulated_link::{Random, SimulatedRig, any_samples};
+
+/// What a client says of a port that is read so.
+fn said_of(reader: impl Read + Send + 'static) -> String {
+    let client = Client::over(Box::new(Wire::new(reader, io::sink())), "the port");
+    client.err().expect("nobody answers").to_string()
+}
+
+/// A port that comes back at once, whatever time-out it was given.
+struct Hasty;
+
+impl Read for Hasty {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        Err(io::ErrorKind::TimedOut.into())
+    }
+}
+
+/// A port that does not come back.
+struct Stuck(Receiver<()>);
+
+impl Read for Stuck {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        let _ = self.0.recv();
+        Ok(0)
+    }
+}
+
+/// A port that is full and stays so.
+struct Full;
+
+impl Write for Full {
+    fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+        Err(io::ErrorKind::TimedOut.into())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        loop {
+            std::thread::park();
+        }
+    }
+}
+
+#[test]
+fn a_read_that_does_not_keep_its_time_out_changes_nothing() {
+    assert!(said_of(Hasty).starts_with("no answer from the port within 1.5 s"));
+    let (_held, never) = channel();
+    assert!(said_of(Stuck(never)).starts_with("no answer from the port within 1.5 s"));
+}
+
+#[test]
+fn a_port_that_takes_nothing_is_an_error_and_is_not_waited_for() {
+    let client = Client::over(Box::new(Wire::new(Hasty, Full)), "the port");
+    assert_eq!(client.err().expect("it takes nothing").to_string(), "cannot write to the port");
+}
+
+#[test]
+fn noise_at_start_up_is_passed_over() {
+    let samples = any_samples(&mut Random(2), 100);
+    let mut random = Random(4);
+    for length in [1, 30, 2000] {
+        let rig = SimulatedRig::with_record(&samples);
+        let noise: Vec<u8> = (0..length).map(|_| random.next() as u8 | 0x80).collect();
+        assert!(String::from_utf8(noise.clone()).is_err() || length == 1);
+        rig.change(|simulation| {
+            let now = simulation.now();
+            // What the last program has left, cut, and what a board says while it starts.
+            simulation.down.send(now, noise.clone());
+            simulation.up.send(now, noise);
+        });
+        let mut client = rig.connect().expect("the first good frame is the answer");
+        assert_eq!(client.record(|_, _| {}).expect("a record").samples, samples);
+    }
+}
+
+#[cfg(unix)]
+mod pty {
+    use pneudrive::port;
+    use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
+    use pneudrive_sim::Rig;
+
+    use super::program::{folder, transcript};
+    use super::*;
+
+    fn rig_on_a_pty() -> Background {
+        let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
+        Background::start(rig, Door::open("pty").expect("a pty"))
+    }
+
+    #[test]
+    fn a_port_that_another_program_has_open_is_refused_by_name_and_free_again_after_it() {
+        let rig = rig_on_a_pty();
+        let path = rig.port().trim_start_matches("pty:").to_owned();
+        let held = Client::connect(rig.port()).expect("an answer");
+        let error = port::open(rig.port()).err().expect("it is held").to_string();
+        assert_eq!(error, format!("another program has {path} open; end it first"));
+        let said = transcript(folder().path(), &format!("device --port {} info", rig.port()));
+        assert_eq!(said, format!("! error: another program has {path} open; end it first\n= 1"));
+        drop(held);
+        Client::connect(rig.port()).expect("free again");
+    }
+
+    #[test]
+    fn a_port_that_vanishes_in_the_middle_of_a_download_is_an_error_that_says_so() {
+        let folder = folder();
+        let mut rig = Some(rig_on_a_pty());
+        let port = rig.as_ref().expect("there").port().to_owned();
+        transcript(folder.path(), &format!("run servo-b-tuned --set test.duration_s=4 --port {port}"));
+        let mut client = Client::connect(&port).expect("an answer");
+        let head = client.record_head().expect("a record");
+        assert_eq!(head.samples, 3077);
+        let result = client
+            .download(&head, Pieces::none(head.samples), |_, _| rig.take().map_or(Ok(()), Background::stop));
+        let error = format!("{:#}", result.expect_err("the port has gone"));
+        assert!(error.starts_with(&format!("the link to {port} broke: ")), "{error}");
+    }
+
+    #[test]
+    fn a_rig_on_a_pty_outlives_a_program_that_left_its_answers_unread() {
+        let rig = rig_on_a_pty();
+        for _ in 0..3 {
+            let mut port = port::open(rig.port()).expect("free");
+            let request =
+                pneudrive_protocol::Request { sequence: 1, body: pneudrive_protocol::RequestBody::Info };
+            let mut frame = [0; pneudrive_protocol::MAX_FRAME];
+            let frame = pneudrive_protocol::encode(&request, &mut frame).expect("fits");
+            for _ in 0..400 {
+                let _ = port.write(frame);
+            }
+        }
+        Client::connect(rig.port()).expect("it still answers");
+    }
+}

@@ -1,0 +1,201 @@
+//! A PC and a rig of different versions: what works goes on, what does not is refused by name.
+
+mod simulated_link;
+
+use pneudrive::target::TargetFile;
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::{TABLE, id};
+use pneudrive_protocol::{
+    MAX_FRAME, Refused, Reply, ReplyBody, Request, RequestBody, decode_reply, decode_request, encode,
+};
+use simulated_link::{Random, SimulatedRig, any_samples};
+
+/// `Info` as a firmware of version 1 answers it: the bytes of `wire_v01.rs` behind the sequence number.
+const INFO_V1: [u8; 33] = [
+    0x00, // ReplyBody::Info
+    0x01, // min_version 1
+    0x01, // version 1
+    0x05, 0x30, 0x2e, 0x31, 0x2e, 0x30, // firmware "0.1.0"
+    0x07, 0x61, 0x31, 0x62, 0x32, 0x63, 0x33, 0x64, // build "a1b2c3d"
+    0x0b, 0x6e, 0x75, 0x63, 0x6c, 0x65, 0x6f, 0x2d, 0x66, 0x34, 0x34, 0x36, // board "nucleo-f446"
+    0x80, 0x20, // record_capacity 4096
+    0x00, 0x00, // and what a later version appends is skipped
+];
+
+/// The last scalar parameter of the first firmware.
+const LAST_OF_V1: u16 = id::MAX_STEPS;
+
+fn frame_of(sequence: u16, body: ReplyBody<'_>) -> Option<Vec<u8>> {
+    let mut frame = [0; MAX_FRAME];
+    Some(encode(&Reply { sequence, body }, &mut frame).expect("fits").to_vec())
+}
+
+fn info(sequence: u16, min_version: u16, version: u16) -> Option<Vec<u8>> {
+    let (firmware, build, board) = ("pneudrive 0.0.9", "b", "old board");
+    let info = ReplyBody::Info { min_version, version, firmware, build, board, record_capacity: 4389 };
+    frame_of(sequence, info)
+}
+
+/// The version that a request came with.
+fn version_of(body: &RequestBody<'_>) -> u16 {
+    match body {
+        RequestBody::RecordChunk { .. }
+        | RequestBody::StreamBegin { .. }
+        | RequestBody::StreamGrant { .. }
+        | RequestBody::StreamRead { .. } => 3,
+        RequestBody::Home
+        | RequestBody::Motion
+        | RequestBody::ConfigSave
+        | RequestBody::ConfigState
+        | RequestBody::Events { .. }
+        | RequestBody::Timing => 2,
+        _ => 1,
+    }
+}
+
+/// What a firmware of an older version, with scalar parameters up to `last`, does otherwise than the newest.
+fn older(message: &[u8], version: u16, last: u16) -> Option<Vec<u8>> {
+    let Request { sequence, body } = decode_request(message).expect("a request");
+    if version_of(&body) > version {
+        return frame_of(sequence, ReplyBody::Refused(Refused::Unknown));
+    }
+    match body {
+        RequestBody::Info => info(sequence, 1, version),
+        RequestBody::ConfigGet { first_id, count } => {
+            let unknown = (first_id..first_id + u16::from(count)).find(|id| (last + 1..256).contains(id))?;
+            frame_of(sequence, ReplyBody::Refused(Refused::UnknownParameter { id: unknown }))
+        }
+        RequestBody::ConfigSet { first_id, values } => {
+            let ids = first_id..first_id + values.len() as u16;
+            let unknown = ids.into_iter().find(|id| (last + 1..256).contains(id))?;
+            frame_of(sequence, ReplyBody::Refused(Refused::UnknownParameter { id: unknown }))
+        }
+        _ => None,
+    }
+}
+
+fn version_1(message: &[u8]) -> Option<Vec<u8>> {
+    let Request { sequence, body } = decode_request(message).expect("a request");
+    if body == RequestBody::Info {
+        let number = match sequence {
+            0..128 => vec![sequence as u8],
+            128..16_384 => vec![sequence as u8 | 0x80, (sequence >> 7) as u8],
+            _ => vec![sequence as u8 | 0x80, (sequence >> 7) as u8 | 0x80, (sequence >> 14) as u8],
+        };
+        let message = [&number[..], &INFO_V1].concat();
+        return pneudrive_protocol::frame::encode(&message, &mut [0; MAX_FRAME]).map(<[u8]>::to_vec);
+    }
+    older(message, 1, LAST_OF_V1)
+}
+
+fn version_2(message: &[u8]) -> Option<Vec<u8>> {
+    older(message, 2, id::HOMING_SWITCH)
+}
+
+fn version_9(message: &[u8]) -> Option<Vec<u8>> {
+    let Request { sequence, body } = decode_request(message).expect("a request");
+    if body == RequestBody::Info { info(sequence, 1, 9) } else { None }
+}
+
+fn only_version_9(message: &[u8]) -> Option<Vec<u8>> {
+    let Request { sequence, .. } = decode_request(message).expect("a request");
+    info(sequence, 9, 9)
+}
+
+#[test]
+fn the_record_of_an_older_rig_is_downloaded_and_its_file_names_the_parameters_that_it_has() {
+    for (firmware, version, first_lacking) in
+        [(version_1 as simulated_link::Older, 1, "dead_zone_counts"), (version_2, 2, "homing_command_counts")]
+    {
+        let samples = any_samples(&mut Random(7), 1000);
+        let mut client =
+            SimulatedRig::with_record(&samples).with_firmware(firmware).connect().expect("an answer");
+        let info = client.info().expect("an answer");
+        assert_eq!(info.version, version);
+        let parameters = client.parameters().expect("those that it has");
+        assert_eq!(parameters.values, Parameters::default());
+        assert_eq!(parameters.lacking_names()[0], first_lacking);
+        let record = client.record(|_, _| {}).expect("a record");
+        assert_eq!(record.samples, samples);
+        let file = TargetFile::new(&record, &info, &parameters);
+        assert_eq!(file.get("param.period_us"), Some("1300"));
+        assert_eq!(file.get(&format!("param.{first_lacking}")), None);
+        assert_eq!(TargetFile::from_text(&file.to_text()).expect("whole"), file);
+    }
+}
+
+#[test]
+fn a_record_that_changes_while_an_older_rig_sends_it_is_found_out_at_the_end() {
+    let [one, other] = [8, 9].map(|seed| any_samples(&mut Random(seed), 1000));
+    let rig = SimulatedRig::with_record(&one).with_firmware(version_2);
+    rig.change(|simulation| simulation.restarts_in(8000, &other));
+    let error = rig.connect().expect("an answer").record(|_, _| {}).expect_err("of two runs");
+    assert!(error.to_string().contains("the record changed while it was read"), "{error:#}");
+}
+
+#[test]
+fn what_an_older_rig_cannot_do_is_refused_by_name() {
+    let rig = SimulatedRig::with_record(&[]).with_firmware(version_1);
+    let mut client = rig.connect().expect("an answer");
+    let homing = client.home().expect_err("version 1 has no homing").to_string();
+    assert!(
+        homing.contains("(0.1.0) speaks version 1 of the protocol and is too old for homing"),
+        "{homing}"
+    );
+    let stream = client.stream_begin(1, 769.0).expect_err("version 1 has no stream").to_string();
+    assert!(stream.contains("too old for a stream, which needs version 3"), "{stream}");
+    client.status().expect("what it can do goes on");
+}
+
+#[test]
+fn an_older_rig_takes_the_parameters_that_it_has_unless_one_that_it_lacks_would_matter() {
+    let rig = SimulatedRig::with_record(&[]).with_firmware(version_1);
+    let mut client = rig.connect().expect("an answer");
+    let mut parameters = Parameters::default();
+    parameters.set(id::VELOCITY_GAIN, 77).expect("in range");
+    let left_out = client.import_parameters(&parameters).expect("disarmed");
+    let newer = TABLE.iter().filter(|parameter| (LAST_OF_V1 + 1..256).contains(&parameter.id));
+    assert_eq!(left_out, newer.map(|parameter| parameter.name).collect::<Vec<_>>());
+    assert_eq!(client.parameters().expect("an answer").values.get(id::VELOCITY_GAIN), Some(77));
+
+    parameters.set(id::VELOCITY_GAIN, 78).expect("in range");
+    parameters.set(id::DWELL_US, 5000).expect("in range");
+    let error = client.import_parameters(&parameters).expect_err("it would dwell").to_string();
+    assert!(error.contains("has no parameter dwell_us, which shall be 5000 (by default 0)"), "{error}");
+    let values = client.parameters().expect("an answer").values;
+    assert_eq!(values.get(id::VELOCITY_GAIN), Some(77), "nothing was changed");
+}
+
+#[test]
+fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
+    let samples = any_samples(&mut Random(7), 100);
+    let rig = SimulatedRig::with_record(&samples).with_firmware(version_9);
+    assert_eq!(rig.connect().expect("an answer").record(|_, _| {}).expect("a record").samples, samples);
+    let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_9);
+    let error = rig.connect().err().expect("no common version").to_string();
+    assert!(
+        error.contains("speaks protocol versions 9 to 9, this program 1 to 3; update the older"),
+        "{error}"
+    );
+}
+
+/// An older program knows the first variants alone: its requests get answers of theirs.
+#[test]
+fn an_older_program_is_answered_in_its_own_version() {
+    let rig = SimulatedRig::with_record(&any_samples(&mut Random(7), 100));
+    rig.change(|simulation| simulation.rest(100));
+    for (body, answer) in [
+        (RequestBody::Info, 0),
+        (RequestBody::Status, 1),
+        (RequestBody::ConfigGet { first_id: 1, count: 30 }, 2),
+        (RequestBody::ConfigGet { first_id: 1, count: 60 }, 6),
+        (RequestBody::Disarm, 3),
+        (RequestBody::RecordInfo, 4),
+        (RequestBody::RecordRead { first: 0, count: 32 }, 5),
+        (RequestBody::Start, 6),
+    ] {
+        let reply = rig.change(|simulation| simulation.answer(&Request { sequence: 5, body }));
+        assert_eq!(reply[..2], [5, answer], "{body:?}");
+        decode_reply(&reply).expect("a reply");
+    }
+}
