@@ -15,6 +15,8 @@ pub mod cost;
 #[cfg(unix)]
 mod emulated;
 #[cfg(unix)]
+pub mod requests;
+#[cfg(unix)]
 pub mod rounding;
 
 use anyhow::Result;

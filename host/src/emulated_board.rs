@@ -127,6 +127,12 @@ impl EmulatedBoard {
         *self.figures.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// What the longest part of the requests has cost since this was last asked, instructions.
+    #[must_use]
+    pub fn take_request_instructions(&self) -> u64 {
+        std::mem::take(&mut self.figures.lock().unwrap_or_else(PoisonError::into_inner).request_instructions)
+    }
+
     /// The board's flash.
     #[must_use]
     pub fn flash(&self) -> &KeptFlash {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo, VERSION};
+use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo, VERSION, request_ticks};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::emulated_board::Figures;
@@ -109,7 +109,7 @@ impl PlantServer {
             };
             let begun = Instant::now();
             let answer = self.answer(from_board).context("the plant of the board stopped")?;
-            self.note(from_board, begun);
+            self.note(from_board, request_ticks(&bytes), begun);
             let mut answer = answer.to_bytes();
             self.time.tempo(from_board.next != Next::Stay).mark(&mut answer);
             bus.write(&answer)?;
@@ -134,8 +134,9 @@ impl PlantServer {
         Ok(Inputs { sample: self.plant.sample(), frozen: outputs.next == Next::Stay })
     }
 
-    fn note(&self, outputs: Outputs, begun: Instant) {
+    fn note(&self, outputs: Outputs, request: u32, begun: Instant) {
         if let Ok(mut figures) = self.figures.lock() {
+            figures.add_request(request);
             figures.add(outputs, begun, Instant::now());
         }
     }

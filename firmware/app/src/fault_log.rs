@@ -83,6 +83,8 @@ pub struct FaultLog<M> {
     memory: M,
     boot: u32,
     next: u32,
+    /// Places that hold a whole event, a bit each: what is read after this was made is not checked again.
+    whole: u128,
     /// The newest event in flash.
     flushed: Option<Event>,
 }
@@ -90,7 +92,7 @@ pub struct FaultLog<M> {
 impl<M: BorrowMut<Memory>> FaultLog<M> {
     /// Takes the log up again after a reset, with what in the memory is whole, and counts the reset.
     pub fn recover(memory: M) -> (Self, Recovery) {
-        let mut log = FaultLog { memory, boot: 1, next: 0, flushed: None };
+        let mut log = FaultLog { memory, boot: 1, next: 0, whole: 0, flushed: None };
         let damaged = log.drop_damaged();
         let stored_boot = log.stored_boot();
         let newest = log.places().filter_map(whole_event).max_by_key(|event| event.number);
@@ -170,6 +172,21 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         self.numbers().filter_map(|number| self.event(number))
     }
 
+    /// The nth event, the newest being 0. Without damage this takes the time of one event.
+    #[must_use]
+    pub fn nth_newest(&self, nth: usize) -> Option<Event> {
+        if self.events() < self.numbers().len() {
+            return self.newest_first().nth(nth);
+        }
+        self.event(self.numbers().rev().nth(nth)?)
+    }
+
+    /// How many events there are.
+    #[must_use]
+    pub fn events(&self) -> usize {
+        self.whole.count_ones() as usize
+    }
+
     /// The newest event.
     #[must_use]
     pub fn newest(&self) -> Option<Event> {
@@ -210,6 +227,7 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
     /// Clears the places. The flash keeps what it has.
     fn forget(&mut self) {
         self.places_mut().for_each(|place| *place = [0; PLACE_BYTES]);
+        self.whole = 0;
     }
 
     fn numbers(&self) -> Range<u32> {
@@ -217,28 +235,36 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
     }
 
     fn event(&self, number: u32) -> Option<Event> {
-        let place = self.places().nth(place_of(number))?;
-        whole_event(place).filter(|event| event.number == number)
+        let place = place_of(number);
+        if self.whole & bit(place) == 0 {
+            return None;
+        }
+        let (bytes, _) = self.places().nth(place)?.split_first_chunk()?;
+        Some(Event::from_bytes(bytes)).filter(|event| event.number == number)
     }
 
     fn put(&mut self, event: &Event) {
         let place = place_of(event.number);
         let bytes = event.to_bytes();
         let sealed = bytes.into_iter().chain(crc(&bytes).to_le_bytes());
+        self.whole |= bit(place);
         if let Some(to) = self.places_mut().nth(place) {
             to.iter_mut().zip(sealed).for_each(|(to, from)| *to = from);
         }
     }
 
-    /// Clears the places that hold no whole event, and counts those that were not clear.
+    /// Clears the places that hold no whole event, notes the others, and counts those that were damaged.
     fn drop_damaged(&mut self) -> usize {
-        let mut damaged = 0;
-        for place in self.places_mut() {
-            if whole_event(place).is_none() && *place != [0; PLACE_BYTES] {
+        let (mut whole, mut damaged) = (0, 0);
+        for (nth, place) in self.places_mut().enumerate() {
+            if whole_event(place).is_some() {
+                whole |= bit(nth);
+            } else if *place != [0; PLACE_BYTES] {
                 *place = [0; PLACE_BYTES];
                 damaged += 1;
             }
         }
+        self.whole = whole;
         damaged
     }
 
@@ -265,6 +291,12 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         let sealed = bytes.into_iter().chain(crc(&bytes).to_le_bytes());
         memory.iter_mut().zip(sealed).for_each(|(to, from)| *to = from);
     }
+}
+
+/// The bit of a place.
+fn bit(place: usize) -> u128 {
+    const { assert!(EVENTS <= u128::BITS as usize, "a bit for each place") };
+    1u128.wrapping_shl(place as u32)
 }
 
 fn place_of(number: u32) -> usize {

@@ -11,7 +11,7 @@
 //! | 2 | pulse of a stepper |
 //! | 3 | 1: the drive is enabled |
 //! | 4 | the plant stays (0), moves on (1), or begins a run (2) |
-//! | 5..8 | 0 |
+//! | 5..8 | ticks of the longest part of a request since the outputs before ([`with_request_ticks`]); 0: not told |
 //! | 8..12, 12..16 | period and delay of the run that begins, microseconds; 0 otherwise |
 //! | 16..20, 20..24 | ticks of the board's counter that `on_sample` and `on_output` took |
 //!
@@ -127,6 +127,21 @@ impl Outputs {
             },
         })
     }
+}
+
+/// Says in outputs that are about to travel how long the server has taken the control for, at most and at one
+/// time: a request is carried out in one go, with the control interrupt locked out. In ticks, as [`Ticks`].
+pub fn with_request_ticks(outputs: &mut [u8; Outputs::BYTES], ticks: u32) {
+    let [b0, b1, b2, _] = ticks.min(0x00ff_ffff).to_le_bytes();
+    let [_, _, _, _, _, t0, t1, t2, ..] = outputs;
+    (*t0, *t1, *t2) = (b0, b1, b2);
+}
+
+/// What outputs that have come say of it.
+#[must_use]
+pub fn request_ticks(outputs: &[u8; Outputs::BYTES]) -> u32 {
+    let [_, _, _, _, _, t0, t1, t2, ..] = *outputs;
+    u32::from_le_bytes([t0, t1, t2, 0])
 }
 
 /// From the plant to the board.

@@ -19,7 +19,6 @@ use pneudrive_protocol::{
 use crate::board::Board;
 use crate::configuration::{Configuration, Source};
 use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
-use crate::fault_log::EVENTS;
 use crate::recorder::{CAPACITY, Recorder};
 use crate::repetition::CarriedOut;
 use crate::store::Store;
@@ -309,7 +308,7 @@ fn config_state(configuration: &Configuration) -> ConfigState {
 }
 
 fn events<'a>(store: &impl Store, first: u8, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
-    let total = (0..EVENTS).take_while(|&nth| store.event(nth).is_some()).count();
+    let total = store.events();
     let wanted = usize::from(first)..usize::from(first) + usize::from(count).min(MAX_EVENTS);
     let mut bytes = 0;
     for (slot, event) in room.chunks_exact_mut(Event::BYTES).zip(wanted.filter_map(|nth| store.event(nth))) {

@@ -31,6 +31,9 @@ pub trait Store {
     /// The nth event of the log; 0 is the newest.
     fn event(&self, nth: usize) -> Option<Event>;
 
+    /// How many events there are.
+    fn events(&self) -> usize;
+
     /// Stores what was logged since the last time.
     ///
     /// # Errors
@@ -55,6 +58,10 @@ impl Store for NoStore {
 
     fn event(&self, _: usize) -> Option<Event> {
         None
+    }
+
+    fn events(&self) -> usize {
+        0
     }
 
     fn flush(&mut self) -> Result<(), NotStored> {
@@ -118,7 +125,11 @@ impl<F: NorFlash, M: BorrowMut<Memory>> Store for FlashStore<F, M> {
     }
 
     fn event(&self, nth: usize) -> Option<Event> {
-        self.log.newest_first().nth(nth)
+        self.log.nth_newest(nth)
+    }
+
+    fn events(&self) -> usize {
+        self.log.events()
     }
 
     fn flush(&mut self) -> Result<(), NotStored> {

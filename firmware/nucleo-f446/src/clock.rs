@@ -2,7 +2,7 @@
 //! on channel 2. The arithmetic is in [`pneudrive_nucleo_plan::time`].
 
 use pneudrive_controller::config::Timing;
-use pneudrive_nucleo_plan::time::{Milliseconds, extend, next_on_grid, output_after, prescaler};
+use pneudrive_nucleo_plan::time::{Milliseconds, extend, left, next_on_grid, output_after, prescaler};
 use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
 
@@ -88,6 +88,12 @@ impl Clock {
     /// Microseconds since the reset.
     pub fn now_us(&self) -> u64 {
         extend(self.base_us, self.counter())
+    }
+
+    /// Microseconds until the next sample or output.
+    pub fn left_us(&self) -> u32 {
+        let [sample, output] = [self.timer.ccr1().read(), self.timer.ccr2().read()];
+        left(self.counter(), [sample.ccr().bits(), output.ccr().bits()])
     }
 
     /// Milliseconds since the reset, at the last sample.

@@ -5,8 +5,8 @@
 //! | `control`, bound to TIM5 | highest | sample and output at their instants |
 //! | `idle` | lowest | serves the port and the stream, stores what waits for a disabled drive, feeds the watchdog |
 //!
-//! A request is carried out in one go with the control locked out; a request must take less than
-//! `late_sample_us`, or the next sample is late. Nothing else is shared.
+//! A request is carried out in one go with the control locked out: right after an output, when most of the
+//! period is left, or whenever there is time enough before the control is due. Nothing else is shared.
 //!
 //! | module | holds |
 //! |---|---|
@@ -47,6 +47,9 @@ use watchdog::Watchdog;
 /// The half with a deadline, with a recorder that stands in zeroed memory.
 type Control = pneudrive_app::Control<&'static mut Recorder>;
 
+/// The longest request, microseconds: docs/firmware-figures.md tells what they take.
+const REQUEST_US: u32 = 450;
+
 /// The control and its board: what the two tasks share.
 pub struct Drive {
     control: Control,
@@ -73,6 +76,11 @@ impl Drive {
         core::mem::take(&mut self.ran)
     }
 
+    /// Whether a request can be carried out before the control is due.
+    fn has_time(&self) -> bool {
+        self.board.clock.left_us() > REQUEST_US
+    }
+
     /// What waits for a disabled drive. False when the flash does not take it.
     fn tidy_up(&mut self) -> bool {
         !self.board.rests() || self.control.tidy_up(&mut self.board).is_ok()
@@ -93,12 +101,13 @@ impl Talk {
     fn round(&mut self, drive: &mut impl Mutex<T = Drive>) {
         self.port.clear_errors();
         drive.lock(|drive| self.server.attend(&mut drive.control));
-        if self.port.is_free() {
+        let (has_run, has_time) = drive.lock(|drive| (drive.has_run(), drive.has_time()));
+        if self.port.is_free() && (has_run || has_time) {
             self.listen(drive);
             self.speak();
             self.port.send();
         }
-        if drive.lock(Drive::has_run) {
+        if has_run {
             self.watchdog.feed();
             self.tidy_up(drive);
         }

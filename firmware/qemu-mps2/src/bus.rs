@@ -4,7 +4,7 @@
 use core::ffi::CStr;
 use core::fmt;
 
-use pneudrive_app::plant_bus::{HELLO, Inputs, Outputs, Tempo};
+use pneudrive_app::plant_bus::{HELLO, Inputs, Outputs, Tempo, with_request_ticks};
 use semihosting::fs::File;
 use semihosting::io::{self, Read, Write};
 
@@ -55,9 +55,11 @@ impl PlantBus {
         if hello == HELLO { Ok(bus) } else { Err(Error::Version(hello[3])) }
     }
 
-    /// One turn of each side; None once the plant has gone.
-    pub fn exchange(&mut self, outputs: Outputs) -> Result<Option<(Inputs, Tempo)>, Error> {
-        self.outputs.write_all(&outputs.to_bytes())?;
+    /// One turn of each side, with the ticks of the longest part of a request; None once the plant has gone.
+    pub fn exchange(&mut self, outputs: Outputs, request: u32) -> Result<Option<(Inputs, Tempo)>, Error> {
+        let mut bytes = outputs.to_bytes();
+        with_request_ticks(&mut bytes, request);
+        self.outputs.write_all(&bytes)?;
         let mut bytes = [0; Inputs::BYTES];
         match self.inputs.read_exact(&mut bytes) {
             Ok(()) => Ok(Some((Inputs::from_bytes(bytes), Tempo::of(&bytes)))),

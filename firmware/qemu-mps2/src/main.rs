@@ -78,12 +78,12 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
     }
     control.take_up(&mut board);
     let mut bus = PlantBus::open()?;
-    let mut outputs = Outputs::OFF;
-    while let Some((inputs, tempo)) = bus.exchange(outputs)? {
+    let (mut outputs, mut request) = (Outputs::OFF, 0);
+    while let Some((inputs, tempo)) = bus.exchange(outputs, request)? {
         board.latch(&inputs, tempo);
         let ticks = run_control(control, &mut board, &clock);
         let ran = EmulatedBoard::runs(control.state().supervisor.mode());
-        listen(&mut server, control, &mut board, &mut uart);
+        request = listen(&mut server, control, &mut board, &mut uart, &clock);
         server.attend(control);
         let Ok(()) = server.speak(&mut uart);
         let _ = control.tidy_up(&mut board);
@@ -108,11 +108,21 @@ fn run_control(control: &mut Control, board: &mut EmulatedBoard, clock: &Clock) 
     Ticks { sample: Clock::between(begun, sampled), output: Clock::between(waited, driven) }
 }
 
-/// Requests whose bytes are there.
-fn listen(server: &mut Server, control: &mut Control, board: &mut EmulatedBoard, uart: &mut Uart) {
+/// Requests whose bytes are there; the ticks of the longest part, which is that of one byte.
+fn listen(
+    server: &mut Server,
+    control: &mut Control,
+    board: &mut EmulatedBoard,
+    uart: &mut Uart,
+    clock: &Clock,
+) -> u32 {
+    let mut longest = 0;
     while let Some(byte) = uart.read() {
+        let begun = clock.now();
         let Ok(()) = server.receive(&[byte], control, board, uart);
+        longest = longest.max(Clock::between(begun, clock.now()));
     }
+    longest
 }
 
 /// The plant is told that the valve is at null and the drive disabled; then the emulator ends.

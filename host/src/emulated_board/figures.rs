@@ -75,6 +75,8 @@ pub struct Figures {
     pub control_instructions: Spread,
     /// Both together at the first samples of the runs, where estimator and sequencer begin.
     pub first_instructions: Spread,
+    /// The most instructions of a part of a request that is carried out in one go.
+    pub request_instructions: u64,
     since: Option<Instant>,
     is_first: bool,
 }
@@ -90,6 +92,11 @@ impl Figures {
         }
         self.is_first = matches!(outputs.next, Next::Begin { .. });
         self.since = (outputs.next != Next::Stay).then_some(ended);
+    }
+
+    /// Takes in the ticks of a request.
+    pub(crate) fn add_request(&mut self, ticks: u32) {
+        self.request_instructions = self.request_instructions.max(instructions(ticks));
     }
 
     fn add_instructions(&mut self, sample: u64, output: u64) {

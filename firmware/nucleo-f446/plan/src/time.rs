@@ -69,6 +69,17 @@ pub fn output_after(sample: u32, delay_us: NonZeroU32, period_us: NonZeroU32, no
     if left > GUARD_US && left <= u32::MAX / 2 { due } else { next_on_grid(due, period_us, now) }
 }
 
+/// Microseconds until the next of two instants, of which neither has passed for longer than a period.
+#[must_use]
+pub fn left(now: u32, instants: [u32; 2]) -> u32 {
+    let until = |instant: u32| {
+        let left = instant.wrapping_sub(now);
+        if left > u32::MAX / 2 { 0 } else { left }
+    };
+    let [a, b] = instants.map(until);
+    a.min(b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,5 +159,13 @@ mod tests {
     fn an_output_that_cannot_be_met_is_left_out() {
         assert_eq!(output_after(2300, DELAY, PERIOD, 2798), 4100);
         assert_eq!(output_after(2300, DELAY, PERIOD, 2900), 4100);
+    }
+
+    #[test]
+    fn what_is_left_is_the_time_to_the_next_instant_and_nothing_once_one_is_due() {
+        assert_eq!(left(1000, [2300, 1500]), 500);
+        assert_eq!(left(1600, [2300, 2800]), 700);
+        assert_eq!(left(2301, [2300, 2800]), 0);
+        assert_eq!(left(u32::MAX - 9, [90, 600]), 100);
     }
 }

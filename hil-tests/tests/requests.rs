@@ -1,0 +1,14 @@
+//! No request that an enabled drive takes makes a sample late.
+#![cfg(unix)]
+
+use pneudrive_hil_tests::requests::{MOST, measure};
+
+#[test]
+fn a_request_to_an_enabled_drive_fits_between_an_output_and_the_next_sample() {
+    let requests = measure().expect("an emulated board");
+    for (name, instructions) in &requests {
+        println!("{instructions:6} {name}");
+    }
+    let longest = requests.iter().max_by_key(|(_, instructions)| *instructions).expect("requests");
+    assert!(longest.1 > 0 && longest.1 <= MOST, "{longest:?}, {MOST} are allowed");
+}
