@@ -3,7 +3,7 @@
 //! | variable | names |
 //! |---|---|
 //! | `PNEUDRIVE_BOARD` | the port of the protocol, such as `/dev/ttyACM0` |
-//! | `PNEUDRIVE_BOARD_PLANT` | the second port, of a board whose image has the feature `plant-bus`: the plant is simulated here, and every test body of a simulated rung runs |
+//! | `PNEUDRIVE_BOARD_PLANT` | the second port, of a board whose image speaks the plant bus there: the plant is simulated here, and every test body of a simulated rung runs |
 //! | `PNEUDRIVE_BOARD_RIG` | without the second port: the rig file, or built-in rig, whose test may be run on the cylinder that is there; its record is replayed |
 //!
 //! Any name that `pneudrive --port` takes will do. Without the first one there is nothing to test, and that is

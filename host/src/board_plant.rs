@@ -49,7 +49,7 @@ impl BoardPlant {
                 Err(error) => Err(error),
             },
             Err(RecvTimeoutError::Timeout) => bail!(
-                "no board says hello at {name} within {} s; is its image built with the feature `plant-bus`, and is this its second port?",
+                "no board says hello at {name} within {} s; does its image speak the plant bus, and is this its second port?",
                 HELLO_WAIT.as_secs()
             ),
         }
