@@ -10,6 +10,7 @@ use pneudrive_sim::trace::{COLUMNS, to_csv};
 use pneudrive_sim::{Accuracy, Rig, Run};
 use serde_json::{Map, json};
 
+use crate::transient::{WHOLE_WINDOW, whole_window};
 use crate::words;
 
 /// `format` of run.json.
@@ -161,18 +162,32 @@ impl StoredRun {
     /// With the file and line of what is wrong.
     pub fn read(folder: &Path) -> Result<StoredRun> {
         let json_path = folder.join("run.json");
+        if !json_path.exists() {
+            bail!("{} is no run folder: it has no run.json", folder.display());
+        }
         let description = read_json(&json_path)?;
         let rig = description["rig"].as_str().unwrap_or("run").to_owned();
-        let mm_per_count = description["keys"]["encoder.mm_per_count"]
+        let wrong = |key: &str, must: &str| {
+            anyhow!("{}: {key} is {}; {must}", json_path.display(), description["keys"][key])
+        };
+        let scale = "encoder.mm_per_count";
+        let mm_per_count = description["keys"][scale]
             .as_f64()
-            .ok_or_else(|| anyhow!("{} has no keys.\"encoder.mm_per_count\"", json_path.display()))?;
+            .filter(|mm| *mm > 0.0)
+            .ok_or_else(|| wrong(scale, "it must be a number, more than 0"))?;
         let trace_path = folder.join("trace.csv");
         let text = fs::read_to_string(&trace_path)
             .with_context(|| format!("cannot read {}", trace_path.display()))?;
         let columns = columns_of(&text).with_context(|| trace_path.display().to_string())?;
         let open_loop = description["keys"]["controller.loop"] == OPEN;
-        let window = |key: &str| description["keys"][key].as_u64().map(|samples| samples as u8);
-        let windows = WINDOWS.map(|key| window(key).unwrap_or(1));
+        let window = |key: &str| {
+            let samples = description["keys"][key].as_f64().and_then(whole_window);
+            samples.ok_or_else(|| wrong(key, WHOLE_WINDOW))
+        };
+        let windows = [window(WINDOWS[0])?, window(WINDOWS[1])?];
+        if columns[0].is_empty() {
+            bail!("{} has no samples", folder.display());
+        }
         Ok(StoredRun { rig, mm_per_count, open_loop, windows, columns })
     }
 
@@ -205,9 +220,13 @@ fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
     let mut columns = vec![Vec::new(); COLUMNS.len()];
     for (number, line) in lines {
         let values: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
-        let values = values.ok().filter(|values| values.len() == COLUMNS.len());
+        let whole = |values: &Vec<f64>| values.len() == COLUMNS.len() && values.iter().all(|v| v.is_finite());
+        let values = values.ok().filter(whole);
         let values =
             values.ok_or_else(|| anyhow!("line {}: expected {} numbers", number + 1, COLUMNS.len()))?;
+        if columns[0].last().is_some_and(|last| values[0] <= *last) {
+            bail!("line {}: its time is not after that of the line before", number + 1);
+        }
         for (column, value) in columns.iter_mut().zip(values) {
             column.push(value);
         }

@@ -63,7 +63,19 @@ impl TargetFile {
     /// When the header has no such line or it is no number.
     pub fn number(&self, key: &str) -> Result<f64> {
         let text = self.get(key).ok_or_else(|| anyhow!("the header has no line `# {key} = ...`"))?;
-        text.parse().map_err(|_| anyhow!("the header's {key} is {text:?}, not a number"))
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| anyhow!("the header's {key} is {text:?}, not a number"))
+    }
+
+    /// A number of the header that is more than 0.
+    ///
+    /// # Errors
+    /// When the header has no such line or it is another number, or none.
+    pub fn positive(&self, key: &str) -> Result<f64> {
+        match self.number(key)? {
+            number if number > 0.0 => Ok(number),
+            number => bail!("the header's {key} is {number}; it must be more than 0"),
+        }
     }
 
     /// The text of the file.
@@ -121,7 +133,10 @@ impl TargetFile {
     /// # Errors
     /// With the file and the line of what is wrong.
     pub fn read(path: &Path) -> Result<TargetFile> {
-        let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let Ok(text) = String::from_utf8(bytes) else {
+            bail!("{} is no text: it is neither a TARGET file nor a run folder", path.display());
+        };
         TargetFile::from_text(&text).with_context(|| path.display().to_string())
     }
 

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
+use pneudrive_controller::estimator::MAX_WINDOW_SAMPLES;
 
 use crate::run_folder::StoredRun;
 use crate::target::TargetFile;
@@ -56,6 +57,9 @@ impl Transient {
     /// # Errors
     /// When it is neither, or damaged.
     pub fn read(path: &Path) -> Result<Transient> {
+        if path.file_name().is_some_and(|name| name == "trace.csv" || name == "run.json") {
+            bail!("{} is a part of a run; give its folder", path.display());
+        }
         if path.is_dir() {
             Ok(Transient::of_run(&path.display().to_string(), &StoredRun::read(path)?))
         } else {
@@ -69,8 +73,8 @@ impl Transient {
     /// # Errors
     /// When a scale is missing.
     pub fn of_target(name: &str, file: &TargetFile) -> Result<Transient> {
-        let period = file.number("measured_period_us")? / 1e6;
-        let mm = file.number("mm_per_count")?;
+        let period = file.positive("measured_period_us")? / 1e6;
+        let mm = file.positive("mm_per_count")?;
         let pressure = [file.number("pressure_scale_pa")? / 1e3, file.number("pressure_offset_pa")? / 1e3];
         let spool = [file.number("spool_scale_mm")?, file.number("spool_offset_mm")?];
         let open_loop = file.number("param.open_loop")? != 0.0;
@@ -96,8 +100,8 @@ impl Transient {
             counts: file.samples.iter().map(|(_, sample)| sample.position).collect(),
             mm_per_count: mm,
             windows: [
-                file.number("param.velocity_window_samples")? as u8,
-                file.number("param.acceleration_window_samples")? as u8,
+                window(file, "param.velocity_window_samples")?,
+                window(file, "param.acceleration_window_samples")?,
             ],
             inflow_kg_s: None,
         })
@@ -173,6 +177,20 @@ impl Transient {
         let (t0, v0) = (*self.time.get(after.checked_sub(1)?)?, *values.get(after - 1)?);
         Some(v0 + (v1 - v0) * (time - t0) / (t1 - t0))
     }
+}
+
+/// A window of the controller, samples, from a header.
+fn window(file: &TargetFile, key: &str) -> Result<u8> {
+    let samples = file.number(key)?;
+    whole_window(samples).with_context(|| format!("the header's {key} is {samples}; {WHOLE_WINDOW}"))
+}
+
+/// What is wrong with a window that [`whole_window`] refuses.
+pub(crate) const WHOLE_WINDOW: &str = "it must be a whole number from 1 to 63";
+
+/// A window that the controller's estimator can have, samples.
+pub(crate) fn whole_window(samples: f64) -> Option<u8> {
+    (1..=MAX_WINDOW_SAMPLES).find(|&whole| f64::from(whole) == samples)
 }
 
 #[cfg(test)]

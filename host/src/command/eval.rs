@@ -16,8 +16,14 @@ use crate::transient::{CHANNELS, Transient};
 /// Names of the columns behind the channels in a CSV file.
 const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
 
+/// Begins a CSV file of this command, so that writing it again replaces nothing else.
+const CSV_MARK: &str = "time_s,setpoint_mm";
+
 pub(super) fn execute(arguments: &Eval) -> Result<()> {
     refuse_foreign(&arguments.out, GENERATOR)?;
+    if let Some(path) = &arguments.csv {
+        refuse_foreign(path, CSV_MARK)?;
+    }
     let transient = stretch(Transient::read(&arguments.file)?, &arguments.stretch)?;
     let motion = Motion::of(&transient);
     let rig = arguments.rig.as_ref().map(|rig| load_rig(rig, &[])).transpose()?;
@@ -102,7 +108,6 @@ fn write_csv(path: &Path, transient: &Transient, motion: &Motion) -> Result<()> 
         }
         text.push('\n');
     }
-    refuse_foreign(path, "time_s,setpoint_mm")?;
     put(path, &text)
 }
 

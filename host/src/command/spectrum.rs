@@ -25,6 +25,9 @@ struct Samples {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     refuse_foreign(&arguments.out, GENERATOR)?;
+    if let Some(path) = arguments.ascii.as_ref().filter(|path| path.exists()) {
+        bail!("{} is there already; choose another name", path.display());
+    }
     let mut all = vec![samples(arguments, &arguments.file, arguments.channel)?];
     if let Some(second) = &arguments.with {
         all.push(samples(arguments, second, arguments.with_channel.unwrap_or(arguments.channel))?);
@@ -113,9 +116,6 @@ fn page(all: &[Samples], spectra: &[Spectrum], tables: Vec<Table>, window: Windo
 fn write_ascii(path: &Path, samples: &Samples) -> Result<()> {
     let (integers, mean, unit) = bipolar_12_bit(&samples.values);
     let text: String = integers.iter().map(|integer| format!("{integer}\n")).collect();
-    if path.exists() {
-        bail!("{} is there already; choose another name", path.display());
-    }
     put(path, &text)?;
     say!("{}: {} integers, 1 = {unit:.6} {} about {mean:.6}", path.display(), integers.len(), samples.unit);
     Ok(())

@@ -1,0 +1,315 @@
+//! `eval`, `overlay` and `spectrum` on records and run folders, whole and damaged.
+
+mod program;
+
+use std::fs;
+use std::path::Path;
+use std::sync::OnceLock;
+
+use program::{exists, folder, ok, pneudrive, transcript, virtual_rig};
+
+/// The test that the record and the run folder hold: at rest, then a step at 0.3 s.
+const TEST: &str = "servo-b-tuned --set test.duration_s=0.45";
+
+/// How each command reads a file, `{}`; `run` is a run folder.
+const READERS: [&str; 5] = [
+    "eval {}",
+    "overlay run {}",
+    "overlay {} run",
+    "spectrum {} position",
+    "spectrum run position --with {}",
+];
+
+/// A record of the virtual rig.
+fn record() -> &'static str {
+    static RECORD: OnceLock<String> = OnceLock::new();
+    RECORD.get_or_init(|| {
+        let folder = folder();
+        let rig = virtual_rig("servo-b-tuned");
+        ok(folder.path(), &format!("run {TEST} --port {}", rig.port()));
+        ok(folder.path(), &format!("record --port {}", rig.port()));
+        fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("written")
+    })
+}
+
+/// A folder with TARGET01.DAT and the run folder `run`.
+fn transients() -> tempfile::TempDir {
+    let folder = folder();
+    fs::write(folder.path().join("TARGET01.DAT"), record()).expect("written");
+    ok(folder.path(), &format!("simulate {TEST} --out run"));
+    folder
+}
+
+/// Name and bytes of everything in a folder, and in those within.
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            all.extend(contents(&path));
+        } else {
+            all.push((path.display().to_string(), fs::read(&path).expect("a file")));
+        }
+    }
+    all.sort();
+    all
+}
+
+/// Every reader refuses `name` with a message that begins with `error: ` and `says`, and leaves
+/// everything as it was.
+fn all_refuse(folder: &Path, name: &str, says: &str) {
+    let before = contents(folder);
+    for reader in READERS {
+        let arguments = reader.replace("{}", name);
+        let said = transcript(folder, &arguments);
+        assert!(said.ends_with("= 1"), "{arguments}: {said}");
+        assert!(said.contains(&format!("! error: {says}")), "{arguments}: {said}");
+    }
+    assert_eq!(contents(folder), before, "{name}: a file has changed");
+}
+
+/// The numbers in the row of a table that begins with `first`.
+fn figures(said: &str, first: &str) -> Vec<f64> {
+    let row = said.lines().find(|line| line.starts_with(first)).unwrap_or_else(|| panic!("{first}: {said}"));
+    row.split_whitespace().skip(1).map(|word| word.parse().unwrap_or(f64::NAN)).collect()
+}
+
+#[test]
+fn a_record_and_its_simulation_evaluate_to_the_same_moves() {
+    let folder = transients();
+    let recorded = ok(folder.path(), "eval TARGET01.DAT --rig servo-b-tuned --out a.html --csv a.csv");
+    let simulated = ok(folder.path(), "eval run --out b.html");
+    exists(folder.path(), &["a.html", "a.csv", "b.html"]);
+    let [begins, from, to, end] = [0, 1, 2, 3].map(|column| figures(&recorded, "2 ")[column]);
+    assert!((0.3..0.3013 + 1e-4).contains(&begins), "the first sample at or after 0.3 s: {begins}");
+    assert!((to - 16384.0 * 0.01205).abs() < 1e-3, "{to}");
+    assert!(from < end && end < to, "it is on its way when the test ends: {recorded}");
+    for (column, value) in figures(&simulated, "2 ").into_iter().enumerate().take(4) {
+        assert!((value - figures(&recorded, "2 ")[column]).abs() < 0.0121, "within a count: {simulated}");
+    }
+    let csv = fs::read_to_string(folder.path().join("a.csv")).expect("written");
+    assert!(csv.starts_with("time_s,setpoint_mm,position_mm,pressure_1_kpa,"), "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 347, "samples 0 to 346 lie within 0.45 s");
+}
+
+#[test]
+fn a_stretch_holds_the_samples_in_it_and_no_others() {
+    let folder = transients();
+    ok(folder.path(), "eval TARGET01.DAT --from 0.1 --to 0.2 --csv part.csv");
+    let csv = fs::read_to_string(folder.path().join("part.csv")).expect("written");
+    let first: f64 =
+        csv.lines().nth(1).and_then(|line| line.split(',').next()?.parse().ok()).expect("a time");
+    let last: f64 = csv.lines().last().and_then(|line| line.split(',').next()?.parse().ok()).expect("a time");
+    assert_eq!(csv.lines().count(), 1 + 77);
+    assert!((0.1..0.1013).contains(&first) && (0.1987..=0.2).contains(&last), "{first} {last}");
+}
+
+/// The run folder `run` again, as `late`: everything happens `by` s later.
+fn late(folder: &Path, by: f64) {
+    let [from, to] = ["run", "late"].map(|name| folder.join(name));
+    fs::create_dir(&to).expect("made");
+    fs::copy(from.join("run.json"), to.join("run.json")).expect("copied");
+    let trace = fs::read_to_string(from.join("trace.csv")).expect("written");
+    let shifted = |line: &str| match line.split_once(',') {
+        Some((time, rest)) if !time.starts_with("time") => {
+            format!("{:.4},{rest}\n", time.parse::<f64>().expect("a time") + by)
+        }
+        _ => format!("{line}\n"),
+    };
+    fs::write(to.join("trace.csv"), trace.lines().map(shifted).collect::<String>()).expect("written");
+}
+
+#[test]
+fn a_run_shifted_in_time_is_found_by_its_move_and_by_correlation() {
+    let folder = transients();
+    late(folder.path(), 0.0527);
+    for align in ["move", "correlation"] {
+        let said = ok(folder.path(), &format!("overlay run late --align {align} --out {align}.html"));
+        assert!(said.starts_with("late is shifted by -52.700 ms.\n"), "{said}");
+        assert!(figures(&said, "position")[3] < 1e-3, "mm: {said}");
+        exists(folder.path(), &[&format!("{align}.html")]);
+    }
+    let said = ok(folder.path(), "overlay run late");
+    assert!(figures(&said, "position")[3] > 10.0, "mm, where they are not aligned: {said}");
+}
+
+/// The dither of the spool is what its spectrum holds while the drive stands.
+#[test]
+fn the_spectrum_of_the_spool_has_its_peak_at_the_dither() {
+    let folder = transients();
+    for source in ["TARGET01.DAT", "run"] {
+        let said = ok(folder.path(), &format!("spectrum {source} spool --to 0.3 --ascii {source}.txt"));
+        let first_number = |line: &str| line.split_whitespace().next()?.parse::<f64>().ok();
+        let frequency = said.lines().find_map(first_number).expect("a peak");
+        assert!((frequency - 50.0).abs() < 1.0, "{said}");
+        let ascii = fs::read_to_string(folder.path().join(format!("{source}.txt"))).expect("written");
+        let integers: Vec<i32> = ascii.lines().map(|line| line.parse().expect("an integer")).collect();
+        assert_eq!(integers.len(), 231);
+        assert!(integers.iter().all(|value| (-2048..=2048).contains(value)));
+    }
+}
+
+#[test]
+fn two_spectra_of_one_unit_share_a_graph() {
+    let folder = transients();
+    let said = ok(folder.path(), "spectrum TARGET01.DAT pressure-1 --with run --with-channel pressure-2");
+    assert!(said.contains("peaks of pressure 1, TARGET01.DAT") && said.contains("peaks of pressure 2, run"));
+    let page = fs::read_to_string(folder.path().join("spectrum.html")).expect("written");
+    assert_eq!(page.matches("amplitude, kPa").count(), 3, "a heading a table, and one axis");
+}
+
+#[test]
+fn what_is_no_record_is_refused_by_what_is_wrong_with_it() {
+    let folder = transients();
+    let text = record();
+    let data = text.find("index,").expect("a header") + 500;
+    let cut_line = &text[..data];
+    let cut_end = text.rsplitn(4, '\n').last().expect("lines").to_owned() + "\n";
+    let flipped = text.replace("\n9,8192", "\n9,8193");
+    assert_ne!(flipped, text);
+    for (name, bytes, says) in [
+        ("cut.dat", cut_line.as_bytes(), "cut.dat: line "),
+        ("cut-end.dat", cut_end.as_bytes(), "cut-end.dat: its data are damaged or cut: the CRC is"),
+        ("flipped.dat", flipped.as_bytes(), "flipped.dat: its data are damaged or cut: the CRC is"),
+        ("empty.dat", b"".as_slice(), "empty.dat: the file ends before its data"),
+        ("sheet.csv", b"a,b\n1,2\n", "sheet.csv: line 1: expected `# key = value`"),
+        (
+            "picture.png",
+            b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\xff",
+            "picture.png is no text: it is neither a TARGET file nor a run folder",
+        ),
+    ] {
+        fs::write(folder.path().join(name), bytes).expect("written");
+        all_refuse(folder.path(), name, says);
+    }
+    all_refuse(folder.path(), "nothing.dat", "cannot read nothing.dat");
+    all_refuse(folder.path(), "run/trace.csv", "run/trace.csv is a part of a run; give its folder");
+}
+
+/// The CRC is that of the data: the header has to make sense of itself.
+#[test]
+fn a_header_that_cannot_be_is_refused_by_its_key() {
+    let folder = transients();
+    for (key, value, says) in [
+        ("measured_period_us", "0", "the header's measured_period_us is 0; it must be more than 0"),
+        ("measured_period_us", "-1300", "the header's measured_period_us is -1300; it must be more than 0"),
+        ("mm_per_count", "inf", "the header's mm_per_count is \"inf\", not a number"),
+        ("pressure_scale_pa", "NaN", "the header's pressure_scale_pa is \"NaN\", not a number"),
+        ("spool_scale_mm", "wide", "the header's spool_scale_mm is \"wide\", not a number"),
+        (
+            "param.velocity_window_samples",
+            "0",
+            "the header's param.velocity_window_samples is 0; it must be a whole number from 1 to 63",
+        ),
+        (
+            "param.acceleration_window_samples",
+            "999",
+            "the header's param.acceleration_window_samples is 999; it must be a whole number from 1 to 63",
+        ),
+    ] {
+        let with = |line: &str| {
+            if line.starts_with(&format!("# {key} = ")) {
+                format!("# {key} = {value}")
+            } else {
+                line.to_owned()
+            }
+        };
+        let text: Vec<String> = record().lines().map(with).collect();
+        fs::write(folder.path().join("header.dat"), text.join("\n") + "\n").expect("written");
+        all_refuse(folder.path(), "header.dat", &format!("header.dat: {says}"));
+    }
+    let without: Vec<&str> =
+        record().lines().filter(|line| !line.starts_with("# measured_period_us")).collect();
+    fs::write(folder.path().join("header.dat"), without.join("\n") + "\n").expect("written");
+    all_refuse(
+        folder.path(),
+        "header.dat",
+        "header.dat: the header has no line `# measured_period_us = ...`",
+    );
+}
+
+#[test]
+fn a_folder_that_is_no_run_or_a_damaged_one_is_refused_by_file_and_line() {
+    let folder = transients();
+    fs::create_dir(folder.path().join("empty")).expect("made");
+    all_refuse(folder.path(), "empty", "empty is no run folder: it has no run.json");
+    fs::create_dir(folder.path().join("bad")).expect("made");
+    let [trace, json] = ["trace.csv", "run.json"]
+        .map(|name| fs::read_to_string(folder.path().join("run").join(name)).expect("written"));
+    let header = trace.lines().next().expect("a header").to_owned() + "\n";
+    let nan = trace.replace("\n0.0013,8192", "\n0.0013,NaN");
+    let back = trace.replace("\n0.0026,", "\n0.0006,");
+    let no_scale = json.replace("\"encoder.mm_per_count\": 0.01205", "\"encoder.mm_per_count\": 0");
+    let no_window = json.replace("velocity_window_samples\": 5", "velocity_window_samples\": 256");
+    for (trace, json, says) in [
+        (trace.as_str(), "{", "bad/run.json is not JSON"),
+        (&trace, "", "bad/run.json is not JSON"),
+        (&trace, "{\"format\": \"other 1\"}", "bad/run.json is not a run of this program"),
+        (&trace, &no_scale, "bad/run.json: encoder.mm_per_count is 0; it must be a number, more than 0"),
+        (
+            &trace,
+            &no_window,
+            "bad/run.json: controller.velocity_window_samples is 256; it must be a whole number from 1 to 63",
+        ),
+        (&trace[..trace.len() - 40], &json, "bad/trace.csv: line 348: expected 18 numbers"),
+        ("", &json, "bad/trace.csv: line 1: expected the header time_s,"),
+        ("a,b\n1,2\n", &json, "bad/trace.csv: line 1: expected the header time_s,"),
+        (&header, &json, "bad has no samples"),
+        (&nan, &json, "bad/trace.csv: line 3: expected 18 numbers"),
+        (&back, &json, "bad/trace.csv: line 4: its time is not after that of the line before"),
+    ] {
+        fs::write(folder.path().join("bad/trace.csv"), trace).expect("written");
+        fs::write(folder.path().join("bad/run.json"), json).expect("written");
+        all_refuse(folder.path(), "bad", says);
+    }
+    fs::write(folder.path().join("bad/trace.csv"), b"\x89PNG\xff").expect("written");
+    fs::write(folder.path().join("bad/run.json"), &json).expect("written");
+    all_refuse(folder.path(), "bad", "cannot read bad/trace.csv");
+}
+
+#[test]
+fn a_stretch_without_samples_is_refused_with_what_there_is() {
+    let folder = transients();
+    let before = contents(folder.path());
+    for (arguments, says) in [
+        (
+            "eval TARGET01.DAT --from 3",
+            "TARGET01.DAT has fewer than two samples there; it goes from 0.0000 s to 0.4498 s",
+        ),
+        ("eval run --from 0.3 --to 0.2", "run has fewer than two samples there"),
+        ("overlay TARGET01.DAT run --to -1", "TARGET01.DAT has fewer than two samples there"),
+        ("spectrum run position --from 3", "run has fewer than two samples there"),
+        (
+            "spectrum TARGET01.DAT position --with run --from 3",
+            "TARGET01.DAT has fewer than two samples there",
+        ),
+    ] {
+        let said = transcript(folder.path(), arguments);
+        assert!(said.contains(&format!("! error: {says}")) && said.ends_with("= 1"), "{arguments}: {said}");
+    }
+    assert_eq!(contents(folder.path()), before);
+}
+
+#[test]
+fn a_file_of_the_users_is_not_overwritten_and_pages_of_this_program_are() {
+    let folder = transients();
+    fs::write(folder.path().join("mine.html"), "<p>my own").expect("written");
+    fs::write(folder.path().join("mine.csv"), "my,own\n").expect("written");
+    let before = contents(folder.path());
+    for arguments in [
+        "eval run --out mine.html",
+        "eval run --csv mine.csv",
+        "eval run --out run",
+        "overlay run TARGET01.DAT --out mine.html",
+        "spectrum run position --out mine.html",
+        "spectrum run position --ascii mine.csv",
+    ] {
+        let output = pneudrive(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments}");
+        assert!(output.stdout.is_empty(), "it is told before the work: {arguments}");
+        assert_eq!(contents(folder.path()), before, "{arguments}");
+    }
+    for _ in 0..2 {
+        ok(folder.path(), "eval run --out page.html --csv page.csv");
+    }
+}
