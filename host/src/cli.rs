@@ -1,9 +1,11 @@
 //! Arguments of the command line.
 
+mod experiments;
 mod transients;
 
 use std::path::PathBuf;
 
+pub use experiments::{ALL, Characterise};
 pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -45,6 +47,8 @@ pub enum Command {
     Overlay(Overlay),
     /// What frequencies a channel holds, as a graph and a table of its peaks
     Spectrum(Spectrum),
+    /// The component tests of the thesis on a rig's valve, operator and tubes
+    Characterise(Characterise),
 }
 
 /// Which rig, and what to change in it.

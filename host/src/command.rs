@@ -1,5 +1,6 @@
 //! The subcommands, one thin file each.
 
+mod characterise;
 mod demo;
 mod device;
 mod eval;
@@ -43,6 +44,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Eval(arguments) => eval::execute(&arguments),
         Command::Overlay(arguments) => overlay::execute(&arguments),
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
+        Command::Characterise(arguments) => characterise::execute(&arguments),
     }
 }
 

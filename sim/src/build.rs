@@ -96,11 +96,11 @@ pub(crate) fn dead_volume_taken_up(rig: &Rig) -> [f64; 2] {
     })
 }
 
-fn gas(rig: &Rig) -> Gas {
+pub(crate) fn gas(rig: &Rig) -> Gas {
     Gas::new(rig.number("gas.heat_capacity_ratio"), rig.number("gas.gas_constant_j_per_kg_k"))
 }
 
-fn valve(rig: &Rig) -> Valve {
+pub(crate) fn valve(rig: &Rig) -> Valve {
     let metres = |path: &str| rig.number(path) * 1e-3;
     Valve {
         null_offset: metres("valve.null_offset_mm"),
@@ -162,7 +162,7 @@ fn station(rig: &Rig, gas: &Gas, table: &str) -> Station {
 
 /// The tube from the supply, and those to the cylinder. With the multiple flow node a restriction at
 /// the cylinder stands for the tube (6.55 to 6.60), and the supply has none.
-fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
+pub(crate) fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
     if rig.word("valve.model") == "multiple-flow-node" {
         let bore = rig.number("tubing.diameter_mm") * 1e-3;
         return (Tube::none(), Tube::connector(gas, rig.number("valve.discharge_supply"), bore));
@@ -199,6 +199,15 @@ fn network(rig: &Rig, gas: Gas) -> Network {
         port_area,
     );
     if supply_tube.is_none() { network.from_reservoir() } else { network }
+}
+
+/// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no
+/// tubes, and `port_area` (m^2) where air approaches at its own speed.
+pub(crate) fn network_without_tubes(rig: &Rig, gas: Gas, supply_pa: f64, port_area: Option<f64>) -> Network {
+    let law = land_law(rig);
+    let supply = Station { exner: gas.exner(supply_pa), ..station(rig, &gas, "supply") };
+    let laws = Laws { land: law, port: law };
+    Network::new(gas, supply, station(rig, &gas, "exhaust"), Tube::none(), Tube::none(), laws, port_area)
 }
 
 /// The cylinder of a rig.
@@ -259,11 +268,21 @@ fn load(rig: &Rig) -> Load {
 }
 
 fn operator(rig: &Rig) -> Operator {
+    match (rig.word("operator.model"), rig.word("controller.model")) {
+        ("solenoid", "continuous") => {
+            Operator::Solenoid(Solenoid::with_moving_command(solenoid_parameters(rig, dither(rig))))
+        }
+        _ => stepped_operator(rig, dither(rig)),
+    }
+}
+
+/// The operator of a rig for commands that come in steps, under a dither.
+pub(crate) fn stepped_operator(rig: &Rig, dither: Dither) -> Operator {
     match rig.word("operator.model") {
-        "solenoid-empirical" => Operator::Empirical(empirical(rig)),
+        "solenoid-empirical" => Operator::Empirical(empirical(rig, dither)),
         "stepper" => Operator::Stepper(Stepper::new(rig.number("operator.mm_per_step") * 1e-3)),
         "on-off" => Operator::OnOff(OnOff::new(spool_travel(rig), rig.number("operator.switch_time_s"))),
-        _ => Operator::Solenoid(solenoid(rig)),
+        _ => Operator::Solenoid(Solenoid::new(solenoid_parameters(rig, dither))),
     }
 }
 
@@ -277,7 +296,7 @@ fn hysteresis_half_width(rig: &Rig) -> f64 {
     rig.number("operator.hysteresis_percent") / 100.0 * 1e-3
 }
 
-fn dither(rig: &Rig) -> Dither {
+pub(crate) fn dither(rig: &Rig) -> Dither {
     Dither {
         amplitude: rig.number("operator.dither_mm") * 1e-3,
         frequency_hz: rig.number("operator.dither_hz"),
@@ -285,7 +304,7 @@ fn dither(rig: &Rig) -> Dither {
     }
 }
 
-fn empirical(rig: &Rig) -> Empirical {
+fn empirical(rig: &Rig, dither: Dither) -> Empirical {
     Empirical::new(EmpiricalParameters {
         travel_per_count: spool_travel(rig) / 2048.0,
         amplifier_gain: rig.number("operator.amplifier_gain"),
@@ -293,28 +312,19 @@ fn empirical(rig: &Rig) -> Empirical {
         stiffness_per_mass: rig.number("operator.stiffness_per_mass_per_s2"),
         damping_per_mass: rig.number("operator.damping_per_s"),
         hysteresis_half_width: hysteresis_half_width(rig),
-        dither: dither(rig),
+        dither,
         travel: spool_travel(rig),
     })
 }
 
-fn solenoid(rig: &Rig) -> Solenoid {
-    let parameters = solenoid_parameters(rig);
-    if rig.word("controller.model") == "continuous" {
-        Solenoid::with_moving_command(parameters)
-    } else {
-        Solenoid::new(parameters)
-    }
-}
-
-fn solenoid_parameters(rig: &Rig) -> SolenoidParameters {
+fn solenoid_parameters(rig: &Rig, dither: Dither) -> SolenoidParameters {
     let spool_mass = rig.number("operator.spool_mass_kg");
     SolenoidParameters {
         travel_per_count: spool_travel(rig) / 2048.0,
         amplifier_gain: rig.number("operator.amplifier_gain"),
         saturation: rig.number("operator.saturation_mm") * 1e-3,
         hysteresis_half_width: hysteresis_half_width(rig),
-        dither: dither(rig),
+        dither,
         force_gain: rig.number("operator.force_gain_n_per_mm") * 1e3,
         spring: rig.number("operator.spring_n_per_mm") * 1e3,
         spring_preload: rig.number("operator.spring_preload_n"),

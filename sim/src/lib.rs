@@ -19,6 +19,7 @@
 //! | [`sensors`], [`plant`] | what the controller sees: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`positive_gain`] | the historical bug of the gain routine, for repetition |
+//! | [`characteristics`] | the thesis's component tests, on these very parts |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
 //!
 //! Everything is SI after loading. Transcendental functions come from `libm`, so that a run gives
@@ -28,6 +29,7 @@ pub mod actuator;
 pub mod air;
 mod assembly;
 pub mod build;
+pub mod characteristics;
 pub mod continuous;
 pub mod discharge;
 pub mod dither;

@@ -1,0 +1,83 @@
+//! `pneudrive characterise`: what it leaves, and what it refuses.
+
+mod program;
+
+use std::fs;
+
+use pneudrive_sim::characteristics::CURVES;
+use program::{exists, folder, ok, transcript};
+
+/// Rows of a CSV file below its header: graph, curve, x, value.
+fn rows(text: &str) -> Vec<Vec<String>> {
+    let cells = |line: &str| {
+        let mut quoted = false;
+        let split = line.split(|c| {
+            quoted ^= c == '"';
+            c == ',' && !quoted
+        });
+        split.map(str::to_owned).collect()
+    };
+    text.lines().skip(1).map(cells).collect()
+}
+
+#[test]
+fn all_curves_of_a_servo_drive_are_drawn_and_stored() {
+    let folder = folder();
+    let said = ok(folder.path(), "characterise servo-b all --out char");
+    for curve in &CURVES {
+        assert!(said.contains(&format!("{}: {}", curve.name, curve.about)), "{said}");
+        let names = ["csv", "html"].map(|kind| format!("char/{}.{kind}", curve.name));
+        exists(folder.path(), &[&names[0], &names[1]]);
+        let csv = fs::read_to_string(folder.path().join(&names[0])).expect("written");
+        assert!(csv.starts_with("graph,curve,"), "{csv}");
+        let rows = rows(&csv);
+        assert!(rows.len() > 50 && rows.iter().all(|row| row.len() == 4), "{}", curve.name);
+        assert!(rows.iter().all(|row| row[2].parse::<f64>().is_ok() && row[3].parse::<f64>().is_ok()));
+    }
+}
+
+#[test]
+fn the_null_of_a_rig_is_the_one_that_it_was_given() {
+    let folder = folder();
+    let said =
+        ok(folder.path(), "characterise servo-b pressure-gain --set valve.null_offset_mm=0.037 --out .");
+    let nulls: Vec<&str> = said.lines().filter(|line| line.starts_with("null, ")).collect();
+    assert_eq!(nulls.len(), 5, "a supply pressure each: {said}");
+    for null in nulls {
+        let millimetres: f64 =
+            null.split_whitespace().nth_back(1).and_then(|word| word.parse().ok()).expect("a number");
+        assert!((millimetres - 0.037).abs() < 3e-4, "{null}");
+    }
+}
+
+#[test]
+fn a_curve_that_a_rig_has_not_is_refused_and_left_out_of_all() {
+    let folder = folder();
+    for (arguments, says) in [
+        ("servo-a dither", "servo-a has no dither: only a solenoid has a dither"),
+        ("servo-a frequency-response", "servo-a has no frequency-response: its operator has no moving mass"),
+        ("burrows pressure-drop", "burrows has no pressure-drop: it has no tubes"),
+        ("bang-bang hysteresis", "bang-bang has no hysteresis: an on-off operator has three places"),
+    ] {
+        let said = transcript(folder.path(), &format!("characterise {arguments} --out out"));
+        assert!(said.contains(&format!("! error: {says}")) && said.ends_with("= 1"), "{said}");
+    }
+    let said = ok(folder.path(), "characterise burrows all --out all");
+    assert!(said.contains("pressure-drop: left out, as it has no tubes"), "{said}");
+    exists(folder.path(), &["all/flow-gain.csv", "all/valve-models.html"]);
+    assert!(!folder.path().join("all/pressure-drop.csv").exists());
+}
+
+#[test]
+fn a_curve_that_there_is_not_is_wrong_use_and_a_file_of_the_users_stays() {
+    let folder = folder();
+    let said = transcript(folder.path(), "characterise servo-b gain --out .");
+    assert!(said.contains("choose one of flow-gain, pressure-gain,") && said.ends_with("= 2"), "{said}");
+    for mine in ["flow-gain.csv", "valve-models.html"] {
+        fs::write(folder.path().join(mine), "mine").expect("written");
+        let said = transcript(folder.path(), "characterise servo-b all --out .");
+        assert!(said.contains(&format!("{mine} is not of this program")) && said.ends_with("= 1"), "{said}");
+        assert_eq!(fs::read_to_string(folder.path().join(mine)).expect("there"), "mine");
+        fs::remove_file(folder.path().join(mine)).expect("there");
+    }
+}

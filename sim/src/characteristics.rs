@@ -1,0 +1,126 @@
+//! The component tests of the thesis (7.1) on the components of a rig: what a bench would measure.
+//!
+//! | curve | thesis | shows |
+//! |---|---|---|
+//! | [`flow_gain`] | 7.1.1.1, Fig. 7.4 | flow of a port over the spool |
+//! | [`pressure_gain`] | 7.1.1.2, 7.1.1.3, Fig. 7.3, Tab. 7.1 | blocked ports over the spool, and the null by least squares |
+//! | [`flow_function`] | 6.52, V.9 | flow of a land over the pressure ratio |
+//! | [`valve_models`] | 7.1.1.3, Fig. 7.5 | single restriction against flow node |
+//! | [`hysteresis`] | 7.1.2.1, Fig. 7.6 | spool over command, up and down |
+//! | [`dither`] | 7.1.2.2, Fig. 7.8 | a blocked port over command, by frequency of the dither |
+//! | [`pressure_drop`] | 7.1.4, 6.61 | pressure behind a tube over its flow |
+//! | [`frequency_response`] | 7.1.2.3 | the spool under a swept sine |
+//!
+//! There is no second model: [`bench`] fastens the very parts that a run is built of.
+
+mod bench;
+pub mod dither;
+pub mod flow_function;
+pub mod flow_gain;
+pub mod frequency_response;
+pub mod hysteresis;
+pub mod pressure_drop;
+pub mod pressure_gain;
+pub mod valve_models;
+
+use crate::integrator::IntegrationError;
+use crate::rig::Rig;
+
+/// A curve that can be asked for.
+pub struct Curve {
+    /// What a user types.
+    pub name: &'static str,
+    /// One line about it, with its place in the thesis.
+    pub about: &'static str,
+    /// The test on the bench.
+    pub measure: fn(&Rig) -> Result<Characteristic, Unfit>,
+}
+
+/// All curves.
+pub const CURVES: [Curve; 8] = [
+    Curve { name: "flow-gain", about: flow_gain::ABOUT, measure: flow_gain::measure },
+    Curve { name: "pressure-gain", about: pressure_gain::ABOUT, measure: pressure_gain::measure },
+    Curve { name: "flow-function", about: flow_function::ABOUT, measure: flow_function::measure },
+    Curve { name: "valve-models", about: valve_models::ABOUT, measure: valve_models::measure },
+    Curve { name: "hysteresis", about: hysteresis::ABOUT, measure: hysteresis::measure },
+    Curve { name: "dither", about: dither::ABOUT, measure: dither::measure },
+    Curve { name: "pressure-drop", about: pressure_drop::ABOUT, measure: pressure_drop::measure },
+    Curve {
+        name: "frequency-response",
+        about: frequency_response::ABOUT,
+        measure: frequency_response::measure,
+    },
+];
+
+/// Why a curve cannot be measured on a rig.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unfit {
+    /// The rig has no such part.
+    #[error("{0}")]
+    NoPart(&'static str),
+    /// The spool cannot be followed.
+    #[error(transparent)]
+    Integration(#[from] IntegrationError),
+}
+
+/// What a bench test gives: graphs over one axis, and figures.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Characteristic {
+    /// What was done.
+    pub notes: Vec<String>,
+    /// Name and unit of the axis across.
+    pub across: &'static str,
+    /// Whether it is logarithmic.
+    pub logarithmic: bool,
+    /// The graphs.
+    pub graphs: Vec<Graph>,
+    /// Figures read off the curves.
+    pub figures: Vec<Figure>,
+}
+
+/// Curves on one vertical axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Graph {
+    /// Name and unit of the axis.
+    pub title: &'static str,
+    /// The curves.
+    pub series: Vec<Series>,
+}
+
+/// One curve; as many x as y.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// For the legend.
+    pub name: String,
+    /// Along the axis across.
+    pub x: Vec<f64>,
+    /// What was measured there; not a number where there is none.
+    pub y: Vec<f64>,
+}
+
+/// A figure read off a curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// What it is.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit, or "".
+    pub unit: &'static str,
+}
+
+impl Series {
+    /// What `y` gives at each x.
+    fn over(name: String, x: &[f64], y: impl FnMut(f64) -> f64) -> Series {
+        Series { name, x: x.to_vec(), y: x.iter().copied().map(y).collect() }
+    }
+}
+
+/// Supply pressures of the thesis's families above that of the exhaust, Pa (Tab. 7.1). Read as gauge
+/// pressures: at 0.1013 MPa absolute no air would flow.
+pub const SUPPLY_FAMILY_PA: [f64; 5] = [506.5e3, 405.2e3, 303.9e3, 202.6e3, 101.3e3];
+
+/// `intervals + 1` places from `from` to `to`.
+fn evenly(from: f64, to: f64, intervals: usize) -> Vec<f64> {
+    (0..=intervals).map(|i| from + (to - from) * i as f64 / intervals as f64).collect()
+}

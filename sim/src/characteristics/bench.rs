@@ -1,0 +1,168 @@
+//! Parts of a rig on a bench: the valve between two pressures, its operator with no air in it.
+
+use crate::air::Station;
+use crate::build;
+use crate::dither::Dither;
+use crate::gas::Gas;
+use crate::integrator::{Event, Hybrid, IntegrationError, Integrator, Method};
+use crate::network::{Network, Node, PortFlow};
+use crate::operator::{GUARDS, Operator, Request, SpoolState};
+use crate::rig::Rig;
+use crate::root::bracketed_root;
+use crate::valve::Valve;
+
+/// A valve with gauges right at its ports: no tubes. The air comes to it through ports of the valve's
+/// own bore, so that it has the speed there that the flow gives it.
+#[derive(Clone, Debug)]
+pub(super) struct ValveBench {
+    pub gas: Gas,
+    pub valve: Valve,
+    network: Network,
+    exhaust_pa: f64,
+    supply_pa: f64,
+}
+
+impl ValveBench {
+    /// The valve of a rig under a pressure (Pa) at its supply port.
+    pub fn new(rig: &Rig, supply_pa: f64) -> ValveBench {
+        ValveBench::with_approach(rig, supply_pa, rig.switch("valve.upstream_mach"))
+    }
+
+    /// The same, with or without the speed at which air approaches.
+    pub fn with_approach(rig: &Rig, supply_pa: f64, approach: bool) -> ValveBench {
+        let gas = build::gas(rig);
+        let valve = build::valve(rig);
+        let network = build::network_without_tubes(rig, gas, supply_pa, approach.then(|| valve.port_area()));
+        ValveBench { gas, valve, network, exhaust_pa: rig.number("exhaust.pressure_pa"), supply_pa }
+    }
+
+    /// The nodes with the spool at a place (m) and pressures (Pa) at the ports.
+    pub fn nodes(&mut self, spool: f64, ports_pa: [f64; 2]) -> [Node; 2] {
+        let temperature = self.network.supply().temperature;
+        let ports = ports_pa.map(|pressure| Station { exner: self.gas.exner(pressure), temperature });
+        let conductances = self.valve.conductances(&self.gas, spool);
+        self.network.expect_jump();
+        let mut nodes = self.network.solve(&conductances, &ports, &[PortFlow::Charging; 2]);
+        // The direction decides the temperature alone, so the second solution has the right signs.
+        for _ in 0..2 {
+            let directions = nodes.map(|node| match node.port_flow() >= 0.0 {
+                true => PortFlow::Charging,
+                false => PortFlow::Discharging,
+            });
+            self.network.expect_jump();
+            nodes = self.network.solve(&conductances, &ports, &directions);
+        }
+        nodes
+    }
+
+    /// The pressures (Pa) of ports that nothing flows through; not a number where nothing can flow at all.
+    pub fn blocked(&mut self, spool: f64) -> [f64; 2] {
+        let (low, high) = (self.exhaust_pa, self.supply_pa);
+        [0, 1].map(|port| {
+            let mut flow = |pressure: f64| self.nodes(spool, [pressure; 2])[port].port_flow();
+            let bracket = [(low, flow(low)), (high, flow(high))];
+            if bracket[0].1 <= 0.0 || bracket[1].1 >= 0.0 {
+                return if bracket[0].1 > 0.0 {
+                    high
+                } else if bracket[1].1 < 0.0 {
+                    low
+                } else {
+                    f64::NAN
+                };
+            }
+            bracketed_root(flow, bracket, 1e-6)
+        })
+    }
+}
+
+/// The operator of a rig with no air in its valve, so that no flow pushes the spool.
+#[derive(Clone, Debug)]
+pub(super) struct SpoolBench {
+    on_bench: OnBench,
+    integrator: Integrator<2, GUARDS, 0>,
+    counts: i16,
+    at: f64,
+}
+
+#[derive(Clone, Debug)]
+struct OnBench(Operator);
+
+/// Of a state's scale, a tenth of a millimetre in a tenth of a second: far below what is read off.
+const TOLERANCE: f64 = 1e-8;
+const SCALE: [f64; 2] = [1e-4, 1e-2];
+
+impl SpoolBench {
+    /// The operator of a rig, with another dither if one is given.
+    pub fn new(rig: &Rig, dither: Option<Dither>) -> SpoolBench {
+        SpoolBench {
+            on_bench: OnBench(build::stepped_operator(rig, dither.unwrap_or_else(|| build::dither(rig)))),
+            integrator: Integrator::new(Method::DormandPrince, TOLERANCE, SCALE, [0.0; 2]),
+            counts: 0,
+            at: 0.0,
+        }
+    }
+
+    /// A command, counts (of a stepper: steps), takes effect now.
+    pub fn drive(&mut self, counts: i16) {
+        let pulses = match self.on_bench.0 {
+            Operator::Stepper(_) => i32::from(counts - self.counts).unsigned_abs(),
+            _ => 1,
+        };
+        let step = (counts - self.counts).signum() as i8;
+        let (operator, at) = (&mut self.on_bench.0, self.at);
+        self.integrator.cut(at, |x| {
+            for _ in 0..pulses {
+                operator.drive(at, spool_state(x), Request { counts, step }, 0.0);
+            }
+        });
+        self.counts = counts;
+    }
+
+    /// Goes on to `t` and tells where the spool is then, m.
+    pub fn spool_at(&mut self, t: f64) -> Result<f64, IntegrationError> {
+        self.integrator.run_to(&mut self.on_bench, t, t)?;
+        self.at = t;
+        Ok(self.on_bench.0.position(t, spool_state(&self.integrator.state(t))))
+    }
+
+    /// Goes on for `duration` and tells the spool at `samples` places of it, m, each in the middle of its part.
+    pub fn watch(&mut self, duration: f64, samples: usize) -> Result<Vec<f64>, IntegrationError> {
+        let from = self.at;
+        let seen: Result<Vec<f64>, _> = (0..samples)
+            .map(|i| self.spool_at(from + duration * (i as f64 + 0.5) / samples as f64))
+            .collect();
+        self.spool_at(from + duration)?;
+        seen
+    }
+}
+
+impl Hybrid<2, GUARDS, 0> for OnBench {
+    fn derivative(&mut self, t: f64, x: &[f64; 2]) -> [f64; 2] {
+        self.0.derivative(t, spool_state(x), 0.0)
+    }
+
+    fn guards(&mut self, t: f64, x: &[f64; 2]) -> [f64; GUARDS] {
+        self.0.guards(t, spool_state(x), 0.0)
+    }
+
+    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+
+    fn next_instant(&self, t: f64) -> f64 {
+        self.0.next_instant(t)
+    }
+
+    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) {
+        let mut spool = spool_state(x);
+        match event {
+            Event::Guard(guard) => self.0.cross(guard, t, &mut spool, 0.0),
+            Event::Instant | Event::FlowGuard(_) => self.0.pass_instant(t, spool, 0.0),
+        }
+        x[1] = spool.velocity;
+    }
+}
+
+fn spool_state(x: &[f64; 2]) -> SpoolState {
+    SpoolState { position: x[0], velocity: x[1] }
+}

@@ -1,0 +1,106 @@
+//! Flow function (V.9, 6.52): what a land passes over the ratio of downstream to upstream pressure, as a
+//! share of the choked flow of an ideal nozzle of its area.
+//!
+//! ```text
+//! m / (A P_u / sqrt(T_u) sqrt(n/R) (2/(n+1))^((n+1)/(2(n-1))))
+//! ```
+
+use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
+use crate::build;
+use crate::discharge::perry;
+use crate::flow_law::FlowLaw;
+use crate::gas::Gas;
+use crate::rig::Rig;
+
+pub(super) const ABOUT: &str = "flow of a land over the pressure ratio (V.9)";
+
+/// Choked flow of an ideal nozzle, kg/s per m^2, from a pressure (Pa) and temperature (K) at rest.
+#[must_use]
+pub fn choked_flux(gas: &Gas, pressure_pa: f64, temperature: f64) -> f64 {
+    let n = gas.heat_capacity_ratio;
+    let shape = libm::pow(2.0 / (n + 1.0), (n + 1.0) / (2.0 * (n - 1.0)));
+    pressure_pa * (n / (gas.gas_constant * temperature)).sqrt() * shape
+}
+
+/// Flow of the rig's widest open land to the supply at a pressure ratio, kg/s, from the rig's supply at rest.
+#[must_use]
+pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
+    let (gas, valve) = (build::gas(rig), build::valve(rig));
+    let (up, down) = (rig.number("supply.pressure_pa"), ratio * rig.number("supply.pressure_pa"));
+    let psi = valve.land_law.flow_function(&gas, gas.exner(up), gas.exner(down)).value;
+    let lands = valve.conductances(&gas, valve.null_offset + valve.travel);
+    (lands[0].supply * psi / rig.number("supply.temperature_k")).max(0.0).sqrt()
+}
+
+pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
+    let (gas, valve) = (build::gas(rig), build::valve(rig));
+    let area = valve.edge_area(valve.travel - valve.lap);
+    let choked =
+        area * choked_flux(&gas, rig.number("supply.pressure_pa"), rig.number("supply.temperature_k"));
+    let ratios = evenly(0.0, 1.0, 200);
+    let land = Series::over("a land of this rig".to_owned(), &ratios, |ratio| land_flow(rig, ratio) / choked);
+    let ideal = Series::over("ideal nozzle".to_owned(), &ratios, |ratio| {
+        let psi = FlowLaw::Orifice.flow_function(&gas, 1.0, gas.exner(ratio)).value;
+        (psi / FlowLaw::Orifice.flow_function(&gas, 1.0, 0.0).value).sqrt()
+    });
+    let with_perry = Series { name: "ideal nozzle with Perry's coefficient".to_owned(), ..ideal.clone() };
+    let with_perry = Series {
+        y: ratios.iter().zip(&ideal.y).map(|(&ratio, flow)| flow * perry(ratio)).collect(),
+        ..with_perry
+    };
+    let n = gas.heat_capacity_ratio;
+    let critical = libm::pow(2.0 / (n + 1.0), n / (n - 1.0));
+    Ok(Characteristic {
+        notes: vec!["As a share of the choked flow of an ideal nozzle with the land's area, its air at rest in front of it.".to_owned()],
+        across: "downstream over upstream pressure",
+        graphs: vec![Graph { title: "flow, share of choked", series: vec![land, ideal, with_perry] }],
+        figures: vec![
+            Figure { name: "critical pressure ratio of an ideal nozzle".to_owned(), value: critical, unit: "" },
+            Figure { name: "choked flow of the open land".to_owned(), value: 1e3 * land_flow(rig, 0.0), unit: "g/s" },
+        ],
+        ..Characteristic::default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rig(settings: &[&str]) -> Rig {
+        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
+        Rig::read_with("rig", "", &settings).expect("a valid rig")
+    }
+
+    /// EQUATIONS section 1: 3.3 mm, 589 kPa, 294 K, C_d = 1.
+    #[test]
+    fn an_ideal_nozzle_of_3_3_mm_passes_11_88_g_s() {
+        let gas = Gas::new(1.4, 286.76);
+        let flow = std::f64::consts::PI / 4.0 * 3.3e-3 * 3.3e-3 * choked_flux(&gas, 589e3, 294.0);
+        assert!((flow - 11.880e-3).abs() < 1e-6, "{flow}");
+    }
+
+    #[test]
+    fn a_land_is_choked_up_to_the_critical_ratio_and_passes_its_coefficient_of_discharge() {
+        let rig = rig(&[]);
+        let valve = build::valve(&rig);
+        let ideal = valve.edge_area(valve.travel) * choked_flux(&build::gas(&rig), 589e3, 294.0);
+        for ratio in [0.0, 0.3, 0.528] {
+            assert!((land_flow(&rig, ratio) / ideal - 0.8).abs() < 1e-6, "{ratio}");
+        }
+        assert!(land_flow(&rig, 0.6) < 0.8 * ideal);
+        assert_eq!(land_flow(&rig, 1.0), 0.0);
+    }
+
+    /// ISO 6358: sqrt(1 - ((r - b)/(1 - b))^2) of the choked flow C rho_0 P_u.
+    #[test]
+    fn a_component_by_its_conductance_follows_the_ellipse_of_iso_6358() {
+        let rig = rig(&[
+            "valve.model=\"iso-6358\"",
+            "valve.sonic_conductance_m3_per_s_pa=2e-8",
+            "valve.critical_ratio=0.3",
+        ]);
+        let choked = land_flow(&rig, 0.1);
+        let ellipse = (1.0_f64 - (0.4_f64 / 0.7).powi(2)).sqrt();
+        assert!((land_flow(&rig, 0.7) / choked - ellipse).abs() < 1e-9);
+    }
+}
