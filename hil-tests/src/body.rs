@@ -4,6 +4,7 @@ pub mod axis;
 pub mod keeping;
 pub mod punctuality;
 pub mod soak;
+pub mod stream;
 
 use std::sync::atomic::AtomicBool;
 

@@ -63,6 +63,11 @@ fn an_emulated_board_that_is_given_another_period_keeps_that_time() {
 }
 
 #[test]
+fn a_run_that_the_memory_of_the_emulated_board_could_not_hold_is_streamed() {
+    body::stream::a_run_that_the_memory_could_not_hold_is_streamed(emulated_board);
+}
+
+#[test]
 fn a_stop_ends_a_run_of_the_emulated_board() {
     body::a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it(emulated_board);
 }

@@ -56,7 +56,10 @@ fn an_emulated_board_is_put_into_service_run_recorded_and_overlaid_from_the_comm
     assert!(shell.device("reference 8192").starts_with("referenced"));
 
     let run = "servo-b-tuned --set test.duration_s=0.4";
-    assert!(shell.says(&format!("run {run} --port {port}")).contains("servo-b-tuned: done\n"));
+    let said = shell.says(&format!("run {run} --port {port} --stream run.csv"));
+    assert!(said.contains("run.csv: 308 samples, none missing\nservo-b-tuned: done\n"), "{said}");
+    let said = shell.says(&format!("monitor --port {port} --every 0.01 --count 2 --csv values.csv"));
+    assert!(said.starts_with("done ") && shell.has("values.csv"), "{said}");
     assert!(shell.device("status").starts_with("mode        done, holding\n"));
     assert!(shell.says(&format!("record --port {port}")).contains("TARGET01.DAT: 308 samples"));
     shell.says(&format!("simulate {run} --out sim"));

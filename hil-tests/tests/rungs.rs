@@ -57,6 +57,11 @@ fn a_rig_that_is_given_another_period_keeps_that_time() {
 }
 
 #[test]
+fn a_run_that_the_memory_of_the_virtual_rig_could_not_hold_is_streamed() {
+    body::stream::a_run_that_the_memory_could_not_hold_is_streamed(virtual_rig);
+}
+
+#[test]
 fn a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it() {
     body::a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it(virtual_rig);
 }

@@ -17,7 +17,6 @@ use pneudrive_sim::Rig;
 
 pub use parameters::RigParameters;
 pub use record::{Pieces, Record, RecordChanged, RecordHead};
-pub use stream::Rows;
 
 use crate::port::{self, Link};
 use crate::words;
@@ -300,10 +299,7 @@ impl Client {
     }
 
     /// Follows a run and does something else between two looks at it.
-    ///
-    /// # Errors
-    /// As [`Client::follow`], or what the other thing says.
-    pub fn follow_and(
+    fn follow_and(
         &mut self,
         interrupted: &AtomicBool,
         mut progress: impl FnMut(&Status),

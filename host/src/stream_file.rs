@@ -1,12 +1,12 @@
 //! A run as it is streamed to disk: as long as it lasts, not only as long as the board's memory does.
 //!
 //! Text, LF, as a TARGET file: lines `# key = value`, the header, a line of integers a sample. What has come is
-//! in the file a moment later, so a program that is killed leaves all of it. Where samples are missing, a line
+//! in the file at once, so a program that is killed leaves all of it. Where samples are missing, a line
 //! `# gap = 3 samples before index 120` stands; at the end the file says how many there are and how many
 //! are missing.
 
 use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -20,7 +20,7 @@ const FORMAT: &str = "pneudrive-stream 1";
 
 /// A file that a run is streamed to.
 #[derive(Debug)]
-pub struct StreamFile<W = BufWriter<File>> {
+pub struct StreamFile<W = File> {
     path: PathBuf,
     out: W,
     every: u32,
@@ -44,11 +44,10 @@ impl StreamFile {
     ) -> Result<StreamFile> {
         let file = OpenOptions::new().write(true).create_new(true).open(path);
         let file = file.with_context(|| format!("cannot make {}", path.display()))?;
-        let mut file = StreamFile::over(BufWriter::new(file), path, every);
+        let mut file = StreamFile::over(file, path, every);
         let mut header = described(FORMAT, test, info, parameters);
         header.insert(2, ("decimation".to_owned(), every.to_string()));
         file.write(&(header_text(&header) + COLUMNS + "\n"))?;
-        file.flush()?;
         Ok(file)
     }
 }
@@ -94,24 +93,11 @@ impl<W: Write> StreamFile<W> {
         if let Some(end) = samples_of_run.filter(|&end| end > self.due) {
             self.skip_to(end)?;
         }
-        self.write(&format!("# samples = {}\n# missing = {}\n", self.samples, self.missing))?;
-        self.flush()
-    }
-
-    /// Hands what was added to the system.
-    ///
-    /// # Errors
-    /// When the disk does not take it.
-    pub fn flush(&mut self) -> Result<()> {
-        self.out.flush().with_context(|| self.cannot_write())
+        self.write(&format!("# samples = {}\n# missing = {}\n", self.samples, self.missing))
     }
 
     fn write(&mut self, text: &str) -> Result<()> {
-        self.out.write_all(text.as_bytes()).with_context(|| self.cannot_write())
-    }
-
-    fn cannot_write(&self) -> String {
-        format!("cannot write {}", self.path.display())
+        self.out.write_all(text.as_bytes()).with_context(|| format!("cannot write {}", self.path.display()))
     }
 
     /// Samples in the file, and samples that are missing between them.

@@ -5,6 +5,7 @@ mod simulated_link;
 
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
 
 use pneudrive::client::{Client, Pieces};
 use pneudrive::port::Wire;
@@ -79,6 +80,19 @@ fn noise_at_start_up_is_passed_over() {
         let mut client = rig.connect().expect("the first good frame is the answer");
         assert_eq!(client.record(|_, _| {}).expect("a record").samples, samples);
     }
+}
+
+/// DTR and RTS are set when a port is opened: some boards are reset by that.
+#[test]
+fn a_board_that_is_reset_by_the_opening_of_its_port_is_waited_for() {
+    let samples = any_samples(&mut Random(2), 100);
+    let rig = SimulatedRig::with_record(&samples);
+    rig.change(|simulation| {
+        simulation.deaf_until = Duration::from_millis(1200);
+        simulation.down.send(Duration::ZERO, b"boot v1.2\r\n\xff\xfe".to_vec());
+    });
+    let mut client = rig.connect().expect("it comes up");
+    assert_eq!(client.record(|_, _| {}).expect("a record").samples, samples);
 }
 
 #[cfg(unix)]

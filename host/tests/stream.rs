@@ -7,7 +7,6 @@ use std::fs;
 use std::sync::atomic::AtomicBool;
 
 use pneudrive::client::Client;
-use pneudrive::stream::Arrivals;
 use pneudrive_protocol::StreamedSample;
 use pneudrive_sim::Rig;
 use simulated_link::{Faults, Random, SimulatedRig};
@@ -26,20 +25,13 @@ fn streamed(rig: &SimulatedRig, every: u16) -> (Client, Vec<StreamedSample>, u64
     client.stream_begin(every, 769.0).expect("version 3");
     client.arm().expect("in open loop without a reference");
     client.start().expect("armed");
-    let (mut arrivals, mut rows) = (Arrivals::default(), Vec::new());
-    let followed = client.follow_and(
-        &AtomicBool::new(false),
-        |_| {},
-        |client| {
-            client.stream_on(&mut arrivals)?;
-            rows.extend(std::iter::from_fn(|| arrivals.take()));
-            Ok(())
-        },
-    );
-    followed.expect("a run without a fault");
-    client.stream_rest(&mut arrivals).expect("an answer");
-    rows.extend(std::iter::from_fn(|| arrivals.take()));
-    (client, rows, arrivals.lost())
+    let mut rows = Vec::new();
+    let keep = |row: &StreamedSample| {
+        rows.push(*row);
+        Ok(())
+    };
+    let (_, lost) = client.follow_streamed(&AtomicBool::new(false), |_| {}, keep).expect("no fault");
+    (client, rows, lost)
 }
 
 #[test]

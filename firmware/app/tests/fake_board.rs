@@ -187,6 +187,30 @@ fn an_arm_that_comes_late_a_second_time_does_not_follow_on_the_disarm() {
 }
 
 #[test]
+fn a_chunk_is_that_of_the_record_that_is_named_or_is_refused() {
+    let mut bench = Bench::referenced();
+    let crc_of_a_run = |bench: &mut Bench| {
+        bench.done(RequestBody::Disarm);
+        bench.armed(9, 1, 0);
+        bench.done(RequestBody::Start);
+        bench.samples(12);
+        bench.record();
+        bench.ask_for(RequestBody::RecordInfo, |reply| match reply {
+            ReplyBody::RecordInfo(info) => info.crc32,
+            other => panic!("{other:?}"),
+        })
+    };
+    let named = |crc32| RequestBody::RecordChunk { crc32, first: 2, count: 3 };
+    let [first, second] = [crc_of_a_run(&mut bench), crc_of_a_run(&mut bench)];
+    let unnamed = bench.ask(RequestBody::RecordRead { first: 2, count: 3 });
+    assert_eq!(bench.ask(named(second)), unnamed);
+    let other = format!("{:?}", ReplyBody::Refused(Refused::OtherRecord));
+    assert_eq!(bench.ask(named(first)), other, "of the run before");
+    bench.done(RequestBody::Arm);
+    assert_eq!(bench.ask(named(second)), other, "the next run has begun");
+}
+
+#[test]
 fn what_only_reads_is_answered_as_often_as_it_is_asked() {
     let mut bench = Bench::referenced();
     let [status, motion] = [RequestBody::Status, RequestBody::Motion].map(|body| bench.frame(body));

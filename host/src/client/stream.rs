@@ -1,10 +1,11 @@
 //! The stream of a rig: samples of a run while it is on (version 3 of the protocol).
 
 use std::collections::VecDeque;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use anyhow::Result;
-use pneudrive_protocol::{MAX_ROWS, Reply, ReplyBody, RequestBody, StreamedSample};
+use pneudrive_protocol::{MAX_ROWS, Reply, ReplyBody, RequestBody, Status, StreamedSample};
 
 use super::{Client, unexpected};
 use crate::stream::Arrivals;
@@ -18,7 +19,7 @@ const LISTEN: Duration = Duration::from_millis(20);
 
 /// Rows of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Rows {
+pub(super) struct Rows {
     /// Number of the first one.
     pub first: u32,
     /// The rows.
@@ -87,11 +88,31 @@ impl Client {
         self.ask_done(RequestBody::StreamGrant { until })
     }
 
-    /// Listens for a moment, has the rows again that were lost on the way, and lets as many more come.
+    /// Follows a run as [`Client::follow`] does, and gives each sample of its stream to `take`, in order and
+    /// to the last one, whatever ends the run. Tells the status at the end, and how many rows the link has
+    /// lost for good.
     ///
     /// # Errors
-    /// When the rig does not answer.
-    pub fn stream_on(&mut self, arrivals: &mut Arrivals) -> Result<()> {
+    /// As [`Client::follow`], or what `take` says.
+    pub fn follow_streamed(
+        &mut self,
+        interrupted: &AtomicBool,
+        progress: impl FnMut(&Status),
+        mut take: impl FnMut(&StreamedSample) -> Result<()>,
+    ) -> Result<(Status, u64)> {
+        let mut arrivals = Arrivals::default();
+        let mut drain =
+            |arrivals: &mut Arrivals| std::iter::from_fn(|| arrivals.take()).try_for_each(|row| take(&row));
+        let followed = self.follow_and(interrupted, progress, |client| {
+            client.stream_on(&mut arrivals)?;
+            drain(&mut arrivals)
+        });
+        let rest = self.stream_rest(&mut arrivals).and_then(|()| drain(&mut arrivals));
+        followed.and_then(|status| rest.map(|()| (status, arrivals.lost())))
+    }
+
+    /// Listens for a moment, has the rows again that were lost on the way, and lets as many more come.
+    fn stream_on(&mut self, arrivals: &mut Arrivals) -> Result<()> {
         let deadline = self.link.now() + LISTEN;
         self.hear(deadline, |_| None::<()>)?;
         for Rows { first, rows } in std::mem::take(&mut self.unasked.rows) {
@@ -108,10 +129,7 @@ impl Client {
 
     /// The last rows of a stream whose run is over: nothing came after them that would have told that they
     /// are missing.
-    ///
-    /// # Errors
-    /// When the rig does not answer.
-    pub fn stream_rest(&mut self, arrivals: &mut Arrivals) -> Result<()> {
+    fn stream_rest(&mut self, arrivals: &mut Arrivals) -> Result<()> {
         loop {
             self.stream_on(arrivals)?;
             let end = arrivals.end();

@@ -79,8 +79,10 @@ pub(super) fn run_test(
         progress.at(u64::from(status.index), u64::from(status.duration_samples));
     };
     let followed = match &mut stream {
-        None => client.follow(interrupts.seen(), progressed),
-        Some(stream) => client.follow_and(interrupts.seen(), progressed, |client| stream.go_on(client)),
+        None => client.follow(interrupts.seen(), progressed).map(|_| ()),
+        Some(stream) => {
+            client.follow_streamed(interrupts.seen(), progressed, |row| stream.take(row)).map(|_| ())
+        }
     };
     progress.done();
     // The file is ended first, whatever became of the run.

@@ -66,6 +66,8 @@ pub struct Simulation {
     /// What an older firmware hears with.
     accumulator: Accumulator,
     now: Duration,
+    /// The rig starts up until then, and hears nothing.
+    pub deaf_until: Duration,
     /// From the PC to the rig, and back.
     pub up: Line,
     pub down: Line,
@@ -132,6 +134,7 @@ impl SimulatedRig {
             older: None,
             accumulator: Accumulator::new(),
             now: Duration::ZERO,
+            deaf_until: Duration::ZERO,
             up: Line::default(),
             down: Line::default(),
             broken: false,
@@ -244,6 +247,9 @@ impl Simulation {
 
     /// Bytes come to the rig: it answers.
     fn hear(&mut self, bytes: &[u8]) {
+        if self.now < self.deaf_until {
+            return;
+        }
         self.server.attend(&mut self.control);
         let mut replies = Vec::new();
         for &byte in bytes {
