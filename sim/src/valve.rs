@@ -94,7 +94,6 @@ impl Valve {
     }
 
     /// The restrictions around nodes 1 and 2 for a spool position in m.
-    #[cfg(test)]
     pub(crate) fn conductances(&self, gas: &Gas, spool: f64) -> [Conductances; 2] {
         self.conductances_of(gas, spool, self.openings(spool).map(|opening| opening >= 0.0))
     }

@@ -27,7 +27,7 @@ fn stored(client: &mut Client) -> Parameters {
     let state = client.config_state().expect("an answer");
     assert_eq!((state.source, state.saved, state.ignored), (1, true, 0), "stored, and in force");
     assert_eq!(client.status().expect("an answer").mode, Mode::Disarmed);
-    client.parameters().expect("an answer")
+    client.parameters().expect("an answer").values
 }
 
 /// The power goes at each operation of a save in turn: after it, the drive has the old configuration or the
