@@ -123,7 +123,7 @@ fn the_watchdog_ends_a_stalled_loop_and_the_drive_comes_up_disabled_with_the_rea
     assert_eq!((status.mode, status.fault), (Mode::Fault, Fault::Watchdog.code()));
     let newest = client.events().expect("a log").first().copied().expect("an event");
     assert_eq!((newest.code, newest.boot), (Fault::Watchdog.code(), 2), "in the life after the first");
-    assert_eq!(client.parameters().expect("an answer"), rig.parameters(), "stored before");
+    assert_eq!(client.parameters().expect("an answer").values, rig.parameters(), "stored before");
     client.arm().expect("arming leaves the fault");
     client.disarm().expect("an answer");
     drop(client);
