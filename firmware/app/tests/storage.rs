@@ -4,6 +4,7 @@ mod nor_flash;
 
 use std::ops::Range;
 
+use embedded_storage::nor_flash::NorFlash;
 use nor_flash::{Flash, SECTOR, crc32, record};
 use pneudrive_app::storage::{
     ConfigStore, FORMAT, LayoutError, Load, Outcome, Report, SaveError, configuration_hash,
@@ -94,6 +95,26 @@ fn a_blank_flash_was_never_saved_to_and_gives_the_defaults() {
     let load = Bench::blank().load();
     assert_eq!(load, Load { parameters: Parameters::default(), outcome: Outcome::NeverSaved });
     assert!(!load.outcome.must_trip());
+}
+
+/// Nobody can tell such a word from one that was never programmed, and the hardware takes it as one.
+#[test]
+fn words_that_were_programmed_to_all_ones_are_still_blank_and_take_the_first_save() {
+    let mut bench = Bench::blank();
+    bench.flash.put(0, &[0xff]);
+    bench.flash.write(8, &[0xff; 32]).expect("power");
+    assert_eq!(bench.load().outcome, Outcome::NeverSaved);
+    bench.save(&with_gain(1));
+    assert_eq!(bench.loaded().0, with_gain(1));
+    assert_eq!(bench.flash.erases, [0; 10], "an erase that is cut would leave what looks like a loss");
+}
+
+#[test]
+#[should_panic(expected = "the word at 8 is written twice")]
+fn the_flash_of_these_tests_does_not_let_a_word_with_a_zero_in_it_be_written_twice() {
+    let mut flash = Nor::new(1);
+    flash.write(8, &[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xfe]).expect("power");
+    let _ = flash.write(8, &[0; 8]);
 }
 
 #[test]

@@ -56,6 +56,10 @@ impl NorFlashError for FlashError {
 
 /// A flash whose words have WRITE bytes. It panics at what a real one would do wrong in silence: a word
 /// that is written twice, addresses between words or sectors.
+///
+/// Writing clears bits and sets none (reference manuals of the STM32F4, "Standard programming"): a word
+/// that is written as all ones stays erased and may be written. One whose writing was cut may not, whatever it
+/// reads as.
 #[derive(Clone)]
 pub struct Flash<const WRITE: usize> {
     pub bytes: Vec<u8>,
@@ -89,7 +93,11 @@ impl<const WRITE: usize> Flash<WRITE> {
     pub fn put(&mut self, at: u32, bytes: &[u8]) {
         let at = at as usize;
         self.bytes[at..at + bytes.len()].copy_from_slice(bytes);
-        self.written[at / WRITE..(at + bytes.len()).div_ceil(WRITE)].fill(true);
+        (at / WRITE..(at + bytes.len()).div_ceil(WRITE)).for_each(|word| self.note_written(word));
+    }
+
+    fn note_written(&mut self, word: usize) {
+        self.written[word] |= self.bytes[word * WRITE..(word + 1) * WRITE].iter().any(|&byte| byte != 0xff);
     }
 
     /// The power goes after so many more operations; the next one is torn.
@@ -202,7 +210,7 @@ impl<const WRITE: usize> NorFlash for Flash<WRITE> {
                 return Err(FlashError::NoPower);
             }
             self.bytes[start..start + WRITE].copy_from_slice(word);
-            self.written[start / WRITE] = true;
+            self.note_written(start / WRITE);
         }
         Ok(())
     }
