@@ -124,3 +124,10 @@ pub const SUPPLY_FAMILY_PA: [f64; 5] = [506.5e3, 405.2e3, 303.9e3, 202.6e3, 101.
 fn evenly(from: f64, to: f64, intervals: usize) -> Vec<f64> {
     (0..=intervals).map(|i| from + (to - from) * i as f64 / intervals as f64).collect()
 }
+
+/// Servo-drive B with settings.
+#[cfg(test)]
+fn servo_b(settings: &[&str]) -> Rig {
+    let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
+    Rig::read_with("servo-b", "", &settings).expect("a valid rig")
+}

@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
 use pneudrive_sim::characteristics::{CURVES, Characteristic, Curve as Wanted, Graph};
 
+use super::eval::column;
 use super::load_choice;
 use crate::cli::{ALL, Characterise};
 use crate::page::{Curve, Figure, GENERATOR, Page, Panel, Table};
@@ -60,11 +61,6 @@ fn to_csv(found: &Characteristic) -> String {
         }
     }
     text
-}
-
-/// `spool, mm` as the name of a column: `spool_mm`.
-fn column(title: &str) -> String {
-    title.replace(", ", "_").replace([' ', '/'], "_").to_lowercase()
 }
 
 /// A text with commas in quotes.

@@ -112,6 +112,6 @@ fn write_csv(path: &Path, transient: &Transient, motion: &Motion) -> Result<()> 
 }
 
 /// `pressure 1, kPa` as the name of a column: `pressure_1_kpa`.
-fn column(title: &str) -> String {
+pub(super) fn column(title: &str) -> String {
     title.replace(", ", "_").replace([' ', '/'], "_").replace('^', "").to_lowercase()
 }

@@ -97,12 +97,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b as rig;
     use super::*;
-
-    fn rig(settings: &[&str]) -> Rig {
-        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-        Rig::read_with("rig", "", &settings).expect("a valid rig")
-    }
 
     const DITHER: Dither = Dither { amplitude: 0.2e-3, frequency_hz: 50.0, phase_cycles: 0.0 };
 

@@ -64,12 +64,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b as rig;
     use super::*;
-
-    fn rig(settings: &[&str]) -> Rig {
-        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-        Rig::read_with("rig", "", &settings).expect("a valid rig")
-    }
 
     /// EQUATIONS section 1: 3.3 mm, 589 kPa, 294 K, C_d = 1.
     #[test]

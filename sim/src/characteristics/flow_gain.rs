@@ -59,12 +59,8 @@ fn curve(rig: &Rig, name: String, supply_pa: f64, port_pa: f64) -> Series {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b as rig;
     use super::*;
-
-    fn rig(settings: &[&str]) -> Rig {
-        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-        Rig::read_with("rig", "", &settings).expect("a valid rig")
-    }
 
     #[test]
     fn a_symmetric_valve_gives_port_2_what_it_gives_port_1_on_the_other_side() {

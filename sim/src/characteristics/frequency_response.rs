@@ -124,12 +124,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b as rig;
     use super::*;
-
-    fn rig(settings: &[&str]) -> Rig {
-        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-        Rig::read_with("rig", "", &settings).expect("a valid rig")
-    }
 
     /// |k / (k - w^2 + j d w)| and its angle.
     fn oscillator(k: f64, d: f64, w: f64) -> Response {

@@ -120,14 +120,10 @@ pub(super) fn branches(of: &Loop, name: &str, scale: f64) -> [Series; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b as rig;
     use super::*;
 
     const STILL: Dither = Dither { amplitude: 0.0, frequency_hz: 50.0, phase_cycles: 0.0 };
-
-    fn rig(settings: &[&str]) -> Rig {
-        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-        Rig::read_with("rig", "", &settings).expect("a valid rig")
-    }
 
     fn width(settings: &[&str], dither: Dither) -> f64 {
         sweep(&rig(settings), dither, mean)

@@ -46,12 +46,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b as rig;
     use super::*;
-
-    fn rig(settings: &[&str]) -> Rig {
-        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-        Rig::read_with("rig", "", &settings).expect("a valid rig")
-    }
 
     /// C(28), C(30): 40 % at 4.65 g/s; reading R1 of EQUATIONS section 4 is its own reciprocal.
     #[test]

@@ -147,12 +147,8 @@ fn curves(rig: &Rig, supply_pa: f64, null: f64, label: &str) -> [Series; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b as rig;
     use super::*;
-
-    fn rig(settings: &[&str]) -> Rig {
-        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-        Rig::read_with("rig", "", &settings).expect("a valid rig")
-    }
 
     /// Tab. 7.1 names its nulls to a micrometre.
     #[test]

@@ -66,17 +66,14 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::servo_b;
     use super::*;
-
-    fn rig() -> Rig {
-        Rig::read("rig", "").expect("the empty file is servo-drive B")
-    }
 
     /// EQUATIONS section 1, row 6.54: 1 % at 0.05 mm; at 1 mm 21 % at 110 kPa and 50 % at 280 kPa.
     #[test]
     fn upstream_mach_numbers_count_at_wide_openings_and_not_at_narrow_ones() {
         for (spool, port, more) in [(0.05e-3, 110e3, 0.01), (1e-3, 110e3, 0.21), (1e-3, 280e3, 0.50)] {
-            let flow = |model| flow(&rig(), model, spool, 317e3, port);
+            let flow = |model| flow(&servo_b(&[]), model, spool, 317e3, port);
             let gain = flow(Model::FlowNodeWithApproach) / flow(Model::FlowNode) - 1.0;
             assert!((gain - more).abs() < 0.01, "{spool} {port}: {gain}");
         }
@@ -85,7 +82,7 @@ mod tests {
     /// Two equal choked orifices behind each other and a land alone: Fig. 7.5's saturation.
     #[test]
     fn the_node_saturates_where_the_single_restriction_goes_on() {
-        let at = |model, spool| flow(&rig(), model, spool, 317e3, 110e3);
+        let at = |model, spool| flow(&servo_b(&[]), model, spool, 317e3, 110e3);
         let gain = |model| at(model, 1e-3) / at(model, 0.5e-3);
         assert!((gain(Model::SingleRestriction) - 2.0).abs() < 0.02, "{}", gain(Model::SingleRestriction));
         assert!(gain(Model::FlowNode) < 1.1, "{}", gain(Model::FlowNode));
