@@ -30,7 +30,8 @@ pub struct Page {
     pub figures: Vec<Figure>,
 }
 
-/// A table with a heading; its cells are plain text.
+/// A table with a heading; its cells are plain text. One that names a page beside this one, such as
+/// `impulse.html`, leads there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// What it is about.
@@ -88,10 +89,21 @@ impl Table {
         lines.into_iter().map(line_of).collect()
     }
 
+    /// Whether a column holds words, which begin at its left; figures end at its right.
+    fn is_of_words(&self, column: usize) -> bool {
+        let is_figure = |text: &String| text.starts_with(|c: char| c == '-' || c.is_ascii_digit());
+        let mut cells = self.rows.iter().filter_map(|row| row.get(column)).filter(|text| !text.is_empty());
+        cells.any(|text| !is_figure(text))
+    }
+
     fn to_html(&self) -> String {
+        let words: Vec<bool> = (0..self.columns.len()).map(|column| self.is_of_words(column)).collect();
+        let cell = |tag: &str, (text, words): (&String, &bool)| {
+            let class = if *words { " class=\"words\"" } else { "" };
+            format!("<{tag}{class}>{}</{tag}>", linked(text))
+        };
         let row = |tag: &str, cells: &[String]| {
-            let cells: String =
-                cells.iter().map(|text| format!("<{tag}>{}</{tag}>", escaped(text))).collect();
+            let cells: String = cells.iter().zip(&words).map(|pair| cell(tag, pair)).collect();
             format!("<tr>{cells}</tr>\n")
         };
         let rows: String = self.rows.iter().map(|cells| row("td", cells)).collect();
@@ -130,15 +142,25 @@ fn plotly_script() -> Result<String> {
     script.map(|script| script.trim().to_owned()).context("the plotting library brings no script")
 }
 
+/// A page beside this one as a link, other text as it is.
+fn linked(text: &str) -> String {
+    match text.strip_suffix(".html") {
+        Some(name) if !name.contains([' ', '/']) => {
+            format!("<a href=\"{0}.html\">{0}</a>", escaped(name).replace('"', "&quot;"))
+        }
+        _ => escaped(text),
+    }
+}
+
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 const STYLE: &str = "body{font-family:system-ui,sans-serif;margin:2rem auto;max-width:72rem;padding:0 1rem;color:#222}\
 h1{font-size:1.5rem}h2{font-size:1.1rem}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
-th,td{padding:.25rem .9rem;border-bottom:1px solid #ddd;text-align:right}\
-th:first-child,td:first-child{text-align:left}\
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}\
+th,td{padding:.25rem .6rem;border-bottom:1px solid #ddd;text-align:right}\
+th:first-child,td:first-child,.words{text-align:left}\
 .save{color:#777;font-size:.8rem;text-align:right}";
 
 #[cfg(test)]
@@ -167,6 +189,31 @@ mod tests {
         assert!(!html.contains("<script src") && !own.contains("http"));
         assert!(html.contains("4.125") && html.contains("Plotly.newPlot"));
         assert!(html.contains("<td>60.00</td>"));
+    }
+
+    #[test]
+    fn a_column_of_words_begins_at_its_left_and_one_of_figures_ends_at_its_right() {
+        let html = Table {
+            heading: String::new(),
+            columns: ["drive", "error, mm", "unit"].map(str::to_owned).to_vec(),
+            rows: vec![
+                ["a", "-0.50", "mm"].map(str::to_owned).to_vec(),
+                ["b", "-", ""].map(str::to_owned).to_vec(),
+            ],
+        }
+        .to_html();
+        assert!(
+            html.contains("<td class=\"words\">a</td><td>-0.50</td><td class=\"words\">mm</td>"),
+            "{html}"
+        );
+        assert!(html.contains("<th>error, mm</th><th class=\"words\">unit</th>"), "{html}");
+    }
+
+    #[test]
+    fn a_cell_that_names_a_page_leads_to_it() {
+        assert_eq!(linked("impulse.html"), "<a href=\"impulse.html\">impulse</a>");
+        assert_eq!(linked("see impulse.html"), "see impulse.html");
+        assert_eq!(linked("http://x.html"), "http://x.html");
     }
 
     #[test]

@@ -8,6 +8,9 @@ use plotly::{Layout, Plot, Scatter};
 const PANEL_HEIGHT: usize = 235;
 const FRAME_HEIGHT: usize = 75;
 
+/// Height of a panel that stands alone.
+const SINGLE_HEIGHT: usize = 400;
+
 /// The y axes that the plotting library has: the most panels of a figure.
 const Y_AXES: [fn(Layout, Axis) -> Layout; 8] = [
     Layout::y_axis,
@@ -123,7 +126,8 @@ impl Figure {
 
     /// Height in pixels.
     pub(super) fn height(&self) -> usize {
-        FRAME_HEIGHT + PANEL_HEIGHT * self.panels.len()
+        let panels = self.panels.len();
+        FRAME_HEIGHT + if panels == 1 { SINGLE_HEIGHT } else { PANEL_HEIGHT * panels }
     }
 
     pub(super) fn plot(&self) -> Plot {
