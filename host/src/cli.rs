@@ -5,7 +5,7 @@ mod transients;
 
 use std::path::PathBuf;
 
-pub use experiments::{ALL, Characterise};
+pub use experiments::{ALL, Characterise, LIST, Study};
 pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -49,6 +49,8 @@ pub enum Command {
     Spectrum(Spectrum),
     /// The component tests of the thesis on a rig's valve, operator and tubes
     Characterise(Characterise),
+    /// The application studies of the thesis: what it says, and what the model shows
+    Study(Study),
 }
 
 /// Which rig, and what to change in it.

@@ -13,6 +13,7 @@ mod run;
 mod simulate;
 mod spectrum;
 mod streaming;
+mod study;
 mod virtual_rig;
 
 use std::path::Path;
@@ -45,6 +46,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Overlay(arguments) => overlay::execute(&arguments),
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
         Command::Characterise(arguments) => characterise::execute(&arguments),
+        Command::Study(arguments) => study::execute(&arguments),
     }
 }
 
@@ -108,17 +110,23 @@ fn tell_lacking(parameters: &RigParameters) {
 struct Progress {
     bar: ProgressBar,
     what: String,
+    /// What is counted.
+    of: &'static str,
     said: u64,
 }
 
 impl Progress {
     fn new(what: &str) -> Progress {
+        Progress::of(what, "samples")
+    }
+
+    fn of(what: &str, of: &'static str) -> Progress {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(10));
         let style = ProgressStyle::with_template("{msg:<12} [{bar:40}] {pos}/{len} ({per_sec}, {eta} left)");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(what.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
-        Progress { bar, what: what.to_owned(), said: 0 }
+        Progress { bar, what: what.to_owned(), of, said: 0 }
     }
 
     /// What was done before does not count for the rate.
@@ -135,7 +143,7 @@ impl Progress {
         let quarter = (4 * done.min(all)).checked_div(all).unwrap_or(0);
         if self.bar.is_hidden() && quarter > self.said {
             self.said = quarter;
-            eprintln!("{}: {done} of {all} samples", self.what);
+            eprintln!("{}: {done} of {all} {}", self.what, self.of);
         }
     }
 

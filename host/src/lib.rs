@@ -19,6 +19,7 @@
 //! | [`alignment`] | two transients on one time |
 //! | [`spectrum`] | which frequencies a channel holds |
 //! | [`evaluation`] | what a transient tells about its moves |
+//! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`page`] | notes, tables and graphs in one file |
 //! | [`report`] | the page of transients |
 
@@ -55,6 +56,7 @@ pub mod run_folder;
 pub mod spectrum;
 pub mod stream;
 pub mod stream_file;
+pub mod study;
 pub mod target;
 pub mod transient;
 pub mod virtual_rig;

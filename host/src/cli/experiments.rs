@@ -6,6 +6,7 @@ use clap::Args;
 use pneudrive_sim::characteristics::CURVES;
 
 use super::RigChoice;
+use crate::study::STUDIES;
 
 /// Arguments of `characterise`.
 #[derive(Debug, Args)]
@@ -32,6 +33,41 @@ fn curves() -> String {
 
 fn curve(text: &str) -> Result<String, String> {
     let names: Vec<&str> = CURVES.iter().map(|curve| curve.name).chain([ALL]).collect();
+    if names.contains(&text) {
+        Ok(text.to_owned())
+    } else {
+        Err(format!("choose one of {}", names.join(", ")))
+    }
+}
+
+/// Arguments of `study`.
+#[derive(Debug, Args)]
+#[command(after_help = studies())]
+pub struct Study {
+    /// The study, all of them, or list
+    #[arg(value_name = "NAME", value_parser = study)]
+    pub name: String,
+    /// Where to leave NAME.html, and of all index.html
+    #[arg(long, value_name = "DIR", required_if_eq_any(with_pages()))]
+    pub out: Option<PathBuf>,
+}
+
+/// Tells the studies, and runs none.
+pub const LIST: &str = "list";
+
+fn studies() -> String {
+    let lines =
+        STUDIES.iter().map(|study| format!("  {:<20}{}, {}\n", study.name, study.section, study.about));
+    format!("Studies:\n{}  {ALL:<20}every one, with a table of what they found\n", lines.collect::<String>())
+}
+
+/// Names that lead to pages.
+fn with_pages() -> Vec<(&'static str, &'static str)> {
+    STUDIES.iter().map(|study| study.name).chain([ALL]).map(|name| ("name", name)).collect()
+}
+
+fn study(text: &str) -> Result<String, String> {
+    let names: Vec<&str> = STUDIES.iter().map(|study| study.name).chain([ALL, LIST]).collect();
     if names.contains(&text) {
         Ok(text.to_owned())
     } else {

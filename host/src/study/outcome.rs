@@ -1,0 +1,180 @@
+//! A run of a study and what its statements ask of it.
+
+use pneudrive_sim::{Rig, Run};
+
+use super::Variant;
+use crate::deviation::deviations;
+use crate::evaluation::{LimitCycle, Motion, Move, moves};
+use crate::run_folder::StoredRun;
+use crate::transient::{COMMAND, POSITION, SETPOINT, Transient};
+
+/// A move has settled within this distance of its setpoint, mm.
+pub(super) const TOLERANCE_MM: f64 = 0.05;
+
+/// A run and its figures.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The drive.
+    pub variant: Variant,
+    /// What it did.
+    pub transient: Transient,
+    /// Its moves, measured.
+    pub moves: Vec<Move>,
+    /// Evaluations of the model's right-hand side that it took.
+    pub evaluations: u64,
+    /// The sample at which the supervisor tripped, if it did.
+    pub tripped: Option<usize>,
+}
+
+impl Outcome {
+    pub(super) fn of(variant: Variant, rig: &Rig, run: &Run) -> Outcome {
+        let transient = Transient::of_run(variant.name, &StoredRun::of(rig, run));
+        let motion = Motion::of(&transient);
+        Outcome {
+            variant,
+            moves: moves(&transient, &motion, None, TOLERANCE_MM),
+            transient,
+            evaluations: run.work.integrator.evaluations,
+            tripped: run.fault.map(|(_, sample)| sample as usize),
+        }
+    }
+
+    /// The moves but the first, which begins at rest and stays where it is.
+    pub(super) fn asked(&self) -> &[Move] {
+        self.moves.get(1..).unwrap_or_default()
+    }
+
+    pub(super) fn last(&self) -> &Move {
+        self.moves.last().expect("a run has a move")
+    }
+
+    /// The largest limit cycle of a move, if there is one.
+    pub(super) fn vibration(&self) -> Option<LimitCycle> {
+        let cycles = self.moves.iter().filter_map(|one| one.limit_cycle);
+        cycles.max_by(|a, b| a.amplitude_mm.total_cmp(&b.amplitude_mm))
+    }
+
+    /// Its amplitude, mm; 0 of a drive that stands.
+    pub(super) fn amplitude_mm(&self) -> f64 {
+        self.vibration().map_or(0.0, |cycle| cycle.amplitude_mm)
+    }
+
+    /// Whether it comes to rest, in words.
+    pub(super) fn rest(&self) -> String {
+        match self.vibration() {
+            Some(LimitCycle { amplitude_mm, frequency_hz }) => {
+                format!("{}: vibrates by {amplitude_mm:.1} mm at {frequency_hz:.1} Hz", self.variant.name)
+            }
+            None => format!("{}: comes to rest", self.variant.name),
+        }
+    }
+
+    /// The largest overshoot of a move, mm.
+    pub(super) fn overshoot_mm(&self) -> f64 {
+        self.asked().iter().filter_map(|one| one.overshoot_mm).fold(0.0, f64::max)
+    }
+
+    /// Mean of the errors at rest without their signs, mm, over some of its moves.
+    pub(super) fn error_mm(moves: &[Move]) -> f64 {
+        let errors: Vec<f64> = moves.iter().filter_map(|one| one.steady_error_mm).map(f64::abs).collect();
+        errors.iter().sum::<f64>() / errors.len().max(1) as f64
+    }
+
+    /// Mean of a channel over the last quarter of the last move.
+    pub(super) fn settled(&self, channel: usize) -> f64 {
+        let begin = self.transient.time.partition_point(|&time| time < self.last().start_s);
+        let values = &self.transient.channels[channel][begin..];
+        let tail = &values[values.len() * 3 / 4..];
+        tail.iter().sum::<f64>() / tail.len() as f64
+    }
+
+    /// Half of the swing of the position in each stretch of `seconds` from a time on, mm.
+    pub(super) fn swings(&self, from: f64, seconds: f64) -> Vec<f64> {
+        let end = self.transient.time.last().copied().unwrap_or(0.0);
+        let stretches = ((end - from) / seconds) as usize;
+        let swing = |number: usize| {
+            let begin = from + seconds * number as f64;
+            let part = self.transient.between(begin, begin + seconds);
+            let position = part.channels[POSITION].iter().copied();
+            (position.clone().fold(f64::MIN, f64::max) - position.fold(f64::MAX, f64::min)) / 2.0
+        };
+        (0..stretches).map(swing).collect()
+    }
+
+    /// The largest change of the command from a sample to the next while the setpoint holds and the
+    /// supervisor has not tripped, counts.
+    pub(super) fn jerk(&self) -> f64 {
+        let [setpoint, command] = [SETPOINT, COMMAND].map(|channel| &self.transient.channels[channel]);
+        let end = self.tripped.unwrap_or(command.len()).min(command.len());
+        let holds = (1..end).filter(|&k| setpoint[k] == setpoint[k - 1]);
+        holds.map(|k| (command[k] - command[k - 1]).abs()).fold(0.0, f64::max)
+    }
+
+    /// From the beginning of its last move until the drive has gone a hundredth of the way, s.
+    pub(super) fn delay_s(&self) -> Option<f64> {
+        let one = self.last();
+        let way = one.to_mm? - one.from_mm;
+        let samples = self.transient.time.iter().zip(&self.transient.channels[POSITION]);
+        let gone = |position: f64| (position - one.from_mm) / way >= 0.01;
+        let mut after = samples.skip_while(|(time, _)| **time < one.start_s);
+        Some(after.find(|(_, position)| gone(**position))?.0 - one.start_s)
+    }
+
+    /// Root mean square of a channel's deviation from another run's, as a share of the channel's range.
+    pub(super) fn deviation(&self, other: &Outcome, channel: usize) -> f64 {
+        let found = deviations(&self.transient, &other.transient);
+        let name = crate::transient::CHANNELS[channel].0;
+        found.iter().find(|one| one.channel == name).map_or(f64::NAN, |one| one.fraction_of_range)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half a second at rest, then a step of 100 mm that goes straight to 100 mm in 0.2 s, from 0.6 s on.
+    fn outcome() -> Outcome {
+        let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
+        let setpoint = |t: f64| if t < 0.5 { 0.0 } else { 100.0 };
+        let position = |t: f64| ((t - 0.6) * 500.0).clamp(0.0, 100.0);
+        let command = |k: usize| if k == 700 { 900.0 } else { f64::from(k as u32) };
+        let mut transient = Transient { mm_per_count: 0.01, windows: [5, 3], ..Transient::default() };
+        transient.channels = std::array::from_fn(|_| vec![0.0; time.len()]);
+        transient.channels[SETPOINT] = time.iter().map(|&t| setpoint(t)).collect();
+        transient.channels[POSITION] = time.iter().map(|&t| position(t)).collect();
+        transient.channels[COMMAND] = (0..time.len()).map(command).collect();
+        transient.counts = transient.channels[POSITION].iter().map(|mm| (mm * 100.0) as i32).collect();
+        transient.time = time;
+        let moves = moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM);
+        let variant = Variant { name: "straight", rig: "none", settings: &[] };
+        Outcome { variant, transient, moves, evaluations: 1, tripped: None }
+    }
+
+    #[test]
+    fn the_delay_is_from_the_step_to_a_hundredth_of_the_way() {
+        let delay = outcome().delay_s().expect("it moves");
+        assert!((delay - 0.102).abs() < 1.1e-3, "{delay}");
+    }
+
+    #[test]
+    fn the_largest_jump_of_the_command_counts_only_before_a_trip() {
+        assert_eq!(outcome().jerk(), 201.0, "from 699 to 900");
+        assert_eq!(Outcome { tripped: Some(650), ..outcome() }.jerk(), 1.0);
+    }
+
+    #[test]
+    fn swings_are_half_of_what_the_position_covers_in_each_stretch() {
+        let swings = outcome().swings(0.5, 0.25);
+        assert_eq!(swings.len(), 5);
+        assert!((swings[0] - 37.5).abs() < 1e-6 && (swings[1] - 12.5).abs() < 0.3, "{swings:?}");
+        assert!(swings[2..].iter().all(|swing| *swing == 0.0), "{swings:?}");
+    }
+
+    #[test]
+    fn a_drive_that_stands_has_no_amplitude_and_its_channels_settle() {
+        let outcome = outcome();
+        assert_eq!((outcome.amplitude_mm(), outcome.settled(POSITION)), (0.0, 100.0));
+        assert_eq!(outcome.rest(), "straight: comes to rest");
+        assert_eq!(Outcome::error_mm(outcome.asked()), 0.0);
+    }
+}

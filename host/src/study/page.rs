@@ -1,0 +1,102 @@
+//! The page of a study, and the index of all.
+
+use super::outcome::TOLERANCE_MM;
+use super::{Finding, Outcome, Study, Variant, Verdict};
+use crate::evaluation;
+use crate::page::{Figure, Page, Table};
+use crate::report;
+use crate::transient::Transient;
+
+/// The page of a study: its statements, the drives' moves, and their transients on the same graphs.
+#[must_use]
+pub fn page(study: &Study, outcomes: &[Outcome]) -> Page {
+    let findings = study.findings(outcomes);
+    let moves = outcomes.iter().map(|outcome| {
+        let table = evaluation::table(&outcome.moves, TOLERANCE_MM);
+        Table { heading: format!("{}: {}", outcome.variant.name, table.heading), ..table }
+    });
+    let transients: Vec<Transient> = outcomes.iter().map(|outcome| outcome.transient.clone()).collect();
+    Page {
+        title: format!("{} (thesis {})", study.about, study.section),
+        notes: vec![summary(&findings)],
+        tables: [statements(study, &findings), drives(study.variants)].into_iter().chain(moves).collect(),
+        figures: graphs(&transients),
+    }
+}
+
+/// Transients on the same graphs; more than can be told apart go by pairs, as studies have them.
+fn graphs(transients: &[Transient]) -> Vec<Figure> {
+    let together = if transients.len() > 3 { 2 } else { 3 };
+    transients.chunks(together).map(|some| Figure::over_time(report::panels(some))).collect()
+}
+
+/// How many statements the model shows, in a sentence.
+#[must_use]
+pub fn summary(findings: &[Finding]) -> String {
+    let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
+    let differs = match count(Verdict::Differs) {
+        0 => "It differs in none.".to_owned(),
+        differs => format!("It differs in {differs}: what the thesis says there, the model does not show."),
+    };
+    let open = match count(Verdict::Open) {
+        0 => String::new(),
+        open => format!(" {open} cannot be decided."),
+    };
+    format!(
+        "The model shows what the thesis says in {} of {} statements. {differs}{open}",
+        count(Verdict::Agrees),
+        findings.len()
+    )
+}
+
+/// What the thesis says, and what the model shows.
+#[must_use]
+pub fn statements(study: &Study, findings: &[Finding]) -> Table {
+    let rows = study.statements.iter().zip(findings);
+    let rows = rows.map(|(statement, finding)| {
+        vec![statement.thesis.to_owned(), finding.shows.clone(), finding.verdict.word().to_owned()]
+    });
+    Table {
+        heading: "statements".to_owned(),
+        columns: ["the thesis says", "the model shows", "verdict"].map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    }
+}
+
+fn drives(variants: &[Variant]) -> Table {
+    let row = |variant: &Variant| {
+        vec![variant.name.to_owned(), variant.rig.to_owned(), variant.settings.join("; ")]
+    };
+    Table {
+        heading: "drives".to_owned(),
+        columns: ["drive", "rig", "settings"].map(str::to_owned).to_vec(),
+        rows: variants.iter().map(row).collect(),
+    }
+}
+
+/// The statements of all studies, with the pages beside it.
+#[must_use]
+pub fn index(studies: &[&Study], findings: &[Vec<Finding>]) -> Page {
+    let all: Vec<Finding> = findings.iter().flatten().cloned().collect();
+    let rows = studies.iter().zip(findings).flat_map(|(study, findings)| {
+        statements(study, findings).rows.into_iter().map(|row| {
+            let own = [format!("{}.html", study.name), study.section.to_owned()];
+            own.into_iter().chain(row).collect()
+        })
+    });
+    Page {
+        title: "Application studies: the thesis and the model".to_owned(),
+        notes: vec![
+            summary(&all),
+            "The rigs of the thesis are not here: where it compares with one, the model without the change stands in for it.".to_owned(),
+        ],
+        tables: vec![Table {
+            heading: "all statements".to_owned(),
+            columns: ["study", "section", "the thesis says", "the model shows", "verdict"]
+                .map(str::to_owned)
+                .to_vec(),
+            rows: rows.collect(),
+        }],
+        figures: Vec::new(),
+    }
+}
