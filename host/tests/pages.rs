@@ -1,0 +1,114 @@
+//! The pages in a browser: no error, no request that leaves the page, and graphs with curves in them.
+//!
+//! Needs Chromium; where there is none, it says so and checks nothing.
+
+mod program;
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Command;
+
+use program::{folder, ok};
+
+/// What a browser made of a page.
+struct Seen {
+    /// What the page's scripts complained of.
+    console: Vec<String>,
+    /// What the page asked the network for.
+    requests: Vec<String>,
+    /// The page after its scripts have run.
+    document: String,
+}
+
+/// A command that starts Chromium, if it is here.
+fn chromium() -> Option<&'static str> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let found = names.into_iter().find(|name| {
+        Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success())
+    });
+    if found.is_none() {
+        // Not by eprintln: the test runner would keep it to itself.
+        let _ = writeln!(std::io::stderr(), "NOT CHECKED: there is no Chromium here, so no page is opened");
+    }
+    found
+}
+
+/// Opens a page with no network to reach.
+fn open(browser: &str, profile: &Path, page: &Path) -> Seen {
+    let log = profile.join("net.json");
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--enable-logging=stderr", "--v=0"])
+        .args(["--virtual-time-budget=20000", "--dump-dom"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .arg(format!("--log-net-log={}", log.display()))
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .expect("the browser runs");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    let net = fs::read_to_string(&log).expect("a log of the network");
+    // The browser's own requests have no page that they belong to.
+    let of_page =
+        |line: &&str| line.contains("\"network_isolation_key\":\"file://") && line.contains("\"url\":\"http");
+    Seen {
+        console: errors.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect(),
+        requests: net.lines().filter(of_page).map(str::to_owned).collect(),
+        document: String::from_utf8_lossy(&output.stdout).into_owned(),
+    }
+}
+
+#[test]
+fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
+    let Some(browser) = chromium() else { return };
+    let folder = folder();
+    let profile = tempfile::tempdir().expect("a folder");
+    for arguments in [
+        "simulate servo-b-tuned --set test.duration_s=0.5 --out run",
+        "eval run --out eval.html",
+        "overlay run run --out overlay.html",
+        "spectrum run position --out spectrum.html",
+        "characterise servo-b flow-gain --out .",
+        "characterise servo-b pressure-drop --out .",
+        "study impulse --out .",
+    ] {
+        ok(folder.path(), arguments);
+    }
+    // 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once.
+    for (name, graphs, curves) in [
+        ("run/report.html", 5, 7),
+        ("eval.html", 7, 9),
+        ("overlay.html", 5, 13),
+        ("spectrum.html", 1, 1),
+        ("flow-gain.html", 2, 9),
+        ("pressure-drop.html", 1, 3),
+        ("impulse.html", 5, 7),
+    ] {
+        let seen = open(browser, profile.path(), &folder.path().join(name));
+        assert!(seen.console.is_empty(), "{name}: {:?}", seen.console);
+        assert!(seen.requests.is_empty(), "{name}: {:?}", seen.requests);
+        let drawn = |what: &str| seen.document.matches(what).count();
+        assert_eq!(drawn("<g class=\"subplot "), graphs, "{name}");
+        assert_eq!(drawn("<g class=\"trace scatter"), curves, "{name}");
+        // A line each, and a short one each in the legend.
+        assert_eq!(
+            drawn("class=\"js-line\" d=\"M") - drawn("class=\"js-line\" d=\"M5,0h30"),
+            curves,
+            "{name}"
+        );
+    }
+}
+
+/// The check would notice.
+#[test]
+fn a_page_with_an_error_and_a_request_is_noticed() {
+    let Some(browser) = chromium() else { return };
+    let folder = folder();
+    let page = folder.path().join("bad.html");
+    let text = "<!doctype html><script>missing();</script><img src=\"http://example.org/x.png\">";
+    fs::write(&page, text).expect("written");
+    let seen = open(browser, folder.path(), &page);
+    assert!(seen.console.iter().any(|line| line.contains("missing is not defined")), "{:?}", seen.console);
+    assert!(seen.requests.iter().any(|line| line.contains("example.org/x.png")), "{:?}", seen.requests);
+}
