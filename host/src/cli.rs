@@ -9,6 +9,7 @@ pub use experiments::{ALL, Characterise, LIST, Study};
 pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use pneudrive_sim::Accuracy;
 
 /// Servo-pneumatic drives: simulate, run, record, compare.
 #[derive(Debug, Parser)]
@@ -79,7 +80,7 @@ pub struct Integration {
     #[arg(long, value_enum, default_value_t = MethodName::DormandPrince)]
     pub method: MethodName,
     /// Allowed error of a step, relative to what counts as large in each state
-    #[arg(long, value_name = "X", default_value_t = 1e-11, value_parser = tolerance)]
+    #[arg(long, value_name = "X", default_value_t = Accuracy::default().tolerance, value_parser = tolerance)]
     pub tolerance: f64,
 }
 

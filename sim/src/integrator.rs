@@ -24,7 +24,7 @@ mod tableau;
 use crate::root::bracketed_root;
 use crossing::{LOOKS, first_negative};
 use pace::Pace;
-use segment::{Segment, Taken};
+use segment::{REFINED_AT, Segment, Taken};
 use stiffness::Stiffness;
 use tableau::Tableau;
 
@@ -226,15 +226,37 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     }
 
     /// Ends the last step at `t`, because the system is changed from outside there. `change` is
-    /// given the state.
-    pub fn cut(&mut self, t: f64, change: impl FnOnce(&mut [f64; N])) {
-        self.x = self.state(t);
+    /// given the system and its state.
+    pub fn cut<S: Hybrid<N, G, F>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        change: impl FnOnce(&mut S, &mut [f64; N]),
+    ) {
+        if t < self.t
+            && let Some(mut segment) = self.segment.take()
+        {
+            self.refine(system, &mut segment);
+            self.x = segment.at(t);
+        }
         if t < self.t {
             self.pending = None;
         }
         self.t = t;
         self.restart();
-        change(&mut self.x);
+        change(system, &mut self.x);
+    }
+
+    /// Makes a step that is left before its end as exact inside as it is there; tells whether that is new.
+    fn refine(&mut self, system: &mut impl Hybrid<N, G, F>, segment: &mut Segment<N>) -> bool {
+        let new = !segment.refined;
+        if new {
+            let slopes = REFINED_AT
+                .map(|part| system.derivative(segment.start + part * segment.width, &segment.at_part(part)));
+            self.work.evaluations += 2;
+            segment.refine(&slopes);
+        }
+        new
     }
 
     fn restart(&mut self) {
@@ -281,9 +303,13 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
                 system.derivative(self.t, &self.x)
             }
         };
-        let (Taken { segment, x, end_slope, .. }, end) = self.accepted(system, slope, limit)?;
+        let (Taken { mut segment, x, end_slope, .. }, end) = self.accepted(system, slope, limit)?;
         self.work.steps += 1;
-        match self.first_event(system, &segment, end, &x) {
+        let mut event = self.first_event(system, &segment, end, &x);
+        if event.is_some() && self.refine(system, &mut segment) {
+            event = self.first_event(system, &segment, end, &x).or(event);
+        }
+        match event {
             Some((event, at)) => {
                 self.x = segment.at(at);
                 self.t = at;
@@ -380,7 +406,10 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             }
         };
         let when = |theta: f64| if theta == 1.0 { end } else { segment.start + theta * segment.width };
-        let begin = self.guards.unwrap_or_else(|| system.guards(segment.start, &self.x));
+        let begin = match self.guards {
+            Some(guards) if !segment.refined => guards,
+            _ => system.guards(segment.start, &self.x),
+        };
         let looks = LOOKS.map(|theta| match theta {
             1.0 => system.guards(end, x),
             _ => system.guards(when(theta), &segment.at_part(theta)),

@@ -83,7 +83,8 @@ pub fn run_watched(
     let mut fault = None;
     let mut target = None;
     let mut bug = PositiveGain::of(rig, &config);
-    for k in 0..=u64::from(rig.last_sample()) {
+    let last = rig.last_sample();
+    for k in 0..=u64::from(last) {
         sample(&config, &sequence, &mut state, &plant.sample());
         let mut seen = *state.observation();
         if let Mode::Fault(kind) = state.supervisor.mode() {
@@ -99,7 +100,7 @@ pub fn run_watched(
         if target.is_some() && fault.is_some() {
             break;
         }
-        progress(seen.index, rig.last_sample());
+        progress(seen.index, last);
         // A row at an instant with an output shows the state after it.
         let mut command = output(&config, &mut state);
         if let Some(bug) = &mut bug {
@@ -109,7 +110,7 @@ pub fn run_watched(
             plant.command(command);
         }
         rows.catch_up(&mut plant, &seen, (k + 1) * period)?;
-        if k < u64::from(rig.last_sample()) {
+        if k < u64::from(last) {
             plant.next_sample()?;
         }
     }

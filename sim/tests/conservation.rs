@@ -5,7 +5,10 @@
 //! the outputs of the controller, where the flows bend.
 
 use pneudrive_sim::trace::Row;
-use pneudrive_sim::{Accuracy, Rig, Run, run};
+use pneudrive_sim::{Accuracy, Method, Rig, Run, run};
+
+/// What is lost goes with the tolerance: a billionth asks for this one.
+const FINE: Accuracy = Accuracy { method: Method::DormandPrince, tolerance: 1e-11 };
 
 const N: f64 = 1.4;
 const R: f64 = 286.76;
@@ -16,7 +19,7 @@ fn simulate(name: &str, settings: &[&str]) -> Run {
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
     let rig = Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
-    run(&rig, Accuracy::default()).expect("a transient")
+    run(&rig, FINE).expect("a transient")
 }
 
 fn volumes(row: &Row) -> [f64; 2] {

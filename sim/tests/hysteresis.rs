@@ -3,6 +3,7 @@
 
 use pneudrive_sim::{Accuracy, Method, Rig, Run, run};
 
+const USUAL: Accuracy = Accuracy { method: Method::DormandPrince, tolerance: 1e-11 };
 const FINE: Accuracy = Accuracy { method: Method::DormandPrince, tolerance: 1e-12 };
 const MERSON: Accuracy = Accuracy { method: Method::Merson, tolerance: 1e-12 };
 
@@ -25,9 +26,8 @@ fn distance(a: &Run, b: &Run) -> f64 {
 #[test]
 fn a_hysteresis_that_vanishes_takes_its_effect_with_it() {
     for model in ["operator.model=solenoid", "operator.model=solenoid-empirical"] {
-        let with = |percent: &str| {
-            simulate(&[model, &format!("operator.hysteresis_percent={percent}")], Accuracy::default())
-        };
+        let with =
+            |percent: &str| simulate(&[model, &format!("operator.hysteresis_percent={percent}")], USUAL);
         let none = with("0");
         let [small, vanishing] = ["1e-3", "1e-6"].map(|percent| distance(&with(percent), &none));
         assert!(small < 3e-5 && vanishing < 2e-3 * small, "{model}: {small} m, {vanishing} m");
@@ -39,15 +39,11 @@ fn a_hysteresis_that_vanishes_takes_its_effect_with_it() {
 fn methods_and_tolerances_agree_on_the_transient_and_on_every_event_in_it() {
     for dither in ["operator.dither_mm=0", "operator.dither_mm=0.2"] {
         let settings = ["operator.hysteresis_percent=5", dither];
-        let default = simulate(&settings, Accuracy::default());
+        let usual = simulate(&settings, USUAL);
         for accuracy in [FINE, MERSON] {
             let other = simulate(&settings, accuracy);
-            assert_eq!(other.work.integrator.events, default.work.integrator.events, "{dither} {accuracy:?}");
-            assert!(
-                distance(&other, &default) < 1e-8,
-                "{dither} {accuracy:?}: {} m",
-                distance(&other, &default)
-            );
+            assert_eq!(other.work.integrator.events, usual.work.integrator.events, "{dither} {accuracy:?}");
+            assert!(distance(&other, &usual) < 1e-8, "{dither} {accuracy:?}: {} m", distance(&other, &usual));
         }
     }
 }

@@ -15,9 +15,9 @@ pub(super) struct Lands {
 }
 
 impl Lands {
-    /// By the position of the spool, m.
+    /// By the position of the spool, m. At its edge a land counts as shut.
     pub fn at(valve: &Valve, spool: f64) -> Lands {
-        Lands { open: valve.openings(spool).map(|opening| opening >= 0.0) }
+        Lands { open: valve.openings(spool).map(|opening| opening > 0.0) }
     }
 
     /// Not negative as long as the spool has passed no edge.

@@ -60,8 +60,8 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
 
     fn segment_of(&self, stages: &[[f64; N]; MOST_STAGES], x: &[f64; N], h: f64) -> Segment<N> {
         let end = &stages[self.tableau.last_stage()];
-        let mut coefficients =
-            [self.x, [0.0; N], [0.0; N], [0.0; N], combined(self.tableau.dense, stages, h)];
+        let quartic = combined(self.tableau.dense, stages, h);
+        let mut coefficients = [self.x, [0.0; N], [0.0; N], [0.0; N], quartic, [0.0; N]];
         for i in 0..N {
             let rise = x[i] - self.x[i];
             let bend = h * stages[0][i] - rise;
@@ -69,7 +69,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             coefficients[2][i] = bend;
             coefficients[3][i] = rise - h * end[i] - bend;
         }
-        Segment { start: self.t, width: h, coefficients }
+        Segment { start: self.t, width: h, coefficients, refined: false }
     }
 }
 

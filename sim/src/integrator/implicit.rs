@@ -103,7 +103,12 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         let x = std::array::from_fn(|i| self.x[i] + combined(A[5], &u, i) + u[5][i]);
         let error = self.error_norm(&u[5], &x);
         let taken = (error <= 1.0).then(|| Taken {
-            segment: Segment { start: self.t, width: h, coefficients: self.interpolant(&u, &x) },
+            segment: Segment {
+                start: self.t,
+                width: h,
+                coefficients: self.interpolant(&u, &x),
+                refined: true,
+            },
             x,
             end_slope: None,
             stiffness: h * self.fastest(&slopes.jacobian),
@@ -136,9 +141,9 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         u
     }
 
-    fn interpolant(&self, u: &[[f64; N]; STAGES], x: &[f64; N]) -> [[f64; N]; 5] {
+    fn interpolant(&self, u: &[[f64; N]; STAGES], x: &[f64; N]) -> [[f64; N]; 6] {
         let [quadratic, cubic] = DENSE.map(|row| std::array::from_fn(|i| combined(&row, u, i)));
-        [self.x, std::array::from_fn(|i| x[i] - self.x[i]), quadratic, cubic, [0.0; N]]
+        [self.x, std::array::from_fn(|i| x[i] - self.x[i]), quadratic, cubic, [0.0; N], [0.0; N]]
     }
 
     /// A bound on the rates of decay, 1/s: the norm of J in the states' scales.

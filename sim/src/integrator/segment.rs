@@ -1,12 +1,21 @@
 //! A step and its dense output.
 
 /// One step's dense output: `x(t0 + theta h)` as a polynomial in theta.
+///
+/// ```text
+/// x = r1 + theta (r2 + (1-theta) (r3 + theta (r4 + (1-theta) (r5 + theta r6))))
+/// ```
 #[derive(Clone, Debug)]
 pub(super) struct Segment<const N: usize> {
     pub start: f64,
     pub width: f64,
-    pub coefficients: [[f64; N]; 5],
+    pub coefficients: [[f64; N]; 6],
+    /// Whether it is as exact as the step.
+    pub refined: bool,
 }
+
+/// Where a refined segment has the slopes of the system.
+pub(super) const REFINED_AT: [f64; 2] = [0.25, 0.5];
 
 impl<const N: usize> Segment<N> {
     pub fn at(&self, t: f64) -> [f64; N] {
@@ -14,9 +23,28 @@ impl<const N: usize> Segment<N> {
     }
 
     pub fn at_part(&self, theta: f64) -> [f64; N] {
-        let [r1, r2, r3, r4, r5] = &self.coefficients;
+        let [r1, r2, r3, r4, r5, r6] = &self.coefficients;
         let rest = 1.0 - theta;
-        std::array::from_fn(|i| r1[i] + theta * (r2[i] + rest * (r3[i] + theta * (r4[i] + rest * r5[i]))))
+        let mut x = *r1;
+        for i in 0..N {
+            let quartic = r4[i] + rest * (r5[i] + theta * r6[i]);
+            x[i] += theta * (r2[i] + rest * (r3[i] + theta * quartic));
+        }
+        x
+    }
+
+    /// The polynomial of degree 5 with the slopes of the system at [`REFINED_AT`] of the step, besides state
+    /// and slope at its ends: of order 5, where that of the method itself is of order 4.
+    pub fn refine(&mut self, slopes: &[[f64; N]; 2]) {
+        let [_, r2, r3, r4, r5, r6] = &mut self.coefficients;
+        for i in 0..N {
+            // Slopes of the cubic part there, and what is left for theta^2 (1-theta)^2 (r5 + theta r6).
+            let quarter = self.width * slopes[0][i] - (r2[i] + 0.5 * r3[i] + 0.3125 * r4[i]);
+            let half = self.width * slopes[1][i] - (r2[i] + 0.25 * r4[i]);
+            r6[i] = 16.0 * half;
+            r5[i] = (quarter - 0.082_031_25 * r6[i]) / 0.1875;
+        }
+        self.refined = true;
     }
 }
 

@@ -31,7 +31,7 @@ impl Transient {
 
     fn aim(&mut self, t: f64, target: i32) {
         let assembly = &mut self.assembly;
-        self.integrator.cut(t, |x| assembly.set_target(t, x, target));
+        self.integrator.cut(assembly, t, |assembly, x| assembly.set_target(t, x, target));
     }
 
     /// The state at `t`, and the command there in m of spool travel.
