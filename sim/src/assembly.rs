@@ -140,13 +140,18 @@ impl Assembly {
 
     /// Brings the integrator's state of the spool to where it is, before a mode of it changes.
     fn settle(&self, t: f64, x: &mut StateVector) {
-        let SpoolState { position, velocity } = self.parts.operator.place(t, spool_state(x));
+        let SpoolState { position, velocity } = self.place(t, x);
         [x[slot::SPOOL], x[slot::SPOOL_VELOCITY]] = [position, velocity];
     }
 
     /// Where the spool is, m.
     pub fn spool(&self, t: f64, x: &StateVector) -> f64 {
-        self.parts.operator.position(t, spool_state(x))
+        self.parts.operator.position(t, self.place(t, x))
+    }
+
+    /// Position and velocity of a moving spool.
+    fn place(&self, t: f64, x: &StateVector) -> SpoolState {
+        self.parts.operator.place(t, spool_state(x))
     }
 
     /// Force of the flow on the spool, N, by the flows at this very state (EQUATIONS section 11
@@ -372,9 +377,10 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         guards[LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
         [guards[PROFILE_FARTHER], guards[PROFILE_NEARER]] =
             self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
-        let spool = self.parts.operator.position(t, spool_state(x));
+        let place = self.place(t, x);
+        let spool = self.parts.operator.position(t, place);
         [guards[LANDS], guards[LANDS + 1]] = self.lands.guards(&self.parts.valve, spool);
-        guards[LOAD_GUARDS..].copy_from_slice(&self.parts.operator.guards(t, spool_state(x), flow_force));
+        guards[LOAD_GUARDS..].copy_from_slice(&self.parts.operator.guards(t, place, flow_force));
         guards
     }
 

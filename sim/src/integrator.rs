@@ -17,12 +17,11 @@ mod explicit;
 mod implicit;
 mod linear;
 mod pace;
+mod search;
 mod segment;
 mod stiffness;
 mod tableau;
 
-use crate::root::bracketed_root;
-use crossing::{LOOKS, first_negative};
 use pace::Pace;
 use segment::{REFINED_AT, Segment, Taken};
 use stiffness::Stiffness;
@@ -125,10 +124,6 @@ pub enum IntegrationError {
 
 /// Smallest step, s: below it rounding of the time is felt.
 const SMALLEST_STEP: f64 = 1e-13;
-
-/// To how much of a step a flow guard's zero is located: such a guard is dear, and what it changes begins
-/// with nothing.
-const FLOW_PLACE: f64 = 1e-10;
 
 /// Most events within [`SMALLEST_STEP`] of each other.
 const MOST_EVENTS_AT_ONCE: u32 = 64;
@@ -305,11 +300,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         };
         let (Taken { mut segment, x, end_slope, .. }, end) = self.accepted(system, slope, limit)?;
         self.work.steps += 1;
-        let mut event = self.first_event(system, &segment, end, &x);
-        if event.is_some() && self.refine(system, &mut segment) {
-            event = self.first_event(system, &segment, end, &x).or(event);
-        }
-        match event {
+        match self.first_event(system, &mut segment, end, &x) {
             Some((event, at)) => {
                 self.x = segment.at(at);
                 self.t = at;
@@ -389,50 +380,6 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         }
         // What is no number is in no maximum.
         if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
-    }
-
-    /// The first guard in the step that becomes negative, and when.
-    fn first_event(
-        &mut self,
-        system: &mut impl Hybrid<N, G, F>,
-        segment: &Segment<N>,
-        end: f64,
-        x: &[f64; N],
-    ) -> Option<(Event, f64)> {
-        let mut first: Option<(Event, f64)> = None;
-        let mut note = |event, at: f64| {
-            if first.is_none_or(|(_, earliest)| at < earliest) {
-                first = Some((event, at));
-            }
-        };
-        let when = |theta: f64| if theta == 1.0 { end } else { segment.start + theta * segment.width };
-        let begin = match self.guards {
-            Some(guards) if !segment.refined => guards,
-            _ => system.guards(segment.start, &self.x),
-        };
-        let looks = LOOKS.map(|theta| match theta {
-            1.0 => system.guards(end, x),
-            _ => system.guards(when(theta), &segment.at_part(theta)),
-        });
-        for guard in 0..G {
-            let values = [begin[guard], looks[0][guard], looks[1][guard], looks[2][guard], looks[3][guard]];
-            let mut value_at = |theta: f64| system.guards(when(theta), &segment.at_part(theta))[guard];
-            if let Some(theta) = first_negative(&values, &mut value_at) {
-                note(Event::Guard(guard), when(theta));
-            }
-        }
-        self.guards = Some(looks[LOOKS.len() - 1]);
-        let after = system.flow_guards(end, x);
-        for guard in 0..F {
-            if after[guard] < 0.0 {
-                let before = system.flow_guards(segment.start, &self.x);
-                let mut value_at =
-                    |theta: f64| system.flow_guards(when(theta), &segment.at_part(theta))[guard];
-                let ends = [(0.0, before[guard].max(0.0)), (1.0, after[guard])];
-                note(Event::FlowGuard(guard), when(bracketed_root(&mut value_at, ends, FLOW_PLACE)));
-            }
-        }
-        first
     }
 }
 

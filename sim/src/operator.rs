@@ -73,8 +73,8 @@ pub enum Operator {
 }
 
 impl Operator {
-    /// Position and velocity of a moving spool at `t`, if the integrator's state of it is `spool`. Whoever
-    /// changes a mode begins with it.
+    /// Position and velocity of a moving spool at `t`, if the integrator's state of it is `spool`. All else
+    /// but [`Operator::derivative`] is asked with what this tells.
     #[must_use]
     pub fn place(&self, t: f64, spool: SpoolState) -> SpoolState {
         match self {
@@ -165,7 +165,7 @@ impl Operator {
     #[must_use]
     pub fn position(&self, t: f64, spool: SpoolState) -> f64 {
         match self {
-            Operator::Solenoid(solenoid) => solenoid.place(t, spool).position,
+            Operator::Solenoid(_) => spool.position,
             Operator::Empirical(empirical) => empirical.position(t, spool),
             Operator::Stepper(stepper) => stepper.position(),
             Operator::OnOff(on_off) => on_off.position(t),

@@ -39,6 +39,12 @@ pub(super) fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -
     None
 }
 
+/// Whether a guard with these values may become negative at all.
+pub(super) fn may_cross(values: &[f64; 5]) -> bool {
+    let dips = |three: &[f64]| dip_between(three[0], three[1], three[2]).is_some();
+    values[1..].iter().any(|value| *value < 0.0) || values.windows(3).any(dips)
+}
+
 /// A guard that begins at zero (a body that has just broken away, an entry of the profile that has just
 /// been entered) is not crossed there: a place before `look` at which it is positive, and its value. The
 /// step's beginning if there is none: the mode does not hold at all.

@@ -107,7 +107,6 @@ impl Empirical {
 
     pub(super) fn position(&self, t: f64, spool: SpoolState) -> f64 {
         let travel = self.parameters.travel;
-        let spool = self.place(t, spool);
         let unlimited = self.play.output(self.input(t, spool));
         // Within a step the mode stays, so that the areas are smooth a little beyond the limit.
         if self.limited { unlimited.clamp(-travel, travel) } else { unlimited }
@@ -119,7 +118,6 @@ impl Empirical {
     }
 
     pub(super) fn guards(&self, t: f64, spool: SpoolState) -> [f64; GUARDS] {
-        let spool = self.place(t, spool);
         let input = self.input(t, spool);
         let room = self.parameters.travel - self.play.output(input).abs();
         let mut guards = [1.0; GUARDS];

@@ -259,7 +259,6 @@ impl Solenoid {
     }
 
     pub(super) fn guards(&self, t: f64, spool: SpoolState, flow_force: f64) -> [f64; GUARDS] {
-        let spool = self.place(t, spool);
         let stuck = self.contact == Contact::Stuck;
         let applied = if stuck { self.applied_force(t, spool, flow_force) } else { 0.0 };
         let mut guards = [1.0; GUARDS];
