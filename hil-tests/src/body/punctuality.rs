@@ -46,7 +46,8 @@ pub fn a_late_sample_trips_by_name(start: StartDelayed) {
 }
 
 /// A host that says nothing more while a move runs trips the drive once it has been silent for as long as is
-/// allowed. For a rung in real time.
+/// allowed. For a rung in real time, whose samples may lag behind the wall clock: how long a silence is allowed
+/// to the millisecond is tested on a clock of its own (`firmware/app/tests/fake_board.rs`).
 ///
 /// # Panics
 /// When it does not.
@@ -68,7 +69,4 @@ pub fn a_silent_host_trips_by_name(start: Start) {
     assert_eq!((status.mode, status.fault), (Mode::Fault, Fault::HostSilent.code()), "{}", target.name());
     let newest = client.events().expect("a log").first().copied().expect("logged");
     assert_eq!(newest.code, Fault::HostSilent.code());
-    // It was heard last a sample before k = 0, and the sample that tripped is the one after the last.
-    let silent_us = u64::from(newest.index + 2) * u64::from(rig.period_us().get());
-    assert!(silent_us > 250_000, "{}: tripped after {silent_us} us already", target.name());
 }

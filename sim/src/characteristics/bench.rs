@@ -109,10 +109,11 @@ impl SpoolBench {
             _ => 1,
         };
         let step = (counts - self.counts).signum() as i8;
-        let (operator, at) = (&mut self.on_bench.0, self.at);
-        self.integrator.cut(at, |x| {
+        let at = self.at;
+        self.integrator.cut(&mut self.on_bench, at, |on_bench, x| {
+            on_bench.settle(at, x);
             for _ in 0..pulses {
-                operator.drive(at, spool_state(x), Request { counts, step }, 0.0);
+                on_bench.0.drive(at, spool_state(x), Request { counts, step }, 0.0);
             }
         });
         self.counts = counts;
@@ -122,7 +123,8 @@ impl SpoolBench {
     pub fn spool_at(&mut self, t: f64) -> Result<f64, IntegrationError> {
         self.integrator.run_to(&mut self.on_bench, t, t)?;
         self.at = t;
-        Ok(self.on_bench.0.position(t, spool_state(&self.integrator.state(t))))
+        let x = self.integrator.state(t);
+        Ok(self.on_bench.0.position(t, self.on_bench.place(t, &x)))
     }
 
     /// Goes on for `duration` and tells the spool at `samples` places of it, m, each in the middle of its part.
@@ -136,13 +138,25 @@ impl SpoolBench {
     }
 }
 
+impl OnBench {
+    fn place(&self, t: f64, x: &[f64; 2]) -> SpoolState {
+        self.0.place(t, spool_state(x))
+    }
+
+    /// Brings the integrator's state of the spool to where it is, before a mode of it changes.
+    fn settle(&self, t: f64, x: &mut [f64; 2]) {
+        let SpoolState { position, velocity } = self.place(t, x);
+        *x = [position, velocity];
+    }
+}
+
 impl Hybrid<2, GUARDS, 0> for OnBench {
     fn derivative(&mut self, t: f64, x: &[f64; 2]) -> [f64; 2] {
         self.0.derivative(t, spool_state(x), 0.0)
     }
 
     fn guards(&mut self, t: f64, x: &[f64; 2]) -> [f64; GUARDS] {
-        self.0.guards(t, spool_state(x), 0.0)
+        self.0.guards(t, self.place(t, x), 0.0)
     }
 
     fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
@@ -153,7 +167,12 @@ impl Hybrid<2, GUARDS, 0> for OnBench {
         self.0.next_instant(t)
     }
 
+    fn longest_step(&self) -> f64 {
+        self.0.longest_step()
+    }
+
     fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) {
+        self.settle(t, x);
         let mut spool = spool_state(x);
         match event {
             Event::Guard(guard) => self.0.cross(guard, t, &mut spool, 0.0),

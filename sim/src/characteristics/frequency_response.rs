@@ -1,6 +1,6 @@
 //! Frequency response of the spool (7.1.2.3): the spool under a sine of commands, frequency by frequency.
 //!
-//! The commands are whole counts, [`STEPS`] of them a period; gain and phase are those of the fundamental
+//! The commands are whole counts, so many of them a period; gain and phase are those of the fundamental
 //! of the spool over that of the commands themselves, so that neither their rounding nor their steps count.
 //! A linear operator follows its transfer function:
 //!
