@@ -25,6 +25,7 @@ pub mod fault_log;
 pub mod flash_bus;
 pub mod lock_step;
 pub mod plant_bus;
+pub mod plant_link;
 pub mod ram_flash;
 pub mod recorder;
 mod repetition;

@@ -11,6 +11,30 @@ use crate::plant_bus::{Inputs, Next, Outputs, Tempo, Ticks};
 use crate::recorder::Recorder;
 use crate::store::Store;
 
+/// A counter that tells what work takes.
+pub trait Stopwatch {
+    /// The counter.
+    fn now(&self) -> u32;
+
+    /// Ticks since a reading.
+    fn since(&self, reading: u32) -> u32;
+}
+
+/// One sample and its output, and the ticks that each took: inputs and outputs of the bus are outside.
+pub fn run_control<S: Store>(
+    control: &mut Control<impl BorrowMut<Recorder>>,
+    board: &mut LockStep<S>,
+    stopwatch: &impl Stopwatch,
+) -> Ticks {
+    let begun = stopwatch.now();
+    control.on_sample(board);
+    let sample = stopwatch.since(begun);
+    board.passes(control.config().timing.delay_us.get());
+    let waited = stopwatch.now();
+    control.on_output(board);
+    Ticks { sample, output: stopwatch.since(waited) }
+}
+
 /// The board.
 #[derive(Debug)]
 pub struct LockStep<S> {
@@ -70,6 +94,13 @@ impl<S: Store> LockStep<S> {
         self.now_us -= u64::from(self.tempo.late_us);
         self.passes(timing.period_us.get().saturating_sub(timing.delay_us.get()));
         Outputs { command: self.command, next, ticks }
+    }
+
+    /// What goes to the plant instead of a sample's outputs where a run was started after those had gone: the
+    /// inputs that they asked for are those of the plant before. None otherwise.
+    pub fn begins(&mut self) -> Option<Outputs> {
+        let next = self.begin.take()?;
+        Some(Outputs { command: self.command, next, ticks: Ticks::default() })
     }
 
     /// Whether the plant moves in the mode that a sample has led to.

@@ -7,6 +7,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
+use pneudrive_app::lock_step::Stopwatch;
 
 /// Ticks of the SysTick a microsecond: the processor's 25 MHz.
 const TICKS_PER_US: u32 = 25;
@@ -34,23 +35,24 @@ impl Clock {
         SCB::clear_pendst();
     }
 
-    /// The counter. No work is moved across the reading.
-    pub fn now(&self) -> u32 {
+    /// Waits for this time or for a byte on the port.
+    pub fn rest(&mut self, microseconds: u32) {
+        self.count_from(microseconds.saturating_mul(TICKS_PER_US).min(MAX));
+        cortex_m::asm::wfi();
+        self.count_from(MAX);
+    }
+}
+
+impl Stopwatch for Clock {
+    /// No work is moved across the reading.
+    fn now(&self) -> u32 {
         compiler_fence(Ordering::SeqCst);
         let now = SYST::get_current();
         compiler_fence(Ordering::SeqCst);
         now
     }
 
-    /// Ticks from one reading to the next.
-    pub fn between(before: u32, after: u32) -> u32 {
-        before.wrapping_sub(after) & MAX
-    }
-
-    /// Waits for this time or for a byte on the port.
-    pub fn rest(&mut self, microseconds: u32) {
-        self.count_from(microseconds.saturating_mul(TICKS_PER_US).min(MAX));
-        cortex_m::asm::wfi();
-        self.count_from(MAX);
+    fn since(&self, reading: u32) -> u32 {
+        reading.wrapping_sub(self.now()) & MAX
     }
 }

@@ -34,7 +34,8 @@ mod watchdog;
 
 use core::panic::PanicInfo;
 
-use pneudrive_app::plant_bus::{Next, Outputs, Ticks};
+use pneudrive_app::lock_step::{Stopwatch, run_control};
+use pneudrive_app::plant_bus::{Next, Outputs};
 use pneudrive_app::{Board, Recorder, Server};
 use semihosting::{eprintln, process};
 
@@ -96,18 +97,6 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
     Ok(())
 }
 
-/// One sample and its output, and the ticks that each took: inputs and outputs of the bus are outside.
-fn run_control(control: &mut Control, board: &mut EmulatedBoard, clock: &Clock) -> Ticks {
-    let begun = clock.now();
-    control.on_sample(board);
-    let sampled = clock.now();
-    board.passes(control.config().timing.delay_us.get());
-    let waited = clock.now();
-    control.on_output(board);
-    let driven = clock.now();
-    Ticks { sample: Clock::between(begun, sampled), output: Clock::between(waited, driven) }
-}
-
 /// Requests whose bytes are there; the ticks of the longest part, which is that of one byte.
 fn listen(
     server: &mut Server,
@@ -120,7 +109,7 @@ fn listen(
     while let Some(byte) = uart.read() {
         let begun = clock.now();
         let Ok(()) = server.receive(&[byte], control, board, uart);
-        longest = longest.max(Clock::between(begun, clock.now()));
+        longest = longest.max(clock.since(begun));
     }
     longest
 }
