@@ -13,10 +13,9 @@ use std::sync::OnceLock;
 
 use anyhow::{Context, Result, bail};
 use pneudrive::board_plant::BoardPlant;
-use pneudrive::client::Client;
 use pneudrive_sim::Rig;
 
-use crate::{Target, body};
+use crate::{Target, body, commission};
 
 /// What is at the bench.
 pub struct Bench {
@@ -127,9 +126,9 @@ fn start(rig: &Rig) -> Box<dyn Target> {
         client.arm().expect("arming leaves the fault");
         client.disarm().expect("an answer");
     }
-    client.import_parameters(&rig.parameters()).expect("disarmed");
-    let position = client.status().expect("an answer").position;
-    client.reference(position).expect("disarmed");
+    // A serial port is one program's, and one connection's.
+    drop(client);
+    commission(&target, rig).expect("disarmed");
     Box::new(target)
 }
 
@@ -143,7 +142,7 @@ impl Target for BoardTarget {
         &self.bench.port
     }
 
-    fn connect(&self) -> Result<Client> {
-        Client::connect(&self.bench.port)
+    fn port(&self) -> &str {
+        &self.bench.port
     }
 }

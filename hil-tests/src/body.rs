@@ -45,10 +45,18 @@ pub fn run_and_record(target: &dyn Target, rig: &Rig) -> Record {
 }
 
 fn run_on(client: &mut Client, rig: &Rig) {
+    start_run(client, rig);
+    assert_eq!(client.follow(&AtomicBool::new(false), |_| {}).expect("no fault").mode, Mode::Done);
+}
+
+/// Downloads, arms and starts the rig's test.
+///
+/// # Panics
+/// When the drive is not ready for it.
+pub fn start_run(client: &mut Client, rig: &Rig) {
     client.download_test(rig).expect("a disarmed rig takes a test");
     client.arm().expect("referenced");
     client.start().expect("armed");
-    assert_eq!(client.follow(&AtomicBool::new(false), |_| {}).expect("no fault").mode, Mode::Done);
 }
 
 /// What the recorder stores of an observation.
@@ -218,9 +226,7 @@ pub fn in_a_long_run(start: Start) -> (Box<dyn Target>, Client) {
     let rig = rig("servo-b", &["test.duration_s=3000"]);
     let target = start(&rig);
     let mut client = target.connect().expect("a rig that answers");
-    client.download_test(&rig).expect("disarmed");
-    client.arm().expect("referenced");
-    client.start().expect("armed");
+    start_run(&mut client, &rig);
     (target, client)
 }
 

@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, anyhow};
-use pneudrive::client::Client;
 use pneudrive::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
-use crate::{Delayed, Supplied, Target};
+use crate::{Delayed, Supplied, Target, commission};
 
 /// The firmware's image on an emulated Cortex-M4, its plant simulated in lock step.
 pub struct QemuTarget {
@@ -43,10 +42,7 @@ impl QemuTarget {
 
     fn commission(board: EmulatedBoard, rig: &Rig) -> Result<QemuTarget> {
         let target = QemuTarget { board };
-        let mut client = target.connect()?;
-        client.import_parameters(&rig.parameters())?;
-        let position = client.status()?.position;
-        client.reference(position)?;
+        commission(&target, rig)?;
         Ok(target)
     }
 
@@ -62,8 +58,8 @@ impl Target for QemuTarget {
         "emulated board"
     }
 
-    fn connect(&self) -> Result<Client> {
-        Client::connect(self.board.port())
+    fn port(&self) -> &str {
+        self.board.port()
     }
 
     fn cost(&self) -> Option<String> {
@@ -80,6 +76,10 @@ impl Delayed for QemuTarget {
 impl Supplied for QemuTarget {
     fn cut_power_at(&self, nth: u64) {
         self.board.flash().cut_power_at(nth);
+    }
+
+    fn damage_configuration(&self) {
+        self.board.flash().damage_configuration();
     }
 
     fn power_up(&mut self) -> Result<()> {

@@ -18,6 +18,8 @@ mod emulated;
 pub mod requests;
 #[cfg(unix)]
 pub mod rounding;
+#[cfg(unix)]
+pub mod shell;
 
 use anyhow::Result;
 use pneudrive::client::Client;
@@ -33,11 +35,17 @@ pub use emulated::{QemuTarget, board_runner, image, program};
 pub trait Target {
     /// Name for messages.
     fn name(&self) -> &str;
+
+    /// The port's name for a client.
+    fn port(&self) -> &str;
+
     /// A new connection to it.
     ///
     /// # Errors
     /// When nobody answers.
-    fn connect(&self) -> Result<Client>;
+    fn connect(&self) -> Result<Client> {
+        Client::connect(self.port())
+    }
 
     /// What its runs have cost, where that is known.
     fn cost(&self) -> Option<String> {
@@ -51,6 +59,9 @@ pub trait Supplied: Target {
     /// first.
     fn cut_power_at(&self, nth: u64);
 
+    /// Both slots of the stored configuration read otherwise than they were written.
+    fn damage_configuration(&self);
+
     /// The power comes back, or goes and comes back.
     ///
     /// # Errors
@@ -62,6 +73,18 @@ pub trait Supplied: Target {
 pub trait Delayed: Target {
     /// Sample k of each run comes so much later than it should, microseconds of the board's clock.
     fn delay_sample(&self, k: u64, late_us: u16);
+}
+
+/// Puts a rung into service as a new board is: the parameters of the rig downloaded, the axis referenced
+/// where it stands.
+///
+/// # Errors
+/// When the rung does not answer, or refuses.
+pub fn commission(target: &dyn Target, rig: &Rig) -> Result<()> {
+    let mut client = target.connect()?;
+    client.import_parameters(&rig.parameters())?;
+    let position = client.status()?.position;
+    client.reference(position)
 }
 
 /// The firmware's application natively, its plant simulated.
@@ -103,14 +126,6 @@ impl VirtualTarget {
     }
 }
 
-impl VirtualTarget {
-    /// The port's name for a client.
-    #[must_use]
-    pub fn port(&self) -> &str {
-        self.rig.port()
-    }
-}
-
 impl Delayed for VirtualTarget {
     fn delay_sample(&self, k: u64, late_us: u16) {
         self.late.set(k, late_us);
@@ -120,6 +135,10 @@ impl Delayed for VirtualTarget {
 impl Supplied for VirtualTarget {
     fn cut_power_at(&self, nth: u64) {
         self.flash.cut_power_at(nth);
+    }
+
+    fn damage_configuration(&self) {
+        self.flash.damage_configuration();
     }
 
     fn power_up(&mut self) -> Result<()> {
@@ -136,7 +155,7 @@ impl Target for VirtualTarget {
         &self.name
     }
 
-    fn connect(&self) -> Result<Client> {
-        Client::connect(self.rig.port())
+    fn port(&self) -> &str {
+        self.rig.port()
     }
 }

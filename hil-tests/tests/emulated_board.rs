@@ -108,6 +108,11 @@ fn what_is_stored_on_the_emulated_board_is_in_force_after_a_power_cut() {
 }
 
 #[test]
+fn a_damaged_configuration_on_the_emulated_board_is_named_and_arms_nothing_before_one_is_stored() {
+    body::keeping::a_damaged_configuration_is_named_and_arms_nothing_before_one_is_stored(supplied);
+}
+
+#[test]
 fn the_watchdog_ends_a_stalled_loop_and_the_drive_comes_up_disabled_with_the_reason() {
     let rig = body::rig("servo-b", &["test.duration_s=3000"]);
     let target = started(&rig);

@@ -152,6 +152,12 @@ fn what_is_stored_on_the_virtual_rig_is_in_force_after_a_power_cut() {
     body::keeping::what_is_stored_is_in_force_after_a_power_cut(supplied);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_damaged_configuration_on_the_virtual_rig_is_named_and_arms_nothing_before_one_is_stored() {
+    body::keeping::a_damaged_configuration_is_named_and_arms_nothing_before_one_is_stored(supplied);
+}
+
 #[test]
 fn a_late_sample_trips_the_virtual_rig_by_name() {
     body::punctuality::a_late_sample_trips_by_name(|rig| {

@@ -35,6 +35,14 @@ impl KeptFlash {
         self.cells().until_cut = Some(nth.saturating_sub(1));
     }
 
+    /// The heads of both slots of the configuration read as zeros from now on.
+    pub fn damage_configuration(&self) {
+        let mut cells = self.cells();
+        for slot in RamFlash::layout().config {
+            let Ok(()) = cells.flash.write(slot.start, &[0; 4 * WORD]);
+        }
+    }
+
     /// Whether the power is off.
     #[must_use]
     pub fn is_dark(&self) -> bool {

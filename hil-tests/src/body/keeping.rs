@@ -8,6 +8,8 @@ use pneudrive_sim::Rig;
 
 use super::{assert_equal_in_every_integer, rig};
 use crate::Supplied;
+#[cfg(unix)]
+use crate::shell::Shell;
 
 /// Starts a rung whose power can be cut, as [`super::Start`].
 pub type StartSupplied = fn(&Rig) -> Box<dyn Supplied>;
@@ -73,4 +75,55 @@ pub fn what_is_stored_is_in_force_after_a_power_cut(start: StartSupplied) {
     target.power_up().expect("it starts again");
     assert_eq!(stored(&mut target.connect().expect("a rig that answers")), rig.parameters());
     assert_equal_in_every_integer(&*target, &rig);
+}
+
+/// A drive whose stored configuration is damaged in both slots comes up in a fault that its log names, with
+/// the parameters of a drive that never had one. It says what to do and arms nothing until a configuration is
+/// stored again; one that is only set does not do.
+///
+/// # Panics
+/// When it does not.
+#[cfg(unix)]
+pub fn a_damaged_configuration_is_named_and_arms_nothing_before_one_is_stored(start: StartSupplied) {
+    let rig = rig("servo-b", &["test.duration_s=0.3"]);
+    let mut target = start(&rig);
+    target.power_up().expect("it starts again");
+    let shell = Shell::at(target.port()).expect("the program is built");
+    let as_delivered = shell.device("config get");
+    for gain in [7, 8] {
+        let _ = shell.device(&format!("config set velocity_gain {gain}"));
+        let _ = shell.device("config save");
+    }
+    target.damage_configuration();
+    target.power_up().expect("it starts again");
+    let shell = Shell::at(target.port()).expect("the program is built");
+    comes_up_in_a_named_fault(&shell, &as_delivered);
+    arms_once_a_configuration_is_stored(&shell);
+    assert_equal_in_every_integer(&*target, &rig);
+    target.power_up().expect("it starts again");
+    assert_eq!(stored(&mut target.connect().expect("a rig that answers")), rig.parameters());
+}
+
+#[cfg(unix)]
+fn comes_up_in_a_named_fault(shell: &Shell, as_delivered: &str) {
+    let status = shell.device("status");
+    assert!(status.starts_with("mode        fault bad-configuration: the stored"), "{status}");
+    let faults = shell.device("faults");
+    let newest = faults.lines().next().unwrap_or_default();
+    assert!(newest.contains("bad-configuration") && newest.ends_with("load one and save it"), "{faults}");
+    let info = shell.device("info");
+    assert!(info.contains("what was stored is damaged; import a configuration and save it\n"), "{info}");
+    assert_eq!(shell.device("config get"), as_delivered, "the saved gain is lost");
+}
+
+#[cfg(unix)]
+fn arms_once_a_configuration_is_stored(shell: &Shell) {
+    let refused = || shell.device_refuses("arm");
+    let what_to_do = "load one (`pneudrive device config import RIG`) and save it";
+    assert!(refused().contains(what_to_do), "{}", refused());
+    let _ = shell.device("config import servo-b");
+    assert!(refused().contains(what_to_do), "set, but not stored: {}", refused());
+    let _ = shell.device("config save");
+    assert!(shell.device("arm").starts_with("armed"));
+    assert!(shell.device("disarm").starts_with("disarmed"));
 }

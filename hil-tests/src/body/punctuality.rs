@@ -3,12 +3,11 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use pneudrive::client::Client;
 use pneudrive_controller::Fault;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::Rig;
 
-use super::{Start, assert_equal_in_every_integer, rig};
+use super::{Start, assert_equal_in_every_integer, rig, start_run};
 use crate::Delayed;
 
 /// Starts a rung that can be made late, as [`Start`].
@@ -17,12 +16,6 @@ pub type StartDelayed = fn(&Rig) -> Box<dyn Delayed>;
 /// Lateness on either side of the 100 us that are allowed.
 const ALLOWED_US: u16 = 96;
 const TOO_LATE_US: u16 = 112;
-
-fn start_run(client: &mut Client, rig: &Rig) {
-    client.download_test(rig).expect("disarmed");
-    client.arm().expect("referenced");
-    client.start().expect("armed");
-}
 
 /// A sample that is too late trips before it is used, by name: the last one of the run is the one before it.
 /// One that is a little late changes nothing.
