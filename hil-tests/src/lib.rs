@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`VirtualTarget`] | the virtual rig, over TCP and over a pty |
 //! | [`QemuTarget`] | the image for a Cortex-M4, in the emulator |
+//! | [`linked::LinkedTarget`] | the application natively, its plant at a second port, over TCP |
 //! | [`board`] | the image on a board, where one is named: `cargo xtask hil` |
 
 #[cfg(unix)]
@@ -14,6 +15,7 @@ pub mod body;
 pub mod cost;
 #[cfg(unix)]
 mod emulated;
+pub mod linked;
 #[cfg(unix)]
 pub mod requests;
 #[cfg(unix)]
