@@ -1,8 +1,6 @@
 //! The board as the application sees it, put together from its parts.
 
 use pneudrive_app::Board;
-use pneudrive_app::fault_log::Memory;
-use pneudrive_app::store::FlashStore;
 use pneudrive_controller::{Command, Config, Sample};
 use pneudrive_nucleo_plan::input;
 use stm32f4xx_hal::gpio::{Input, PA9};
@@ -10,11 +8,8 @@ use stm32f4xx_hal::gpio::{Input, PA9};
 use crate::clock::Clock;
 use crate::converter::Converter;
 use crate::encoder::Encoder;
-use crate::flash::KeptFlash;
+use crate::start::Store;
 use crate::valve::Valve;
-
-/// What is kept through a reset.
-pub type Store = FlashStore<KeptFlash, &'static mut Memory>;
 
 /// Nothing is stored before the drive has been disabled for so long, microseconds: an erasure stalls the
 /// processor, and a host that asks for the reason of a fault gets it first.

@@ -3,6 +3,7 @@
 //! | task | priority | does |
 //! |---|---|---|
 //! | `control`, bound to TIM5 | highest | sample and output at their instants |
+//! | with the feature `plant-bus` instead: `control_in_step`, bound to DMA1's stream 1 | highest | sample and output as the plant answers |
 //! | `idle` | lowest | serves the port and the stream, stores what waits for a disabled drive, feeds the watchdog |
 //!
 //! A request is carried out in one go with the control locked out: right after an output, when most of the
@@ -10,29 +11,42 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`cylinder`] | the control of a real valve and cylinder, and its start |
+//! | [`plant`] | with the feature `plant-bus`: the control of a simulated plant at USART3, and its start |
 //! | [`board`] | the [`pneudrive_app::Board`], put together from the parts |
 //! | [`clock`] | TIM5: microseconds, and the instants of samples and outputs |
 //! | [`encoder`] | TIM2: the encoder |
 //! | [`converter`] | ADC1: pressures and spool |
 //! | [`valve`] | the DAC; step and direction; `drive_enable` |
 //! | [`port`] | USART2: the protocol |
+//! | [`dma`] | the streams of the serial ports |
 //! | [`flash`] | configuration and fault log |
 //! | [`watchdog`] | the independent watchdog |
 //! | [`reset`] | what happens at a breakdown, and what is known of it after the reset |
-//! | [`start`] | from the peripherals to the parts |
+//! | [`start`] | what both starts have in common |
 //!
 //! What is computed for the hardware stands in `pneudrive-nucleo-plan`, which the PC tests.
 #![no_std]
 #![no_main]
 
+#[cfg(not(feature = "plant-bus"))]
 mod board;
+#[cfg(not(feature = "plant-bus"))]
 mod clock;
+#[cfg(not(feature = "plant-bus"))]
 mod converter;
+#[cfg(not(feature = "plant-bus"))]
+mod cylinder;
+mod dma;
+#[cfg(not(feature = "plant-bus"))]
 mod encoder;
 mod flash;
+#[cfg(feature = "plant-bus")]
+mod plant;
 mod port;
 mod reset;
 mod start;
+#[cfg(not(feature = "plant-bus"))]
 mod valve;
 mod watchdog;
 
@@ -40,52 +54,17 @@ use defmt_rtt as _;
 use pneudrive_app::{Recorder, Server};
 use rtic::Mutex;
 
-use board::NucleoBoard;
+#[cfg(not(feature = "plant-bus"))]
+use cylinder::{Drive, start};
+#[cfg(feature = "plant-bus")]
+use plant::{Drive, start, switch_off};
 use port::Port;
+#[cfg(not(feature = "plant-bus"))]
+use valve::switch_off;
 use watchdog::Watchdog;
 
 /// The half with a deadline, with a recorder that stands in zeroed memory.
 type Control = pneudrive_app::Control<&'static mut Recorder>;
-
-/// The longest request, microseconds: docs/firmware-figures.md tells what they take.
-const REQUEST_US: u32 = 450;
-
-/// The control and its board: what the two tasks share.
-pub struct Drive {
-    control: Control,
-    board: NucleoBoard,
-    /// The control has run since the watchdog was last fed.
-    ran: bool,
-}
-
-impl Drive {
-    /// The timer's interrupt: whatever is due.
-    fn tick(&mut self) {
-        if self.board.clock.sample_is_due() {
-            self.control.on_sample(&mut self.board);
-        }
-        if self.board.clock.output_is_due() {
-            self.control.on_output(&mut self.board);
-            self.ran = true;
-        }
-    }
-
-    /// Whether the control has run since this was last asked; its times are settled then.
-    fn has_run(&mut self) -> bool {
-        self.control.settle_timing();
-        core::mem::take(&mut self.ran)
-    }
-
-    /// Whether a request can be carried out before the control is due.
-    fn has_time(&self) -> bool {
-        self.board.clock.left_us() > REQUEST_US
-    }
-
-    /// What waits for a disabled drive. False when the flash does not take it.
-    fn tidy_up(&mut self) -> bool {
-        !self.board.rests() || self.control.tidy_up(&mut self.board).is_ok()
-    }
-}
 
 /// The half that talks, and what it needs.
 pub struct Talk {
@@ -97,6 +76,11 @@ pub struct Talk {
 }
 
 impl Talk {
+    /// Who has nothing to say yet.
+    pub fn new(port: Port, watchdog: Watchdog) -> Talk {
+        Talk { server: Server::default(), port, watchdog, flash_refuses: false }
+    }
+
     /// One round of the idle task.
     fn round(&mut self, drive: &mut impl Mutex<T = Drive>) {
         self.port.clear_errors();
@@ -119,9 +103,9 @@ impl Talk {
             && let Some(byte) = self.port.read()
         {
             let Talk { server, port, .. } = self;
-            drive.lock(|Drive { control, board, .. }| {
-                let Ok(()) = server.receive(&[byte], control, board, port);
-                board.clock.keep(control.config().timing);
+            drive.lock(|drive| {
+                let Ok(()) = server.receive(&[byte], &mut drive.control, &mut drive.board, port);
+                drive.keep_timing();
             });
         }
     }
@@ -145,7 +129,7 @@ impl Talk {
 mod app {
     use pneudrive_app::Recorder;
 
-    use crate::{Drive, Talk, start};
+    use crate::{Drive, Talk};
 
     #[shared]
     struct Shared {
@@ -159,12 +143,19 @@ mod app {
 
     #[init(local = [recorder: Recorder = Recorder::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (drive, talk) = start::start(context.device, context.local.recorder);
+        let (drive, talk) = crate::start(context.core, context.device, context.local.recorder);
         (Shared { drive }, Local { talk })
     }
 
+    #[cfg(not(feature = "plant-bus"))]
     #[task(binds = TIM5, priority = 15, shared = [drive])]
     fn control(mut context: control::Context) {
+        context.shared.drive.lock(Drive::tick);
+    }
+
+    #[cfg(feature = "plant-bus")]
+    #[task(binds = DMA1_STREAM1, priority = 15, shared = [drive])]
+    fn control_in_step(mut context: control_in_step::Context) {
         context.shared.drive.lock(Drive::tick);
     }
 

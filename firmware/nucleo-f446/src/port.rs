@@ -11,22 +11,19 @@ use embedded_io::{ErrorType, Write};
 use pneudrive_nucleo_plan::ring::Reader;
 use pneudrive_protocol::MAX_FRAME;
 use stm32f4xx_hal::gpio::{PA2, PA3};
-use stm32f4xx_hal::pac::{DMA1, USART2};
-use stm32f4xx_hal::rcc::{Enable, Rcc};
+use stm32f4xx_hal::pac::USART2;
+use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::config::{Config, DmaConfig, InvalidConfig};
 use stm32f4xx_hal::serial::{Serial, SerialExt};
 use stm32f4xx_hal::time::Bps;
 
+use crate::dma::Stream;
+
 /// Bits a second.
-const BAUD: u32 = 921_600;
+pub const BAUD: u32 = 921_600;
 
 /// 11 ms of bytes.
 const RING: usize = 1024;
-
-/// The streams that USART2 has on channel 4.
-const CHANNEL: u8 = 4;
-const RECEIVE: usize = 5;
-const SEND: usize = 6;
 
 static RECEIVED: [AtomicU8; RING] = [const { AtomicU8::new(0) }; RING];
 static REPLY: [AtomicU8; MAX_FRAME] = [const { AtomicU8::new(0) }; MAX_FRAME];
@@ -34,7 +31,8 @@ static REPLY: [AtomicU8; MAX_FRAME] = [const { AtomicU8::new(0) }; MAX_FRAME];
 /// The port.
 pub struct Port {
     usart: USART2,
-    dma: DMA1,
+    received: Stream<5>,
+    sent: Stream<6>,
     reader: Reader,
     collected: usize,
 }
@@ -44,37 +42,27 @@ impl Port {
     ///
     /// # Errors
     /// When the baud rate can't be had.
-    pub fn open(usart: USART2, dma: DMA1, pins: (PA2, PA3), rcc: &mut Rcc) -> Result<Port, InvalidConfig> {
+    pub fn open(
+        usart: USART2,
+        (mut received, sent): (Stream<5>, Stream<6>),
+        pins: (PA2, PA3),
+        rcc: &mut Rcc,
+    ) -> Result<Port, InvalidConfig> {
         let config = Config::default().baudrate(Bps(BAUD)).dma(DmaConfig::TxRx);
         let serial: Serial<USART2> = usart.serial(pins, config, rcc)?;
         let (usart, _) = serial.release();
-        DMA1::enable(rcc);
-        let port = Port { usart, dma, reader: Reader::default(), collected: 0 };
-        port.receive();
-        Ok(port)
-    }
-
-    /// Lets the receiver fill the ring, round after round.
-    fn receive(&self) {
-        let stream = self.dma.st(RECEIVE);
-        // SAFETY: the data register of the port, which is on this DMA's bus.
-        stream.par().write(|w| unsafe { w.pa().bits(self.usart.dr().as_ptr() as u32) });
-        // SAFETY: a static whose bytes may change at any time; the stream writes no more than it has.
-        stream.m0ar().write(|w| unsafe { w.m0a().bits(RECEIVED.as_ptr() as u32) });
-        stream.ndtr().write(|w| w.ndt().set(RING as u16));
-        stream.cr().write(|w| w.chsel().set(CHANNEL).minc().set_bit().circ().set_bit());
-        stream.cr().modify(|_, w| w.en().set_bit());
+        received.fill_round(usart.dr().as_ptr().cast(), &RECEIVED);
+        Ok(Port { usart, received, sent, reader: Reader::default(), collected: 0 })
     }
 
     /// Whether the last reply has gone.
     pub fn is_free(&self) -> bool {
-        self.dma.st(SEND).cr().read().en().bit_is_clear()
+        !self.sent.is_on()
     }
 
     /// A byte that has come.
     pub fn read(&mut self) -> Option<u8> {
-        let left = self.dma.st(RECEIVE).ndtr().read().ndt().bits();
-        let place = self.reader.next(RING, usize::from(left))?;
+        let place = self.reader.next(RING, self.received.left())?;
         // What the DMA has written is read after its counter.
         fence(Ordering::Acquire);
         RECEIVED.get(place).map(|byte| byte.load(Ordering::Relaxed))
@@ -87,23 +75,10 @@ impl Port {
 
     /// Sends what was collected. The port must be free.
     pub fn send(&mut self) {
-        if self.collected == 0 {
-            return;
+        if self.collected > 0 {
+            self.sent.send(self.usart.dr().as_ptr().cast(), &REPLY, self.collected);
+            self.collected = 0;
         }
-        self.dma.hifcr().write(|w| {
-            w.ctcif6().set_bit().chtif6().set_bit().cteif6().set_bit().cdmeif6().set_bit().cfeif6().set_bit()
-        });
-        let stream = self.dma.st(SEND);
-        // SAFETY: the data register of the port, which is on this DMA's bus.
-        stream.par().write(|w| unsafe { w.pa().bits(self.usart.dr().as_ptr() as u32) });
-        // SAFETY: a static that is not written before the stream has ended.
-        stream.m0ar().write(|w| unsafe { w.m0a().bits(REPLY.as_ptr() as u32) });
-        stream.ndtr().write(|w| w.ndt().set(self.collected as u16));
-        // What was collected is in memory before the DMA reads it.
-        fence(Ordering::Release);
-        stream.cr().write(|w| w.chsel().set(CHANNEL).dir().memory_to_peripheral().minc().set_bit());
-        stream.cr().modify(|_, w| w.en().set_bit());
-        self.collected = 0;
     }
 
     /// Clears what noise on the line has left, so that reception goes on.

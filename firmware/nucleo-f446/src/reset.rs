@@ -15,7 +15,7 @@ use pneudrive_app::fault_log::Memory;
 use pneudrive_nucleo_plan::reset::{PANICKED, Reset};
 use stm32f4xx_hal::pac::RCC;
 
-use crate::valve;
+use crate::switch_off;
 
 /// Memory that the start-up code leaves as it is.
 struct Kept<T>(UnsafeCell<MaybeUninit<T>>);
@@ -67,7 +67,7 @@ pub unsafe fn fault_memory() -> &'static mut Memory {
 /// Off, noted, told, reset. What breaks down in telling is not told again.
 fn break_down(tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
-    valve::switch_off();
+    switch_off();
     if note() != PANICKED {
         leave_note(PANICKED);
         tell();
