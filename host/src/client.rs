@@ -313,7 +313,10 @@ impl Client {
             let status = self.status()?;
             progress(&status);
             match status.mode {
-                Mode::Running => between(self)?,
+                // Who cannot go on must not leave a cylinder that moves.
+                Mode::Running => between(self).inspect_err(|_| {
+                    let _ = self.stop();
+                })?,
                 Mode::Fault => bail!(
                     "{} tripped at sample {}: {} ({}); `pneudrive device arm` leaves the fault",
                     self.name,

@@ -7,14 +7,15 @@ use std::fs;
 use std::sync::atomic::AtomicBool;
 
 use pneudrive::client::Client;
-use pneudrive_protocol::StreamedSample;
+use pneudrive_controller::Fault;
+use pneudrive_protocol::{Mode, StreamedSample};
 use pneudrive_sim::Rig;
 use simulated_link::{Faults, Random, SimulatedRig};
 
 use program::{folder, ok, transcript, virtual_rig};
 
-/// A run of 4 s on a rig at the end of a line: the rows that came, and those that the link has lost.
-fn streamed(rig: &SimulatedRig, every: u16) -> (Client, Vec<StreamedSample>, u64) {
+/// A run of 4 s on a rig at the end of a line, begun with its stream.
+fn started(rig: &SimulatedRig, every: u16) -> Client {
     let settings = ["test.duration_s=4", "controller.loop=open", "test.moves=[[0.0, 5]]"].map(str::to_owned);
     let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
     let test = Rig::read_with("servo-b", text, &settings).expect("a test");
@@ -25,6 +26,12 @@ fn streamed(rig: &SimulatedRig, every: u16) -> (Client, Vec<StreamedSample>, u64
     client.stream_begin(every, 769.0).expect("version 3");
     client.arm().expect("in open loop without a reference");
     client.start().expect("armed");
+    client
+}
+
+/// The run: the rows that came, and those that the link has lost.
+fn streamed(rig: &SimulatedRig, every: u16) -> (Client, Vec<StreamedSample>, u64) {
+    let mut client = started(rig, every);
     let mut rows = Vec::new();
     let keep = |row: &StreamedSample| {
         rows.push(*row);
@@ -51,6 +58,23 @@ fn every_nth_sample_is_streamed() {
     let (_, rows, lost) = streamed(&SimulatedRig::with_record(&[]), 100);
     assert_eq!(lost, 0);
     assert!(rows.iter().map(|row| row.index).eq((0..=3076).step_by(100)));
+}
+
+/// Nobody would watch the cylinder any more.
+#[test]
+fn a_stream_that_cannot_be_kept_stops_the_drive() {
+    let rig = SimulatedRig::with_record(&[]);
+    let mut client = started(&rig, 1);
+    let mut taken = 0;
+    let full_disk = |_: &StreamedSample| {
+        taken += 1;
+        if taken > 100 { Err(std::io::Error::other("no space").into()) } else { Ok(()) }
+    };
+    let error = client.follow_streamed(&AtomicBool::new(false), |_| {}, full_disk).expect_err("no space");
+    assert!(error.to_string().contains("no space"), "{error:#}");
+    let status = client.status().expect("an answer");
+    assert_eq!((status.mode, status.fault), (Mode::Fault, Fault::Stop.code()));
+    assert!(status.index < 3000, "long before the end of the run: {}", status.index);
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! The firmware of the drive without its board: everything but pins, clocks and interrupts.
 //!
-//! A board owns an [`App`] and calls it from three places:
+//! A board owns an [`App`] and calls it from four places:
 //!
 //! | call | from | priority | deadline |
 //! |---|---|---|---|
 //! | [`Control::on_sample`] | timer, at k * period | highest | before the output |
 //! | [`Control::on_output`] | timer, `delay` later | highest | before the next sample |
-//! | [`Server::receive`] | serial port | below | none: it never blocks the two above |
+//! | [`Server::receive`] | serial port | below | none; a request locks the two above out while it is carried out (docs/firmware-figures.md) |
 //! | [`Server::attend`], [`Server::speak`] | idle task | below | none; streams miss samples that it is late for |
 //!
 //! A sample that comes later than the configuration allows trips the supervisor; it is never made up

@@ -11,13 +11,10 @@ const REMEMBERED: usize = 8;
 pub(crate) struct CarriedOut([Option<u32>; REMEMBERED]);
 
 impl CarriedOut {
-    /// Whether a request that changes something was carried out before; from now on it was. A host begins
-    /// with `Info`, and its numbers anew.
+    /// Whether a request that changes something was carried out before; from now on it was. Also across
+    /// hosts: one that asks the same under the same number by chance (1 in 65,536) gets no answer.
     pub(crate) fn has(&mut self, message: &[u8], crc32: u32) -> bool {
         let Ok(request) = decode_request(message) else { return false };
-        if request.body == RequestBody::Info {
-            *self = CarriedOut::default();
-        }
         if only_reads(&request.body) {
             return false;
         }
@@ -30,7 +27,8 @@ impl CarriedOut {
     }
 }
 
-/// Whether a request changes nothing: it may be carried out as often as it comes.
+/// Whether a request may be carried out as often as it comes: it changes nothing, or only raises what may
+/// be sent.
 fn only_reads(body: &RequestBody<'_>) -> bool {
     use RequestBody as Body;
     matches!(
@@ -46,5 +44,6 @@ fn only_reads(body: &RequestBody<'_>) -> bool {
             | Body::Timing
             | Body::RecordChunk { .. }
             | Body::StreamRead { .. }
+            | Body::StreamGrant { .. }
     )
 }

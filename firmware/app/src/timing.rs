@@ -21,7 +21,7 @@ impl Clock {
     /// differences of 32 bits, since a watchdog bites long before the 71 minutes at which those wrap.
     #[inline(always)] // As `output`: in the control interrupt.
     pub fn sample(&mut self, now_us: u32, timing: &Timing) -> Option<u32> {
-        if self.latency_us.is_some() {
+        if self.interval_us.is_some() || self.latency_us.is_some() {
             self.settle(timing);
         }
         let interval_us = self.runs.then(|| now_us.wrapping_sub(self.last_us));
@@ -31,10 +31,11 @@ impl Clock {
         interval_us
     }
 
-    /// The output of the last sample is done.
+    /// The output of the last sample is done. One whose sample came before the clock was restarted has no
+    /// latency.
     #[inline(always)]
     pub fn output(&mut self, now_us: u32) {
-        self.latency_us = Some(now_us.wrapping_sub(self.last_us));
+        self.latency_us = self.runs.then(|| now_us.wrapping_sub(self.last_us));
     }
 
     /// Takes the noted times into the histograms.
@@ -140,6 +141,25 @@ mod tests {
         assert_eq!((latencies.count, latencies.least_us, latencies.most_us), (4, 510, 510));
         assert_eq!(clock(&times, true).spreads(), [intervals, latencies]);
         assert_eq!(clock(&times, true).mean_interval_ns(), Some(1_300_333));
+    }
+
+    #[test]
+    fn an_output_behind_a_restart_of_the_clock_has_no_latency() {
+        let mut clock = Clock::default();
+        clock.output(70_000_000);
+        clock.settle(&TIMING);
+        assert_eq!(clock.spreads().map(|spread| spread.count), [0, 0]);
+    }
+
+    #[test]
+    fn a_sample_whose_output_never_came_keeps_its_interval() {
+        let mut clock = Clock::default();
+        for now_us in [0, 5000, 6300] {
+            clock.sample(now_us, &TIMING);
+        }
+        clock.settle(&TIMING);
+        let [intervals, _] = clock.spreads();
+        assert_eq!((intervals.count, intervals.most_us), (2, 5000), "a long lock has held both up");
     }
 
     #[test]

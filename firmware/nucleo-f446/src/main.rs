@@ -66,6 +66,9 @@ use watchdog::Watchdog;
 /// The half with a deadline, with a recorder that stands in zeroed memory.
 type Control = pneudrive_app::Control<&'static mut Recorder>;
 
+/// Bytes that are looked at in one round: some 10,000 instructions.
+const BYTES_A_ROUND: usize = 64;
+
 /// The half that talks, and what it needs.
 pub struct Talk {
     server: Server,
@@ -97,11 +100,14 @@ impl Talk {
         }
     }
 
-    /// The bytes that have come, up to one that ends a request.
+    /// The bytes that have come, up to one that ends a request; a few at a time, since what was looked at before
+    /// them, the time that is left, goes by.
     fn listen(&mut self, drive: &mut impl Mutex<T = Drive>) {
-        while !self.port.has_collected()
-            && let Some(byte) = self.port.read()
-        {
+        for _ in 0..BYTES_A_ROUND {
+            if self.port.has_collected() {
+                return;
+            }
+            let Some(byte) = self.port.read() else { return };
             let Talk { server, port, .. } = self;
             drive.lock(|drive| {
                 let Ok(()) = server.receive(&[byte], &mut drive.control, &mut drive.board, port);

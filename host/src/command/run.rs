@@ -72,6 +72,7 @@ pub(super) fn run_test(
     client.arm()?;
     if let Err(error) = wait_for_null(client, rig).and_then(|()| client.start()) {
         client.disarm()?;
+        stream.map_or(Ok(()), |stream| stream.end(client))?;
         return Err(error);
     }
     let mut progress = Progress::new("running");

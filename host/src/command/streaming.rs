@@ -35,8 +35,9 @@ impl Streaming {
     ) -> Result<Streaming> {
         let info = client.info()?;
         let period_us = parameters.values.get(id::PERIOD_US).unwrap_or(0);
-        client.stream_begin(every, 1e6 / f64::from(period_us.max(1)))?;
+        client.needs_streams()?;
         let file = StreamFile::create(path, test, every, &info, parameters)?;
+        client.stream_begin(every, 1e6 / f64::from(period_us.max(1)))?;
         Ok(Streaming { file, path: path.to_owned() })
     }
 
@@ -48,11 +49,12 @@ impl Streaming {
     /// What the file says of itself at its end.
     pub(super) fn end(mut self, client: &mut Client) -> Result<()> {
         let samples_of_run = client.status().ok().map(|status| status.index.saturating_add(1));
+        let ended = client.stream_end();
         self.file.end(samples_of_run)?;
         let (samples, missing) = self.file.counts();
         let lost =
             if missing == 0 { "none missing".to_owned() } else { format!("{missing} MISSING, see its gaps") };
         say!("{}: {samples} samples, {lost}", self.path.display());
-        client.stream_end()
+        ended
     }
 }
