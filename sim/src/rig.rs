@@ -10,6 +10,7 @@ mod controller;
 mod events;
 mod explain;
 pub mod keys;
+mod problem;
 mod read;
 mod schedule;
 mod spread;
@@ -17,9 +18,9 @@ mod spread;
 pub use builtin::{BUILTIN, builtin};
 pub use events::Fields;
 pub use explain::explain;
-pub use read::{Problem, Problems};
-pub use spread::SpreadError;
-pub(crate) use spread::unit_interval;
+pub use problem::{Problem, Problems, line_at};
+pub use read::{nearest, value_of_setting};
+pub use spread::{SpreadError, unit_interval};
 
 use keys::{Default, KEYS, Key};
 

@@ -2,7 +2,7 @@
 
 use super::events::{FIELDS, KINDS};
 use super::keys::{Default, KEYS, Key, Kind};
-use super::read::Problem;
+use super::problem::Problem;
 use super::{Fields, Value};
 
 /// The help text of a key, of all keys of a table, or of all keys (for an empty name).

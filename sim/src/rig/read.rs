@@ -1,39 +1,10 @@
 //! Reading a rig file: every problem with its file, line and key.
 
-use std::fmt;
-
 use toml_edit::{ArrayOfTables, Document, Item, Table, TableLike};
 
 use super::keys::{self, Default, KEYS, Key, Kind};
+use super::problem::{Problem, Problems, line_at};
 use super::{Rig, Value, default_value};
-
-/// Something wrong with a rig file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Problem {
-    /// The file, or the part of the command line.
-    pub source: String,
-    /// Counted from 1; None where there is no line.
-    pub line: Option<usize>,
-    /// The key, as `table.name`.
-    pub key: String,
-    /// What is wrong and what to do.
-    pub message: String,
-}
-
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.source)?;
-        if let Some(line) = self.line {
-            write!(f, ":{line}")?;
-        }
-        write!(f, ": {}: {}", self.key, self.message)
-    }
-}
-
-/// Everything wrong with a rig file.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-pub struct Problems(pub Vec<Problem>);
 
 /// What is being read, and what was found wrong so far.
 pub(super) struct Reader<'a> {
@@ -61,7 +32,7 @@ impl Rig {
         let mut rig = Rig::defaults();
         match Document::parse(text) {
             Ok(document) => reader.top(&mut rig, document.as_table()),
-            Err(error) => reader.syntax(&error),
+            Err(error) => reader.problems.push(Problem::of_syntax(source, text, &error)),
         }
         for setting in settings {
             reader.setting(&mut rig, setting);
@@ -116,22 +87,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn line_of(&self, span: Option<std::ops::Range<usize>>) -> Option<usize> {
-        span.map(|span| 1 + self.text[..span.start.min(self.text.len())].matches('\n').count())
-    }
-
-    /// A file that is no TOML: the line, and the key that is nearest above. A bracket that is not
-    /// closed is found by the parser further down only, so that is looked for first.
-    fn syntax(&mut self, error: &toml_edit::TomlError) {
-        let end = error.span().map_or(self.text.len(), |span| span.start.min(self.text.len()));
-        let (line, message) = match open_bracket(&self.text[..end]) {
-            Some(line) => (line, "a bracket is opened here and not closed".to_owned()),
-            None => (
-                1 + self.text[..end].matches('\n').count(),
-                format!("this is not TOML: {}", error.message().lines().collect::<Vec<_>>().join("; ")),
-            ),
-        };
-        let key = nearest_key(self.text, line);
-        self.problem(Some(line), &key, message);
+        span.map(|span| line_at(self.text, span.start))
     }
 
     fn top(&mut self, rig: &mut Rig, top: &Table) {
@@ -190,12 +146,10 @@ impl Reader<'_> {
         let source = std::mem::replace(&mut self.source, "--set");
         let (path, text) = setting.split_once('=').unwrap_or((setting, ""));
         let (path, text) = (path.trim(), text.trim());
-        // A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes.
-        let value = text.parse::<toml_edit::Value>().unwrap_or_else(|_| text.into());
         if text.is_empty() {
             self.problem(None, path, "write key=value, such as --set load.mass_kg=2.5".to_owned());
         } else {
-            self.item(rig, path, None, &Item::Value(value));
+            self.item(rig, path, None, &item_of(text));
         }
         // What is typed last holds: targets replace the moves of the file.
         if path == "test.targets" {
@@ -205,39 +159,18 @@ impl Reader<'_> {
     }
 }
 
-/// The line at which the outermost bracket that is still open at the end of `text` was opened.
-fn open_bracket(text: &str) -> Option<usize> {
-    let mut open = Vec::new();
-    for (number, line) in text.lines().enumerate() {
-        let mut in_string = false;
-        for character in line.chars() {
-            match character {
-                '"' => in_string = !in_string,
-                '#' if !in_string => break,
-                '[' | '{' if !in_string => open.push(number + 1),
-                ']' | '}' if !in_string => drop(open.pop()),
-                _ => {}
-            }
-        }
-    }
-    open.first().copied()
+/// A value as it is typed. A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes.
+fn item_of(text: &str) -> Item {
+    Item::Value(text.parse().unwrap_or_else(|_| text.into()))
 }
 
-/// The last key at or above a line, with its table.
-fn nearest_key(text: &str, line: usize) -> String {
-    let (mut table, mut key) = ("", "");
-    for text in text.lines().take(line).map(str::trim) {
-        if let Some(header) = text.strip_prefix('[').filter(|_| !text.contains('=')) {
-            (table, key) = (header.trim_matches(['[', ']', ' ']), "");
-        } else if let Some((name, _)) = text.split_once('=').filter(|_| !text.starts_with('#')) {
-            key = name.trim();
-        }
-    }
-    match (table, key) {
-        ("", key) => key.to_owned(),
-        (table, "") => format!("[{table}]"),
-        (table, key) => format!("{table}.{key}"),
-    }
+/// The value that a setting `path=text` gives a key, whatever the other keys are.
+///
+/// # Errors
+/// What is wrong with key or value.
+pub fn value_of_setting(path: &str, text: &str) -> Result<Value, String> {
+    let key = KEYS.iter().find(|key| key.path == path).ok_or_else(|| unknown_key(path))?;
+    value_of(key, &item_of(text))
 }
 
 /// What to say of a key that is not in the table: its unit, or a near miss.
@@ -262,12 +195,18 @@ fn unknown_key(path: &str) -> String {
 }
 
 pub(super) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    nearest(name, known)
+        .map(|candidate| format!("; did you mean {candidate}?"))
+        .unwrap_or_else(|| "; `pneudrive rig explain` lists the keys".to_owned())
+}
+
+/// The known name that is most like a name, if one is.
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     known
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
         .filter(|(likeness, _)| *likeness > 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| format!("; did you mean {candidate}?"))
-        .unwrap_or_else(|| "; `pneudrive rig explain` lists the keys".to_owned())
+        .map(|(_, candidate)| candidate)
 }
 
 /// The value of a key, or what is wrong with it.

@@ -62,6 +62,6 @@ impl Rig {
 }
 
 /// An even draw from 0 to 1 with 53 bits.
-pub(crate) fn unit_interval(random: &mut impl Rng) -> f64 {
+pub fn unit_interval(random: &mut impl Rng) -> f64 {
     (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }

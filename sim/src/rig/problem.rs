@@ -1,0 +1,89 @@
+//! What is wrong with a file: where, and what to do.
+
+use std::fmt;
+
+/// Something wrong with a rig file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// The file, or the part of the command line.
+    pub source: String,
+    /// Counted from 1; None where there is no line.
+    pub line: Option<usize>,
+    /// The key, as `table.name`.
+    pub key: String,
+    /// What is wrong and what to do.
+    pub message: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.source)?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        write!(f, ": {}: {}", self.key, self.message)
+    }
+}
+
+impl Problem {
+    /// A file that is no TOML: the line, and the key that is nearest above. A bracket that is not
+    /// closed is found by the parser further down only, so that is looked for first.
+    #[must_use]
+    pub fn of_syntax(source: &str, text: &str, error: &toml_edit::TomlError) -> Problem {
+        let end = error.span().map_or(text.len(), |span| span.start.min(text.len()));
+        let (line, message) = match open_bracket(&text[..end]) {
+            Some(line) => (line, "a bracket is opened here and not closed".to_owned()),
+            None => (
+                line_at(text, end),
+                format!("this is not TOML: {}", error.message().lines().collect::<Vec<_>>().join("; ")),
+            ),
+        };
+        Problem { source: source.to_owned(), line: Some(line), key: nearest_key(text, line), message }
+    }
+}
+
+/// The line, counted from 1, of a place in a text, bytes.
+#[must_use]
+pub fn line_at(text: &str, place: usize) -> usize {
+    1 + text[..place.min(text.len())].matches('\n').count()
+}
+
+/// Everything wrong with a rig file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct Problems(pub Vec<Problem>);
+
+/// The line at which the outermost bracket that is still open at the end of `text` was opened.
+fn open_bracket(text: &str) -> Option<usize> {
+    let mut open = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let mut in_string = false;
+        for character in line.chars() {
+            match character {
+                '"' => in_string = !in_string,
+                '#' if !in_string => break,
+                '[' | '{' if !in_string => open.push(number + 1),
+                ']' | '}' if !in_string => drop(open.pop()),
+                _ => {}
+            }
+        }
+    }
+    open.first().copied()
+}
+
+/// The last key at or above a line, with its table.
+fn nearest_key(text: &str, line: usize) -> String {
+    let (mut table, mut key) = ("", "");
+    for text in text.lines().take(line).map(str::trim) {
+        if let Some(header) = text.strip_prefix('[').filter(|_| !text.contains('=')) {
+            (table, key) = (header.trim_matches(['[', ']', ' ']), "");
+        } else if let Some((name, _)) = text.split_once('=').filter(|_| !text.starts_with('#')) {
+            key = name.trim();
+        }
+    }
+    match (table, key) {
+        ("", key) => key.to_owned(),
+        (table, "") => format!("[{table}]"),
+        (table, key) => format!("{table}.{key}"),
+    }
+}
