@@ -5,7 +5,7 @@ mod transients;
 
 use std::path::PathBuf;
 
-pub use experiments::{ALL, Characterise, LIST, Study};
+pub use experiments::{ALL, Characterise, LIST, Merge, Study, Sweep};
 pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -52,6 +52,10 @@ pub enum Command {
     Characterise(Characterise),
     /// The application studies of the thesis: what it says, and what the model shows
     Study(Study),
+    /// Many runs of a rig on all cores: keys vary, figures of the moves are collected; goes on where it was killed
+    Sweep(Sweep),
+    /// Put the shards of a sweep together
+    Merge(Merge),
 }
 
 /// Which rig, and what to change in it.

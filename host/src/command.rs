@@ -4,6 +4,7 @@ mod characterise;
 mod demo;
 mod device;
 mod eval;
+mod merge;
 mod monitor;
 mod overlay;
 pub mod record;
@@ -14,6 +15,7 @@ mod simulate;
 mod spectrum;
 mod streaming;
 mod study;
+mod sweep;
 mod virtual_rig;
 
 use std::path::Path;
@@ -47,6 +49,8 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
         Command::Characterise(arguments) => characterise::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
+        Command::Sweep(arguments) => sweep::execute(&arguments),
+        Command::Merge(arguments) => merge::execute(&arguments),
     }
 }
 
@@ -121,6 +125,11 @@ impl Progress {
     }
 
     fn of(what: &str, of: &'static str) -> Progress {
+        Progress::counting(what, "samples")
+    }
+
+    /// Of something else than samples.
+    fn counting(what: &str, of: &'static str) -> Progress {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(10));
         let style = ProgressStyle::with_template("{msg:<12} [{bar:40}] {pos}/{len} ({per_sec}, {eta} left)");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));

@@ -20,6 +20,7 @@
 //! | [`spectrum`] | which frequencies a channel holds |
 //! | [`evaluation`] | what a transient tells about its moves |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
+//! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
 //! | [`page`] | notes, tables and graphs in one file |
 //! | [`report`] | the page of transients |
 
@@ -57,6 +58,7 @@ pub mod spectrum;
 pub mod stream;
 pub mod stream_file;
 pub mod study;
+pub mod sweep;
 pub mod target;
 pub mod transient;
 pub mod virtual_rig;

@@ -1,5 +1,6 @@
 //! Arguments of the commands that ask the model.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -7,6 +8,8 @@ use pneudrive_sim::characteristics::CURVES;
 
 use super::RigChoice;
 use crate::study::STUDIES;
+use crate::sweep::execution::Shard;
+use crate::sweep::metric::FIGURES;
 
 /// Arguments of `characterise`.
 #[derive(Debug, Args)]
@@ -73,4 +76,47 @@ fn study(text: &str) -> Result<String, String> {
     } else {
         Err(format!("choose one of {}", names.join(", ")))
     }
+}
+
+/// Arguments of `sweep`.
+#[derive(Debug, Args)]
+#[command(after_help = figures())]
+pub struct Sweep {
+    /// The file of the sweep: what varies, what is collected
+    #[arg(value_name = "SWEEP.toml")]
+    pub file: PathBuf,
+    /// Where to leave sweep.csv, sweep.html and sweep.journal; without it, a folder named like the file
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// How many runs go on at the same time; without it, one for each processor
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Run only this part of the points, such as 2/4, into a folder of its own
+    #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", hide_default_value = true)]
+    pub shard: Shard,
+}
+
+/// Arguments of `merge`.
+#[derive(Debug, Args)]
+pub struct Merge {
+    /// Folders of the shards
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Where to leave the whole
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+fn figures() -> String {
+    let lines = FIGURES.iter().map(|figure| format!("  {:<20}{}\n", figure.name, figure.meaning));
+    format!("Figures of a move:\n{}", lines.collect::<String>())
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let read = || {
+        let (number, of) = text.split_once('/')?;
+        let shard = Shard { number: number.trim().parse().ok()?, of: of.trim().parse().ok()? };
+        (1..=shard.of).contains(&shard.number).then_some(shard)
+    };
+    read().ok_or_else(|| "write I/N with I from 1 to N, such as 2/4".to_owned())
 }

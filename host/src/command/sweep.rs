@@ -1,0 +1,85 @@
+//! `pneudrive sweep`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::thread::available_parallelism;
+
+use anyhow::{Context, Result, bail};
+use pneudrive_sim::rig::builtin;
+
+use super::{Progress, rig_text};
+use crate::cli;
+use crate::page::GENERATOR;
+use crate::run_folder::{make_writable, put, refuse_foreign};
+use crate::sweep::execution::execute as run_points;
+use crate::sweep::journal::{Journal, NAME};
+use crate::sweep::{HEADER_END, Row, Source, Sweep, report};
+
+pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
+    let sweep = read(&arguments.file)?;
+    let out = arguments.out.clone().unwrap_or_else(|| folder_of(&arguments.file));
+    make_place(&out)?;
+    let (mut journal, mut rows) = Journal::open(&out, &sweep)?;
+    let threads = arguments.threads.or_else(|| available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    if !rows.is_empty() {
+        say!("{}: {} points are there already", out.join(NAME).display(), rows.len());
+    }
+    let mut progress = Progress::counting("sweeping", "points");
+    let there = arguments.shard.points(&sweep).filter(|point| rows.contains_key(point)).count();
+    progress.begin_at(there as u64, arguments.shard.points(&sweep).count() as u64);
+    run_points(&sweep, arguments.shard, threads, &mut journal, &mut rows, |done, all| {
+        progress.at(done as u64, all as u64);
+    })?;
+    progress.done();
+    if rows.len() < sweep.points() {
+        let (there, all) = (rows.len(), sweep.points());
+        say!("{}: {there} of {all} points; pneudrive merge puts the shards together", out.display());
+        return Ok(());
+    }
+    leave(&out, &sweep, rows)
+}
+
+/// The folder that is named like a file.
+fn folder_of(file: &Path) -> PathBuf {
+    PathBuf::from(file.file_stem().filter(|stem| Path::new(stem) != file).unwrap_or("sweep".as_ref()))
+}
+
+fn read(file: &Path) -> Result<Sweep> {
+    let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let beside = |rig: &str| {
+        let place = file.parent().unwrap_or(Path::new("")).join(rig);
+        let rig = if builtin(rig).is_some() { rig.to_owned() } else { place.display().to_string() };
+        let (name, text) = rig_text(&rig)?;
+        Ok(Source { name, text })
+    };
+    Ok(Sweep::read(Source { name: file.display().to_string(), text }, beside)?)
+}
+
+/// Makes sure, before long work, that the result can be left there.
+pub(super) fn make_place(out: &Path) -> Result<()> {
+    make_writable(out)?;
+    refuse_foreign(&out.join("sweep.csv"), HEADER_END)?;
+    refuse_foreign(&out.join("sweep.html"), GENERATOR)
+}
+
+/// Writes result and page of all points and tells what came out.
+pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Result<()> {
+    let rows: Vec<Row> = rows.into_values().collect();
+    let lines = std::iter::once(sweep.header()).chain(rows.iter().map(Row::to_csv));
+    put(&out.join("sweep.csv"), &lines.map(|line| line + "\n").collect::<String>())?;
+    report::page(sweep, &rows).write(&out.join("sweep.html"))?;
+    say!("{}", report::count(sweep, &rows));
+    let best = report::best(sweep, &rows);
+    if !best.rows.is_empty() {
+        say!("\n{}\n{}", best.heading, best.to_text());
+    }
+    say!("{}: sweep.csv, sweep.html", out.display());
+    if let Some(first) = rows.iter().find(|row| !row.failure.is_empty())
+        && rows.iter().all(|row| !row.failure.is_empty())
+    {
+        bail!("every point failed; the first: {}", first.failure);
+    }
+    Ok(())
+}

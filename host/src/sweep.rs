@@ -1,0 +1,130 @@
+//! Many runs of one rig: some keys vary, figures of the moves are collected, the best point is found.
+//!
+//! [`Sweep::read`] takes a TOML file and gives a fixed list of points: every combination of the varied values,
+//! each with every draw of the distributions. A point is a number; it always stands for the same rig, so that
+//! points may be run in any order, on any machine, and again.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`file`] | the TOML file: its keys, and everything wrong with it by line and key |
+//! | [`axis`] | what varies: values, ranges, distributions, Latin hypercubes |
+//! | [`metric`] | which figure of which move |
+//! | [`point`] | one point run, and its row in the result |
+//! | [`journal`] | what has been run, safe from kills |
+//! | [`execution`] | the points on all cores |
+//! | [`choice`] | which points are allowed and which is best |
+//! | [`report`] | the page |
+
+pub mod axis;
+pub mod choice;
+pub mod execution;
+pub mod file;
+pub mod journal;
+pub mod metric;
+pub mod point;
+pub mod report;
+
+use crc::{CRC_64_XZ, Crc};
+use pneudrive_sim::{Accuracy, Rig};
+
+pub use axis::Axis;
+pub use choice::{Bound, Objective};
+pub use metric::Metric;
+pub use point::Row;
+
+/// A file as it was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Its name, for messages.
+    pub name: String,
+    /// What stands in it.
+    pub text: String,
+}
+
+/// Many runs of one rig.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// The file that it was read from.
+    pub source: Source,
+    /// The rig that is varied.
+    pub rig_source: Source,
+    /// What all points have in common, as `key=value`.
+    pub settings: Vec<String>,
+    /// That rig with these settings.
+    pub rig: Rig,
+    /// How exactly it is simulated.
+    pub accuracy: Accuracy,
+    /// A move has settled within this distance of its setpoint, mm.
+    pub settled_mm: f64,
+    /// What varies, in the order of the file.
+    pub axes: Vec<Axis>,
+    /// How many draws of the distributions each combination is run with; 1 without distributions.
+    pub draws: usize,
+    /// What is collected.
+    pub metrics: Vec<Metric>,
+    /// What makes a point better than another.
+    pub objective: Option<Objective>,
+    /// What a point must keep to be allowed.
+    pub constraints: Vec<Bound>,
+}
+
+impl Sweep {
+    /// How many points there are.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.draws
+            * self.axes.iter().filter(|axis| !axis.drawn).map(|axis| axis.levels.len()).product::<usize>()
+    }
+
+    /// The level of each axis at a point. Draws change fastest, then the last varied key.
+    #[must_use]
+    pub fn levels(&self, point: usize) -> Vec<&str> {
+        let mut rest = point / self.draws;
+        let mut levels: Vec<&str> = Vec::with_capacity(self.axes.len());
+        for axis in self.axes.iter().rev() {
+            let count = axis.levels.len();
+            let level = if axis.drawn { point % self.draws } else { rest % count };
+            rest = if axis.drawn { rest } else { rest / count };
+            levels.push(&axis.levels[level]);
+        }
+        levels.reverse();
+        levels
+    }
+
+    /// What makes the rig of a point, as `key=value`.
+    #[must_use]
+    pub fn settings_of(&self, point: usize) -> Vec<String> {
+        let levels = self.levels(point);
+        let varied = self.axes.iter().zip(levels).flat_map(|(axis, level)| axis.settings(&self.rig, level));
+        self.settings.iter().cloned().chain(varied).collect()
+    }
+
+    /// First line of the result: `point`, the axes, the metrics, `fault`, `failure`.
+    #[must_use]
+    pub fn header(&self) -> String {
+        let axes = self.axes.iter().map(|axis| axis.name.as_str());
+        let names = axes.chain(self.metrics.iter().map(|metric| metric.name.as_str()));
+        names.fold(String::from("point"), |line, name| line + "," + name) + HEADER_END
+    }
+
+    /// A number that is another one if any row of the result may be: it tells the results of one sweep from
+    /// those of another. Objective and constraints do not count, nor do comments.
+    #[must_use]
+    pub fn identity(&self) -> u64 {
+        const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+        let mut digest = CRC.digest();
+        let about = (&self.rig_source.text, &self.settings, self.accuracy, self.settled_mm, self.draws);
+        digest.update(format!("{about:?}{}", env!("CARGO_PKG_VERSION")).as_bytes());
+        digest.update(format!("{:?}", self.axes).as_bytes());
+        for metric in &self.metrics {
+            digest.update(format!("{:?}", (&metric.name, metric.figure.name, metric.which)).as_bytes());
+        }
+        digest.finalize()
+    }
+}
+
+/// Ends the first line of every result, so that a result is known as one.
+pub const HEADER_END: &str = ",fault,failure";
+
+#[cfg(test)]
+mod tests;

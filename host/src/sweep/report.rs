@@ -1,0 +1,176 @@
+//! The page of a sweep: the best point, what is allowed, what failed, and every metric over every axis.
+
+use super::metric::Which;
+use super::{Axis, Row, Sweep};
+use crate::page::{Curve, Figure, Look, Page, Panel, Table};
+
+/// Most panels of a figure, and most failures and curves that are shown one by one.
+const PANELS: usize = 8;
+const FAILURES: usize = 30;
+const CURVES: usize = 12;
+
+/// The page of all rows.
+#[must_use]
+pub fn page(sweep: &Sweep, rows: &[Row]) -> Page {
+    let mut tables = vec![best(sweep, rows)];
+    tables.extend([constraints(sweep, rows), summary(sweep, rows), failures(sweep, rows)]);
+    tables.retain(|table| !table.rows.is_empty());
+    Page {
+        title: format!("{}: {} runs", sweep.rig.name(), rows.len()),
+        notes: notes(sweep, rows),
+        tables,
+        figures: sweep.axes.iter().flat_map(|axis| figures(sweep, axis, rows)).collect(),
+    }
+}
+
+fn notes(sweep: &Sweep, rows: &[Row]) -> Vec<String> {
+    let scaled = sweep.axes.iter().filter(|axis| !axis.scaled.is_empty());
+    let scaled = scaled.map(|axis| format!("{} is a factor on {}.", axis.name, axis.scaled.join(", ")));
+    let common = (!sweep.settings.is_empty()).then(|| format!("All have {}.", sweep.settings.join(", ")));
+    std::iter::once(count(sweep, rows)).chain(common).chain(scaled).collect()
+}
+
+/// How many points there are, and how many of them are any good.
+#[must_use]
+pub fn count(sweep: &Sweep, rows: &[Row]) -> String {
+    let of = |name: &str, count: usize| if count == 0 { String::new() } else { format!(", {count} {name}") };
+    let failed = rows.iter().filter(|row| !row.failure.is_empty()).count();
+    let tripped = rows.iter().filter(|row| !row.fault.is_empty()).count();
+    let allowed = rows.iter().filter(|row| sweep.allows(row)).count();
+    let allowed = if sweep.constraints.is_empty() { String::new() } else { format!(", {allowed} allowed") };
+    format!("{} points{allowed}{}{}.", rows.len(), of("ended by a fault", tripped), of("failed", failed))
+}
+
+/// Levels and metrics of the best point.
+#[must_use]
+pub fn best(sweep: &Sweep, rows: &[Row]) -> Table {
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let Some(objective) = sweep.objective else { return Table::default() };
+    let aim =
+        format!("{} {}", if objective.most { "most" } else { "least" }, sweep.metrics[objective.metric].name);
+    let Some(best) = sweep.best(rows) else {
+        let heading = format!("the best point ({aim})");
+        return Table {
+            heading,
+            columns: row("", String::new()),
+            rows: vec![row("none is allowed", "-".to_owned())],
+        };
+    };
+    let levels = sweep.axes.iter().zip(&best.levels).map(|(axis, level)| row(&axis.name, level.clone()));
+    let metrics =
+        sweep.metrics.iter().zip(&best.metrics).map(|(metric, value)| row(&metric.name, said(*value)));
+    Table {
+        heading: format!("the best point ({aim})"),
+        columns: row("", format!("point {}", best.point)),
+        rows: levels.chain(metrics).collect(),
+    }
+}
+
+fn constraints(sweep: &Sweep, rows: &[Row]) -> Table {
+    let row = |bound: &super::Bound| {
+        let kept = rows.iter().filter(|row| bound.is_kept(row)).count();
+        let most = if bound.max.is_finite() { bound.max.to_string() } else { "-".to_owned() };
+        vec![sweep.metrics[bound.metric].name.clone(), bound.min.to_string(), most, kept.to_string()]
+    };
+    Table {
+        heading: "constraints".to_owned(),
+        columns: ["", "at least", "at most", "points that keep it"].map(str::to_owned).to_vec(),
+        rows: sweep.constraints.iter().map(row).collect(),
+    }
+}
+
+fn summary(sweep: &Sweep, rows: &[Row]) -> Table {
+    let row = |(place, metric): (usize, &super::Metric)| {
+        let mut values: Vec<f64> = rows.iter().filter_map(|row| row.metrics[place]).collect();
+        values.sort_by(f64::total_cmp);
+        let at = |index: usize| said(values.get(index).copied());
+        let which = match metric.which {
+            Which::Number(number) => format!("move {number}"),
+            Which::Worst => "worst move".to_owned(),
+            Which::Sum => "all moves".to_owned(),
+        };
+        let about = format!("{}, {which}: {}", metric.figure.name, metric.figure.meaning);
+        let ends = [at(0), at(values.len() / 2), at(values.len().saturating_sub(1))];
+        let missing = (rows.len() - values.len()).to_string();
+        std::iter::once(metric.name.clone()).chain(ends).chain([missing, about]).collect()
+    };
+    Table {
+        heading: "metrics".to_owned(),
+        columns: ["", "least", "median", "most", "points without", "is"].map(str::to_owned).to_vec(),
+        rows: sweep.metrics.iter().enumerate().map(row).collect(),
+    }
+}
+
+fn failures(sweep: &Sweep, rows: &[Row]) -> Table {
+    let bad: Vec<&Row> = rows.iter().filter(|row| !row.is_whole()).collect();
+    let row = |row: &&Row| {
+        let why = if row.failure.is_empty() { &row.fault } else { &row.failure };
+        std::iter::once(row.point.to_string()).chain(row.levels.clone()).chain([why.clone()]).collect()
+    };
+    let axes = sweep.axes.iter().map(|axis| axis.name.clone());
+    let shown =
+        if bad.len() > FAILURES { format!("; the first {FAILURES} of {}", bad.len()) } else { String::new() };
+    Table {
+        heading: format!("points that did not run to their end{shown}"),
+        columns: std::iter::once("point".to_owned()).chain(axes).chain(["why".to_owned()]).collect(),
+        rows: bad.iter().take(FAILURES).map(row).collect(),
+    }
+}
+
+fn said(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.4}"))
+}
+
+/// The metrics over an axis.
+fn figures<'a>(sweep: &'a Sweep, axis: &'a Axis, rows: &'a [Row]) -> impl Iterator<Item = Figure> + 'a {
+    let metrics: Vec<usize> = (0..sweep.metrics.len()).collect();
+    let chunks: Vec<Vec<usize>> = metrics.chunks(PANELS).map(<[usize]>::to_vec).collect();
+    chunks.into_iter().map(move |chunk| Figure {
+        heading: format!("over {}", axis.name),
+        across: across(axis),
+        logarithmic: axis.logarithmic,
+        panels: chunk.iter().map(|&metric| panel(sweep, axis, metric, rows)).collect(),
+    })
+}
+
+fn across(axis: &Axis) -> String {
+    if !axis.is_named() {
+        return axis.name.clone();
+    }
+    let names = axis.levels.iter().enumerate().map(|(place, level)| format!("{place} = {level}"));
+    format!("{} ({})", axis.name, names.collect::<Vec<_>>().join(", "))
+}
+
+fn panel(sweep: &Sweep, axis: &Axis, metric: usize, rows: &[Row]) -> Panel {
+    let place = sweep.axes.iter().position(|other| other.name == axis.name).unwrap_or(0);
+    let curve = |name: &str, rows: &mut dyn Iterator<Item = &Row>| {
+        let mut points: Vec<(f64, f64)> = rows
+            .map(|row| (axis.place(&row.levels[place]), row.metrics[metric].unwrap_or(f64::NAN)))
+            .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (x, y) = points.into_iter().unzip();
+        Curve { look: Look::Points, ..Curve::new(name, x, y) }
+    };
+    let title = &sweep.metrics[metric].name;
+    // Of two grids, a line for each level of the other one.
+    if let [one, other] = sweep.axes.as_slice()
+        && !one.drawn
+        && !other.drawn
+    {
+        let (by, at) = if place == 0 { (other, 1) } else { (one, 0) };
+        if by.levels.len() <= CURVES {
+            let line = |level: &String| Curve {
+                look: Look::Line,
+                ..curve(
+                    &format!("{} {level}", by.name),
+                    &mut rows.iter().filter(|row| row.levels[at] == *level),
+                )
+            };
+            return Panel::new(title, by.levels.iter().map(line).collect());
+        }
+    }
+    let mut curves = vec![curve("allowed", &mut rows.iter().filter(|row| sweep.allows(row)))];
+    curves.push(curve("not allowed", &mut rows.iter().filter(|row| !sweep.allows(row))));
+    curves.retain(|curve| !curve.x.is_empty());
+    Panel::new(title, curves)
+}

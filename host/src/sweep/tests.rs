@@ -1,0 +1,81 @@
+use super::*;
+
+/// A sweep of servo-b-tuned.
+pub(super) fn sweep(text: &str) -> Sweep {
+    let rig = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let text = format!("rig = \"servo-b-tuned\"\n{text}\n[metrics]\nair = \"air_l\"\n");
+    let source = |name: &str, text: &str| Source { name: name.to_owned(), text: text.to_owned() };
+    Sweep::read(source("s.toml", &text), |name| Ok(source(name, rig)))
+        .unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+#[test]
+fn points_are_every_combination_and_every_draw_the_last_key_fastest_and_draws_faster_still() {
+    let grid =
+        sweep("[vary]\nload.mass_kg = [1, 2]\ncontroller.velocity_gain = { from = 10, to = 30, steps = 3 }");
+    let levels: Vec<Vec<&str>> = (0..grid.points()).map(|point| grid.levels(point)).collect();
+    assert_eq!(levels, [["1", "10"], ["1", "20"], ["1", "30"], ["2", "10"], ["2", "20"], ["2", "30"]]);
+    let drawn = sweep(
+        "[draw]\ncount = 3\n[vary]\nload.mass_kg = { uniform = [1, 2] }\nsupply.pressure_pa = [4e5, 5e5]",
+    );
+    assert_eq!(drawn.points(), 6);
+    assert_eq!(drawn.levels(0)[0], drawn.levels(3)[0], "the same draws at each combination");
+    assert_eq!((drawn.levels(2)[1], drawn.levels(3)[1]), ("400000.0", "500000.0"));
+}
+
+#[test]
+fn a_factor_scales_what_the_rig_has_with_its_settings() {
+    let text = "[set]\nload.coulomb_extend_n = 20\n[vary]\n\
+        friction = { values = [0.5], scale = [\"load.static_extend_n\", \"load.coulomb_extend_n\"] }";
+    let settings = sweep(text).settings_of(0);
+    assert_eq!(
+        settings,
+        ["load.coulomb_extend_n=20", "load.static_extend_n=35.0", "load.coulomb_extend_n=10.0"]
+    );
+}
+
+#[test]
+fn another_goal_or_comment_is_the_same_sweep_and_another_value_is_not() {
+    let one = sweep("[vary]\nload.mass_kg = [1, 2]");
+    let goal = sweep("[objective]\nminimise = \"air\"\n[vary]\nload.mass_kg = [1, 2] # kg");
+    let value = sweep("[vary]\nload.mass_kg = [1, 3]");
+    let finer = sweep("tolerance = 1e-12\n[vary]\nload.mass_kg = [1, 2]");
+    assert_eq!(one.identity(), goal.identity());
+    assert!(one.identity() != value.identity() && one.identity() != finer.identity());
+}
+
+#[test]
+fn a_row_reads_back_as_it_was_in_every_bit() {
+    let sweep = sweep("[vary]\nload.mass_kg = [1, 2]");
+    let row = Row {
+        point: 1,
+        levels: vec!["2".to_owned()],
+        metrics: vec![Some(0.1 + 0.2)],
+        fault: String::new(),
+        failure: "no, \"never\"".to_owned(),
+    };
+    assert_eq!(row.to_csv(), "1,2,0.30000000000000004,,\"no, \"\"never\"\"\"");
+    assert_eq!(Row::of_csv(&sweep, &row.to_csv()), Some(row.clone()));
+    let empty = Row { metrics: vec![None], failure: String::new(), fault: "no-motion".to_owned(), ..row };
+    assert_eq!(Row::of_csv(&sweep, &empty.to_csv()), Some(empty));
+    assert_eq!(Row::of_csv(&sweep, "7,2,0.3,,"), None, "there is no point 7");
+}
+
+#[test]
+fn the_best_point_is_the_least_of_the_allowed_ones() {
+    let text = "[objective]\nminimise = \"air\"\n[constraints]\nair = { min = 0.5 }\n[vary]\nload.mass_kg = [1, 2, 3, 4, 5]";
+    let sweep = sweep(text);
+    let row = |point: usize, air: Option<f64>, fault: &str| Row {
+        point,
+        levels: vec!["1".to_owned()],
+        metrics: vec![air],
+        fault: fault.to_owned(),
+        failure: String::new(),
+    };
+    let mut rows =
+        vec![row(0, Some(0.4), ""), row(1, None, ""), row(2, Some(0.6), "stop"), row(3, Some(0.9), "")];
+    assert_eq!(sweep.best(&rows).map(|row| row.point), Some(3));
+    rows.truncate(3);
+    assert_eq!(sweep.best(&rows), None);
+    assert_eq!(report::best(&sweep, &rows).rows[0][0], "none is allowed");
+}

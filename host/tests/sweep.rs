@@ -1,0 +1,210 @@
+//! `pneudrive sweep` and `merge`: the same result in every bit however it was run, and nothing lost.
+
+mod program;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use program::{exists, folder, ok, transcript};
+
+/// Eight short runs, one of which cannot be and one of which trips.
+const SWEEP: &str = r#"
+rig = "servo-b-tuned"
+[set]
+test.moves = [[0.0, 10000]]
+test.duration_s = 0.1
+[vary]
+load.coulomb_extend_n = [40.0, 75.0]        # 75 N is more than the static friction
+supply.pressure_pa = { uniform = [4e5, 6e5] }
+[draw]
+count = 4
+[metrics]
+speed = "top_speed_mm_s"
+air = { figure = "air_l", move = 1 }
+[objective]
+maximise = "speed"
+"#;
+
+fn written(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn folder_with(sweep: &str) -> tempfile::TempDir {
+    let folder = folder();
+    fs::write(folder.path().join("s.toml"), sweep).expect("written");
+    folder
+}
+
+#[test]
+fn the_result_is_the_same_in_every_bit_with_one_thread_with_two_and_in_shards() {
+    let folder = folder_with(SWEEP);
+    let said = ok(folder.path(), "sweep s.toml --threads 1");
+    assert!(said.contains("8 points, 4 failed.") && said.contains("the best point (most speed)"), "{said}");
+    exists(folder.path(), &["s/sweep.csv", "s/sweep.html", "s/sweep.journal"]);
+    ok(folder.path(), "sweep s.toml --threads 2 --out two");
+    for shard in 1..=3 {
+        let said = ok(folder.path(), &format!("sweep s.toml --shard {shard}/3 --out shard{shard}"));
+        assert!(said.contains("of 8 points; pneudrive merge puts the shards together"), "{said}");
+        assert!(!folder.path().join(format!("shard{shard}/sweep.csv")).exists());
+    }
+    ok(folder.path(), "merge shard3 shard1 shard2 --out merged");
+    for other in ["two", "merged"] {
+        for file in ["sweep.csv", "sweep.html"] {
+            let same = written(folder.path(), &format!("s/{file}"))
+                == written(folder.path(), &format!("{other}/{file}"));
+            assert!(same, "{other}/{file}");
+        }
+    }
+}
+
+#[test]
+fn a_point_that_fails_stands_in_the_result_with_its_reason_and_the_others_go_on() {
+    let folder = folder_with(SWEEP);
+    ok(folder.path(), "sweep s.toml");
+    let csv = written(folder.path(), "s/sweep.csv");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[0], "point,load.coulomb_extend_n,supply.pressure_pa,speed,air,fault,failure");
+    assert_eq!(lines.len(), 9);
+    for (point, line) in lines[1..].iter().enumerate() {
+        assert!(line.starts_with(&format!("{point},")), "{line}");
+        let cells: Vec<&str> = line.splitn(7, ',').collect();
+        assert_eq!(cells[3].parse::<f64>().is_ok(), point < 4, "{line}");
+        assert_eq!(cells[6].contains("load.coulomb_extend_n"), point >= 4, "{line}");
+    }
+    let alone = SWEEP.replace("[40.0, 75.0]", "[75.0]");
+    fs::write(folder.path().join("s.toml"), alone).expect("written");
+    let said = transcript(folder.path(), "sweep s.toml --out alone");
+    assert!(said.contains("! error: every point failed; the first: ") && said.ends_with("= 1"), "{said}");
+}
+
+#[test]
+fn a_run_that_trips_is_told_by_its_fault_and_is_not_the_best() {
+    let text = SWEEP.replace("[40.0, 75.0]", "[40.0]").replace(
+        "test.duration_s = 0.1",
+        "test.duration_s = 0.1\nfaults.event = [{ at_s = 0.05, kind = \"encoder-jump\", counts = 4000 }]",
+    );
+    let folder = folder_with(&text);
+    let said = ok(folder.path(), "sweep s.toml");
+    assert!(said.contains("4 points, 4 ended by a fault.") && said.contains("none is allowed"), "{said}");
+    let csv = written(folder.path(), "s/sweep.csv");
+    assert!(csv.lines().skip(1).all(|line| line.ends_with(",encoder-step,")), "{csv}");
+}
+
+#[test]
+fn a_journal_that_was_cut_at_any_byte_is_gone_on_with_to_the_same_result() {
+    let folder = folder_with(SWEEP);
+    ok(folder.path(), "sweep s.toml");
+    let (whole, journal) = (written(folder.path(), "s/sweep.csv"), written(folder.path(), "s/sweep.journal"));
+    let places = (0..journal.len()).step_by(journal.len() / 7).chain([5, journal.len() - 1]);
+    for place in places {
+        fs::remove_file(folder.path().join("s/sweep.csv")).expect("there");
+        fs::write(folder.path().join("s/sweep.journal"), &journal.as_bytes()[..place]).expect("written");
+        let said = ok(folder.path(), "sweep s.toml --threads 1");
+        assert_eq!(written(folder.path(), "s/sweep.csv"), whole, "cut at {place}");
+        // No point whose line was whole is run again; a line may lack its end alone.
+        let there = said
+            .split_once(" points are there")
+            .map_or("0", |(front, _)| front.rsplit(' ').next().unwrap_or("0"));
+        let there: usize = there.parse().expect("a number");
+        let kept = rows(&journal[..place]);
+        assert!(
+            there == kept || there == rows(&format!("{}\n", &journal[..place])),
+            "cut at {place}: {said}"
+        );
+    }
+}
+
+/// Rows that stand whole in a journal.
+fn rows(journal: &str) -> usize {
+    let whole = journal.rfind('\n').map_or("", |end| &journal[..end]);
+    let texts = whole.lines().filter_map(|line| line.split_once(' '));
+    texts.filter(|(_, text)| text.contains(',') && !text.starts_with('{')).count()
+}
+
+/// The program itself, by the signal that nothing can catch.
+#[test]
+fn a_sweep_that_is_killed_goes_on_where_it_was() {
+    let folder = folder_with(&SWEEP.replace("count = 4", "count = 20").replace("0.1\n", "0.3\n"));
+    let journal = folder.path().join("s/sweep.journal");
+    let mut program = Command::new(env!("CARGO_BIN_EXE_pneudrive"))
+        .current_dir(folder.path())
+        .args(["sweep", "s.toml", "--threads", "1"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program runs");
+    while fs::read_to_string(&journal).map_or(0, |text| text.lines().count()) < 5 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let _ = program.kill();
+    program.wait().expect("it was started");
+    let said = ok(folder.path(), "sweep s.toml");
+    ok(folder.path(), "sweep s.toml --out whole");
+    assert!(said.contains("points are there already"), "{said}");
+    assert_eq!(written(folder.path(), "s/sweep.csv"), written(folder.path(), "whole/sweep.csv"));
+}
+
+#[test]
+fn a_journal_of_another_sweep_and_files_of_the_users_are_refused_and_stay() {
+    let folder = folder_with(SWEEP);
+    ok(folder.path(), "sweep s.toml --out out");
+    let before = written(folder.path(), "out/sweep.journal");
+    fs::write(folder.path().join("s.toml"), SWEEP.replace("[4e5, 6e5]", "[4e5, 5e5]")).expect("written");
+    let said = transcript(folder.path(), "sweep s.toml --out out");
+    assert!(
+        said.contains("sweep.journal is of another sweep (s.toml); delete it") && said.ends_with("= 1"),
+        "{said}"
+    );
+    assert_eq!(written(folder.path(), "out/sweep.journal"), before);
+    for mine in ["sweep.csv", "sweep.html", "sweep.journal"] {
+        let place = format!("mine-{mine}");
+        fs::create_dir(folder.path().join(&place)).expect("made");
+        fs::write(folder.path().join(&place).join(mine), "mine").expect("written");
+        let said = transcript(folder.path(), &format!("sweep s.toml --out {place}"));
+        assert!(said.contains(&format!("{mine} is not of this program")) && said.ends_with("= 1"), "{said}");
+        assert_eq!(written(folder.path(), &format!("{place}/{mine}")), "mine");
+    }
+}
+
+#[test]
+fn another_goal_needs_no_run_again() {
+    let folder = folder_with(SWEEP);
+    ok(folder.path(), "sweep s.toml");
+    let rows_before = rows(&written(folder.path(), "s/sweep.journal"));
+    fs::write(folder.path().join("s.toml"), SWEEP.replace("maximise", "minimise")).expect("written");
+    let said = ok(folder.path(), "sweep s.toml");
+    assert!(said.contains("8 points are there already") && said.contains("(least speed)"), "{said}");
+    assert_eq!(rows(&written(folder.path(), "s/sweep.journal")), rows_before);
+}
+
+#[test]
+fn shards_with_gaps_or_of_other_sweeps_are_not_merged() {
+    let folder = folder_with(SWEEP);
+    ok(folder.path(), "sweep s.toml --shard 1/2 --out one");
+    let said = transcript(folder.path(), "merge one --out all");
+    assert!(said.contains("4 of 8 points are missing (1, 3, 5 and 1 more); run their shards"), "{said}");
+    fs::write(folder.path().join("s.toml"), SWEEP.replace("count = 4", "count = 5")).expect("written");
+    ok(folder.path(), "sweep s.toml --shard 2/2 --out two");
+    let said = transcript(folder.path(), "merge one two --out all");
+    assert!(said.contains("two is of another sweep (s.toml)") && said.ends_with("= 1"), "{said}");
+    assert!(!folder.path().join("all").exists());
+    assert!(transcript(folder.path(), "merge nothing --out all").ends_with("= 1"));
+    for shard in ["0/2", "3/2", "1", "a/b"] {
+        let said = transcript(folder.path(), &format!("sweep s.toml --shard {shard}"));
+        assert!(said.contains("write I/N with I from 1 to N") && said.ends_with("= 2"), "{said}");
+    }
+}
+
+#[test]
+fn the_example_runs_and_has_a_best_point() {
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/examples/sweep-load.toml");
+    let text = fs::read_to_string(example).expect("the example");
+    // One draw instead of eight: the rest is the same.
+    let folder = folder_with(&text.replace("count = 8", "count = 1"));
+    let said = ok(folder.path(), "sweep s.toml");
+    assert!(text.contains("count = 8") && said.contains("3 points, "), "{said}");
+    assert!(said.contains("the best point (least settling_s)"), "{said}");
+    assert!(!written(folder.path(), "s/sweep.csv").contains("failed"), "{said}");
+}
