@@ -223,6 +223,18 @@ mod tests {
     }
 
     #[test]
+    fn curves_of_one_name_and_colour_stand_in_the_legend_once() {
+        let curve =
+            |colour: Option<&'static str>| Curve { colour, ..Curve::new("same", vec![0.0], vec![0.0]) };
+        let told = |colour: Option<&'static str>| {
+            let panels = [(); 3].map(|()| Panel::new("", vec![curve(colour)]));
+            let page = Page { figures: vec![Figure::over_time(panels.to_vec())], ..page() };
+            page.to_html().expect("a page").matches("\"showlegend\":true,").count()
+        };
+        assert_eq!(told(None) - told(Some("#1f4e9c")), 2);
+    }
+
+    #[test]
     fn the_columns_of_a_table_of_text_stand_under_each_other() {
         assert_eq!(page().tables[0].to_text(), "move     mm\n1     60.00\n");
     }

@@ -85,7 +85,12 @@ impl Curve {
         Curve { name: name.to_owned(), x, y, ..Curve::default() }
     }
 
-    fn trace(&self, row: usize) -> Box<dyn plotly::Trace> {
+    /// Whether its place in the legend serves another curve, too: both have the same name and the same colour.
+    fn is_told_by(&self, other: &Curve) -> bool {
+        self.colour.is_some() && self.colour == other.colour && self.name == other.name
+    }
+
+    fn trace(&self, row: usize, in_legend: bool) -> Box<dyn plotly::Trace> {
         let values: Vec<Option<f64>> =
             self.y.iter().map(|value| value.is_finite().then_some(*value)).collect();
         let (shape, dash) = match self.look {
@@ -105,6 +110,8 @@ impl Curve {
             .line(line)
             .marker(marker)
             .name(&self.name)
+            .legend_group(&self.name)
+            .show_legend(in_legend)
             .y_axis(axis_name(row))
     }
 }
@@ -133,8 +140,10 @@ impl Figure {
     pub(super) fn plot(&self) -> Plot {
         let mut plot = Plot::new();
         for (row, panel) in self.panels.iter().enumerate() {
-            for curve in &panel.curves {
-                plot.add_trace(curve.trace(row));
+            for (place, curve) in panel.curves.iter().enumerate() {
+                let above = self.panels[..row].iter().flat_map(|panel| &panel.curves);
+                let mut before = above.chain(&panel.curves[..place]);
+                plot.add_trace(curve.trace(row, !before.any(|other| other.is_told_by(curve))));
             }
         }
         plot.set_layout(self.layout());
