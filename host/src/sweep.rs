@@ -6,7 +6,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`file`] | the TOML file: its keys, and everything wrong with it by line and key |
+//! | [`mod@file`] | the TOML file: its keys, and everything wrong with it by line and key |
 //! | [`axis`] | what varies: values, ranges, distributions, Latin hypercubes |
 //! | [`metric`] | which figure of which move |
 //! | [`point`] | one point run, and its row in the result |

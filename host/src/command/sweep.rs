@@ -75,6 +75,10 @@ pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Re
     if !best.rows.is_empty() {
         say!("\n{}\n{}", best.heading, best.to_text());
     }
+    let combinations = report::combinations(sweep, &rows);
+    if !combinations.rows.is_empty() {
+        say!("{}\n{}", combinations.heading, combinations.to_text());
+    }
     say!("{}: sweep.csv, sweep.html", out.display());
     if let Some(first) = rows.iter().find(|row| !row.failure.is_empty())
         && rows.iter().all(|row| !row.failure.is_empty())

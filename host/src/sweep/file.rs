@@ -5,7 +5,7 @@
 //! | `rig` | a built-in rig, or a rig file beside this one |
 //! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator, 1e-11 |
 //! | `[set]` | keys of the rig that all points have in common |
-//! | `[vary]` | a key and what it takes on ([`vary`]) |
+//! | `[vary]` | a key and what it takes on (`file/vary.rs`) |
 //! | `[draw]` | `count` of draws of the distributions, `seed` = 1, `method` = "latin-hypercube" or "random" |
 //! | `[metrics]` | a name and its figure, or `{ figure = "settling_s", move = 2 }`; `move` = a number, "worst" or "sum" |
 //! | `[objective]` | `minimise` or `maximise` = a metric: of its size |

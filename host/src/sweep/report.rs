@@ -1,18 +1,29 @@
 //! The page of a sweep: the best point, what is allowed, what failed, and every metric over every axis.
 
 use super::metric::Which;
-use super::{Axis, Row, Sweep};
+use super::{Axis, Objective, Row, Sweep};
 use crate::page::{Curve, Figure, Look, Page, Panel, Table};
 
 /// Most panels of a figure, and most failures and curves that are shown one by one.
 const PANELS: usize = 8;
 const FAILURES: usize = 30;
-const CURVES: usize = 12;
+const CURVES: usize = COLOURS.len();
+
+/// Colours of the levels of a key.
+#[rustfmt::skip]
+const COLOURS: [&str; 10] = [
+    "#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd",
+    "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf",
+];
+
+/// Colours of points that are allowed, and that are not.
+const ALLOWED: &str = "#1f4e9c";
+const NOT_ALLOWED: &str = "#c0392b";
 
 /// The page of all rows.
 #[must_use]
 pub fn page(sweep: &Sweep, rows: &[Row]) -> Page {
-    let mut tables = vec![best(sweep, rows)];
+    let mut tables = vec![best(sweep, rows), combinations(sweep, rows)];
     tables.extend([constraints(sweep, rows), summary(sweep, rows), failures(sweep, rows)]);
     tables.retain(|table| !table.rows.is_empty());
     Page {
@@ -53,7 +64,7 @@ pub fn best(sweep: &Sweep, rows: &[Row]) -> Table {
         return Table {
             heading,
             columns: row("", String::new()),
-            rows: vec![row("none is allowed", "-".to_owned())],
+            rows: vec![row("no allowed point has a value", "-".to_owned())],
         };
     };
     let levels = sweep.axes.iter().zip(&best.levels).map(|(axis, level)| row(&axis.name, level.clone()));
@@ -63,6 +74,64 @@ pub fn best(sweep: &Sweep, rows: &[Row]) -> Table {
         heading: format!("the best point ({aim})"),
         columns: row("", format!("point {}", best.point)),
         rows: levels.chain(metrics).collect(),
+    }
+}
+
+/// What the draws of each combination of the varied values have in common: how many of them are allowed, and the
+/// largest size of each metric. The most allowed come first, then the best in the objective.
+#[must_use]
+pub fn combinations(sweep: &Sweep, rows: &[Row]) -> Table {
+    let varied: Vec<usize> = (0..sweep.axes.len()).filter(|&place| !sweep.axes[place].drawn).collect();
+    if sweep.draws == 1 || varied.is_empty() {
+        return Table::default();
+    }
+    let mut groups: Vec<Group> = rows
+        .chunk_by(|a, b| a.point / sweep.draws == b.point / sweep.draws)
+        .map(|rows| Group::of(sweep, rows))
+        .collect();
+    groups.sort_by(|a, b| b.allowed.cmp(&a.allowed).then(a.cost.total_cmp(&b.cost)));
+    let row = |group: &Group| {
+        let levels = varied.iter().map(|&place| group.levels[place].clone());
+        let allowed = format!("{} of {}", group.allowed, group.draws);
+        levels.chain([allowed]).chain(group.largest.iter().map(|value| said(*value))).collect()
+    };
+    let metrics = sweep.metrics.iter().map(|metric| metric.name.clone());
+    let columns = varied.iter().map(|&place| sweep.axes[place].name.clone()).chain(["allowed".to_owned()]);
+    Table {
+        heading: "combinations, with the largest of each metric over their draws; the best first".to_owned(),
+        columns: columns.chain(metrics).collect(),
+        rows: groups.iter().take(CURVES).map(row).collect(),
+    }
+}
+
+/// The draws of one combination.
+struct Group {
+    levels: Vec<String>,
+    draws: usize,
+    allowed: usize,
+    /// Of each metric the largest size; None if a draw has none.
+    largest: Vec<Option<f64>>,
+    /// The worst of the objective: less is better.
+    cost: f64,
+}
+
+impl Group {
+    fn of(sweep: &Sweep, rows: &[Row]) -> Group {
+        let all = |place: usize, worse: fn(f64, f64) -> f64| {
+            let sizes: Option<Vec<f64>> = rows.iter().map(|row| row.metrics[place].map(f64::abs)).collect();
+            sizes.and_then(|sizes| sizes.into_iter().reduce(worse))
+        };
+        let cost = |goal: Objective| {
+            let worst = all(goal.metric, if goal.most { f64::min } else { f64::max });
+            worst.map_or(f64::INFINITY, |worst| if goal.most { -worst } else { worst })
+        };
+        Group {
+            levels: rows.first().map_or_else(Vec::new, |row| row.levels.clone()),
+            draws: rows.len(),
+            allowed: rows.iter().filter(|row| sweep.allows(row)).count(),
+            largest: (0..sweep.metrics.len()).map(|place| all(place, f64::max)).collect(),
+            cost: sweep.objective.map_or(0.0, cost),
+        }
     }
 }
 
@@ -143,13 +212,13 @@ fn across(axis: &Axis) -> String {
 
 fn panel(sweep: &Sweep, axis: &Axis, metric: usize, rows: &[Row]) -> Panel {
     let place = sweep.axes.iter().position(|other| other.name == axis.name).unwrap_or(0);
-    let curve = |name: &str, rows: &mut dyn Iterator<Item = &Row>| {
+    let curve = |name: &str, colour: &'static str, rows: &mut dyn Iterator<Item = &Row>| {
         let mut points: Vec<(f64, f64)> = rows
             .map(|row| (axis.place(&row.levels[place]), row.metrics[metric].unwrap_or(f64::NAN)))
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (x, y) = points.into_iter().unzip();
-        Curve { look: Look::Points, ..Curve::new(name, x, y) }
+        Curve { look: Look::Points, colour: Some(colour), ..Curve::new(name, x, y) }
     };
     let title = &sweep.metrics[metric].name;
     // Of two grids, a line for each level of the other one.
@@ -159,18 +228,17 @@ fn panel(sweep: &Sweep, axis: &Axis, metric: usize, rows: &[Row]) -> Panel {
     {
         let (by, at) = if place == 0 { (other, 1) } else { (one, 0) };
         if by.levels.len() <= CURVES {
-            let line = |level: &String| Curve {
-                look: Look::Line,
-                ..curve(
-                    &format!("{} {level}", by.name),
-                    &mut rows.iter().filter(|row| row.levels[at] == *level),
-                )
+            let line = |(level, colour): (&String, &&'static str)| {
+                let mut rows = rows.iter().filter(|row| row.levels[at] == *level);
+                Curve { look: Look::Line, ..curve(&format!("{} {level}", by.name), colour, &mut rows) }
             };
-            return Panel::new(title, by.levels.iter().map(line).collect());
+            return Panel::new(title, by.levels.iter().zip(&COLOURS).map(line).collect());
         }
     }
-    let mut curves = vec![curve("allowed", &mut rows.iter().filter(|row| sweep.allows(row)))];
-    curves.push(curve("not allowed", &mut rows.iter().filter(|row| !sweep.allows(row))));
+    let mut curves = vec![
+        curve("allowed", ALLOWED, &mut rows.iter().filter(|row| sweep.allows(row))),
+        curve("not allowed", NOT_ALLOWED, &mut rows.iter().filter(|row| !sweep.allows(row))),
+    ];
     curves.retain(|curve| !curve.x.is_empty());
     Panel::new(title, curves)
 }

@@ -77,5 +77,24 @@ fn the_best_point_is_the_least_of_the_allowed_ones() {
     assert_eq!(sweep.best(&rows).map(|row| row.point), Some(3));
     rows.truncate(3);
     assert_eq!(sweep.best(&rows), None);
-    assert_eq!(report::best(&sweep, &rows).rows[0][0], "none is allowed");
+    assert_eq!(report::best(&sweep, &rows).rows[0][0], "no allowed point has a value");
+}
+
+#[test]
+fn the_combination_with_the_most_allowed_draws_comes_first_whatever_its_best_draw() {
+    let text = "[objective]\nminimise = \"air\"\n[constraints]\nair = { max = 1.0 }\n[draw]\ncount = 2\n\
+        [vary]\ncontroller.velocity_gain = [10, 20, 30]\nload.mass_kg = { uniform = [1, 2] }";
+    let sweep = sweep(text);
+    let row = |(point, air): (usize, Option<f64>)| Row {
+        point,
+        levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
+        metrics: vec![air],
+        fault: String::new(),
+        failure: String::new(),
+    };
+    let air = [Some(0.1), Some(1.5), Some(0.8), Some(0.9), Some(0.2), None];
+    let rows: Vec<Row> = air.into_iter().enumerate().map(row).collect();
+    let table = report::combinations(&sweep, &rows);
+    let expected = [["20", "2 of 2", "0.9000"], ["10", "1 of 2", "1.5000"], ["30", "1 of 2", "-"]];
+    assert_eq!(table.rows, expected.map(|row| row.map(str::to_owned).to_vec()));
 }
