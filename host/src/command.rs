@@ -124,12 +124,8 @@ impl Progress {
         Progress::of(what, "samples")
     }
 
-    fn of(what: &str, of: &'static str) -> Progress {
-        Progress::counting(what, "samples")
-    }
-
     /// Of something else than samples.
-    fn counting(what: &str, of: &'static str) -> Progress {
+    fn of(what: &str, of: &'static str) -> Progress {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(10));
         let style = ProgressStyle::with_template("{msg:<12} [{bar:40}] {pos}/{len} ({per_sec}, {eta} left)");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));

@@ -26,7 +26,7 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     if !rows.is_empty() {
         say!("{}: {} points are there already", out.join(NAME).display(), rows.len());
     }
-    let mut progress = Progress::counting("sweeping", "points");
+    let mut progress = Progress::of("sweeping", "points");
     let there = arguments.shard.points(&sweep).filter(|point| rows.contains_key(point)).count();
     progress.begin_at(there as u64, arguments.shard.points(&sweep).count() as u64);
     run_points(&sweep, arguments.shard, threads, &mut journal, &mut rows, |done, all| {
