@@ -98,7 +98,8 @@ impl TargetFile {
             if line == COLUMNS {
                 break;
             }
-            let pair = line.strip_prefix("# ").and_then(|line| line.split_once(" = "));
+            // A file that has been through many systems may end its lines with more than one CR.
+            let pair = line.trim_end_matches('\r').strip_prefix("# ").and_then(|line| line.split_once(" = "));
             let Some((key, value)) = pair else {
                 bail!("line {}: expected `# key = value` or `{COLUMNS}`, found {line:?}", number + 1);
             };
@@ -343,6 +344,12 @@ index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spoo
             let changed = format!("{}{other}{}", &text[..at], &text[at + 1..]);
             assert!(TargetFile::from_text(&changed).is_err(), "changed digit at {at}");
         }
+    }
+
+    #[test]
+    fn ends_of_lines_belong_to_no_value() {
+        let text = file().to_text().replacen("# test = servo-b\n", "# test = servo-b\r\r\n", 1);
+        assert_eq!(TargetFile::from_text(&text).expect("whole").get("test"), Some("servo-b"));
     }
 
     #[test]
