@@ -152,6 +152,7 @@ impl State {
 
     fn set_origin(&mut self, position: i32) {
         self.origin = self.encoder.wrapping_sub(position);
+        self.observation.position = position;
         self.estimator.forget();
     }
 }

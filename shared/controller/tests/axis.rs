@@ -189,6 +189,20 @@ fn a_homing_run_against_a_stop_gives_counts_their_meaning() {
     assert_eq!(bench.state.observation().position, -10);
 }
 
+/// Whoever reads the state between that sample and the next is told that the axis is referenced.
+#[test]
+fn the_position_that_was_last_seen_counts_from_a_new_reference_at_once() {
+    let homing = [(id::HOMING_SWITCH, 1), (id::HOMING_POSITION_COUNTS, 70)];
+    let mut bench = Bench::armed(&homing, FAR);
+    bench.take(at(12_345));
+    bench.state.reference(500);
+    assert_eq!(bench.state.observation().position, 500);
+    bench.state.home().expect("armed");
+    bench.take(at(12_300));
+    bench.take(Sample { home_switch: true, ..at(12_290) });
+    assert_eq!((bench.mode(), bench.state.observation().position), (Mode::Armed, 70));
+}
+
 #[test]
 fn a_homing_run_is_refused_unless_armed_and_trips_when_it_finds_nothing() {
     let mut bench = Bench::armed(&[(id::HOMING_SWITCH, 1), (id::HOMING_TIMEOUT_MS, 13)], FAR);
