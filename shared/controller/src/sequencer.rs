@@ -10,6 +10,8 @@
 //! - `dwell` after it has arrived: at the first sample inside the tolerance (fast stop, `monitoring` = 0),
 //!   or after `monitoring` samples on end inside it (exact stop);
 //! - or at the forced exit, arrived or not.
+//!
+//! A sequence may repeat: its moves come again and again, a round after the other, until the run is over.
 
 /// The most moves one sequence holds.
 pub const MAX_MOVES: usize = 64;
@@ -37,7 +39,7 @@ impl Move {
 pub enum SequenceError {
     /// It holds [`MAX_MOVES`] moves already.
     Full,
-    /// A move lies before its predecessor; moves come in order of time.
+    /// A move lies before its predecessor, or not within the round that repeats; moves come in order of time.
     OutOfOrder,
 }
 
@@ -46,13 +48,15 @@ pub enum SequenceError {
 pub struct Sequence {
     moves: [Move; MAX_MOVES],
     len: usize,
+    /// Length of a round, samples; 0: the moves come once.
+    round: u32,
     /// Samples of the run: the run is done after sample number `duration_samples`.
     pub duration_samples: u32,
 }
 
 impl Default for Sequence {
     fn default() -> Self {
-        Sequence { moves: [Move::default(); MAX_MOVES], len: 0, duration_samples: 0 }
+        Sequence { moves: [Move::default(); MAX_MOVES], len: 0, round: 0, duration_samples: 0 }
     }
 }
 
@@ -69,12 +73,31 @@ impl Sequence {
         self.moves.get(..self.len).unwrap_or(&[])
     }
 
+    /// The moves come again every `round` samples; 0: they come once.
+    ///
+    /// # Errors
+    /// When a move lies at the end of the round or behind it.
+    pub fn repeat_every(&mut self, round: u32) -> Result<(), SequenceError> {
+        if self.moves().last().is_some_and(|last| !is_within(last, round)) {
+            return Err(SequenceError::OutOfOrder);
+        }
+        self.round = round;
+        Ok(())
+    }
+
+    /// Length of a round, samples; 0: the moves come once.
+    #[must_use]
+    pub fn round(&self) -> u32 {
+        self.round
+    }
+
     /// Appends a move.
     ///
     /// # Errors
-    /// When the sequence is full, or the move lies before the last one.
+    /// When the sequence is full, or the move lies before the last one or not within the round.
     pub fn push(&mut self, next: Move) -> Result<(), SequenceError> {
-        if self.moves().last().is_some_and(|last| next.at_sample < last.at_sample) {
+        let too_early = self.moves().last().is_some_and(|last| next.at_sample < last.at_sample);
+        if too_early || !is_within(&next, self.round) {
             return Err(SequenceError::OutOfOrder);
         }
         let slot = self.moves.get_mut(self.len).ok_or(SequenceError::Full)?;
@@ -82,6 +105,11 @@ impl Sequence {
         self.len += 1;
         Ok(())
     }
+}
+
+/// Whether a move lies within a round of this length.
+fn is_within(next: &Move, round: u32) -> bool {
+    round == 0 || next.at_sample < round
 }
 
 /// When a move counts as complete, and what follows it.
@@ -118,6 +146,10 @@ pub enum Arrival {
 pub struct Sequencer {
     taken: u32,
     next_move: usize,
+    /// Sample at which the round of the next move begins.
+    round_at: u32,
+    /// Moves that have begun.
+    begun: u32,
     /// No move is due before this sample.
     next_at: u32,
     setpoint: i32,
@@ -135,7 +167,9 @@ pub struct Sequencer {
 impl Sequencer {
     /// At the beginning of a run: the setpoint is 0 before the first move.
     pub(crate) fn new(sequence: &Sequence) -> Sequencer {
-        Sequencer { next_at: next_at(sequence, 0), ..Sequencer::default() }
+        let mut sequencer = Sequencer::default();
+        sequencer.look_ahead(sequence);
+        sequencer
     }
 
     /// Takes sample k. Whether it ends a move that rests.
@@ -147,7 +181,7 @@ impl Sequencer {
 
     /// Whether the time of the next move has come, and it need not wait for the end of the one before.
     fn is_due(&self, config: &MotionConfig) -> bool {
-        self.taken >= self.next_at && (!config.on_arrival || self.next_move == 0 || self.ended)
+        self.taken >= self.next_at && (!config.on_arrival || self.begun == 0 || self.ended)
     }
 
     /// Begins the moves that are due, of which the last one holds. Whether one before it rests.
@@ -160,14 +194,26 @@ impl Sequencer {
         {
             rested |= self.close();
             self.begin(next.target);
-            self.next_at = next_at(sequence, self.next_move);
+            self.look_ahead(sequence);
         }
         rested
+    }
+
+    /// The sample of the next move, in this round or the one after it; the last one of all where there is
+    /// none.
+    fn look_ahead(&mut self, sequence: &Sequence) {
+        if sequence.round > 0 && self.next_move >= sequence.len {
+            self.next_move = 0;
+            self.round_at = self.round_at.saturating_add(sequence.round);
+        }
+        let next = sequence.moves().get(self.next_move);
+        self.next_at = next.map_or(u32::MAX, |next| self.round_at.saturating_add(next.at_sample));
     }
 
     fn begin(&mut self, target: i32) {
         self.setpoint = target;
         self.next_move += 1;
+        self.begun = self.begun.saturating_add(1);
         self.arrival = Arrival::Moving;
         self.begun_at = self.taken;
         self.outside_at = self.taken;
@@ -219,8 +265,8 @@ impl Sequencer {
 
     /// Moves of this run that have begun.
     #[must_use]
-    pub fn begun(&self) -> usize {
-        self.next_move
+    pub fn begun(&self) -> u32 {
+        self.begun
     }
 
     /// The setpoint last in force.
@@ -239,11 +285,6 @@ impl Sequencer {
         let through = config.on_arrival && self.ended && self.next_move >= sequence.moves().len();
         through || self.taken > sequence.duration_samples
     }
-}
-
-/// The sample of a move; the last one of all where there is none.
-fn next_at(sequence: &Sequence, next_move: usize) -> u32 {
-    sequence.moves().get(next_move).map_or(u32::MAX, |next| next.at_sample)
 }
 
 #[cfg(test)]
@@ -360,6 +401,54 @@ mod tests {
         assert!(!sequencer.is_over(&TIMED, &sequence));
         sequencer.close();
         assert_eq!((sequencer.arrival(), sequencer.not_reached()), (Arrival::Arrived, 0));
+    }
+
+    #[test]
+    fn moves_that_repeat_come_again_each_round_until_the_run_is_over() {
+        let mut sequence = sequence(&[(1, 10), (3, 20)], 10);
+        sequence.repeat_every(4).expect("behind the last move");
+        let (setpoints, sequencer) = setpoints(&TIMED, &sequence, &[9; 11]);
+        assert_eq!(setpoints, [0, 10, 10, 20, 20, 10, 10, 20, 20, 10, 10]);
+        assert_eq!((sequencer.begun(), sequencer.not_reached()), (5, 4));
+        assert!(sequencer.is_over(&TIMED, &sequence));
+    }
+
+    #[test]
+    fn a_round_of_moves_that_wait_begins_once_the_last_one_has_ended_and_its_time_has_come() {
+        let mut sequence = sequence(&[(0, 10), (0, 20)], 100);
+        sequence.repeat_every(1).expect("behind the last move");
+        let (setpoints, sequencer) = setpoints(&FAST, &sequence, &[9, 0, 9, 9, 0, 0, 0, 9]);
+        assert_eq!(setpoints, [10, 10, 20, 20, 20, 10, 20, 10], "the round is late and goes on at once");
+        assert!(!sequencer.is_over(&FAST, &sequence));
+        sequence.repeat_every(7).expect("behind the last move");
+        let (setpoints, _) = super::tests::setpoints(&FAST, &sequence, &[0; 9]);
+        assert_eq!(setpoints, [10, 20, 20, 20, 20, 20, 20, 10, 20], "the round waits for its time");
+    }
+
+    #[test]
+    fn rounds_go_on_to_the_last_sample_that_can_be_counted() {
+        let mut sequence = sequence(&[(0, 10), (2, 20)], u32::MAX - 1);
+        sequence.repeat_every(4).expect("behind the last move");
+        let mut sequencer = Sequencer::new(&sequence);
+        sequencer.taken = u32::MAX - 7;
+        sequencer.round_at = u32::MAX - 7;
+        sequencer.look_ahead(&sequence);
+        let mut seen = Vec::new();
+        while !sequencer.is_over(&TIMED, &sequence) {
+            sequencer.advance(&TIMED, &sequence);
+            seen.push(sequencer.setpoint());
+        }
+        assert_eq!(seen, [10, 10, 20, 20, 10, 10, 20]);
+    }
+
+    #[test]
+    fn a_move_behind_the_end_of_its_round_is_refused() {
+        let mut round = sequence(&[(5, 0)], 9);
+        assert_eq!(round.repeat_every(5), Err(SequenceError::OutOfOrder));
+        assert_eq!(round.repeat_every(6), Ok(()));
+        assert_eq!(round.push(Move { at_sample: 6, target: 0 }), Err(SequenceError::OutOfOrder));
+        assert_eq!(round.repeat_every(0), Ok(()));
+        assert_eq!(round.push(Move { at_sample: 6, target: 0 }), Ok(()));
     }
 
     #[test]

@@ -69,7 +69,13 @@ impl Reader<'_> {
     }
 
     fn check_timing(&mut self, rig: &Rig) {
-        for path in ["controller.period_s", "controller.delay_s", "test.duration_s", "test.trace_period_s"] {
+        for path in [
+            "controller.period_s",
+            "controller.delay_s",
+            "test.duration_s",
+            "test.trace_period_s",
+            "test.repeat_every_s",
+        ] {
             if rig.optional_number(path).is_some_and(|seconds| whole_microseconds(seconds).is_none()) {
                 self.problem_at_key(path, "must be a whole number of microseconds".to_owned());
             }
@@ -181,6 +187,15 @@ impl Reader<'_> {
         }
         if moves.windows(2).any(|pair| pair[1].0 < pair[0].0) {
             self.problem_at_key("test.moves", "must be in order of time".to_owned());
+        }
+        let last = moves.last().map_or(0.0, |(time, _)| *time);
+        // A whole sample between them, so that the last move is in force at one at least.
+        if rig
+            .optional_number("test.repeat_every_s")
+            .is_some_and(|round| round < last + rig.number("controller.period_s"))
+        {
+            let message = format!("must be a sample period longer than the time of the last move, {last} s");
+            self.problem_at_key("test.repeat_every_s", message);
         }
         if moves.iter().any(|(_, target)| i32::try_from(*target).is_err()) {
             self.problem_at_key("test.moves", "counts must fit 32 bits".to_owned());

@@ -379,6 +379,7 @@ pub static KEYS: &[Key] = &[
     key("test.moves", Kind::Moves, Default::Moves(&[(0.0, 8192), (0.3, 16_384), (1.72, 8192)]), "", "[time in s, counts], in order of time: setpoints, or commands in open loop."),
     key("test.targets", Kind::Integers { min: -COUNT, max: COUNT, most: 64 }, Default::Absent("moves hold"), "", "Setpoints in counts, each for controller.forced_exit_s: the thesis's way, instead of moves."),
     number("test.duration_s", 3.1, 1e-4, 3600.0, "", "Length of the test."),
+    key("test.repeat_every_s", Kind::Number { min: 1e-4, max: 3600.0 }, Default::Absent("the moves come once"), "", "The moves come again every so often, rounded up to whole samples, until the test is over."),
     key("test.impulse", Kind::Numbers { count: 3 }, Default::Absent("no impulse"), "8.2.1", "[time in s, duration in s, counts]: for so long the setpoint, or the command in open loop, is so much more."),
     key("test.trace_period_s", Kind::Number { min: 1e-6, max: 3600.0 }, Default::Absent("a row a sample"), "", "Period of the rows of trace.csv; whole microseconds."),
     integer("test.decimation", 1, 1, 10_000, "", "The recorder stores every Nth sample."),

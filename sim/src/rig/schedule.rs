@@ -58,7 +58,15 @@ impl Rig {
                 .push(Move::at_time_us(time_us, self.period_us(), target))
                 .expect("checked to be in order and few enough");
         }
+        sequence.repeat_every(self.round_samples()).expect("checked to be behind the last move");
         sequence
+    }
+
+    /// After how many samples the moves come again; 0: never.
+    fn round_samples(&self) -> u32 {
+        let round_us = self.optional_number("test.repeat_every_s").and_then(whole_microseconds);
+        let samples = round_us.unwrap_or(0).div_ceil(u64::from(self.period_us().get()));
+        u32::try_from(samples).unwrap_or(u32::MAX)
     }
 }
 

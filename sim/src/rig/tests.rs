@@ -138,6 +138,10 @@ fn what_does_not_go_together_is_refused_at_its_key() {
         ("[test]\nmoves = [[1.0, 1], [0.5, 2]]\n", "must be in order of time"),
         ("[test]\nmoves = [[-1.0, 1]]\n", "times must be whole microseconds"),
         ("[test]\nmoves = [[0.0, 90000]]\n", "outside the stroke of 0 to 24896 counts"),
+        (
+            "[test]\nmoves = [[0.0, 1], [2.0, 2]]\nrepeat_every_s = 2.001\n",
+            "longer than the time of the last move, 2 s",
+        ),
         ("[test]\nmoves = [[0.0]]\n", "must be a list of [time in s, counts]"),
         ("[test]\nposition_m = 0.4\n", "must not be above actuator.stroke_m"),
         ("[test]\nmoves = [[0.0, 1]]\ntargets = [2]\n", "give either targets or moves, not both"),

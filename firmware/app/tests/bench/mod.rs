@@ -1,0 +1,160 @@
+//! The whole application on a scripted board.
+#![allow(dead_code)] // Each test file uses a part.
+
+use pneudrive_app::store::NoStore;
+use pneudrive_app::{App, Board};
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Command, Config, Fault, Mode, Refusal, Sample};
+use pneudrive_protocol::{
+    Accumulator, CHUNK_SAMPLES, MAX_FRAME, MAX_VALUES, RecordCrc, RecordedSample, Refused, ReplyBody,
+    Request, RequestBody, Values, decode_reply, encode,
+};
+
+/// A board whose rod creeps out by 3 counts a sample, with a clock that the test turns.
+#[derive(Default)]
+pub struct FakeBoard {
+    pub position: i32,
+    pub driven: Vec<Command>,
+    pub now_us: u64,
+    pub host_clock_ms: Option<u64>,
+    pub runs: u32,
+    pub store: NoStore,
+}
+
+impl Board for FakeBoard {
+    type Store = NoStore;
+
+    fn store(&mut self) -> &mut NoStore {
+        &mut self.store
+    }
+    fn name(&self) -> &'static str {
+        "fake"
+    }
+    fn build(&self) -> &'static str {
+        "test"
+    }
+    fn read_sensors(&mut self, _: &Config) -> Sample {
+        self.position += 3;
+        Sample { position: self.position, pressure_1: 100, pressure_2: 200, spool: 2000, home_switch: false }
+    }
+    fn drive(&mut self, _: &Config, command: Command) {
+        self.driven.push(command);
+    }
+    fn now_us(&self) -> u64 {
+        self.now_us
+    }
+    fn host_clock_ms(&self) -> Option<u64> {
+        self.host_clock_ms
+    }
+    fn run_begins(&mut self, _: &Config) {
+        self.runs += 1;
+    }
+}
+
+#[derive(Default)]
+pub struct Bench {
+    pub app: Box<App>,
+    pub board: FakeBoard,
+    pub sequence: u16,
+}
+
+impl Bench {
+    /// A bench whose axis is referenced.
+    pub fn referenced() -> Bench {
+        let mut bench = Bench::default();
+        assert_eq!(bench.ask(RequestBody::Reference { position_counts: 0 }), "Done");
+        bench
+    }
+
+    pub fn samples(&mut self, count: u32) {
+        for _ in 0..count {
+            self.app.control.on_sample(&mut self.board);
+            self.app.control.on_output(&mut self.board);
+            self.board.now_us += 1300;
+        }
+    }
+
+    pub fn send(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut replies = Vec::new();
+        let App { control, server } = &mut *self.app;
+        let Ok(()) = server.receive(bytes, control, &mut self.board, &mut replies);
+        replies
+    }
+
+    pub fn frame(&mut self, body: RequestBody<'_>) -> Vec<u8> {
+        self.sequence += 1;
+        let request = Request { sequence: self.sequence, body };
+        encode(&request, &mut [0; MAX_FRAME]).expect("fits").to_vec()
+    }
+
+    pub fn ask_for<T>(&mut self, body: RequestBody<'_>, take: impl Fn(ReplyBody<'_>) -> T) -> T {
+        let frame = self.frame(body);
+        let replies = self.send(&frame);
+        let mut accumulator: Accumulator = Accumulator::new();
+        for byte in replies {
+            if let Some(message) = accumulator.push(byte) {
+                let reply = decode_reply(message.expect("whole")).expect("a reply");
+                assert_eq!(reply.sequence, self.sequence);
+                return take(reply.body);
+            }
+        }
+        panic!("no reply to {body:?}");
+    }
+
+    pub fn ask(&mut self, body: RequestBody<'_>) -> String {
+        self.ask_for(body, |reply| format!("{reply:?}"))
+    }
+
+    pub fn done(&mut self, body: RequestBody<'_>) {
+        assert_eq!(self.ask(body), "Done", "{body:?}");
+    }
+
+    pub fn refused(&mut self, body: RequestBody<'_>, refusal: Refusal) {
+        let expected = format!("{:?}", ReplyBody::Refused(Refused::NotNow(refusal.code())));
+        assert_eq!(self.ask(body), expected, "{body:?}");
+    }
+
+    pub fn mode(&self) -> Mode {
+        self.app.control.state().supervisor.mode()
+    }
+
+    /// A closed-loop test of `samples` samples, ready to start.
+    pub fn armed(&mut self, samples: u32, decimation: u16, pre_trigger: u16) {
+        self.done(RequestBody::TestBegin {
+            name: "bench",
+            duration_us: samples * 1300,
+            decimation,
+            pre_trigger,
+        });
+        self.done(RequestBody::TestMove { time_us: 0, target: 500 });
+        self.done(RequestBody::TestMove { time_us: 5200, target: -500 });
+        self.done(RequestBody::Arm);
+    }
+
+    /// The whole record: index of the first sample and all samples, its CRC checked.
+    pub fn record(&mut self) -> (i32, Vec<RecordedSample>) {
+        let (count, first, crc) = loop {
+            let (complete, info) = self.ask_for(RequestBody::RecordInfo, |reply| match reply {
+                ReplyBody::RecordInfo(info) => (info.complete, (info.samples, info.first_index, info.crc32)),
+                other => panic!("{other:?}"),
+            });
+            if complete {
+                break info;
+            }
+        };
+        let (mut samples, mut digest) = (Vec::new(), RecordCrc::new());
+        while (samples.len() as u32) < count {
+            let at = samples.len() as u32;
+            let wanted = (count - at).min(CHUNK_SAMPLES as u32) as u8;
+            let bytes =
+                self.ask_for(RequestBody::RecordRead { first: at, count: wanted }, |reply| match reply {
+                    ReplyBody::Chunk { first, samples } if first == at => samples.to_vec(),
+                    other => panic!("{other:?}"),
+                });
+            digest.update(&bytes);
+            samples.extend(RecordedSample::read(&bytes).expect("whole samples"));
+        }
+        assert_eq!(digest.finish(), crc);
+        (first, samples)
+    }
+}
