@@ -4,6 +4,7 @@ mod experiments;
 mod transients;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 pub use experiments::{ALL, Characterise, LIST, Merge, Study, Sweep};
 pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
@@ -308,12 +309,36 @@ pub struct Run {
     /// Also download the controller's parameters of the rig
     #[arg(long)]
     pub config: bool,
+    /// Let the test last this long instead, such as 90s, 20min, 8h or 3d
+    #[arg(long = "for", value_name = "TIME", value_parser = lasting, conflicts_with = "until_stopped")]
+    pub lasting: Option<Duration>,
+    /// Let the test run until Ctrl-C, which disarms the drive
+    #[arg(long)]
+    pub until_stopped: bool,
     /// Write the run to this file while it is on, however long it is
     #[arg(long, value_name = "FILE")]
     pub stream: Option<PathBuf>,
     /// Every how manyth sample is streamed
     #[arg(long, value_name = "N", default_value_t = 1, requires = "stream", value_parser = clap::value_parser!(u16).range(1..))]
     pub every: u16,
+}
+
+/// A time such as 90s, 20min, 8h or 3d.
+fn lasting(text: &str) -> Result<Duration, String> {
+    let (number, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len()));
+    let seconds = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        "d" => 86_400.0,
+        _ => return Err("write a number and s, min, h or d, such as 90s or 8h".to_owned()),
+    };
+    let number: f64 = number.trim().parse().map_err(|_| format!("{number:?} is not a number"))?;
+    if number > 0.0 && number * seconds < 1e8 {
+        Ok(Duration::from_secs_f64(number * seconds))
+    } else {
+        Err("must be above 0 and below 3 years".to_owned())
+    }
 }
 
 /// Arguments of `record`.

@@ -10,8 +10,8 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_protocol::{
-    Accumulator, CURRENT_VERSION, MAX_FRAME, MIN_VERSION, Mode, Reply, ReplyBody, Request, RequestBody,
-    Status, decode_reply, encode,
+    Accumulator, CURRENT_VERSION, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply, ReplyBody, Request,
+    RequestBody, Status, UNTIL_STOPPED, decode_reply, encode_and_know, frame,
 };
 use pneudrive_sim::Rig;
 
@@ -28,6 +28,9 @@ const ANSWER_WAIT: Duration = Duration::from_millis(100);
 /// How often a request is sent.
 const ATTEMPTS: u32 = 15;
 
+/// Requests that are known again if the line brings them back: more than are on their way at once.
+const SAID: usize = 32;
+
 /// How long a rig may say nothing of use.
 const PATIENCE: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
 
@@ -42,6 +45,7 @@ pub struct Client {
     /// The newest version that the rig speaks.
     version: u16,
     repeats: u32,
+    said: Recent<SAID>,
     unasked: stream::Unasked,
 }
 
@@ -85,6 +89,7 @@ impl Client {
             sequence: begin,
             version: MIN_VERSION,
             repeats: 0,
+            said: Recent::default(),
             unasked: stream::Unasked::default(),
         };
         // Ends whatever an earlier program left half said.
@@ -139,12 +144,14 @@ impl Client {
 
     fn send(&mut self, request: Request<'_>) -> Result<()> {
         let mut frame = [0; MAX_FRAME];
-        let frame = encode(&request, &mut frame).ok_or_else(|| anyhow!("a request is too long to send"))?;
+        let (frame, crc32) =
+            encode_and_know(&request, &mut frame).ok_or_else(|| anyhow!("a request is too long to send"))?;
+        self.said.add(crc32);
         self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
     }
 
     /// Gives what the rig says to `take` until that has what it wants, or the time has come. Damaged frames
-    /// are passed over; what comes unasked is set aside.
+    /// are passed over, and so is what the line brings back of our own; what comes unasked is set aside.
     fn hear<T>(
         &mut self,
         deadline: Duration,
@@ -153,6 +160,9 @@ impl Client {
         loop {
             for byte in self.heard.by_ref() {
                 let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
+                if self.said.holds(frame::crc32(message)) {
+                    continue;
+                }
                 let Ok(reply) = decode_reply(message) else { continue };
                 if !self.unasked.takes(&reply)
                     && let Some(taken) = take(&reply)
@@ -273,9 +283,22 @@ impl Client {
     /// # Errors
     /// When it is refused, or the drive is not disarmed.
     pub fn download_test(&mut self, rig: &Rig) -> Result<()> {
+        self.download_test_until(rig, rig.last_sample())
+    }
+
+    /// The same, but it ends with another sample; with [`UNTIL_STOPPED`], once it is stopped.
+    ///
+    /// # Errors
+    /// When it is refused, the drive is not disarmed, or the firmware too old for such a test.
+    pub fn download_test_until(&mut self, rig: &Rig, last_sample: u32) -> Result<()> {
+        let duration_us = last_sample.checked_mul(rig.period_us().get());
+        let round = rig.sequence().round();
+        if round > 0 || duration_us.is_none() {
+            self.needs_version(4, "a test that repeats its moves or lasts more than 71 minutes")?;
+        }
         self.ask_done(RequestBody::TestBegin {
             name: short(rig.name()),
-            duration_us: u32::try_from(rig.microseconds("test.duration_s")).unwrap_or(u32::MAX),
+            duration_us: duration_us.unwrap_or(u32::MAX),
             decimation: rig.integer("test.decimation") as u16,
             pre_trigger: rig.integer("test.pre_trigger") as u16,
         })?;
@@ -283,11 +306,14 @@ impl Client {
             let time_us = (time_s * 1e6).round() as u32;
             self.ask_done(RequestBody::TestMove { time_us, target: target as i32 })?;
         }
+        if round > 0 || duration_us.is_none() {
+            self.ask_done(RequestBody::TestSpan { last_sample, round })?;
+        }
         Ok(())
     }
 
     /// Follows a run to its end; `progress` is given the status now and then. Stops the rig once
-    /// `interrupted` is set.
+    /// `interrupted` is set; that is the end of a test that runs until it is stopped, and disarms it.
     ///
     /// # Errors
     /// When the drive trips, the run is ended by someone else, or the rig stops answering.
@@ -305,12 +331,13 @@ impl Client {
         mut progress: impl FnMut(&Status),
         mut between: impl FnMut(&mut Client) -> Result<()>,
     ) -> Result<Status> {
+        let mut last = None;
         loop {
             if interrupted.load(Ordering::Relaxed) {
-                self.stop()?;
-                bail!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name);
+                return self.end_early(last);
             }
             let status = self.status()?;
+            last = Some(status);
             progress(&status);
             match status.mode {
                 // Who cannot go on must not leave a cylinder that moves.
@@ -331,6 +358,18 @@ impl Client {
                 ),
             }
         }
+    }
+}
+
+impl Client {
+    /// Ends a run before its time.
+    fn end_early(&mut self, last: Option<Status>) -> Result<Status> {
+        if last.is_some_and(|status| status.duration_samples == UNTIL_STOPPED) {
+            self.disarm()?;
+            return self.status();
+        }
+        self.stop()?;
+        bail!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name);
     }
 }
 

@@ -134,6 +134,19 @@ impl Progress {
         Progress { bar, what: what.to_owned(), of, said: 0 }
     }
 
+    /// Of samples whose end nobody knows.
+    fn endless(what: &str, advice: &str) -> Progress {
+        let progress = Progress::new(what);
+        let style = ProgressStyle::with_template(&format!(
+            "{{msg:<12}} {{spinner}} {{human_pos}} samples in {{elapsed}} ({advice})"
+        ));
+        progress.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        if progress.bar.is_hidden() {
+            eprintln!("{what}: {advice}");
+        }
+        Progress { said: u64::MAX, ..progress }
+    }
+
     /// What was done before does not count for the rate.
     fn begin_at(&mut self, done: u64, all: u64) {
         self.bar.set_length(all);

@@ -332,3 +332,29 @@ fn a_virtual_rig_on_a_pty_is_talked_to_by_its_name() {
     let _ = rig.wait();
     assert!(said.starts_with("mode        disarmed\n"), "{line}{said}");
 }
+
+/// Ctrl-C is how a run without an end ends: the drive is disarmed, the file is whole, nothing has failed.
+#[cfg(unix)]
+#[test]
+fn a_run_until_stopped_ends_with_ctrl_c() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let path = folder.path().join("run.csv");
+    let run = format!("run servo-b-tuned --port {} --until-stopped --stream run.csv", rig.port());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+    command.current_dir(folder.path()).args(run.split_whitespace());
+    let program = command.stdout(std::process::Stdio::piped()).spawn().expect("the program runs");
+    // More than the 4389 samples that the board's memory holds, each line 20 bytes at least.
+    while std::fs::metadata(&path).map_or(0, |file| file.len()) < 20 * 5000 {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let interrupt = format!("kill -INT {}", program.id());
+    assert!(Command::new("sh").args(["-c", &interrupt]).status().expect("a shell").success());
+    let output = program.wait_with_output().expect("it was started");
+    let said = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(output.status.success(), "{said}");
+    assert!(said.ends_with("servo-b-tuned: ended as you asked, the drive is disarmed\n"), "{said}");
+    let text = std::fs::read_to_string(&path).expect("written");
+    assert!(text.contains("\n# samples = ") && text.ends_with("\n# missing = 0\n"), "{said}");
+    let status = ok(folder.path(), &format!("device --port {} status", rig.port()));
+    assert!(status.starts_with("mode        disarmed\n"), "{status}");
+}

@@ -4,11 +4,12 @@ mod program;
 mod simulated_link;
 
 use std::fs;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use pneudrive::client::Client;
+use pneudrive_app::recorder::CAPACITY;
 use pneudrive_controller::Fault;
-use pneudrive_protocol::{Mode, StreamedSample};
+use pneudrive_protocol::{Mode, StreamedSample, UNTIL_STOPPED};
 use pneudrive_sim::Rig;
 use simulated_link::{Faults, Random, SimulatedRig};
 
@@ -16,13 +17,19 @@ use program::{folder, ok, transcript, virtual_rig};
 
 /// A run of 4 s on a rig at the end of a line, begun with its stream.
 fn started(rig: &SimulatedRig, every: u16) -> Client {
-    let settings = ["test.duration_s=4", "controller.loop=open", "test.moves=[[0.0, 5]]"].map(str::to_owned);
+    let settings = ["test.duration_s=4", "controller.loop=open", "test.moves=[[0.0, 5]]"];
+    begun(rig, every, &settings, Rig::last_sample)
+}
+
+/// A run with these settings that ends with a sample of its own.
+fn begun(rig: &SimulatedRig, every: u16, settings: &[&str], last_sample: impl FnOnce(&Rig) -> u32) -> Client {
+    let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
     let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
     let test = Rig::read_with("servo-b", text, &settings).expect("a test");
     rig.change(|simulation| simulation.take_samples());
     let mut client = rig.connect().expect("an answer");
     client.import_parameters(&test.parameters()).expect("disarmed");
-    client.download_test(&test).expect("disarmed");
+    client.download_test_until(&test, last_sample(&test)).expect("disarmed");
     client.stream_begin(every, 769.0).expect("version 3");
     client.arm().expect("in open loop without a reference");
     client.start().expect("armed");
@@ -51,6 +58,30 @@ fn over_a_good_line_the_stream_is_the_record() {
         assert_eq!((row.index as usize, row.sample), (k, *recorded), "sample {k}");
     }
     assert_eq!(record.len(), 3077);
+}
+
+/// Twice as long as the board's memory, and it would go on.
+#[test]
+fn a_run_without_an_end_is_streamed_until_it_is_stopped_and_its_moves_come_again() {
+    let rig = SimulatedRig::with_record(&[]);
+    let settings = ["controller.loop=open", "test.moves=[[0.0, 5], [0.5, -5]]", "test.repeat_every_s=1"];
+    let mut client = begun(&rig, 1, &settings, |_| UNTIL_STOPPED);
+    let (stop, mut rows) = (AtomicBool::new(false), Vec::new());
+    let keep = |row: &StreamedSample| {
+        rows.push(*row);
+        stop.store(rows.len() > 2 * CAPACITY, Ordering::Relaxed);
+        Ok(())
+    };
+    let (status, lost) = client.follow_streamed(&stop, |_| {}, keep).expect("no fault");
+    assert_eq!((status.duration_samples, lost), (UNTIL_STOPPED, 0));
+    assert_eq!(status.mode, Mode::Disarmed, "an end, not a fault");
+    // A second is 769.2 samples, so a round has 770; its second half begins at sample 385.
+    for (k, row) in (0..).zip(&rows) {
+        let command = if k % 770 < 385 { 5 } else { -5 };
+        assert_eq!((row.index, row.sample.command), (k, command), "sample {k}");
+    }
+    assert!(rows.len() > 2 * CAPACITY);
+    assert_eq!(rows.len(), status.index as usize + 1, "to the last sample");
 }
 
 #[test]
@@ -129,4 +160,9 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     let values = fs::read_to_string(folder.path().join("values.csv")).expect("written");
     assert_eq!(values.lines().count(), 4, "{values}");
     assert!(values.starts_with("time_s,mode,index,setpoint_counts,"), "{values}");
+
+    let longer = run.replace("--set test.duration_s=0.4", "--for 1s").replace("run.csv", "longer.csv");
+    assert!(transcript(folder.path(), &longer).contains("longer.csv: 385 samples, none missing\n"));
+    let never = longer.replace("--for 1s", "--for 900d");
+    assert!(transcript(folder.path(), &never).contains("! error: --for: at 1300 us a sample, 65 days can"));
 }

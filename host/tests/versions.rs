@@ -6,8 +6,10 @@ use pneudrive::target::TargetFile;
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::{
-    MAX_FRAME, Refused, Reply, ReplyBody, Request, RequestBody, decode_reply, decode_request, encode,
+    MAX_FRAME, Refused, Reply, ReplyBody, Request, RequestBody, UNTIL_STOPPED, decode_reply, decode_request,
+    encode,
 };
+use pneudrive_sim::Rig;
 use simulated_link::{Random, SimulatedRig, any_samples};
 
 /// `Info` as a firmware of version 1 answers it: the bytes of `wire_v01.rs` behind the sequence number.
@@ -39,6 +41,7 @@ fn info(sequence: u16, min_version: u16, version: u16) -> Option<Vec<u8>> {
 /// The version that a request came with.
 fn version_of(body: &RequestBody<'_>) -> u16 {
     match body {
+        RequestBody::TestSpan { .. } => 4,
         RequestBody::RecordChunk { .. }
         | RequestBody::StreamBegin { .. }
         | RequestBody::StreamGrant { .. }
@@ -90,6 +93,10 @@ fn version_1(message: &[u8]) -> Option<Vec<u8>> {
 
 fn version_2(message: &[u8]) -> Option<Vec<u8>> {
     older(message, 2, id::HOMING_SWITCH)
+}
+
+fn version_3(message: &[u8]) -> Option<Vec<u8>> {
+    older(message, 3, id::HOMING_SWITCH)
 }
 
 fn version_9(message: &[u8]) -> Option<Vec<u8>> {
@@ -148,6 +155,24 @@ fn what_an_older_rig_cannot_do_is_refused_by_name() {
 }
 
 #[test]
+fn a_test_that_an_older_rig_cannot_keep_is_refused_and_others_are_taken() {
+    let mut client = SimulatedRig::with_record(&[]).with_firmware(version_3).connect().expect("an answer");
+    let test = |settings: &[&str]| {
+        let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
+        let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
+        Rig::read_with("servo-b", text, &settings).expect("a test")
+    };
+    client.download_test(&test(&[])).expect("as ever");
+    for (test, last_sample) in [(test(&["test.repeat_every_s=3"]), 100), (test(&[]), UNTIL_STOPPED)] {
+        let error = client.download_test_until(&test, last_sample).expect_err("too old").to_string();
+        assert!(
+            error.contains("repeats its moves or lasts more than 71 minutes, which needs version 4"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn an_older_rig_takes_the_parameters_that_it_has_unless_one_that_it_lacks_would_matter() {
     let rig = SimulatedRig::with_record(&[]).with_firmware(version_1);
     let mut client = rig.connect().expect("an answer");
@@ -174,7 +199,7 @@ fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_9);
     let error = rig.connect().err().expect("no common version").to_string();
     assert!(
-        error.contains("speaks protocol versions 9 to 9, this program 1 to 3; update the older"),
+        error.contains("speaks protocol versions 9 to 9, this program 1 to 4; update the older"),
         "{error}"
     );
 }

@@ -325,6 +325,17 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.test.sequence.push(next).map_err(MoveError::Sequence)
     }
 
+    /// The test ends with this sample, and its moves come again every `round` samples; 0: once.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, or a move lies behind the round.
+    pub fn set_span(&mut self, last_sample: u32, round: u32) -> Result<(), MoveError> {
+        self.must_be_disarmed().map_err(MoveError::Refused)?;
+        self.test.sequence.repeat_every(round).map_err(MoveError::Sequence)?;
+        self.test.sequence.duration_samples = last_sample;
+        Ok(())
+    }
+
     fn must_be_disarmed(&self) -> Result<(), Refusal> {
         if self.state.supervisor.drives() { Err(Refusal::NotDisarmed) } else { Ok(()) }
     }
@@ -416,6 +427,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.record();
         self.state.home()?;
         self.host_heard(board);
+        // What is kept from before has positions of another origin.
+        self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);
         Ok(())
     }
 

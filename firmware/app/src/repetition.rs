@@ -1,14 +1,14 @@
 //! Requests that come late a second time, behind later ones: an echo of the line, or of a host that asked
 //! again while the answer was on its way.
 
-use pneudrive_protocol::{RequestBody, decode_request};
+use pneudrive_protocol::{Recent, RequestBody, decode_request};
 
 /// Requests that are remembered.
 const REMEMBERED: usize = 8;
 
-/// The last requests of a host that changed something, by their CRC.
+/// The last requests of a host that changed something.
 #[derive(Debug, Default)]
-pub(crate) struct CarriedOut([Option<u32>; REMEMBERED]);
+pub(crate) struct CarriedOut(Recent<REMEMBERED>);
 
 impl CarriedOut {
     /// Whether a request that changes something was carried out before; from now on it was. Also across
@@ -18,11 +18,8 @@ impl CarriedOut {
         if only_reads(&request.body) {
             return false;
         }
-        let before = self.0.contains(&Some(crc32));
-        if !before {
-            self.0.rotate_right(1);
-            self.0[0] = Some(crc32);
-        }
+        let before = self.0.holds(crc32);
+        self.0.add(crc32);
         before
     }
 }

@@ -12,8 +12,9 @@ use pneudrive_controller::sequencer::{Arrival, SequenceError};
 use pneudrive_controller::{Mode, Move};
 use pneudrive_protocol::{
     self as protocol, Accumulator, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, Event, MAX_EVENTS, MAX_FRAME,
-    MAX_ROWS, MAX_VALUES, MIN_VERSION, Motion, RecordCrc, RecordInfo, RecordedSample, Refused, Reply,
-    ReplyBody, Request, RequestBody, Status, StreamedSample, Values, decode_request, encode,
+    MAX_ROWS, MAX_VALUES, MIN_VERSION, Motion, Recent, RecordInfo, RecordedSample, Refused, Reply, ReplyBody,
+    Request, RequestBody, Status, StreamedSample, UNTIL_STOPPED, Values, decode_request, encode_and_know,
+    frame,
 };
 
 use crate::board::Board;
@@ -27,13 +28,20 @@ use crate::stream::Stream;
 /// Version of the firmware, as `info` and TARGET files have it.
 pub const FIRMWARE: &str = concat!("pneudrive ", env!("CARGO_PKG_VERSION"));
 
+/// Messages of its own that it knows again: more than a line that brings them back holds.
+const SAID: usize = 16;
+
+/// Where a reply ends in [`Server::reply`], and its CRC; None: nothing is to be said.
+type Framed = Option<(usize, u32)>;
+
 /// The protocol server.
 #[derive(Debug)]
 pub struct Server {
     accumulator: Accumulator,
-    /// The last request, by its CRC, and the length of its reply in `reply`.
-    answered: Option<(u32, usize)>,
+    /// The last request, by its CRC, and its reply.
+    answered: Option<(u32, Framed)>,
     carried_out: CarriedOut,
+    said: Recent<SAID>,
     reply: [u8; MAX_FRAME],
     stream: Stream,
 }
@@ -44,6 +52,7 @@ impl Default for Server {
             accumulator: Accumulator::new(),
             answered: None,
             carried_out: CarriedOut::default(),
+            said: Recent::default(),
             reply: [0; MAX_FRAME],
             stream: Stream::default(),
         }
@@ -67,7 +76,8 @@ impl Server {
     ///
     /// A request that comes twice, because its reply was lost, is carried out once and answered
     /// twice. One that changes something and comes again after later ones is not even answered: the host
-    /// has had its answer, and an old `arm` must not follow on a `disarm`.
+    /// has had its answer, and an old `arm` must not follow on a `disarm`. What the line brings back of its
+    /// own replies is nothing of the host's.
     ///
     /// # Errors
     /// When the port does not take a reply.
@@ -81,15 +91,21 @@ impl Server {
         for &byte in bytes {
             let damaged = self.accumulator.damaged;
             let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
+            let crc32 = frame::crc32(message);
+            if self.said.holds(crc32) {
+                continue;
+            }
             control.host_heard(board);
-            let fingerprint = crc32(message);
-            let len = match self.answered {
-                Some((answered, len)) if answered == fingerprint => len,
-                _ if self.carried_out.has(message, fingerprint) => continue,
+            let framed = match self.answered {
+                Some((answered, framed)) if answered == crc32 => framed,
+                _ if self.carried_out.has(message, crc32) => continue,
                 _ => answer(message, control, board, damaged, &mut self.stream, &mut self.reply),
             };
-            self.answered = Some((fingerprint, len));
-            port.write_all(self.reply.get(..len).unwrap_or(&[]))?;
+            self.answered = Some((crc32, framed));
+            if let Some((len, crc32)) = framed {
+                self.said.add(crc32);
+                port.write_all(self.reply.get(..len).unwrap_or(&[]))?;
+            }
         }
         Ok(())
     }
@@ -101,6 +117,12 @@ impl Server {
         let _ = digest(control, DIGEST_BETWEEN);
     }
 
+    /// Whether the stream waits for its host ([`Stream::is_full`]).
+    #[must_use]
+    pub fn waits_for_host(&self) -> bool {
+        self.stream.is_full()
+    }
+
     /// Writes what is due unasked: one frame at most. To be called when the port has room for it.
     ///
     /// # Errors
@@ -109,18 +131,15 @@ impl Server {
         let mut scratch = SCRATCH;
         let Some((sequence, body)) = self.stream.due(&mut scratch) else { return Ok(()) };
         let mut frame = [0; MAX_FRAME];
-        port.write_all(encode(&Reply { sequence, body }, &mut frame).unwrap_or(&[]))
+        let framed = encode_and_know(&Reply { sequence, body }, &mut frame);
+        let Some((frame, crc32)) = framed else { return Ok(()) };
+        self.said.add(crc32);
+        port.write_all(frame)
     }
 }
 
-fn crc32(message: &[u8]) -> u32 {
-    let mut crc = RecordCrc::new();
-    crc.update(message);
-    crc.finish()
-}
-
-/// Carries out the request in a message and frames its reply: the length of the frame, 0 for a
-/// message that does not even have a number to answer under.
+/// Carries out the request in a message and frames its reply; none for a message that does not even have
+/// a number to answer under.
 fn answer<B: Board>(
     message: &[u8],
     control: &mut Control<impl BorrowMut<Recorder>>,
@@ -128,7 +147,7 @@ fn answer<B: Board>(
     damaged_frames: u32,
     stream: &mut Stream,
     frame: &mut [u8; MAX_FRAME],
-) -> usize {
+) -> Framed {
     let mut scratch = SCRATCH;
     let reply = match decode_request(message) {
         Ok(request) => Reply {
@@ -137,10 +156,10 @@ fn answer<B: Board>(
         },
         Err(error) => match error.sequence {
             Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },
-            None => return 0,
+            None => return None,
         },
     };
-    encode(&reply, frame).map_or(0, <[u8]>::len)
+    encode_and_know(&reply, frame).map(|(frame, crc32)| (frame.len(), crc32))
 }
 
 fn carry_out<'a, B: Board>(
@@ -188,6 +207,12 @@ fn carry_out<'a, B: Board>(
         RequestBody::TestMove { time_us, target } => {
             let next = Move::at_time_us(time_us, control.config().timing.period_us, target);
             done(control.push_move(next).map_err(move_refused))
+        }
+        RequestBody::TestSpan { last_sample, .. } if last_sample > UNTIL_STOPPED => {
+            ReplyBody::Refused(Refused::TestTooLong)
+        }
+        RequestBody::TestSpan { last_sample, round } => {
+            done(control.set_span(last_sample, round).map_err(move_refused))
         }
         RequestBody::Home => done(control.home(board).map_err(not_now)),
         RequestBody::Motion => ReplyBody::Motion(motion(control)),
@@ -286,7 +311,7 @@ fn motion(control: &Control<impl BorrowMut<Recorder>>) -> Motion {
             Arrival::Arrived => 2,
             Arrival::NotReached => 3,
         },
-        begun: moves.begun() as u16,
+        begun: u16::try_from(moves.begun()).unwrap_or(u16::MAX),
         not_reached: moves.not_reached(),
         learned_null_offset: state.learned_null_offset(),
     }

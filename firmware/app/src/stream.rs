@@ -90,6 +90,13 @@ impl Stream {
         self.gathered.saturating_sub(HELD as u32)
     }
 
+    /// Whether so many rows wait to go that the next ones might take the place of the oldest: a rig that makes its
+    /// own time can wait.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.gathered - self.sent.max(self.oldest()) > HELD as u32 / 2
+    }
+
     /// What is to go unasked now: a batch, or at the end of a run what is left. Under its number.
     pub fn due<'a>(&mut self, room: &'a mut [u8]) -> Option<(u16, ReplyBody<'a>)> {
         let first = self.sent.max(self.oldest());

@@ -3,6 +3,12 @@
 mod bench;
 
 use bench::Bench;
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Command, Fault, Mode, Refusal};
+use pneudrive_protocol::{
+    Accumulator, MAX_FRAME, MAX_VALUES, Refused, ReplyBody, RequestBody, Values, decode_reply,
+};
+
 #[test]
 fn a_new_rig_is_disarmed_with_the_valve_at_null() {
     let mut bench = Bench::default();
@@ -326,6 +332,24 @@ fn a_start_between_a_sample_and_its_output_does_not_lose_that_sample() {
     let (first, samples) = bench.record();
     assert_eq!((first, samples[1].position, samples[2].position), (-2, last_armed, last_armed + 3));
     assert_eq!(samples.len(), 12);
+}
+
+#[test]
+fn samples_from_before_the_start_have_the_origin_that_the_homing_run_found() {
+    let mut bench = Bench::referenced();
+    bench.armed(9, 1, 4);
+    bench.samples(6);
+    bench.done(RequestBody::Home);
+    bench.board.stands = true;
+    while bench.mode() == Mode::Homing {
+        bench.samples(1);
+    }
+    bench.samples(2);
+    bench.done(RequestBody::Start);
+    bench.samples(11);
+    let (first, samples) = bench.record();
+    assert_eq!((first, samples.len()), (-2, 12), "none from before the homing run");
+    assert!(samples.iter().all(|sample| sample.position == 0), "at the stop all the time");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The stream of a rig: samples of a run while it is on (version 3 of the protocol).
 
 use std::collections::VecDeque;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use anyhow::Result;
@@ -107,7 +107,7 @@ impl Client {
             client.stream_on(&mut arrivals)?;
             drain(&mut arrivals)
         });
-        let rest = self.stream_rest(interrupted, &mut arrivals).and_then(|()| drain(&mut arrivals));
+        let rest = self.stream_rest(&mut arrivals).and_then(|()| drain(&mut arrivals));
         followed.and_then(|status| rest.map(|()| (status, arrivals.lost())))
     }
 
@@ -128,9 +128,9 @@ impl Client {
     }
 
     /// The last rows of a stream whose run is over: nothing came after them that would have told that they
-    /// are missing.
-    fn stream_rest(&mut self, interrupted: &AtomicBool, arrivals: &mut Arrivals) -> Result<()> {
-        while !interrupted.load(Ordering::Relaxed) {
+    /// are missing. No more than the rig holds, so it comes to an end, and is not to be interrupted.
+    fn stream_rest(&mut self, arrivals: &mut Arrivals) -> Result<()> {
+        loop {
             self.stream_on(arrivals)?;
             let end = arrivals.end();
             let again = self.stream_read(end, MAX_ROWS as u8)?;
@@ -140,7 +140,6 @@ impl Client {
             arrivals.came(again.first, again.rows);
             arrivals.gone(again.first);
         }
-        Ok(())
     }
 
     fn stream_read(&mut self, first: u32, count: u8) -> Result<Rows> {

@@ -24,7 +24,7 @@ fn on_the_rig(port: &str, model: &Rig, out: &Path) -> Result<(PathBuf, TargetFil
     say!("   {} on {port}: {}", info.board, info.firmware);
 
     say!("2. the step test on it, over the real protocol");
-    run_test(&mut client, model, false, None)?;
+    run_test(&mut client, model, model.last_sample(), false, None)?;
 
     say!("3. its transient, recorded");
     let (path, target) = record(&mut client, out)?;

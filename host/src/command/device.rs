@@ -5,7 +5,7 @@ mod config;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use pneudrive_protocol::{ConfigState, HISTOGRAM_BINS, Mode, Motion, Spread, Status};
+use pneudrive_protocol::{ConfigState, HISTOGRAM_BINS, Mode, Motion, Spread, Status, UNTIL_STOPPED};
 
 use crate::cli::{Device, DeviceAction};
 use crate::client::Client;
@@ -142,6 +142,9 @@ fn status(client: &mut Client) -> Result<()> {
         Mode::Running if motion.is_some_and(|motion| motion.homing) => "homing".to_owned(),
         Mode::Disarmed => "disarmed".to_owned(),
         Mode::Armed => "armed".to_owned(),
+        Mode::Running if duration_samples == UNTIL_STOPPED => {
+            format!("running until it is stopped, sample {index}")
+        }
         Mode::Running => format!("running, sample {index} of {duration_samples}"),
         Mode::Done => "done, holding".to_owned(),
         Mode::Fault => format!("fault {}: {}", words::fault_code_name(fault), words::fault_meaning(fault)),

@@ -5,10 +5,10 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{id, lookup};
-use pneudrive_protocol::{Mode, Status};
+use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
 use pneudrive_sim::Rig;
 
 use super::streaming::Streaming;
@@ -21,7 +21,12 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = load_rig(&arguments.rig, &arguments.settings)?;
     let mut client = Client::connect(&arguments.port.port)?;
     let streaming = arguments.stream.as_deref().map(|path| (path, arguments.every));
-    run_test(&mut client, &rig, arguments.config, streaming)?;
+    let last_sample = last_sample(arguments, &rig)?;
+    run_test(&mut client, &rig, last_sample, arguments.config, streaming)?;
+    if last_sample == UNTIL_STOPPED {
+        say!("{}: ended as you asked, the drive is disarmed", rig.name());
+        return Ok(());
+    }
     say!("{}: done", rig.name());
     if rig.word("controller.loop") == "closed" {
         say!("the drive holds its last setpoint; `pneudrive device disarm` releases it");
@@ -30,11 +35,29 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     Ok(())
 }
 
-/// Downloads the test of a rig (with its parameters, if asked for), arms, starts and follows it; every Nth
-/// sample goes to a file, if one is given.
+/// The last sample of the test, if it is to last as long as is asked for.
+fn last_sample(arguments: &Run, rig: &Rig) -> Result<u32> {
+    if arguments.until_stopped {
+        return Ok(UNTIL_STOPPED);
+    }
+    let Some(lasting) = arguments.lasting else { return Ok(rig.last_sample()) };
+    let period = Duration::from_micros(rig.period_us().get().into());
+    let last = u32::try_from(lasting.as_nanos() / period.as_nanos());
+    last.ok().filter(|&last| last < UNTIL_STOPPED).with_context(|| {
+        format!(
+            "--for: at {} us a sample, {:.0} days can be counted; use --until-stopped for as long as that",
+            period.as_micros(),
+            f64::from(UNTIL_STOPPED) * period.as_secs_f64() / 86_400.0
+        )
+    })
+}
+
+/// Downloads the test of a rig (with its parameters, if asked for), arms, starts and follows it to this
+/// sample; every Nth sample goes to a file, if one is given.
 pub(super) fn run_test(
     client: &mut Client,
     rig: &Rig,
+    last_sample: u32,
     with_parameters: bool,
     streaming: Option<(&Path, u16)>,
 ) -> Result<()> {
@@ -61,9 +84,9 @@ pub(super) fn run_test(
         compare_parameters(&parameters.values, &rig.parameters(), rig.name())?;
     }
     if streaming.is_none() {
-        warn_of_a_full_recorder(client, rig)?;
+        warn_of_a_full_recorder(client, rig, last_sample)?;
     }
-    client.download_test(rig)?;
+    client.download_test_until(rig, last_sample)?;
     let mut stream = match streaming {
         Some((path, every)) => Some(Streaming::begin(client, rig.name(), &parameters, path, every)?),
         None => None,
@@ -75,7 +98,10 @@ pub(super) fn run_test(
         stream.map_or(Ok(()), |stream| stream.end(client))?;
         return Err(error);
     }
-    let mut progress = Progress::new("running");
+    let mut progress = match last_sample {
+        UNTIL_STOPPED => Progress::endless("running", "Ctrl-C ends the run"),
+        _ => Progress::new("running"),
+    };
     let progressed = |status: &Status| {
         progress.at(u64::from(status.index), u64::from(status.duration_samples));
     };
@@ -143,13 +169,17 @@ impl Drop for Interrupts {
 }
 
 /// Says how much of a long test the recorder will hold.
-fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig) -> Result<()> {
+fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> Result<()> {
     // The recorder sets the whole of its ring aside for samples from before the start.
     let before = rig.integer("test.pre_trigger") as u32;
     let capacity = client.info()?.record_capacity.saturating_sub(before);
-    let stored = rig.last_sample() / rig.integer("test.decimation").max(1) as u32 + 1;
-    if stored > capacity {
-        let least = rig.last_sample().div_ceil(capacity.saturating_sub(1).max(1));
+    let stored = last_sample / rig.integer("test.decimation").max(1) as u32 + 1;
+    if last_sample == UNTIL_STOPPED {
+        eprintln!(
+            "note: the recorder holds the first {capacity} samples; --stream writes all of them to a file"
+        );
+    } else if stored > capacity {
+        let least = last_sample.div_ceil(capacity.saturating_sub(1).max(1));
         eprintln!(
             "note: the recorder holds {capacity} of {stored} samples and stops when it is full; test.decimation={least} records all of the test"
         );

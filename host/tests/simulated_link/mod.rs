@@ -72,6 +72,8 @@ pub struct Simulation {
     pub up: Line,
     pub down: Line,
     pub broken: bool,
+    /// Whether each side also hears what it says itself.
+    pub echoes: bool,
     /// Bytes in both directions, ever, after which the line breaks.
     breaks_after: Option<usize>,
     /// The same, after which the rig is another one: with what it has run since.
@@ -138,6 +140,7 @@ impl SimulatedRig {
             up: Line::default(),
             down: Line::default(),
             broken: false,
+            echoes: false,
             breaks_after: None,
             restarts_after: None,
         })))
@@ -262,7 +265,11 @@ impl Simulation {
             }
             // Each reply is a frame of its own on the line.
             if !replies.is_empty() {
-                self.down.send(self.now, std::mem::take(&mut replies));
+                let reply = std::mem::take(&mut replies);
+                if self.echoes {
+                    self.up.send(self.now, reply.clone());
+                }
+                self.down.send(self.now, reply);
             }
         }
     }
@@ -322,6 +329,9 @@ impl Link for SimulatedRig {
             }
             let now = simulation.now;
             simulation.restarts();
+            if simulation.echoes {
+                simulation.down.send(now, bytes.to_vec());
+            }
             simulation.up.send(now, bytes.to_vec());
             Ok(())
         })

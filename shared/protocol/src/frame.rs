@@ -23,12 +23,23 @@ pub const CRC_BYTES: usize = size_of::<u32>();
 /// [`MAX_FRAME`](crate::MAX_FRAME) bytes are always enough.
 #[must_use]
 pub fn encode<'out>(message: &[u8], out: &'out mut [u8]) -> Option<&'out [u8]> {
+    encode_with(crc32(message), message, out)
+}
+
+/// The CRC that a message has in its frame.
+#[must_use]
+pub fn crc32(message: &[u8]) -> u32 {
+    CRC_32.checksum(message)
+}
+
+/// The frame of a message whose CRC is known.
+pub(crate) fn encode_with<'out>(crc32: u32, message: &[u8], out: &'out mut [u8]) -> Option<&'out [u8]> {
     if message.is_empty() || message.len() > MAX_MESSAGE {
         return None;
     }
     let mut encoder = CobsEncoder::new(out);
     encoder.push(message).ok()?;
-    encoder.push(&CRC_32.checksum(message).to_le_bytes()).ok()?;
+    encoder.push(&crc32.to_le_bytes()).ok()?;
     let end = encoder.finalize();
     *out.get_mut(end)? = DELIMITER;
     out.get(..=end)
@@ -124,7 +135,7 @@ fn check(content: Option<&[u8]>, whole: bool) -> Result<&[u8], FrameError> {
     if message.is_empty() {
         return Err(FrameError::TooShort);
     }
-    if CRC_32.checksum(message) == u32::from_le_bytes(*crc) { Ok(message) } else { Err(FrameError::WrongCrc) }
+    if crc32(message) == u32::from_le_bytes(*crc) { Ok(message) } else { Err(FrameError::WrongCrc) }
 }
 
 #[cfg(test)]

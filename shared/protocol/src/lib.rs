@@ -40,8 +40,8 @@
 //!   old PC can read.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
 //!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` and `tests/wire_v03.rs` those
-//!   that versions 2 and 3 have added. A new version adds a file of its own.
+//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v04.rs` those
+//!   that versions 2 to 4 have added. A new version adds a file of its own.
 //!
 //! # What is promised
 //!
@@ -54,6 +54,7 @@
 pub mod event;
 pub mod frame;
 pub mod message;
+pub mod recent;
 pub mod record;
 pub mod stream;
 pub mod values;
@@ -62,8 +63,10 @@ pub use event::Event;
 pub use frame::{Accumulator, FrameError};
 pub use message::{
     ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody,
-    Request, RequestBody, Spread, Status, decode_reply, decode_request, encode,
+    Request, RequestBody, Spread, Status, UNTIL_STOPPED, decode_reply, decode_request, encode,
+    encode_and_know,
 };
+pub use recent::Recent;
 pub use record::{RecordCrc, RecordedSample};
 pub use stream::StreamedSample;
 pub use values::Values;
@@ -72,7 +75,7 @@ pub use values::Values;
 pub const MIN_VERSION: u16 = 1;
 
 /// The version described here.
-pub const CURRENT_VERSION: u16 = 3;
+pub const CURRENT_VERSION: u16 = 4;
 
 /// The longest message, bytes: sequence and body, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;

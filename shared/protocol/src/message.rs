@@ -130,7 +130,18 @@ pub enum RequestBody<'a> {
         /// How many, up to [`MAX_ROWS`](crate::MAX_ROWS).
         count: u8,
     },
+    /// Version 4. How long the test is, in samples, and whether its moves come again; in place of the length
+    /// that it began with.
+    TestSpan {
+        /// Number of the last sample, up to [`UNTIL_STOPPED`].
+        last_sample: u32,
+        /// The moves come again every so many samples; 0: they come once.
+        round: u32,
+    },
 }
+
+/// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
+pub const UNTIL_STOPPED: u32 = u32::MAX - 1;
 
 /// The answer to a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -357,7 +368,7 @@ pub enum Refused<'a> {
         /// What must be.
         advice: &'a str,
     },
-    /// The test lasts more samples than can be counted.
+    /// The test lasts more samples than can be counted ([`UNTIL_STOPPED`]).
     TestTooLong,
     /// The move is before the last one.
     MovesOutOfOrder,
@@ -392,9 +403,16 @@ pub struct MessageError {
 /// always enough. Takes [`MAX_MESSAGE`] bytes of stack.
 #[must_use]
 pub fn encode<'out>(message: &impl Message, out: &'out mut [u8]) -> Option<&'out [u8]> {
+    encode_and_know(message, out).map(|(frame, _)| frame)
+}
+
+/// The same, and the CRC of the message: to know it again ([`Recent`](crate::Recent)).
+#[must_use]
+pub fn encode_and_know<'out>(message: &impl Message, out: &'out mut [u8]) -> Option<(&'out [u8], u32)> {
     let mut buffer = [0; MAX_MESSAGE];
     let bytes = postcard::to_slice(message, &mut buffer).ok()?;
-    frame::encode(bytes, out)
+    let crc32 = frame::crc32(bytes);
+    Some((frame::encode_with(crc32, bytes, out)?, crc32))
 }
 
 /// The request in a message. What follows a known body is skipped.

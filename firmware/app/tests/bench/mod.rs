@@ -3,17 +3,18 @@
 
 use pneudrive_app::store::NoStore;
 use pneudrive_app::{App, Board};
-use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Command, Config, Fault, Mode, Refusal, Sample};
+use pneudrive_controller::{Command, Config, Mode, Refusal, Sample};
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, MAX_FRAME, MAX_VALUES, RecordCrc, RecordedSample, Refused, ReplyBody,
-    Request, RequestBody, Values, decode_reply, encode,
+    Accumulator, CHUNK_SAMPLES, MAX_FRAME, RecordCrc, RecordedSample, Refused, ReplyBody, Request,
+    RequestBody, decode_reply, encode,
 };
 
 /// A board whose rod creeps out by 3 counts a sample, with a clock that the test turns.
 #[derive(Default)]
 pub struct FakeBoard {
     pub position: i32,
+    /// The rod stands still instead.
+    pub stands: bool,
     pub driven: Vec<Command>,
     pub now_us: u64,
     pub host_clock_ms: Option<u64>,
@@ -34,7 +35,7 @@ impl Board for FakeBoard {
         "test"
     }
     fn read_sensors(&mut self, _: &Config) -> Sample {
-        self.position += 3;
+        self.position += if self.stands { 0 } else { 3 };
         Sample { position: self.position, pressure_1: 100, pressure_2: 200, spool: 2000, home_switch: false }
     }
     fn drive(&mut self, _: &Config, command: Command) {

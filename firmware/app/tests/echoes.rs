@@ -1,0 +1,69 @@
+//! A line that is coupled into itself brings back to the rig what the rig has said. Nothing of it is a request.
+
+mod bench;
+
+use bench::Bench;
+use pneudrive_controller::{Fault, Mode};
+use pneudrive_protocol::RequestBody;
+
+/// Everything that the rig says comes back to it, and what it says to that, until it says nothing.
+fn echoed(bench: &mut Bench, body: RequestBody<'_>) {
+    let frame = bench.frame(body);
+    let mut said = bench.send(&frame);
+    for _ in 0..10 {
+        said = bench.send(&said);
+        if said.is_empty() {
+            return;
+        }
+    }
+    panic!("the rig talks to itself after {body:?}");
+}
+
+/// A reply of `RecordInfo` reads as `Arm` under its number, a refusal as `Start`, a chunk as `Disarm`.
+#[test]
+fn an_echo_of_its_own_replies_neither_arms_nor_starts_nor_stops_a_drive() {
+    let mut bench = Bench::referenced();
+    bench.armed(100, 1, 0);
+    bench.done(RequestBody::Disarm);
+    echoed(&mut bench, RequestBody::RecordInfo);
+    assert_eq!(bench.mode(), Mode::Disarmed, "not armed by its own record");
+    bench.done(RequestBody::Arm);
+    echoed(&mut bench, RequestBody::RecordRead { first: 7, count: 1 });
+    assert_eq!(bench.mode(), Mode::Armed, "not started by its own refusal");
+    bench.done(RequestBody::Start);
+    bench.samples(5);
+    for body in [
+        RequestBody::Motion,
+        RequestBody::RecordRead { first: 0, count: 1 },
+        RequestBody::Info,
+        RequestBody::Status,
+        RequestBody::Timing,
+        RequestBody::StreamBegin { every: 1, batch: 1 },
+    ] {
+        echoed(&mut bench, body);
+        assert_eq!(bench.mode(), Mode::Running, "{body:?}");
+    }
+}
+
+#[test]
+fn rows_that_come_back_are_not_taken_for_the_host() {
+    let mut bench = Bench::referenced();
+    bench.board.host_clock_ms = Some(1000);
+    bench.done(RequestBody::StreamBegin { every: 1, batch: 1 });
+    bench.done(RequestBody::StreamGrant { until: 1000 });
+    bench.armed(1000, 1, 0);
+    bench.done(RequestBody::Start);
+    for _ in 0..6 {
+        bench.board.host_clock_ms = bench.board.host_clock_ms.map(|ms| ms + 100);
+        bench.samples(1);
+        let app = &mut *bench.app;
+        app.server.attend(&mut app.control);
+        let mut rows = Vec::new();
+        let Ok(()) = app.server.speak(&mut rows);
+        if bench.mode() == Mode::Running {
+            assert!(!rows.is_empty());
+        }
+        assert_eq!(bench.send(&rows), []);
+    }
+    assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent), "the host has gone, its line echoes");
+}

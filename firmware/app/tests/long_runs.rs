@@ -1,0 +1,77 @@
+//! Tests that last long: longer than their microseconds can be counted, round after round, until they are stopped.
+
+mod bench;
+
+use bench::Bench;
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Mode, Refusal};
+use pneudrive_protocol::{RequestBody, UNTIL_STOPPED, Values};
+
+/// An open-loop drive with a sample each 20 ms, whose test has two moves.
+fn slow_bench() -> Bench {
+    let mut bench = Bench::referenced();
+    for (first_id, value) in [(id::PERIOD_US, 20_000), (id::OPEN_LOOP, 1)] {
+        let mut room = [0; 4];
+        let values = Values::fill(&mut room, [value]).expect("room");
+        bench.done(RequestBody::ConfigSet { first_id, values });
+    }
+    bench.done(RequestBody::TestBegin { name: "long", duration_us: u32::MAX, decimation: 1, pre_trigger: 0 });
+    bench.done(RequestBody::TestMove { time_us: 0, target: 40 });
+    bench.done(RequestBody::TestMove { time_us: 40_000, target: -40 });
+    bench
+}
+
+/// Samples on end, a period of this bench apart.
+fn pass(bench: &mut Bench, samples: u32) {
+    for _ in 0..samples {
+        bench.board.position = 500;
+        bench.samples(1);
+        bench.board.now_us += 20_000 - 1300;
+        bench.board.driven.clear();
+    }
+}
+
+fn setpoint(bench: &Bench) -> i32 {
+    bench.app.control.state().observation().setpoint
+}
+
+#[test]
+fn a_test_of_two_hours_runs_for_two_hours_and_its_moves_come_again_each_round() {
+    let mut bench = slow_bench();
+    let two_hours = 7_200_000_000_u64 / 20_000;
+    bench.done(RequestBody::TestSpan { last_sample: two_hours as u32, round: 5 });
+    bench.done(RequestBody::Arm);
+    bench.done(RequestBody::Start);
+    for k in 0..=two_hours {
+        pass(&mut bench, 1);
+        assert_eq!(setpoint(&bench), if k % 5 < 2 { 40 } else { -40 }, "sample {k}");
+        assert_eq!(bench.mode(), if k == two_hours { Mode::Done } else { Mode::Running }, "sample {k}");
+    }
+    let motion = bench.ask(RequestBody::Motion);
+    assert!(motion.contains("begun: 65535"), "as many as the message can tell: {motion}");
+}
+
+#[test]
+fn a_test_without_an_end_runs_until_it_is_stopped() {
+    let mut bench = slow_bench();
+    bench.done(RequestBody::TestSpan { last_sample: UNTIL_STOPPED, round: 5 });
+    bench.done(RequestBody::Arm);
+    bench.done(RequestBody::Start);
+    pass(&mut bench, 300_000);
+    assert_eq!(bench.mode(), Mode::Running, "after 100 minutes");
+    bench.done(RequestBody::Disarm);
+    assert_eq!(bench.mode(), Mode::Disarmed);
+}
+
+#[test]
+fn a_span_that_cannot_be_kept_is_refused_and_changes_nothing() {
+    let mut bench = slow_bench();
+    let span = |last_sample, round| RequestBody::TestSpan { last_sample, round };
+    bench.done(span(99, 3));
+    assert_eq!(bench.ask(span(u32::MAX, 0)), "Refused(TestTooLong)");
+    assert_eq!(bench.ask(span(50, 2)), "Refused(MovesOutOfOrder)", "the second move is at sample 2");
+    bench.done(RequestBody::Arm);
+    assert_eq!(bench.ask(span(50, 3)), format!("Refused(NotNow({}))", Refusal::NotDisarmed.code()));
+    let sequence = bench.app.control.test().sequence();
+    assert_eq!((sequence.duration_samples, sequence.round()), (99, 3));
+}
