@@ -27,6 +27,9 @@ pub const BAUD: u32 = 921_600;
 /// How long a read waits for a byte.
 pub const READ_WAIT: Duration = Duration::from_millis(20);
 
+/// Time between two looks at a port that has nothing and does not wait, or takes nothing.
+const LOOK_AGAIN: Duration = Duration::from_micros(200);
+
 /// How long a write may be held up.
 const WRITE_WAIT: Duration = Duration::from_secs(1);
 
@@ -130,7 +133,11 @@ fn listen(mut reader: impl Read, say: &SyncSender<Heard>, closed: &AtomicBool) {
     let mut bytes = [0; 4096];
     while !closed.load(Ordering::Relaxed) {
         let heard = match read_some(&mut reader, &mut bytes) {
-            Ok(0) => continue,
+            Ok(0) => {
+                // Nothing for one that keeps its time-out, much for one that comes back at once.
+                std::thread::sleep(LOOK_AGAIN);
+                continue;
+            }
             Ok(count) => Ok(bytes[..count].to_vec()),
             Err(error) => Err(error),
         };
@@ -202,11 +209,13 @@ fn closed_by_the_rig() -> io::Error {
 pub fn write_within(stream: &mut (impl Write + ?Sized), mut bytes: &[u8], wait: Duration) -> io::Result<()> {
     let deadline = Instant::now() + wait;
     while !bytes.is_empty() {
-        match stream.write(bytes) {
+        let taken = match stream.write(bytes) {
+            Ok(0) => Err(io::ErrorKind::TimedOut.into()),
+            taken => taken,
+        };
+        match taken {
             Ok(count) => bytes = &bytes[count..],
-            Err(error) if is_wait(&error) && Instant::now() < deadline => {
-                std::thread::sleep(Duration::from_micros(200));
-            }
+            Err(error) if is_wait(&error) && Instant::now() < deadline => std::thread::sleep(LOOK_AGAIN),
             Err(error) => return Err(error),
         }
     }

@@ -4,8 +4,10 @@ mod program;
 mod simulated_link;
 
 use std::io::{self, Read, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pneudrive::client::{Client, Pieces};
 use pneudrive::port::Wire;
@@ -17,11 +19,13 @@ fn said_of(reader: impl Read + Send + 'static) -> String {
     client.err().expect("nobody answers").to_string()
 }
 
-/// A port that comes back at once, whatever time-out it was given.
-struct Hasty;
+/// A port that comes back at once, whatever time-out it was given, and counts how often.
+#[derive(Clone, Default)]
+struct Hasty(Arc<AtomicU64>);
 
 impl Read for Hasty {
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        self.0.fetch_add(1, Ordering::Relaxed);
         Err(io::ErrorKind::TimedOut.into())
     }
 }
@@ -36,12 +40,12 @@ impl Read for Stuck {
     }
 }
 
-/// A port that is full and stays so.
-struct Full;
+/// A port that is full and stays so, and says it in this way.
+struct Full(fn() -> io::Result<usize>);
 
 impl Write for Full {
     fn write(&mut self, _: &[u8]) -> io::Result<usize> {
-        Err(io::ErrorKind::TimedOut.into())
+        self.0()
     }
     fn flush(&mut self) -> io::Result<()> {
         loop {
@@ -52,15 +56,21 @@ impl Write for Full {
 
 #[test]
 fn a_read_that_does_not_keep_its_time_out_changes_nothing() {
-    assert!(said_of(Hasty).starts_with("no answer from the port within 1.5 s"));
+    let hasty = Hasty::default();
+    let begun = Instant::now();
+    assert!(said_of(hasty.clone()).starts_with("no answer from the port within 1.5 s"));
+    let looks_a_ms = hasty.0.load(Ordering::Relaxed) as f64 / begun.elapsed().as_secs_f64() / 1e3;
+    assert!(looks_a_ms < 6.0, "{looks_a_ms:.0} looks a ms: the processor has nothing else to do");
     let (_held, never) = channel();
     assert!(said_of(Stuck(never)).starts_with("no answer from the port within 1.5 s"));
 }
 
 #[test]
 fn a_port_that_takes_nothing_is_an_error_and_is_not_waited_for() {
-    let client = Client::over(Box::new(Wire::new(Hasty, Full)), "the port");
-    assert_eq!(client.err().expect("it takes nothing").to_string(), "cannot write to the port");
+    for full in [|| Err(io::ErrorKind::TimedOut.into()), || Ok(0)] {
+        let client = Client::over(Box::new(Wire::new(Hasty::default(), Full(full))), "the port");
+        assert_eq!(client.err().expect("it takes nothing").to_string(), "cannot write to the port");
+    }
 }
 
 #[test]
@@ -98,16 +108,13 @@ fn a_board_that_is_reset_by_the_opening_of_its_port_is_waited_for() {
 #[cfg(unix)]
 mod pty {
     use pneudrive::port;
-    use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
-    use pneudrive_sim::Rig;
+    use pneudrive::virtual_rig::Background;
 
-    use super::program::{folder, transcript};
+    use super::program::{folder, transcript, virtual_rig_at};
     use super::*;
 
     fn rig_on_a_pty() -> Background {
-        let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
-        let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
-        Background::start(rig, Door::open("pty").expect("a pty"))
+        virtual_rig_at("servo-b-tuned", "pty")
     }
 
     #[test]

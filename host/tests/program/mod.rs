@@ -41,7 +41,12 @@ pub fn exists(folder: &Path, names: &[&str]) {
 
 /// A fast virtual rig in this process.
 pub fn virtual_rig(name: &str) -> Background {
+    virtual_rig_at(name, "tcp:127.0.0.1:0")
+}
+
+/// The same, at this door.
+pub fn virtual_rig_at(name: &str, door: &str) -> Background {
     let rig = Rig::builtin(name).expect("a built-in rig");
     let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
-    Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"))
+    Background::start(rig, Door::open(door).expect("a port"))
 }
