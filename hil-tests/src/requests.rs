@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use pneudrive::client::Client;
 
 use crate::{QemuTarget, Target, body};
@@ -24,7 +24,7 @@ const FAULTS: u32 = 100;
 /// # Errors
 /// When there is no emulated board.
 pub fn measure() -> Result<Vec<Request>> {
-    let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6"]);
+    let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6", "controller.learn_null_offset=true"]);
     let target = QemuTarget::start(&rig)?;
     let mut client = target.connect()?;
     for _ in 0..FAULTS {
@@ -59,6 +59,16 @@ pub fn measure() -> Result<Vec<Request>> {
     ask("faults, a full log", &mut |client| client.events().map(drop))?;
     ask("follow to the end", &mut |client| client.follow(&false.into(), |_| {}).map(drop))?;
     ask("record, a full recorder", &mut |client| client.record(|_, _| {}).map(drop))?;
+    let learned = |client: &mut Client| Ok::<_, anyhow::Error>(client.motion()?.learned_null_offset != 0);
+    ask("motion, after the run", &mut |client| {
+        ensure!(learned(client)?, "the run has learned no null offset for an arm to take over");
+        Ok(())
+    })?;
+    ask("arm, a null offset learned", &mut Client::arm)?;
+    ask("motion, armed again", &mut |client| {
+        ensure!(!learned(client)?, "the null offset that was learned was not taken over");
+        Ok(())
+    })?;
     ask("stop", &mut Client::stop)?;
     Ok(requests)
 }
