@@ -24,7 +24,9 @@ const FAULTS: u32 = 100;
 /// # Errors
 /// When there is no emulated board.
 pub fn measure() -> Result<Vec<Request>> {
-    let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6", "controller.learn_null_offset=true"]);
+    // So tolerant that the error left at rest is learned from.
+    let learning = ["controller.learn_null_offset=true", "controller.tolerance_counts=200"];
+    let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6", learning[0], learning[1]]);
     let target = QemuTarget::start(&rig)?;
     let mut client = target.connect()?;
     for _ in 0..FAULTS {
