@@ -20,7 +20,9 @@ pub trait Stopwatch {
     fn since(&self, reading: u32) -> u32;
 }
 
-/// One sample and its output, and the ticks that each took: inputs and outputs of the bus are outside.
+/// One sample and its output, and the ticks that each took: inputs and outputs of the bus are outside. Not
+/// inlined: what it costs to call them does not depend on what else an image does.
+#[inline(never)]
 pub fn run_control<S: Store>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut LockStep<S>,

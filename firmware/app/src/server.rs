@@ -311,7 +311,7 @@ fn motion(control: &Control<impl BorrowMut<Recorder>>) -> Motion {
             Arrival::Arrived => 2,
             Arrival::NotReached => 3,
         },
-        begun: u16::try_from(moves.begun()).unwrap_or(u16::MAX),
+        begun: u16::try_from(moves.begun(control.test().sequence())).unwrap_or(u16::MAX),
         not_reached: moves.not_reached(),
         learned_null_offset: state.learned_null_offset(),
     }

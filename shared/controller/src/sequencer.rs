@@ -148,8 +148,6 @@ pub struct Sequencer {
     next_move: usize,
     /// Sample at which the round of the next move begins.
     round_at: u32,
-    /// Moves that have begun.
-    begun: u32,
     /// No move is due before this sample.
     next_at: u32,
     setpoint: i32,
@@ -181,7 +179,7 @@ impl Sequencer {
 
     /// Whether the time of the next move has come, and it need not wait for the end of the one before.
     fn is_due(&self, config: &MotionConfig) -> bool {
-        self.taken >= self.next_at && (!config.on_arrival || self.begun == 0 || self.ended)
+        self.taken >= self.next_at && (!config.on_arrival || self.arrival == Arrival::Idle || self.ended)
     }
 
     /// Begins the moves that are due, of which the last one holds. Whether one before it rests.
@@ -213,7 +211,6 @@ impl Sequencer {
     fn begin(&mut self, target: i32) {
         self.setpoint = target;
         self.next_move += 1;
-        self.begun = self.begun.saturating_add(1);
         self.arrival = Arrival::Moving;
         self.begun_at = self.taken;
         self.outside_at = self.taken;
@@ -263,10 +260,11 @@ impl Sequencer {
         self.not_reached
     }
 
-    /// Moves of this run that have begun.
+    /// Moves of this run that have begun; `sequence` is the one that it runs.
     #[must_use]
-    pub fn begun(&self) -> u32 {
-        self.begun
+    pub fn begun(&self, sequence: &Sequence) -> u32 {
+        let rounds = self.round_at.checked_div(sequence.round).unwrap_or(0);
+        rounds.saturating_mul(sequence.len as u32).saturating_add(self.next_move as u32)
     }
 
     /// The setpoint last in force.
@@ -332,7 +330,7 @@ mod tests {
         let sequence = sequence(&[(0, 10), (2, 20), (2, 30), (4, 40)], 100);
         let (setpoints, sequencer) = setpoints(&TIMED, &sequence, &[9; 6]);
         assert_eq!(setpoints, [10, 10, 30, 30, 40, 40]);
-        assert_eq!((sequencer.begun(), sequencer.not_reached()), (4, 3), "the last one is on its way");
+        assert_eq!((sequencer.begun(&sequence), sequencer.not_reached()), (4, 3), "the last one is on its way");
     }
 
     #[test]
@@ -409,7 +407,7 @@ mod tests {
         sequence.repeat_every(4).expect("behind the last move");
         let (setpoints, sequencer) = setpoints(&TIMED, &sequence, &[9; 11]);
         assert_eq!(setpoints, [0, 10, 10, 20, 20, 10, 10, 20, 20, 10, 10]);
-        assert_eq!((sequencer.begun(), sequencer.not_reached()), (5, 4));
+        assert_eq!((sequencer.begun(&sequence), sequencer.not_reached()), (5, 4));
         assert!(sequencer.is_over(&TIMED, &sequence));
     }
 
