@@ -15,9 +15,15 @@ pub(crate) fn protocol(version: u16) -> String {
             )
         }
         Ordering::Less => {
-            let homing = if version < 2 { "homing, stored parameters, fault log, " } else { "" };
+            let lacks: [(u16, &str); 3] = [
+                (2, "homing, stored parameters, fault log, "),
+                (3, "streams, "),
+                (4, "tests that repeat or last for hours"),
+            ];
+            let lacks: String =
+                lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
             format!(
-                "version {version}; this program speaks {CURRENT_VERSION}: the firmware is older and has no {homing}streams; flash a newer one for that"
+                "version {version}; this program speaks {CURRENT_VERSION}: the firmware is older and has no {lacks}; flash a newer one for that"
             )
         }
     }
@@ -128,9 +134,10 @@ mod tests {
 
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
-        assert_eq!(protocol(3), "version 3");
-        assert!(protocol(2).contains("is older and has no streams;"));
-        assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams;"));
-        assert!(protocol(4).starts_with("version 4; this program is older and speaks 3:"));
+        assert_eq!(protocol(4), "version 4");
+        assert!(protocol(3).contains("is older and has no tests that repeat or last for hours;"));
+        assert!(protocol(2).contains("has no streams, tests that"));
+        assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
+        assert!(protocol(5).starts_with("version 5; this program is older and speaks 4:"));
     }
 }

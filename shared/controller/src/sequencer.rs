@@ -200,7 +200,7 @@ impl Sequencer {
     /// The sample of the next move, in this round or the one after it; the last one of all where there is
     /// none.
     fn look_ahead(&mut self, sequence: &Sequence) {
-        if sequence.round > 0 && self.next_move >= sequence.len {
+        if self.next_move >= sequence.len && sequence.round > 0 {
             self.next_move = 0;
             self.round_at = self.round_at.saturating_add(sequence.round);
         }
@@ -330,7 +330,11 @@ mod tests {
         let sequence = sequence(&[(0, 10), (2, 20), (2, 30), (4, 40)], 100);
         let (setpoints, sequencer) = setpoints(&TIMED, &sequence, &[9; 6]);
         assert_eq!(setpoints, [10, 10, 30, 30, 40, 40]);
-        assert_eq!((sequencer.begun(&sequence), sequencer.not_reached()), (4, 3), "the last one is on its way");
+        assert_eq!(
+            (sequencer.begun(&sequence), sequencer.not_reached()),
+            (4, 3),
+            "the last one is on its way"
+        );
     }
 
     #[test]

@@ -250,7 +250,10 @@ fn moves_on_arrival_go_on_at_the_sample_after_the_arrival_and_end_the_run() {
     bench.take(at(92));
     assert_eq!(bench.state.sequencer().arrival(), Arrival::Arrived, "8 counts are inside");
     bench.take(at(95));
-    assert_eq!((bench.state.observation().setpoint, bench.state.sequencer().begun(&bench.sequence)), (200, 2));
+    assert_eq!(
+        (bench.state.observation().setpoint, bench.state.sequencer().begun(&bench.sequence)),
+        (200, 2)
+    );
     bench.take(at(200));
     assert_eq!(bench.mode(), Mode::Running, "until the next sample");
     bench.take(at(200));
