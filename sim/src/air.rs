@@ -8,13 +8,13 @@
 
 use crate::gas::Gas;
 
-/// A place with an Exner pressure and a temperature.
+/// A place with an Exner pressure and a temperature, or two of them.
 #[derive(Clone, Copy, Debug)]
-pub struct Station {
+pub struct Station<N = f64> {
     /// w.
-    pub exner: f64,
+    pub exner: N,
     /// K.
-    pub temperature: f64,
+    pub temperature: N,
 }
 
 /// A chamber's volume and how fast it grows.

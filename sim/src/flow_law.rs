@@ -10,6 +10,7 @@
 use crate::discharge::{perry, perry_slope};
 use crate::gas::{FlowFunction, Gas};
 use crate::iso6358::Iso6358;
+use crate::number::Number;
 
 /// A law of flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,13 +26,32 @@ pub enum FlowLaw {
 impl FlowLaw {
     /// psi from `upstream` to `downstream` (Exner pressures) with its slopes.
     #[inline(always)]
-    pub(crate) fn flow_function(&self, gas: &Gas, upstream: f64, downstream: f64) -> FlowFunction {
+    pub(crate) fn flow_function<N: Number>(&self, gas: &Gas, upstream: N, downstream: N) -> FlowFunction<N> {
         match self {
             FlowLaw::Orifice => gas.flow_function(upstream, downstream),
-            FlowLaw::Perry => with_perry(gas, upstream, downstream),
-            FlowLaw::Iso6358(component) => component.flow_function(gas, upstream, downstream),
+            FlowLaw::Perry => one_by_one(upstream, downstream, |up, down| with_perry(gas, up, down)),
+            FlowLaw::Iso6358(component) => {
+                one_by_one(upstream, downstream, |up, down| component.flow_function(gas, up, down))
+            }
         }
     }
+}
+
+/// A flow function that has to ask how large its pressures are.
+#[inline]
+fn one_by_one<N: Number>(
+    upstream: N,
+    downstream: N,
+    function: impl Fn(f64, f64) -> FlowFunction,
+) -> FlowFunction<N> {
+    let mut slopes = [[0.0; 2]; 2];
+    let value = N::of(|i| {
+        let found = function(upstream.lane(i), downstream.lane(i));
+        slopes[i] = [found.by_upstream, found.by_downstream];
+        found.value
+    });
+    let [by_upstream, by_downstream] = [0, 1].map(|over| N::of(|i| slopes[i][over]));
+    FlowFunction { value, by_upstream, by_downstream }
 }
 
 fn with_perry(gas: &Gas, upstream: f64, downstream: f64) -> FlowFunction {

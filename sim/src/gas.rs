@@ -11,6 +11,8 @@
 //! For air (n = 1.4) e is 5 and P = w^3.5, so that no power function is called. Any other ratio of
 //! heat capacities costs one power a restriction.
 
+use crate::number::Number;
+
 /// Ratio of heat capacities and gas constant, with what follows from them.
 #[derive(Clone, Copy, Debug)]
 pub struct Gas {
@@ -30,10 +32,10 @@ pub struct Gas {
 
 /// w_u w_d^e (w_u - w_d) and its slopes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FlowFunction {
-    pub value: f64,
-    pub by_upstream: f64,
-    pub by_downstream: f64,
+pub(crate) struct FlowFunction<N = f64> {
+    pub value: N,
+    pub by_upstream: N,
+    pub by_downstream: N,
 }
 
 impl Gas {
@@ -61,10 +63,16 @@ impl Gas {
     #[must_use]
     #[inline]
     pub fn pressure(&self, exner: f64) -> f64 {
+        self.pressure_of(exner)
+    }
+
+    /// The same of two.
+    #[inline(always)]
+    pub(crate) fn pressure_of<N: Number>(&self, exner: N) -> N {
         if self.diatomic {
-            exner * exner * exner * exner.sqrt()
+            exner * exner * exner * exner.root()
         } else {
-            libm::pow(exner, 1.0 / self.exner_exponent)
+            N::of(|i| libm::pow(exner.lane(i), 1.0 / self.exner_exponent))
         }
     }
 
@@ -84,37 +92,31 @@ impl Gas {
         2.0 * self.heat_capacity_ratio / ((self.heat_capacity_ratio - 1.0) * self.gas_constant)
     }
 
-    /// The flow function from `upstream` to `downstream`, choked where it must be.
+    /// The flow function from `upstream` to `downstream`, choked where it must be: at e/(e+1) of the upstream
+    /// w the slope over the downstream one is zero, so that the other two go on as they are.
     #[inline(always)]
-    pub(crate) fn flow_function(&self, upstream: f64, downstream: f64) -> FlowFunction {
-        let e = self.flow_exponent;
-        let sonic = upstream * self.sonic_part;
-        if downstream <= sonic {
-            let [_, power] = self.powers_of_flow(sonic);
-            let by_upstream = power * (upstream - sonic);
-            FlowFunction {
-                value: upstream * by_upstream,
-                by_upstream: (e + 2.0) * by_upstream,
-                by_downstream: 0.0,
-            }
-        } else {
-            let [lower, power] = self.powers_of_flow(downstream);
-            FlowFunction {
-                value: upstream * power * (upstream - downstream),
-                by_upstream: power * (2.0 * upstream - downstream),
-                by_downstream: upstream * lower * (e * upstream - (e + 1.0) * downstream),
-            }
+    pub(crate) fn flow_function<N: Number>(&self, upstream: N, downstream: N) -> FlowFunction<N> {
+        let (e, sonic) = (N::from(self.flow_exponent), upstream * N::from(self.sonic_part));
+        let throat = downstream.larger(sonic);
+        let [lower, power] = self.powers_of_flow(throat);
+        let drop = upstream - throat;
+        let by_downstream = upstream * lower * (e * drop - throat);
+        FlowFunction {
+            value: upstream * power * drop,
+            by_upstream: power * (upstream + drop),
+            by_downstream: N::choose(downstream.above(sonic), by_downstream, N::from(0.0)),
         }
     }
 
     /// w^(e-1) and w^e.
-    #[inline]
-    fn powers_of_flow(&self, exner: f64) -> [f64; 2] {
+    #[inline(always)]
+    fn powers_of_flow<N: Number>(&self, exner: N) -> [N; 2] {
         if self.diatomic {
             let square = exner * exner;
-            [square * square, square * square * exner]
+            let lower = square * square;
+            [lower, lower * exner]
         } else {
-            let power = libm::pow(exner, self.flow_exponent);
+            let power = N::of(|i| libm::pow(exner.lane(i), self.flow_exponent));
             [power / exner, power]
         }
     }

@@ -12,6 +12,7 @@
 //! | [`friction`], [`stop`], [`play`], [`dither`] | what several parts share: stiction, mechanical stops, hysteresis |
 //! | [`flow_law`], [`discharge`], [`iso6358`], [`flow_force`] | laws of flow through a restriction, and its force on the spool |
 //! | [`network`] | the flows that valve, tubes and chambers agree on |
+//! | `number` | one number, or two at once |
 //! | `build` | a rig's keys into its components |
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`faults`] | what goes wrong and when, and what it does to plant and sensors |
@@ -43,6 +44,7 @@ pub mod iso6358;
 pub mod leakage;
 pub mod load;
 pub mod network;
+mod number;
 pub mod operator;
 pub mod plant;
 pub mod play;

@@ -1,7 +1,7 @@
 //! The network by nested brackets, which cannot fail: the flow of the supply tube outside, each node
 //! inside it, its port innermost. Slow, and used only where Newton's method has no start or gets lost.
 
-use super::restriction::Approach;
+use super::restriction::{MaybeApproach, factor};
 use super::{Network, Node, PortFlow, Station, mean_of_inflows};
 use crate::root::bracketed_root;
 use crate::valve::Conductances;
@@ -15,7 +15,7 @@ struct NodeSide<'a> {
     chamber: &'a Station,
     port: PortFlow,
     /// At supply land, exhaust land and port.
-    approaches: &'a [Approach; 3],
+    approaches: &'a [MaybeApproach; 3],
 }
 
 impl Network {
@@ -27,12 +27,12 @@ impl Network {
         chambers: &[Station; 2],
         ports: &[PortFlow; 2],
     ) {
-        let mut approaches = [[Approach::NONE; 3]; 2];
+        let mut approaches = [[None; 3]; 2];
         for _ in 0..MOST_PASSES {
             self.balance_supply(valve, chambers, ports, &approaches);
             let found = [0, 1].map(|i| self.approaches(i, &chambers[i], ports[i]));
             let change = approaches.as_flattened().iter().zip(found.as_flattened());
-            let change = change.map(|(old, new)| (old.factor - new.factor).abs()).fold(0.0, f64::max);
+            let change = change.map(|(old, new)| (factor(old) - factor(new)).abs()).fold(0.0, f64::max);
             approaches = found;
             if change < 1e-12 {
                 return;
@@ -41,17 +41,13 @@ impl Network {
     }
 
     /// How air approaches supply land, exhaust land and port of node `i` at its present flows.
-    pub(super) fn approaches(&self, i: usize, chamber: &Station, port: PortFlow) -> [Approach; 3] {
+    pub(super) fn approaches(&self, i: usize, chamber: &Station, port: PortFlow) -> [MaybeApproach; 3] {
         let node = &self.nodes[i];
         let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
         let supply = Station { exner: self.supply_tube.far_end(&self.supply, total).exner, ..self.supply };
         let here = node.station();
-        let (far, _) = self.port_station(&here, chamber, port, node.port_flow());
-        [
-            self.supply_approach(&supply, node.supply_flow),
-            Approach::NONE,
-            self.approach(&far, -node.port_flow()),
-        ]
+        let far = self.port_station(&here, chamber, port, node.port_flow());
+        [self.supply_approach(&supply, node.supply_flow), None, self.approach(&far, -node.port_flow())]
     }
 
     /// The flow in the supply tube at which both nodes take just that much.
@@ -60,7 +56,7 @@ impl Network {
         valve: &[Conductances; 2],
         chambers: &[Station; 2],
         ports: &[PortFlow; 2],
-        approaches: &[[Approach; 3]; 2],
+        approaches: &[[MaybeApproach; 3]; 2],
     ) {
         let highest = self.supply.exner.max(chambers[0].exner).max(chambers[1].exner);
         let coldest = self.supply.temperature.min(chambers[0].temperature).min(chambers[1].temperature);
@@ -91,10 +87,10 @@ impl Network {
             let node = self.node_at(exner, side, at_valve, |node| self.port_flow_at(node, side, bore));
             node.port_flow() - self.port_flow_at(&node, side, bore)
         };
-        let supply = at_valve * side.approaches[0].factor;
-        let chamber = side.chamber.exner * side.approaches[2].factor;
+        let supply = at_valve * factor(&side.approaches[0]);
+        let chamber = side.chamber.exner * factor(&side.approaches[2]);
         let lowest = at_valve.min(self.exhaust.exner).min(side.chamber.exner);
-        let highest = supply.max(self.exhaust.exner * side.approaches[1].factor).max(chamber);
+        let highest = supply.max(self.exhaust.exner * factor(&side.approaches[1])).max(chamber);
         let bracket = [(lowest, net(lowest)), (highest, net(highest))];
         let exner = bracketed_root(net, bracket, 1e-13);
         self.node_at(exner, side, at_valve, |node| self.port_flow_at(node, side, bore))
@@ -135,7 +131,7 @@ impl Network {
             supply_flow: 0.0,
             exhaust_flow: 0.0,
         };
-        let [from_supply, from_exhaust, from_port] = *side.approaches;
+        let [from_supply, from_exhaust, from_port] = side.approaches;
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);
         for _ in 0..2 {
             let here = Station { exner, temperature: node.temperature };
@@ -144,9 +140,9 @@ impl Network {
             node.supply_flow = signed_root(supply_flow);
             node.exhaust_flow = signed_root(exhaust_flow);
             let inflows = [
-                (node.supply_flow, supply.temperature * from_supply.factor),
-                (node.exhaust_flow, self.exhaust.temperature * from_exhaust.factor),
-                (-through_port(&node), side.chamber.temperature * from_port.factor),
+                (node.supply_flow, supply.temperature * factor(from_supply)),
+                (node.exhaust_flow, self.exhaust.temperature * factor(from_exhaust)),
+                (-through_port(&node), side.chamber.temperature * factor(from_port)),
             ];
             node.temperature = match side.valve.port {
                 Some(_) => mean_of_inflows(&inflows).unwrap_or(node.temperature),
@@ -160,8 +156,8 @@ impl Network {
     fn port_flow_at(&self, node: &Node, side: &NodeSide, bore: f64) -> f64 {
         let here = node.station();
         let excess = |m: f64| {
-            let (far, _) = self.port_station(&here, side.chamber, side.port, m);
-            m * m.abs() - self.port(bore, &here, &far, side.approaches[2]).value
+            let far = self.port_station(&here, side.chamber, side.port, m);
+            m * m.abs() + self.port(bore, &far, &side.approaches[2], here.exner).value
         };
         let highest = node.exner.max(side.chamber.exner);
         let coldest = node.temperature.min(side.chamber.temperature);

@@ -1,112 +1,127 @@
-//! One restriction of the network: its squared flow with the slopes that Newton's method needs, and
-//! how the air approaches it.
+//! One restriction of the network, or that of both nodes at once: its squared flow with the slopes that
+//! Newton's method needs, and how the air approaches it.
 
 use super::{Network, PortFlow, Station};
 use crate::flow_law::FlowLaw;
+use crate::number::Number;
 
-/// A signed square of a flow from a first place to a second, with its slopes over both Exner
-/// pressures and over the flow itself (by its speed of approach).
-pub(super) struct SquareFlow {
-    pub value: f64,
-    pub by_first: f64,
-    pub by_second: f64,
-    pub by_flow: f64,
+/// A signed square of the flow from a place into a node, with its slopes over both Exner pressures and over
+/// the flow itself (by its speed of approach).
+pub(super) struct SquareFlow<N = f64> {
+    pub value: N,
+    pub by_place: N,
+    pub by_node: N,
+    pub by_flow: N,
 }
 
-/// How much approaching raises w and T at a place, with its slopes over w and the flow.
+/// How much approaching raises w and T at a place, with its slopes over w and the flow from there.
 #[derive(Clone, Copy)]
-pub(super) struct Approach {
-    pub factor: f64,
-    pub by_exner: f64,
-    pub by_flow: f64,
+pub(super) struct Approach<N = f64> {
+    pub factor: N,
+    pub by_exner: N,
+    pub by_flow: N,
 }
 
-impl Approach {
-    /// Air at rest.
-    pub const NONE: Approach = Approach { factor: 1.0, by_exner: 0.0, by_flow: 0.0 };
+/// None: air at rest.
+pub(super) type MaybeApproach<N = f64> = Option<Approach<N>>;
+
+/// What approaching makes of w and T at a place.
+#[inline(always)]
+pub(super) fn factor<N: Number>(approach: &MaybeApproach<N>) -> N {
+    approach.as_ref().map_or(N::from(1.0), |approach| approach.factor)
 }
 
 impl Network {
     /// How the air at a place approaches a restriction that takes `flow` from it.
     #[inline(always)]
-    pub(super) fn approach(&self, place: &Station, flow: f64) -> Approach {
-        if self.mach == 0.0 || flow <= 0.0 {
-            return Approach::NONE;
+    pub(super) fn approach<N: Number>(&self, place: &Station<N>, flow: N) -> MaybeApproach<N> {
+        if self.mach == 0.0 {
+            return None;
         }
-        let pressure = self.gas.pressure(place.exner);
-        let mach_squared = self.mach * place.temperature * (flow / pressure) * (flow / pressure);
-        let half = 0.5 * (self.gas.heat_capacity_ratio - 1.0);
-        if mach_squared >= 1.0 {
-            return Approach { factor: 1.0 + half, ..Approach::NONE };
-        }
-        let rise = half * mach_squared;
-        Approach {
-            factor: 1.0 + rise,
-            by_exner: -2.0 * rise / (self.gas.exner_exponent() * place.exner),
-            by_flow: 2.0 * rise / flow,
-        }
+        let (zero, one) = (N::from(0.0), N::from(1.0));
+        let flux = flow / self.gas.pressure_of(place.exner);
+        let mach_squared = N::from(self.mach) * place.temperature * flux * flux;
+        let rise = N::from(0.5 * (self.gas.heat_capacity_ratio - 1.0)) * -(-mach_squared).larger(-one);
+        // Neither of a flow the other way nor of one at the speed of sound.
+        let bends =
+            |slope: N| N::choose(flow.above(zero), N::choose(one.above(mach_squared), slope, zero), zero);
+        let twice = N::from(2.0) * rise;
+        Some(Approach {
+            factor: N::choose(flow.above(zero), one + rise, one),
+            by_exner: bends(-twice / (N::from(self.gas.exner_exponent()) * place.exner)),
+            by_flow: bends(twice / flow),
+        })
     }
 
     /// How the supply's air approaches a land.
     #[inline(always)]
-    pub(super) fn supply_approach(&self, supply: &Station, flow: f64) -> Approach {
-        if self.reservoir { Approach::NONE } else { self.approach(supply, flow) }
+    pub(super) fn supply_approach<N: Number>(&self, supply: &Station<N>, flow: N) -> MaybeApproach<N> {
+        if self.reservoir { None } else { self.approach(supply, flow) }
     }
 
-    /// The flow through a restriction from `first` to `second`, whose air approaches as told. The
-    /// stagnation pressures decide its direction.
+    /// The flow through a restriction from a place, whose air approaches as told, into a node, where air stands
+    /// still. The stagnation pressures decide its direction.
     #[inline(always)]
-    pub(super) fn restriction(
+    fn restriction<N: Number>(
         &self,
         law: &FlowLaw,
-        conductance: f64,
-        (first, approach_1): (&Station, Approach),
-        (second, approach_2): (&Station, Approach),
-    ) -> SquareFlow {
-        let forward = first.exner * approach_1.factor >= second.exner * approach_2.factor;
-        let (up, approach, down) =
-            if forward { (first, approach_1, second) } else { (second, approach_2, first) };
-        let psi = law.flow_function(&self.gas, up.exner * approach.factor, down.exner);
-        let k = conductance / (up.temperature * approach.factor);
-        let by_down = k * psi.by_downstream;
-        let (mut by_up, mut by_flow) = (k * psi.by_upstream, 0.0);
-        if approach.factor > 1.0 {
-            // Over anything that changes the factor by df: w changes by w df and T by T df.
-            let by_factor = psi.by_upstream * up.exner - psi.value / approach.factor;
-            by_up = k * (psi.by_upstream * approach.factor + by_factor * approach.by_exner);
-            by_flow = k * by_factor * approach.by_flow;
-        }
-        if forward {
-            SquareFlow { value: k * psi.value, by_first: by_up, by_second: by_down, by_flow }
-        } else {
-            SquareFlow { value: -k * psi.value, by_first: -by_down, by_second: -by_up, by_flow }
+        conductance: N,
+        place: &Station<N>,
+        approach: &MaybeApproach<N>,
+        node: &Station<N>,
+    ) -> SquareFlow<N> {
+        let raised = Station {
+            exner: place.exner * factor(approach),
+            temperature: place.temperature * factor(approach),
+        };
+        let inward = raised.exner.at_least(node.exner);
+        let upstream = N::choose(inward, raised.exner, node.exner);
+        let downstream = N::choose(inward, node.exner, place.exner);
+        let psi = law.flow_function(&self.gas, upstream, downstream);
+        let size = conductance / N::choose(inward, raised.temperature, node.temperature);
+        let k = N::choose(inward, size, -size);
+        let (by_up, by_down) = (k * psi.by_upstream, k * psi.by_downstream);
+        let square = SquareFlow {
+            value: k * psi.value,
+            by_place: N::choose(inward, by_up, by_down),
+            by_node: N::choose(inward, by_down, by_up),
+            by_flow: N::from(0.0),
+        };
+        let Some(approach) = approach else { return square };
+        // Over anything that changes the factor by df: w changes by w df and T by T df.
+        let by_factor = k * (psi.by_upstream * place.exner - psi.value / approach.factor);
+        let by_place = by_up * approach.factor + by_factor * approach.by_exner;
+        SquareFlow {
+            by_place: N::choose(inward, by_place, square.by_place),
+            by_flow: N::choose(inward, by_factor * approach.by_flow, N::from(0.0)),
+            ..square
         }
     }
 
-    /// A land from a source to a node, where air stands still.
+    /// A land from a source to a node.
     #[inline(always)]
-    pub(super) fn land(
+    pub(super) fn land<N: Number>(
         &self,
-        conductance: f64,
-        source: &Station,
-        approach: Approach,
-        node: &Station,
-    ) -> SquareFlow {
-        self.restriction(&self.laws.land, conductance, (source, approach), (node, Approach::NONE))
+        conductance: N,
+        source: &Station<N>,
+        approach: &MaybeApproach<N>,
+        node: &Station<N>,
+    ) -> SquareFlow<N> {
+        self.restriction(&self.laws.land, conductance, source, approach, node)
     }
 
-    /// The port between a node and the far end of its tube, whose air has the same temperature: the
-    /// direction of the step tells whose, also a little beyond the reversal.
+    /// The port from the far end of a tube to its node, whose air has the same temperature: the direction of
+    /// the step tells whose, also a little beyond the reversal.
     #[inline(always)]
-    pub(super) fn port(
+    pub(super) fn port<N: Number>(
         &self,
-        conductance: f64,
-        node: &Station,
-        far: &Station,
-        approach: Approach,
-    ) -> SquareFlow {
-        let near = Station { exner: node.exner, temperature: far.temperature };
-        self.restriction(&self.laws.port, conductance, (&near, Approach::NONE), (far, approach))
+        conductance: N,
+        far: &Station<N>,
+        approach: &MaybeApproach<N>,
+        node_exner: N,
+    ) -> SquareFlow<N> {
+        let near = Station { exner: node_exner, temperature: far.temperature };
+        self.restriction(&self.laws.port, conductance, far, approach, &near)
     }
 
     /// w at the valve's end of a cylinder's tube for a flow `m` into the cylinder.
@@ -114,20 +129,14 @@ impl Network {
         self.cylinder_tube.far_end(chamber, -m).exner
     }
 
-    /// The far end of a cylinder's tube for a port flow `m` into the cylinder, with its slope over m.
-    pub(super) fn port_station(
-        &self,
-        node: &Station,
-        chamber: &Station,
-        port: PortFlow,
-        m: f64,
-    ) -> (Station, f64) {
-        let far = self.cylinder_tube.far_end(chamber, -m);
+    /// The far end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the air
+    /// in the port.
+    pub(super) fn port_station(&self, node: &Station, chamber: &Station, port: PortFlow, m: f64) -> Station {
         let temperature = match port {
             PortFlow::Charging => node.temperature,
             PortFlow::Discharging => chamber.temperature,
         };
-        (Station { exner: far.exner, temperature }, -far.by_flow)
+        Station { exner: self.far_of_cylinder(chamber, m), temperature }
     }
 
     /// A flow that a restriction cannot reach, at whatever Mach number it is approached: a bracket's
