@@ -12,6 +12,7 @@
 mod following;
 mod lag;
 mod lands;
+mod outlook;
 mod ports;
 
 pub(crate) use lag::Lag;
@@ -23,7 +24,7 @@ use crate::faults::{Schedule, through_hole};
 use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::friction::Contact;
 use crate::gas::Gas;
-use crate::integrator::{Event, Hybrid};
+use crate::integrator::{Ahead, Event, Hybrid, Slope};
 use crate::load::Load;
 use crate::network::{Network, Node, PortFlow};
 use crate::operator::{self, Operator, Request, SpoolState};
@@ -65,6 +66,8 @@ const PROFILE_FARTHER: usize = 2;
 const PROFILE_NEARER: usize = 3;
 const LANDS: usize = 4;
 const LOAD_GUARDS: usize = 6;
+/// Guards of the spool: at the edges of the lands, and the operator's.
+const SPOOL_GUARDS: usize = GUARDS - LANDS;
 
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
@@ -74,6 +77,8 @@ pub(crate) struct Assembly {
     load_side: Side,
     lands: Lands,
     ports: Ports,
+    /// What the spool will do next, as long as no mode of it changes.
+    outlook: Option<Ahead>,
     /// The last solution of the network, and the spool position and state it belongs to.
     solved: Option<(f64, StateVector, [Node; 2])>,
 }
@@ -114,6 +119,7 @@ impl Assembly {
             load_side: parts.load.stops.side(x[slot::POSITION]),
             lands: Lands::at(&parts.valve, 0.0),
             ports: Ports::new(),
+            outlook: None,
             solved: None,
             parts,
         };
@@ -125,7 +131,9 @@ impl Assembly {
     }
 
     /// A request to the operator takes effect at `t`. A spool that jumps takes the flows with it.
-    pub fn drive(&mut self, t: f64, x: &mut StateVector, request: Request) {
+    pub fn drive(&mut self, t: f64, x: &mut StateVector, request: Request) -> Slope {
+        let foreseen = self.parts.operator.is_foreseen();
+        self.outlook = None;
         self.settle(t, x);
         let flow_force = self.flow_force(t, x);
         let before = self.spool(t, x);
@@ -136,6 +144,13 @@ impl Assembly {
             self.parts.network.jump();
             self.find_port_directions(t, x);
         }
+        self.slope_after(foreseen && spool == before)
+    }
+
+    /// What an event of the spool leaves of dx/dt, if before it the spool was `foreseen`: where the spool is
+    /// no state, only its position is felt, and that does not jump.
+    fn slope_after(&self, foreseen: bool) -> Slope {
+        if foreseen && self.parts.operator.is_foreseen() { Slope::Kept } else { Slope::Lost }
     }
 
     /// Brings the integrator's state of the spool to where it is, before a mode of it changes.
@@ -187,10 +202,10 @@ impl Assembly {
         self.parts.flow_force.force(&self.parts.gas, &flows)
     }
 
-    /// Faults of the plant that begin or end at `t`, if any do. They take the flows with them.
-    fn pass_faults(&mut self, t: f64, x: &mut StateVector) {
+    /// Faults of the plant that begin or end at `t`; tells whether any do. They take the flows with them.
+    fn pass_faults(&mut self, t: f64, x: &mut StateVector) -> bool {
         if !self.parts.faults.pass(t) {
-            return;
+            return false;
         }
         let faults = self.parts.faults.now;
         let supply = self.parts.gas.exner(faults.supply_pressure.unwrap_or(self.parts.supply_pressure));
@@ -206,6 +221,7 @@ impl Assembly {
         self.parts.network.jump();
         self.solved = None;
         self.find_port_directions(t, x);
+        true
     }
 
     fn find_port_directions(&mut self, t: f64, x: &StateVector) {
@@ -377,10 +393,10 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         guards[LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
         [guards[PROFILE_FARTHER], guards[PROFILE_NEARER]] =
             self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
-        let place = self.place(t, x);
-        let spool = self.parts.operator.position(t, place);
-        [guards[LANDS], guards[LANDS + 1]] = self.lands.guards(&self.parts.valve, spool);
-        guards[LOAD_GUARDS..].copy_from_slice(&self.parts.operator.guards(t, place, flow_force));
+        guards[LANDS..].copy_from_slice(&match self.parts.operator.is_foreseen() {
+            true => [1.0; SPOOL_GUARDS],
+            false => self.spool_guards(t, x, flow_force),
+        });
         guards
     }
 
@@ -403,13 +419,19 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         self.parts.operator.next_instant(t).min(self.parts.faults.next_instant())
     }
 
-    fn cross(&mut self, event: Event, t: f64, x: &mut StateVector) {
+    fn ahead(&mut self, t: f64, x: &StateVector) -> Ahead {
+        self.look_ahead(t, x)
+    }
+
+    fn cross(&mut self, event: Event, t: f64, x: &mut StateVector) -> Slope {
+        let mut foreseen = self.parts.operator.is_foreseen();
+        self.outlook = None;
         if matches!(event, Event::Instant | Event::Guard(LOAD_GUARDS..)) {
             self.settle(t, x);
         }
         match event {
             Event::Instant => {
-                self.pass_faults(t, x);
+                foreseen &= !self.pass_faults(t, x);
                 let flow_force = self.flow_force(t, x);
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }
@@ -417,7 +439,10 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
                 let spool = self.spool(t, x);
                 self.lands.pass(guard - LANDS, &self.parts.valve, spool);
             }
-            Event::Guard(guard @ ..LANDS) => self.cross_load(guard, t, x),
+            Event::Guard(guard @ ..LANDS) => {
+                self.cross_load(guard, t, x);
+                foreseen = false;
+            }
             Event::Guard(guard) => {
                 self.follow(x);
                 self.follow_rate(t, x);
@@ -426,9 +451,16 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
                 self.parts.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);
                 x[slot::SPOOL_VELOCITY] = spool.velocity;
             }
-            Event::FlowGuard(port) => self.ports.turn(port, t),
+            Event::FlowGuard(port) => {
+                self.ports.turn(port, t);
+                foreseen = false;
+            }
         }
-        self.solved = None;
-        self.parts.network.expect_jump();
+        let slope = self.slope_after(foreseen);
+        if slope == Slope::Lost {
+            self.solved = None;
+            self.parts.network.expect_jump();
+        }
+        slope
     }
 }

@@ -2,17 +2,17 @@
 //! exactly.
 //!
 //! A [`Hybrid`] system is smooth as long as its modes stay. What ends a smooth stretch is known in
-//! two ways: instants known beforehand ([`Hybrid::next_instant`]), at which a step is made to end,
+//! two ways: events known beforehand ([`Hybrid::ahead`]), at which a step is made to end,
 //! and guards ([`Hybrid::guards`]) that become negative when a mode no longer holds; their zero is
 //! located on the dense output of the step. Between a step's ends the state can be read at any time,
-//! so a sample costs no step.
+//! so a sample costs no step. Where an event leaves dx/dt as it was, the next step has its first slope already.
 //!
 //! Methods: Dormand-Prince 5(4) with its interpolant of order 4 (Hairer, Norsett, Wanner, Solving
 //! Ordinary Differential Equations I, II.5 and II.6), and Merson 4(3), the thesis's, with cubic
 //! Hermite interpolation. Stiff stretches (`integrator/stiffness.rs`) go by the implicit RODAS 4(3)
 //! (`integrator/implicit.rs`).
 
-mod crossing;
+pub(crate) mod crossing;
 mod explicit;
 mod implicit;
 mod linear;
@@ -55,14 +55,44 @@ pub trait Hybrid<const N: usize, const G: usize, const F: usize> {
     /// Differences of derivatives are about to be taken, or no more: they ask for all the digits that
     /// there are.
     fn sharpen(&mut self, _sharp: bool) {}
-    /// Changes modes (and state, where a velocity becomes zero) at an event.
-    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; N]);
+    /// What is known of the time after `t`.
+    fn ahead(&mut self, t: f64, _x: &[f64; N]) -> Ahead {
+        Ahead { until: self.next_instant(t), event: Some(Event::Instant) }.within(t + self.longest_step())
+    }
+    /// Changes modes (and state, where a velocity becomes zero) at an event; tells what that makes of dx/dt.
+    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; N]) -> Slope;
+}
+
+/// How far a step may go, and the event that awaits it there, if one does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ahead {
+    /// When.
+    pub until: f64,
+    /// What happens then.
+    pub event: Option<Event>,
+}
+
+impl Ahead {
+    /// The same, but no farther than to `until`.
+    #[must_use]
+    pub fn within(self, until: f64) -> Ahead {
+        if until < self.until { Ahead { until, event: None } } else { self }
+    }
+}
+
+/// What a change of modes makes of dx/dt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slope {
+    /// It is what it was: it goes on with another curvature.
+    Kept,
+    /// It may have jumped.
+    Lost,
 }
 
 /// What ended a smooth stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// The instant of [`Hybrid::next_instant`].
+    /// An instant at which the system changes of itself.
     Instant,
     /// The guard of this number.
     Guard(usize),
@@ -79,7 +109,7 @@ pub struct Work {
     pub rejected: u64,
     /// Evaluations of the right-hand side.
     pub evaluations: u64,
-    /// Times the method began anew: after events and jumps of the command.
+    /// Times the method began anew: after events and jumps of the command that leave no slope to go on with.
     pub restarts: u64,
     /// Events of all kinds.
     pub events: u64,
@@ -226,20 +256,19 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         &mut self,
         system: &mut S,
         t: f64,
-        change: impl FnOnce(&mut S, &mut [f64; N]),
+        change: impl FnOnce(&mut S, &mut [f64; N]) -> Slope,
     ) {
-        if t < self.t
-            && let Some(mut segment) = self.segment.take()
-        {
-            self.refine(system, &mut segment);
-            self.x = segment.at(t);
-        }
         if t < self.t {
+            if let Some(mut segment) = self.segment.take() {
+                self.refine(system, &mut segment);
+                self.x = segment.at(t);
+            }
             self.pending = None;
+            self.slope = None;
         }
         self.t = t;
-        self.restart();
-        change(system, &mut self.x);
+        let slope = change(system, &mut self.x);
+        self.restart(slope);
     }
 
     /// Makes a step that is left before its end as exact inside as it is there; tells whether that is new.
@@ -254,12 +283,14 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         new
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, slope: Slope) {
         self.segment = None;
-        self.slope = None;
         self.guards = None;
         self.pace = Pace::default();
-        self.work.restarts += 1;
+        if slope == Slope::Lost {
+            self.slope = None;
+        }
+        self.work.restarts += u64::from(self.slope.is_none());
     }
 
     fn take(&mut self, system: &mut impl Hybrid<N, G, F>, event: Event) -> Result<(), IntegrationError> {
@@ -268,9 +299,9 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         if self.events_at_once.0 > MOST_EVENTS_AT_ONCE {
             return Err(IntegrationError::EventsPileUp { at_s: self.t });
         }
-        system.cross(event, self.t, &mut self.x);
+        let slope = system.cross(event, self.t, &mut self.x);
         self.work.events += 1;
-        self.restart();
+        self.restart(slope);
         Ok(())
     }
 
@@ -289,8 +320,12 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     fn step(&mut self, system: &mut impl Hybrid<N, G, F>, horizon: f64) -> Result<(), IntegrationError> {
         self.count_step()?;
         system.sharpen(self.stiffness.implicit);
-        let instant = system.next_instant(self.t);
-        let limit = instant.min(horizon).min(self.t + system.longest_step());
+        let ahead = system.ahead(self.t, &self.x);
+        if ahead.until <= self.t && ahead.event.is_some() {
+            self.pending = ahead.event;
+            return Ok(());
+        }
+        let limit = ahead.until.min(horizon);
         let slope = match self.slope {
             Some(slope) => slope,
             None => {
@@ -311,7 +346,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
                 self.x = x;
                 self.t = end;
                 self.slope = end_slope.filter(|_| !self.stiffness.implicit);
-                self.pending = (end == instant).then_some(Event::Instant);
+                self.pending = ahead.event.filter(|_| end == ahead.until);
             }
         }
         self.segment = Some(segment);

@@ -94,6 +94,16 @@ impl Operator {
         }
     }
 
+    /// Whether position and guards depend on the time alone until the next event.
+    #[must_use]
+    pub fn is_foreseen(&self) -> bool {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.is_foreseen(),
+            Operator::Empirical(empirical) => empirical.flies(),
+            Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => true,
+        }
+    }
+
     /// A request takes effect at `t`, under a flow force (N) on the spool.
     pub fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
         match self {

@@ -3,7 +3,7 @@
 
 use pneudrive_sim::Method;
 use pneudrive_sim::friction::{Contact, DryFriction};
-use pneudrive_sim::integrator::{Event, Hybrid, Integrator};
+use pneudrive_sim::integrator::{Event, Hybrid, Integrator, Slope};
 use pneudrive_sim::load::Load;
 use pneudrive_sim::stop::{Side, Stops};
 
@@ -38,16 +38,17 @@ impl Hybrid<2, 2, 0> for Pulled {
     fn next_instant(&self, _: f64) -> f64 {
         f64::INFINITY
     }
-    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) {
+    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Slope {
         if event == Event::Guard(1) {
             self.side = self.load.stops.after(self.side, x[0]);
-            return;
+            return Slope::Lost;
         }
         if self.contact != Contact::Stuck {
             x[1] = 0.0;
         }
         self.contact = self.load.friction.after(self.contact, self.applied(t, x));
         self.changes.push((t, x[0]));
+        Slope::Lost
     }
 }
 

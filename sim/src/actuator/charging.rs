@@ -13,7 +13,7 @@
 
 use super::*;
 use crate::air::Station;
-use crate::integrator::{Event, Hybrid, Integrator, Method};
+use crate::integrator::{Event, Hybrid, Integrator, Method, Slope};
 
 const VOLUME: f64 = 3e-4;
 const AREA: f64 = 2e-6;
@@ -56,7 +56,9 @@ impl Hybrid<2, 0, 0> for Vessel {
     fn next_instant(&self, _: f64) -> f64 {
         f64::INFINITY
     }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 2]) {}
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 2]) -> Slope {
+        Slope::Lost
+    }
 }
 
 /// Pressure and temperature at `until`, from `pressure` and 294 K.

@@ -5,17 +5,19 @@
 //! took is told of these jumps (EQUATIONS section 11 rules 3 and 8).
 
 use super::{Assembly, StateVector, slot, spool_state};
+use crate::integrator::Slope;
 use crate::load::Motion;
 use crate::operator;
 
 impl Assembly {
     /// The target of the continuous controller changes, at a sample instant.
-    pub fn set_target(&mut self, t: f64, x: &StateVector, target: i32) {
+    pub fn set_target(&mut self, t: f64, x: &StateVector, target: i32) -> Slope {
         self.follow(x);
         if let Some(law) = &mut self.parts.continuous {
             law.set_target(target, x[slot::POSITION]);
         }
         self.tell_jump(t, x);
+        Slope::Lost
     }
 
     /// The command of the continuous controller, counts: every state has its own.

@@ -4,7 +4,7 @@ use crate::air::Station;
 use crate::build;
 use crate::dither::Dither;
 use crate::gas::Gas;
-use crate::integrator::{Event, Hybrid, IntegrationError, Integrator, Method};
+use crate::integrator::{Event, Hybrid, IntegrationError, Integrator, Method, Slope};
 use crate::network::{Network, Node, PortFlow};
 use crate::operator::{GUARDS, Operator, Request, SpoolState};
 use crate::rig::Rig;
@@ -115,6 +115,7 @@ impl SpoolBench {
             for _ in 0..pulses {
                 on_bench.0.drive(at, spool_state(x), Request { counts, step }, 0.0);
             }
+            Slope::Lost
         });
         self.counts = counts;
     }
@@ -171,7 +172,7 @@ impl Hybrid<2, GUARDS, 0> for OnBench {
         self.0.longest_step()
     }
 
-    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) {
+    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Slope {
         self.settle(t, x);
         let mut spool = spool_state(x);
         match event {
@@ -179,6 +180,7 @@ impl Hybrid<2, GUARDS, 0> for OnBench {
             Event::Instant | Event::FlowGuard(_) => self.0.pass_instant(t, spool, 0.0),
         }
         x[1] = spool.velocity;
+        Slope::Lost
     }
 }
 

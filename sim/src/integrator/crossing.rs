@@ -1,19 +1,52 @@
-//! Where in a step a guard becomes negative.
+//! Where in a step, or in a span of time, a guard becomes negative.
 
 use crate::root::bracketed_root;
 
 /// Places inside a step at which guards are looked at, so that one that dips below zero and comes
 /// back is seen.
-pub(super) const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+pub(crate) const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// To how much of a step a zero is located.
 const PLACE: f64 = 1e-13;
 
 /// How often the way to the first look is halved in search of a guard that leaves zero and comes back.
-const DEPARTURES: u32 = 12;
+/// A spool that rebounds from a hard stop is back within a nanosecond.
+const DEPARTURES: u32 = 40;
+
+/// Guards at [`LOOKS`].
+pub(crate) type Looks<const G: usize> = [[f64; G]; LOOKS.len()];
+
+/// The first of several guards to become negative, and the place where it does.
+pub(crate) fn first_of<const G: usize>(
+    begin: &[f64; G],
+    looks: &Looks<G>,
+    mut guards_at: impl FnMut(f64) -> [f64; G],
+) -> Option<(usize, f64)> {
+    let mut first: Option<(usize, f64)> = None;
+    for guard in 0..G {
+        let values = values_of(guard, begin, looks);
+        if may_cross(&values)
+            && let Some(place) = first_negative(&values, &mut |theta| guards_at(theta)[guard])
+        {
+            // Of two at the same place the one that is known already.
+            first = first.filter(|(_, earlier)| *earlier <= place).or(Some((guard, place)));
+        }
+    }
+    first
+}
+
+/// Whether one of several guards may become negative at all.
+pub(super) fn any_may_cross<const G: usize>(begin: &[f64; G], looks: &Looks<G>) -> bool {
+    (0..G).any(|guard| may_cross(&values_of(guard, begin, looks)))
+}
+
+/// A guard at the beginning and at [`LOOKS`].
+fn values_of<const G: usize>(guard: usize, begin: &[f64; G], looks: &Looks<G>) -> [f64; 5] {
+    [begin[guard], looks[0][guard], looks[1][guard], looks[2][guard], looks[3][guard]]
+}
 
 /// The first place in a step at which a guard with these values at 0 and [`LOOKS`] becomes negative.
-pub(super) fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -> f64) -> Option<f64> {
+fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -> f64) -> Option<f64> {
     let place = |i: usize| if i == 0 { 0.0 } else { LOOKS[i - 1] };
     for i in 1..values.len() {
         let (before, here) = (values[i - 1], values[i]);
@@ -28,11 +61,11 @@ pub(super) fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -
             let value = value_at(theta);
             if value < 0.0 {
                 let left = if dip < 0.0 { i - 1 } else { i };
-                return Some(bracketed_root(
-                    value_at,
-                    [(place(left), values[left].max(0.0)), (theta, value)],
-                    PLACE,
-                ));
+                let left = match values[left] {
+                    before if before > 0.0 => (place(left), before),
+                    _ => departure(theta, value_at),
+                };
+                return Some(bracketed_root(value_at, [left, (theta, value)], PLACE));
             }
         }
     }
@@ -40,7 +73,7 @@ pub(super) fn first_negative(values: &[f64; 5], value_at: &mut impl FnMut(f64) -
 }
 
 /// Whether a guard with these values may become negative at all.
-pub(super) fn may_cross(values: &[f64; 5]) -> bool {
+fn may_cross(values: &[f64; 5]) -> bool {
     let dips = |three: &[f64]| dip_between(three[0], three[1], three[2]).is_some();
     values[1..].iter().any(|value| *value < 0.0) || values.windows(3).any(dips)
 }
@@ -49,7 +82,7 @@ pub(super) fn may_cross(values: &[f64; 5]) -> bool {
 /// been entered) is not crossed there: a place before `look` at which it is positive, and its value. The
 /// step's beginning if there is none: the mode does not hold at all.
 fn departure(look: f64, value_at: &mut impl FnMut(f64) -> f64) -> (f64, f64) {
-    let nearer = (1..=DEPARTURES).map(|halvings| look / f64::from(1_u32 << halvings));
+    let nearer = (1..=DEPARTURES).map(|halvings| look / (1_u64 << halvings) as f64);
     nearer.map(|theta| (theta, value_at(theta))).find(|(_, value)| *value > 0.0).unwrap_or((0.0, 0.0))
 }
 
@@ -61,4 +94,21 @@ fn dip_between(before: f64, middle: f64, after: f64) -> Option<f64> {
     let dip = -slope / curvature;
     let lowest = middle - 0.5 * slope * slope / curvature;
     (curvature > 0.0 && dip.abs() < 1.0 && after >= 0.0 && lowest < 0.0).then_some(dip)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Leaves zero, is negative from 0.02 to 0.2 and has come back at the first look: a spool that rebounds from
+    /// its stop, falls back and is thrown off.
+    fn rebound(theta: f64) -> [f64; 1] {
+        [theta * (0.02 - theta) * (0.2 - theta)]
+    }
+
+    #[test]
+    fn a_guard_that_leaves_zero_and_dips_before_the_first_look_is_crossed_where_it_dips() {
+        let (guard, at) = first_of(&rebound(0.0), &LOOKS.map(rebound), rebound).expect("a crossing");
+        assert!(guard == 0 && (at - 0.02).abs() < 1e-12, "{at}");
+    }
 }

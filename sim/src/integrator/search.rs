@@ -1,6 +1,6 @@
 //! The first event in a step: seen at a few looks, then located on the refined step.
 
-use super::crossing::{LOOKS, first_negative, may_cross};
+use super::crossing::{LOOKS, Looks, any_may_cross, first_of};
 use super::segment::Segment;
 use super::{Event, Hybrid, Integrator};
 use crate::root::bracketed_root;
@@ -36,14 +36,15 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         let mut looks = looks(system, segment, &span, x);
         let flows = system.flow_guards(end, x);
         self.guards = Some(looks[LOOKS.len() - 1]);
-        let seen = (0..G).any(|guard| may_cross(&values_of(guard, &begin, &looks)));
-        if !seen && flows.iter().all(|value| *value >= 0.0) {
+        if !any_may_cross(&begin, &looks) && flows.iter().all(|value| *value >= 0.0) {
             return None;
         }
         if self.refine(system, segment) {
             looks = self::looks(system, segment, &span, x);
         }
-        let by_state = first_guard(system, segment, &span, &begin, &looks);
+        let by_state =
+            first_of(&begin, &looks, |theta| system.guards(span.when(theta), &segment.at_part(theta)))
+                .map(|(guard, theta)| (Event::Guard(guard), span.when(theta)));
         let by_flow = self.first_flow_guard(system, segment, &span, &flows);
         [by_state, by_flow].into_iter().flatten().min_by(|(_, one), (_, other)| one.total_cmp(other))
     }
@@ -72,33 +73,11 @@ fn looks<const N: usize, const G: usize, const F: usize>(
     segment: &Segment<N>,
     span: &Span,
     x: &[f64; N],
-) -> [[f64; G]; LOOKS.len()] {
+) -> Looks<G> {
     LOOKS.map(|theta| match theta {
         1.0 => system.guards(span.end, x),
         _ => system.guards(span.when(theta), &segment.at_part(theta)),
     })
-}
-
-fn first_guard<const N: usize, const G: usize, const F: usize>(
-    system: &mut impl Hybrid<N, G, F>,
-    segment: &Segment<N>,
-    span: &Span,
-    begin: &[f64; G],
-    looks: &[[f64; G]; LOOKS.len()],
-) -> Option<(Event, f64)> {
-    let mut first = None;
-    for guard in 0..G {
-        let mut value_at = |theta: f64| system.guards(span.when(theta), &segment.at_part(theta))[guard];
-        if let Some(theta) = first_negative(&values_of(guard, begin, looks), &mut value_at) {
-            first = earlier(first, (Event::Guard(guard), span.when(theta)));
-        }
-    }
-    first
-}
-
-/// A guard at the beginning and at [`LOOKS`].
-fn values_of<const G: usize>(guard: usize, begin: &[f64; G], looks: &[[f64; G]; LOOKS.len()]) -> [f64; 5] {
-    [begin[guard], looks[0][guard], looks[1][guard], looks[2][guard], looks[3][guard]]
 }
 
 /// Of two at the same instant the one that is known already.

@@ -18,7 +18,9 @@ impl<const N: usize, F: FnMut(f64, &[f64; N]) -> [f64; N]> Hybrid<N, 0, 0> for S
     fn next_instant(&self, _: f64) -> f64 {
         f64::INFINITY
     }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; N]) {}
+    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; N]) -> Slope {
+        Slope::Lost
+    }
 }
 
 /// A harmonic oscillator: smooth, x = (cos t, -sin t).
@@ -116,10 +118,11 @@ impl Hybrid<2, 1, 0> for Ball {
     fn next_instant(&self, _: f64) -> f64 {
         f64::INFINITY
     }
-    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) {
+    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Slope {
         assert_eq!(event, Event::Guard(0));
         self.bounces.push(t);
         *x = [0.0, -x[1]];
+        Slope::Lost
     }
 }
 
@@ -152,9 +155,10 @@ impl Hybrid<1, 1, 0> for Dip {
     fn next_instant(&self, _: f64) -> f64 {
         f64::INFINITY
     }
-    fn cross(&mut self, _: Event, t: f64, x: &mut [f64; 1]) {
+    fn cross(&mut self, _: Event, t: f64, x: &mut [f64; 1]) -> Slope {
         assert!((t - 0.59).abs() < 1e-9, "{t}");
         x[0] += 1.0;
+        Slope::Lost
     }
 }
 
@@ -185,8 +189,9 @@ impl Hybrid<1, 1, 0> for Return {
     fn next_instant(&self, _: f64) -> f64 {
         f64::INFINITY
     }
-    fn cross(&mut self, _: Event, t: f64, _: &mut [f64; 1]) {
+    fn cross(&mut self, _: Event, t: f64, _: &mut [f64; 1]) -> Slope {
         self.came_back = Some(t);
+        Slope::Lost
     }
 }
 

@@ -304,6 +304,12 @@ impl Solenoid {
         self.flight.is_some()
     }
 
+    /// Whether nothing but time moves the spool, or would break it away.
+    pub(super) fn is_foreseen(&self) -> bool {
+        let held = self.contact == Contact::Stuck && self.side == Side::Free && !self.parameters.feels_flow;
+        self.flies() || (held && matches!(self.magnetism, Magnetism::Stepped(_)))
+    }
+
     /// s.
     pub(super) fn longest_step(&self) -> f64 {
         self.flight.as_ref().map_or(f64::INFINITY, Flight::quarter_period)

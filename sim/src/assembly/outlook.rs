@@ -1,0 +1,54 @@
+//! What the spool will do, known beforehand.
+//!
+//! Where time alone moves the spool, so it does its events: stick and slip, stops and the edges of the lands.
+//! They are located before a step is made, which then ends on them. A spool under a flow force, in a stop or with
+//! a command that moves all the time is watched at every step instead ([`Hybrid::guards`]).
+
+use super::{Assembly, LANDS, SPOOL_GUARDS, StateVector, spool_state};
+use crate::integrator::crossing::{LOOKS, first_of};
+use crate::integrator::{Ahead, Event};
+
+impl Assembly {
+    /// What ends the next step, if its error does not.
+    pub(super) fn look_ahead(&mut self, t: f64, x: &StateVector) -> Ahead {
+        if let Some(outlook) = self.outlook
+            && t < outlook.until
+        {
+            return outlook;
+        }
+        let instant = self.parts.operator.next_instant(t).min(self.parts.faults.next_instant());
+        let instant = Ahead { until: instant, event: Some(Event::Instant) };
+        let clear = instant.within(t + self.parts.operator.longest_step());
+        if !self.parts.operator.is_foreseen() {
+            return clear;
+        }
+        let found = self.spool_event(t, x, clear);
+        self.outlook = Some(found);
+        found
+    }
+
+    /// The spool's first event before what ends the time that is looked at.
+    fn spool_event(&self, t: f64, x: &StateVector, clear: Ahead) -> Ahead {
+        // Forever at rest.
+        if clear.until.is_infinite() {
+            return clear;
+        }
+        let span = clear.until - t;
+        let guards_at = |part: f64| self.spool_guards(t + part * span, x, 0.0);
+        let found = first_of(&guards_at(0.0), &LOOKS.map(guards_at), guards_at);
+        found.map_or(clear, |(guard, part)| Ahead {
+            until: t + part * span,
+            event: Some(Event::Guard(LANDS + guard)),
+        })
+    }
+
+    /// Guards of the edges of the lands and of the operator.
+    pub(super) fn spool_guards(&self, t: f64, x: &StateVector, flow_force: f64) -> [f64; SPOOL_GUARDS] {
+        let place = self.parts.operator.place(t, spool_state(x));
+        let spool = self.parts.operator.position(t, place);
+        let mut guards = [1.0; SPOOL_GUARDS];
+        [guards[0], guards[1]] = self.lands.guards(&self.parts.valve, spool);
+        guards[2..].copy_from_slice(&self.parts.operator.guards(t, place, flow_force));
+        guards
+    }
+}
