@@ -6,7 +6,7 @@ mod transients;
 use std::path::PathBuf;
 use std::time::Duration;
 
-pub use experiments::{ALL, Characterise, LIST, Merge, Study, Sweep};
+pub use experiments::{ALL, Characterise, LIST, Merge, Study, Sweep, Tune};
 pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -57,6 +57,8 @@ pub enum Command {
     Sweep(Sweep),
     /// Put the shards of a sweep together
     Merge(Merge),
+    /// Find gains for a rig that hold over a spread of loads, friction and supply
+    Tune(Tune),
 }
 
 /// Which rig, and what to change in it.

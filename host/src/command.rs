@@ -16,6 +16,7 @@ mod spectrum;
 mod streaming;
 mod study;
 mod sweep;
+mod tune;
 mod virtual_rig;
 
 use std::path::Path;
@@ -50,6 +51,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Characterise(arguments) => characterise::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
         Command::Sweep(arguments) => sweep::execute(&arguments),
+        Command::Tune(arguments) => tune::execute(&arguments),
         Command::Merge(arguments) => merge::execute(&arguments),
     }
 }

@@ -21,6 +21,8 @@
 //! | [`evaluation`] | what a transient tells about its moves |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
+//! | [`tuning`] | gains for a step, at the worst of all rigs within a spread |
+//! | [`rig_text`] | rig files as text: other values, the same comments |
 //! | [`page`] | notes, tables and graphs in one file |
 //! | [`report`] | the page of transients |
 
@@ -53,6 +55,7 @@ pub mod port;
 pub mod punctuality;
 pub mod replay;
 pub mod report;
+pub mod rig_text;
 pub mod run_folder;
 pub mod spectrum;
 pub mod stream;
@@ -61,5 +64,6 @@ pub mod study;
 pub mod sweep;
 pub mod target;
 pub mod transient;
+pub mod tuning;
 pub mod virtual_rig;
 mod words;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use pneudrive_sim::characteristics::CURVES;
 
-use super::RigChoice;
+use super::{RigChoice, percent};
 use crate::study::STUDIES;
 use crate::sweep::execution::Shard;
 use crate::sweep::metric::FIGURES;
@@ -119,4 +119,55 @@ fn shard(text: &str) -> Result<Shard, String> {
         (1..=shard.of).contains(&shard.number).then_some(shard)
     };
     read().ok_or_else(|| "write I/N with I from 1 to N, such as 2/4".to_owned())
+}
+
+/// Arguments of `tune`.
+#[derive(Debug, Args)]
+pub struct Tune {
+    /// The rig.
+    #[command(flatten)]
+    pub rig: RigChoice,
+    /// Where to leave tuned.toml and tune.html
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// How far the step goes, mm
+    #[arg(long = "step", value_name = "MM", default_value_t = 60.0, value_parser = positive)]
+    pub step_mm: f64,
+    /// Within this distance of its setpoint it has settled, mm
+    #[arg(long = "settled", value_name = "MM", default_value_t = 0.05, value_parser = positive)]
+    pub settled_mm: f64,
+    /// The most that it may overshoot, % of the step
+    #[arg(long = "overshoot", value_name = "PERCENT", default_value_t = 1.0, value_parser = positive)]
+    pub overshoot_percent: f64,
+    /// By how much the mass of the load may differ
+    #[arg(long, value_name = "PERCENT", default_value = "30%", value_parser = percent)]
+    pub load: f64,
+    /// By how much the friction of the load may differ
+    #[arg(long, value_name = "PERCENT", default_value = "30%", value_parser = percent)]
+    pub friction: f64,
+    /// By how much the supply pressure may differ
+    #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
+    pub supply: f64,
+    /// Candidates at a time
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = several)]
+    pub population: usize,
+    /// How often all of them have successors
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = several)]
+    pub generations: usize,
+    /// The same seed finds the same gains
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How many threads; by default one for each core
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err("must be above 0".to_owned()) }
+}
+
+fn several(text: &str) -> Result<usize, String> {
+    let value: usize = text.parse().map_err(|_| "not a whole number".to_owned())?;
+    if (2..=10_000).contains(&value) { Ok(value) } else { Err("must be between 2 and 10000".to_owned()) }
 }

@@ -1,0 +1,108 @@
+//! What is asked of a step, and what a run costs.
+//!
+//! A step costs its settling time; one that does not settle, the time that it had and a second for each time that
+//! its error at the end is the allowed one. What it overshoots too far costs 0.2 s a percent, a limit cycle
+//! 0.5 s and its size. A run that trips costs more than all of that.
+
+use crate::evaluation::Move;
+
+/// What is asked of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// How far it goes, mm.
+    pub step_mm: f64,
+    /// Within this distance of its setpoint it has settled, mm.
+    pub settled_mm: f64,
+    /// The most that it may go beyond it, % of the step.
+    pub overshoot_percent: f64,
+}
+
+/// Cost of a run that tripped, or could not be simulated, s.
+const FAILED: f64 = 1e3;
+
+/// What a step there and back has shown; of the two the worse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Performance {
+    /// Until it stays, s; None: it does not.
+    pub settling_s: Option<f64>,
+    /// How long it had, s.
+    pub allowed_s: f64,
+    /// How far beyond, % of the step.
+    pub overshoot_percent: f64,
+    /// Largest distance from the setpoint in the last quarter of its time, mm.
+    pub error_mm: f64,
+    /// Half the swing of a limit cycle in that quarter, mm; 0: it stands.
+    pub limit_cycle_mm: f64,
+    /// Why the run ended early, or "".
+    pub failure: String,
+}
+
+impl Performance {
+    /// Of the moves of a step there and back.
+    #[must_use]
+    pub fn of(moves: &[&Move], step_mm: f64, allowed_s: f64) -> Performance {
+        let largest = |of: &dyn Fn(&Move) -> f64| moves.iter().map(|one| of(one)).fold(0.0, f64::max);
+        let settling = moves.iter().map(|one| one.settling_s);
+        Performance {
+            settling_s: settling.reduce(|a, b| Some(a?.max(b?))).flatten(),
+            allowed_s,
+            overshoot_percent: largest(&|one| 100.0 * one.overshoot_mm.unwrap_or(f64::NAN) / step_mm),
+            error_mm: largest(&|one| one.steady_error_mm.unwrap_or(f64::NAN).abs()),
+            limit_cycle_mm: largest(&|one| one.limit_cycle.map_or(0.0, |cycle| cycle.amplitude_mm)),
+            failure: String::new(),
+        }
+    }
+
+    /// Of a run that did not come to its end.
+    #[must_use]
+    pub fn failed(failure: String) -> Performance {
+        Performance {
+            settling_s: None,
+            allowed_s: 0.0,
+            overshoot_percent: f64::NAN,
+            error_mm: f64::NAN,
+            limit_cycle_mm: f64::NAN,
+            failure,
+        }
+    }
+
+    /// What it costs, s.
+    #[must_use]
+    pub fn cost(&self, goal: &Goal) -> f64 {
+        if !self.failure.is_empty() {
+            return FAILED;
+        }
+        let settled = self
+            .settling_s
+            .unwrap_or_else(|| self.allowed_s + (self.error_mm / goal.settled_mm).min(FAILED / 4.0));
+        let beyond = (self.overshoot_percent - goal.overshoot_percent).max(0.0);
+        let swings = if self.limit_cycle_mm > 0.0 {
+            0.5 + (self.limit_cycle_mm / goal.settled_mm).min(FAILED / 4.0)
+        } else {
+            0.0
+        };
+        settled + 0.2 * beyond + swings
+    }
+
+    /// What is not as it should be, in words; none: the goal is met.
+    #[must_use]
+    pub fn faults(&self, goal: &Goal) -> Vec<&'static str> {
+        if !self.failure.is_empty() {
+            return vec!["the run failed"];
+        }
+        [
+            (self.settling_s.is_none(), "it does not settle"),
+            (self.overshoot_percent > goal.overshoot_percent, "it overshoots"),
+            (self.limit_cycle_mm > 0.0, "it limit-cycles"),
+        ]
+        .into_iter()
+        .filter_map(|(fails, what)| fails.then_some(what))
+        .collect()
+    }
+
+    /// Whether the goal is met.
+    #[must_use]
+    pub fn meets(&self, goal: &Goal) -> bool {
+        self.faults(goal).is_empty()
+    }
+}

@@ -1,0 +1,87 @@
+//! Which parameter of the rig is in the way: the search goes on, each time on a rig without one of its
+//! imperfections.
+
+use pneudrive_sim::Rig;
+
+use super::Found;
+use super::spread::FRICTION;
+
+/// Generations of the search on each of them, for those that the gains were found in: it goes on from there.
+#[must_use]
+pub fn generations(of_search: usize) -> usize {
+    of_search.div_ceil(3)
+}
+
+/// An imperfection, and the keys of a rig without it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suspect {
+    /// What is taken away.
+    pub what: &'static str,
+    /// As `key=value`.
+    pub settings: Vec<String>,
+}
+
+/// A suspect, and what the best gains without it do.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    /// The suspect.
+    pub suspect: Suspect,
+    /// On the variants of a rig without it.
+    pub found: Found,
+}
+
+/// What could be in the way on a rig.
+#[must_use]
+pub fn suspects(rig: &Rig) -> Vec<Suspect> {
+    let solenoid = rig.word("operator.model") == "solenoid";
+    let set = |key: &str, value: f64| format!("{key}={value:?}");
+    let times = |key: &str, factor: f64| set(key, factor * rig.number(key));
+    let mut all = Vec::new();
+    let mut add = |applies: bool, what, settings: Vec<String>| {
+        if applies {
+            all.push(Suspect { what, settings });
+        }
+    };
+    add(
+        solenoid && rig.number("operator.static_friction_n") > 0.0,
+        "no friction on the spool",
+        vec![set("operator.coulomb_friction_n", 0.0), set("operator.static_friction_n", 0.0)],
+    );
+    add(
+        solenoid && rig.number("operator.hysteresis_percent") > 0.0,
+        "no magnetic hysteresis in the operator",
+        vec![set("operator.hysteresis_percent", 0.0)],
+    );
+    add(
+        solenoid,
+        "an operator twice as fast",
+        vec![times("operator.spool_mass_kg", 0.25), times("operator.damping_n_s_per_m", 0.5)],
+    );
+    add(rig.word("operator.model") == "stepper", "steps of the spool a quarter as long", {
+        vec![
+            times("operator.mm_per_step", 0.25),
+            format!("operator.max_steps={}", 4 * rig.integer("operator.max_steps")),
+        ]
+    });
+    add(
+        rig.number("valve.underlap_mm") > 0.0,
+        "a valve without overlap",
+        vec![set("valve.underlap_mm", 0.0)],
+    );
+    add(
+        true,
+        "static friction of the load no larger than its Coulomb friction",
+        vec![
+            set("load.static_extend_n", rig.number("load.coulomb_extend_n")),
+            set("load.static_retract_n", rig.number("load.coulomb_retract_n")),
+        ],
+    );
+    add(true, "no dry friction of the load", FRICTION[..4].iter().rev().map(|key| set(key, 0.0)).collect());
+    add(true, "an encoder four times as fine", vec![times("encoder.mm_per_count", 0.25)]);
+    add(
+        true,
+        "four times as many samples",
+        vec![times("controller.delay_s", 0.25), times("controller.period_s", 0.25)],
+    );
+    all
+}

@@ -1,0 +1,157 @@
+//! Differential evolution (Storn and Price 1997, DE/current-to-best/1/bin): a population in the unit cube that
+//! learns its steps from its own spread.
+//!
+//! ```text
+//! trial_j = x_j + F (best_j - x_j) + F (a_j - b_j)     with probability C, and for one j at least; else x_j
+//! ```
+//!
+//! with F drawn anew for each trial. A trial takes the place of its parent if it is not worse, so a trial need
+//! not be looked at any further once it is worse. A whole generation is asked for at once.
+
+use pneudrive_sim::rig::unit_interval;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// How long is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Candidates at a time.
+    pub population: usize,
+    /// Times that all of them have successors.
+    pub generations: usize,
+    /// The same seed looks at the same places.
+    pub seed: u64,
+}
+
+/// Range of F, and C.
+const SCALE: [f64; 2] = [0.4, 0.9];
+const CROSSING: f64 = 0.8;
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The best candidate.
+    pub best: Vec<f64>,
+    /// The last generation.
+    pub population: Vec<Vec<f64>>,
+    /// The least cost of each generation.
+    pub history: Vec<f64>,
+}
+
+/// Looks for the least cost in the unit cube of `dimensions`, from `start` on and, as far as that does not reach,
+/// from anywhere. `costs` is given candidates, and for each the cost above which it does not matter.
+pub fn search(
+    dimensions: usize,
+    budget: &Budget,
+    start: &[Vec<f64>],
+    costs: impl Fn(&[Vec<f64>], &[f64]) -> Vec<f64>,
+    mut progress: impl FnMut(f64),
+) -> Outcome {
+    let mut random = ChaCha8Rng::seed_from_u64(budget.seed);
+    let mut share = || unit_interval(&mut random);
+    let anywhere = budget.population.saturating_sub(start.len());
+    let drawn: Vec<Vec<f64>> = (0..anywhere).map(|_| (0..dimensions).map(|_| share()).collect()).collect();
+    let mut population: Vec<Vec<f64>> = start.iter().take(budget.population).cloned().chain(drawn).collect();
+    let mut cost = costs(&population, &vec![f64::INFINITY; population.len()]);
+    let mut history = Vec::new();
+    for generation in 0..budget.generations {
+        if generation > 0 {
+            let best = population[least(&cost)].clone();
+            let trials: Vec<Vec<f64>> =
+                (0..population.len()).map(|parent| trial(&population, parent, &best, &mut share)).collect();
+            let found = costs(&trials, &cost);
+            for (place, (trial, found)) in trials.into_iter().zip(found).enumerate() {
+                if found <= cost[place] {
+                    (population[place], cost[place]) = (trial, found);
+                }
+            }
+        }
+        history.push(cost[least(&cost)]);
+        progress(cost[least(&cost)]);
+    }
+    Outcome { best: population[least(&cost)].clone(), population, history }
+}
+
+fn least(cost: &[f64]) -> usize {
+    (0..cost.len()).min_by(|&a, &b| cost[a].total_cmp(&cost[b])).unwrap_or(0)
+}
+
+fn trial(population: &[Vec<f64>], parent: usize, best: &[f64], share: &mut impl FnMut() -> f64) -> Vec<f64> {
+    let mut below = |end: usize| ((share() * end as f64) as usize).min(end - 1);
+    let (a, b, certain) = (below(population.len()), below(population.len()), below(best.len()));
+    let scale = SCALE[0] + (SCALE[1] - SCALE[0]) * share();
+    let x = &population[parent];
+    (0..best.len())
+        .map(|j| {
+            if share() < CROSSING || j == certain {
+                reflected(x[j] + scale * (best[j] - x[j]) + scale * (population[a][j] - population[b][j]))
+            } else {
+                x[j]
+            }
+        })
+        .collect()
+}
+
+/// Back into the unit interval, as by mirrors at its ends.
+fn reflected(x: f64) -> f64 {
+    let folded = x.rem_euclid(2.0);
+    if folded > 1.0 { 2.0 - folded } else { folded }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BUDGET: Budget = Budget { population: 20, generations: 60, seed: 3 };
+
+    /// A bent valley, and a wall beside it.
+    fn cost(x: &[f64]) -> f64 {
+        let valley = 100.0 * (x[1] - x[0] * x[0]).powi(2) + (x[0] - 0.7).powi(2) + (x[2] - 0.2).powi(2);
+        if x[2] > 0.5 { 1e3 } else { valley }
+    }
+
+    fn costs(candidates: &[Vec<f64>], _: &[f64]) -> Vec<f64> {
+        candidates.iter().map(|x| cost(x)).collect()
+    }
+
+    #[test]
+    fn the_bottom_of_a_bent_valley_is_found() {
+        let outcome = search(3, &BUDGET, &[], costs, |_| {});
+        for (found, bottom) in outcome.best.iter().zip([0.7, 0.49, 0.2]) {
+            assert!((found - bottom).abs() < 1e-3, "{outcome:?}");
+        }
+        assert!(outcome.history.is_sorted_by(|a, b| a >= b), "it never gets worse");
+        assert_eq!(outcome.history.len(), BUDGET.generations);
+    }
+
+    #[test]
+    fn a_seed_finds_the_same_and_a_start_is_gone_on_from() {
+        let outcome = search(3, &BUDGET, &[], costs, |_| {});
+        assert_eq!(outcome, search(3, &BUDGET, &[], costs, |_| {}));
+        let on = search(3, &Budget { generations: 1, ..BUDGET }, &outcome.population, costs, |_| {});
+        assert_eq!(on.best, outcome.best);
+    }
+
+    #[test]
+    fn a_candidate_is_told_what_it_must_beat() {
+        let outcome = search(
+            3,
+            &BUDGET,
+            &[],
+            |candidates, limits| {
+                candidates.iter().zip(limits).map(|(x, limit)| cost(x).min(*limit + 1.0)).collect()
+            },
+            |_| {},
+        );
+        assert_eq!(
+            outcome,
+            search(3, &BUDGET, &[], costs, |_| {}),
+            "what is above its limit does not matter"
+        );
+    }
+
+    #[test]
+    fn no_candidate_leaves_the_cube() {
+        assert_eq!([-0.25, 0.0, 0.5, 1.0, 1.25, 2.5].map(reflected), [0.25, 0.0, 0.5, 1.0, 0.75, 0.5]);
+    }
+}

@@ -1,0 +1,170 @@
+use pneudrive_sim::rig::{BUILTIN, builtin};
+
+use super::gains::Space;
+use super::trial::Trial;
+use super::*;
+use crate::evaluation::{LimitCycle, Move};
+
+const GOAL: Goal = Goal { step_mm: 60.0, settled_mm: 0.05, overshoot_percent: 1.0 };
+
+fn task(rig: &str, settings: &[&str]) -> Task {
+    Task {
+        source: (rig.to_owned(), builtin(rig).expect("a built-in rig").to_owned()),
+        settings: settings.iter().map(|&setting| setting.to_owned()).collect(),
+        goal: Goal { settled_mm: 2.0, overshoot_percent: 20.0, ..GOAL },
+        spread: Relative { load: 0.3, friction: 0.3, supply: 0.0 },
+        budget: Budget { population: 4, generations: 2, seed: 5 },
+        threads: NonZeroUsize::MIN,
+    }
+}
+
+fn rig(name: &str, settings: &[String]) -> Rig {
+    let text = builtin(name).expect("a built-in rig");
+    Rig::read_with(name, text, settings).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+/// The rigs that have gains to be looked for.
+fn rigs_with_gains() -> impl Iterator<Item = (&'static str, Rig, Space)> {
+    BUILTIN.iter().filter_map(|(name, _)| {
+        let rig = rig(name, &[]);
+        let space = Space::of(&rig, GOAL.settled_mm).ok()?;
+        Some((*name, rig, space))
+    })
+}
+
+#[test]
+fn all_genes_become_keys_that_their_rig_takes() {
+    assert!(rigs_with_gains().count() >= 7);
+    for (name, _, space) in rigs_with_gains() {
+        for share in [0.0, 0.5, 1.0] {
+            rig(name, &space.settings(&vec![share; space.len()]));
+        }
+    }
+}
+
+#[test]
+fn a_profile_opens_the_valve_whole_at_the_errors_that_its_genes_say() {
+    let rig_b = rig("servo-b", &[]);
+    let space = Space::of(&rig_b, GOAL.settled_mm).expect("gains");
+    let tuned = rig("servo-b", &space.settings(&vec![0.4; space.len()]));
+    let Some(pneudrive_sim::rig::Value::Integers(profile)) = tuned.value("controller.gain_profile") else {
+        panic!("a profile");
+    };
+    let (first, last) = (profile[0] as f64, *profile.last().expect("entries") as f64);
+    // Ratios between the ends of each range: 0.15 (200)^0.4 mm and 3 (50)^0.4 mm.
+    let whole_at = |gain: f64| 2048.0 * 256.0 / gain * 0.01205;
+    assert!((whole_at(last) / (3.0 * 50.0_f64.powf(0.4)) - 1.0).abs() < 0.01, "{}", whole_at(last));
+    assert!((whole_at(first) / (0.15 * 200.0_f64.powf(0.4)) - 1.0).abs() < 0.03, "{}", whole_at(first));
+    assert!(profile.is_sorted_by(|a, b| a >= b), "the smaller the error, the higher the gain: {profile:?}");
+}
+
+#[test]
+fn what_cannot_be_tuned_is_refused_by_what_to_change() {
+    let said = |rig: &str, settings: &[&str]| {
+        tune(&task(rig, settings), |_, _, _| {}).expect_err("refused").to_string()
+    };
+    assert!(said("servo-b", &["controller.law=on-off"]).contains("choose controller.law=gain-profile"));
+    assert!(
+        said("servo-b", &["controller.loop=open", "test.moves=[[0.0, 1]]"])
+            .contains("controller.loop=closed")
+    );
+    let long = Task { goal: Goal { step_mm: 290.0, ..GOAL }, ..task("servo-b", &[]) };
+    let error = tune(&long, |_, _, _| {}).expect_err("too long").to_string();
+    assert!(error.contains("does not fit into the stroke of 300 mm"), "{error}");
+}
+
+/// A step that settles after 0.4 s.
+fn step() -> Move {
+    Move {
+        start_s: 0.1,
+        from_mm: 100.0,
+        to_mm: Some(160.0),
+        end_mm: 160.0,
+        rise_s: Some(0.2),
+        overshoot_mm: Some(0.3),
+        settling_s: Some(0.4),
+        steady_error_mm: Some(0.01),
+        limit_cycle: None,
+        top_speed_mm_s: 500.0,
+        air_l: None,
+    }
+}
+
+fn performance(there: Move, back: Move) -> Performance {
+    Performance::of(&[&there, &back], GOAL.step_mm, 1.5)
+}
+
+#[test]
+fn a_step_that_is_as_asked_costs_its_settling_time_and_all_others_more() {
+    let good = performance(step(), Move { settling_s: Some(0.3), ..step() });
+    assert_eq!((good.cost(&GOAL), good.faults(&GOAL)), (0.4, vec![]));
+    let late = performance(step(), Move { settling_s: None, steady_error_mm: Some(-0.2), ..step() });
+    assert_eq!(late.faults(&GOAL), ["it does not settle"]);
+    assert!((late.cost(&GOAL) - (1.5 + 4.0)).abs() < 1e-12, "its time, and four times the allowed error");
+    let far = performance(step(), Move { overshoot_mm: Some(1.2), ..step() });
+    assert_eq!(far.faults(&GOAL), ["it overshoots"]);
+    assert!((far.cost(&GOAL) - (0.4 + 0.2)).abs() < 1e-12, "2 % of the step, 1 % is allowed");
+    let cycle = Some(LimitCycle { amplitude_mm: 0.1, frequency_hz: 4.0 });
+    let swings = performance(Move { limit_cycle: cycle, ..step() }, step());
+    assert_eq!(swings.faults(&GOAL), ["it limit-cycles"]);
+    assert!((swings.cost(&GOAL) - (0.4 + 0.5 + 2.0)).abs() < 1e-12);
+    let failed = Performance::failed("encoder-step at sample 3".to_owned());
+    assert!(failed.cost(&GOAL) > late.cost(&GOAL) && !failed.meets(&GOAL));
+}
+
+#[test]
+fn the_spread_has_the_rig_of_the_file_its_corners_and_draws_between_them() {
+    let spread = Relative { load: 0.3, friction: 0.2, supply: 0.0 };
+    let corners = spread::corners(&spread);
+    assert_eq!(corners.len(), 5);
+    assert_eq!(corners[0].name(), "as in the file");
+    assert_eq!(corners[1].name(), "load -30 %, friction -20 %");
+    let all = spread::all(&spread, 3);
+    assert_eq!((&all[..5], all == spread::all(&spread, 3)), (&corners[..], true));
+    let inside = |one: &Variant| (one.load - 1.0).abs() < 0.301 && (one.friction - 1.0).abs() < 0.201;
+    assert!(all.len() > 5 && all.iter().all(|one| inside(one) && one.supply == 1.0));
+    let none = Relative { load: 0.0, friction: 0.0, supply: 0.0 };
+    assert_eq!(spread::all(&none, 3), [Variant::NOMINAL]);
+
+    let rig_b = rig("servo-b", &[]);
+    let heavier = rig("servo-b", &corners[4].settings(&rig_b));
+    for (key, factor) in
+        [("load.mass_kg", 1.3), ("load.static_extend_n", 1.2), ("load.viscous_n_s_per_m", 1.2)]
+    {
+        assert!((heavier.number(key) / rig_b.number(key) - factor).abs() < 1e-12, "{key}");
+    }
+}
+
+#[test]
+fn a_rig_without_one_of_its_imperfections_is_a_rig() {
+    for (name, rig, _) in rigs_with_gains() {
+        let suspects = obstacle::suspects(&rig);
+        assert!(suspects.len() >= 4, "{name}");
+        for suspect in suspects {
+            let trial = Trial::of(&task(name, &[]), &suspect.settings);
+            trial.unwrap_or_else(|error| panic!("{name}, {}: {error:#}", suspect.what));
+        }
+    }
+}
+
+#[test]
+fn the_same_gains_are_found_on_any_number_of_threads_and_they_are_no_worse_than_those_of_the_file() {
+    let task = task("servo-a", &[]);
+    let [one, three] = [1, 3].map(|threads| {
+        let threads = NonZeroUsize::new(threads).expect("some");
+        tune(&Task { threads, ..task.clone() }, |_, _, _| {}).expect("a tuning")
+    });
+    assert_eq!(one.after.settings, three.after.settings);
+    assert_eq!((&one.progress, &one.after.performances), (&three.progress, &three.after.performances));
+    assert!(one.after.cost(&task.goal) <= one.before.cost(&task.goal));
+    assert!(one.progress.is_sorted_by(|a, b| a >= b));
+    assert!(one.runs > 4 * 3, "{}", one.runs);
+
+    let text = report::rig_file(&task, &one).expect("TOML");
+    let tuned = Rig::read("tuned.toml", &text).unwrap_or_else(|problems| panic!("{problems}"));
+    let expected = rig("servo-a", &one.after.settings);
+    assert!(text.starts_with(report::MARK));
+    for key in ["controller.gain_profile", "controller.velocity_gain", "controller.null_offset_counts"] {
+        assert_eq!(tuned.value(key), expected.value(key), "{key}");
+    }
+}
