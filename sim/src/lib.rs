@@ -21,6 +21,7 @@
 //! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`positive_gain`] | the historical bug of the gain routine, for repetition |
 //! | [`characteristics`] | the thesis's component tests, on these very parts |
+//! | [`follow`](mod@follow) | the plant under commands that were recorded |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
 //!
 //! Everything is SI after loading. Transcendental functions come from `libm`, so that a run gives
@@ -37,6 +38,7 @@ pub mod dither;
 pub mod faults;
 pub mod flow_force;
 pub mod flow_law;
+pub mod follow;
 pub mod friction;
 pub mod gas;
 pub mod integrator;
@@ -58,6 +60,7 @@ pub mod trace;
 pub mod tubing;
 pub mod valve;
 
+pub use follow::follow;
 pub use integrator::{IntegrationError, Method};
 pub use plant::{Accuracy, Plant};
 pub use rig::Rig;

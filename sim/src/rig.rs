@@ -22,7 +22,7 @@ pub use problem::{Problem, Problems, line_at};
 pub use read::{nearest, value_of_setting};
 pub use spread::{SpreadError, unit_interval};
 
-use keys::{Default, KEYS, Key};
+use keys::{Default, KEYS, Key, Kind};
 
 /// The value of a key.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,6 +172,28 @@ impl Rig {
             rig.set[index] = other.set[index];
         }
         rig.checked(other.name())
+    }
+
+    /// This rig with other numbers under some keys, in the units of their names.
+    ///
+    /// # Errors
+    /// When a number is out of its key's range, or what must hold between keys does not.
+    ///
+    /// # Panics
+    /// When the table has no such key, or the key takes no number.
+    pub fn with_numbers(&self, numbers: &[(&'static str, f64)]) -> Result<Rig, Problems> {
+        let mut rig = self.clone();
+        for &(path, number) in numbers {
+            let index = Rig::index(path);
+            let Kind::Number { min, max } = KEYS[index].kind else { panic!("{path} takes no number") };
+            if !(min..=max).contains(&number) {
+                let message = format!("must be between {min} and {max}, is {number}");
+                let source = self.name().to_owned();
+                return Err(Problems(vec![Problem { source, line: None, key: path.to_owned(), message }]));
+            }
+            rig.values[index] = Some(Value::Number(number));
+        }
+        rig.checked(self.name())
     }
 
     /// Every key that has a value, in the order of the table.

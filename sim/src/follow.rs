@@ -1,0 +1,52 @@
+//! A plant under commands that are known: what was recorded on a rig, driven into its model again.
+//!
+//! The loop is not closed a second time. A controller that sees a model instead of the rig gives other
+//! commands, and two closed loops part; with the recorded ones a deviation is the plant's alone.
+
+use pneudrive_controller::Command;
+
+use crate::integrator::IntegrationError;
+use crate::plant::{Accuracy, Plant, seconds};
+use crate::rig::Rig;
+
+/// Sample period and delay of the output after the sample, whole microseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timing {
+    /// From sample to sample.
+    pub period_us: u64,
+    /// From a sample to its output; less than the period.
+    pub delay_us: u64,
+}
+
+/// What sensors would read at a sample instant without their noise and quantisation, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// m.
+    pub position: f64,
+    /// Absolute chamber pressures, Pa.
+    pub pressures: [f64; 2],
+    /// m.
+    pub spool: f64,
+}
+
+/// The readings at the samples 0, 1, 2... of the plant of `rig`, in the initial state of its test, under
+/// the commands computed from these samples: as many as there are commands.
+///
+/// # Errors
+/// When the integration cannot go on.
+pub fn follow(
+    rig: &Rig,
+    accuracy: Accuracy,
+    timing: Timing,
+    commands: &[Command],
+) -> Result<Vec<Reading>, IntegrationError> {
+    let mut plant = Plant::new(rig, accuracy, 0).with_timing(timing.period_us, timing.delay_us);
+    let mut readings = Vec::with_capacity(commands.len());
+    for (k, &command) in (0u64..).zip(commands) {
+        let seen = plant.look(seconds(k * timing.period_us))?;
+        readings.push(Reading { position: seen.position, pressures: seen.pressures, spool: seen.spool });
+        plant.command(command);
+        plant.next_sample()?;
+    }
+    Ok(readings)
+}
