@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 pub use experiments::{ALL, Characterise, LIST, Merge, Study, Sweep, Tune};
-pub use transients::{Align, Channel, Eval, Overlay, Spectrum, Stretch, Window};
+pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pneudrive_sim::Accuracy;
@@ -47,6 +47,8 @@ pub enum Command {
     Eval(Eval),
     /// TARGET files and simulated runs on the same graphs, with their deviations
     Overlay(Overlay),
+    /// Parameters of a rig from recorded transients, with their uncertainties
+    Identify(Identify),
     /// What frequencies a channel holds, as a graph and a table of its peaks
     Spectrum(Spectrum),
     /// The component tests of the thesis on a rig's valve, operator and tubes

@@ -4,6 +4,7 @@ mod characterise;
 mod demo;
 mod device;
 mod eval;
+mod identify;
 mod merge;
 mod monitor;
 mod overlay;
@@ -47,6 +48,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Replay(arguments) => replay::execute(&arguments),
         Command::Eval(arguments) => eval::execute(&arguments),
         Command::Overlay(arguments) => overlay::execute(&arguments),
+        Command::Identify(arguments) => identify::execute(&arguments),
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
         Command::Characterise(arguments) => characterise::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),

@@ -18,6 +18,7 @@
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`alignment`] | two transients on one time |
 //! | [`spectrum`] | which frequencies a channel holds |
+//! | [`identification`] | parameters of a rig from its transients, with their uncertainties |
 //! | [`evaluation`] | what a transient tells about its moves |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
@@ -46,6 +47,7 @@ pub mod download;
 #[cfg(unix)]
 pub mod emulated_board;
 pub mod evaluation;
+pub mod identification;
 pub mod kept_flash;
 pub mod page;
 pub mod part_file;

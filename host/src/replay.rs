@@ -201,7 +201,7 @@ pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
 }
 
 /// The samples of the run, those from before the start left out.
-fn samples(file: &TargetFile) -> Result<Vec<RecordedSample>, ReplayError> {
+pub(crate) fn samples(file: &TargetFile) -> Result<Vec<RecordedSample>, ReplayError> {
     let decimation = file.get("decimation").unwrap_or("not stated");
     if decimation != "1" {
         return Err(ReplayError::Decimation(decimation.to_owned()));

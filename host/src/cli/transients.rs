@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::{Integration, RigChoice};
+
 /// A stretch of time.
 #[derive(Debug, Args)]
 pub struct Stretch {
@@ -132,4 +134,25 @@ pub enum Align {
     Move,
     /// By the shift at which their positions agree best
     Correlation,
+}
+
+/// Arguments of `identify`.
+#[derive(Debug, Args)]
+pub struct Identify {
+    /// The rig file to start from.
+    #[command(flatten)]
+    pub rig: RigChoice,
+    /// TARGET files that were recorded with test.decimation=1
+    #[arg(required = true, value_name = "TARGET")]
+    pub targets: Vec<PathBuf>,
+    /// What to fit, such as load.mass_kg,load.viscous_n_s_per_m; left out: friction, mass, valve, leakage and
+    /// the operator's gain
+    #[arg(long, value_name = "KEY,KEY...", value_delimiter = ',')]
+    pub fit: Vec<String>,
+    /// Where to leave fitted.toml, identification.json and identification.html
+    #[arg(long, value_name = "DIR", default_value = "identified")]
+    pub out: PathBuf,
+    /// How to integrate.
+    #[command(flatten)]
+    pub integration: Integration,
 }

@@ -1,0 +1,203 @@
+//! The minimum of a sum of squares (Levenberg 1944, Marquardt 1963; damping after Nielsen 1999).
+//!
+//! ```text
+//! (J' J + lambda D) d = -J' r,     D = diag(J' J)
+//! ```
+//!
+//! Ours, because a point that cannot be evaluated (a rig that is not valid, a run that ends early) must
+//! shorten the step; the crates for it end there.
+
+use nalgebra::{DMatrix, DVector};
+
+/// A sum of squares.
+pub trait Problem {
+    /// The residuals at `u`; None where there are none.
+    fn residuals(&self, u: &[f64]) -> Option<DVector<f64>>;
+    /// Their derivatives at `u`, where the residuals are `at`; a column a parameter.
+    fn jacobian(&self, u: &[f64], at: &DVector<f64>) -> Option<DMatrix<f64>>;
+}
+
+/// Where a search ended.
+#[derive(Clone, Debug)]
+pub struct Minimum {
+    /// The point.
+    pub u: Vec<f64>,
+    /// The residuals there.
+    pub residuals: DVector<f64>,
+    /// Their derivatives.
+    pub jacobian: DMatrix<f64>,
+    /// Whether it is a minimum.
+    pub converged: bool,
+}
+
+/// Most steps of a search to the end.
+const MOST_STEPS: usize = 40;
+
+/// Most steps of a search that only has to come near.
+const MOST_ROUGH_STEPS: usize = 12;
+
+/// A search is at its end where the next step promises less than this part of the sum of squares per degree
+/// of freedom: a seventh of a standard error.
+const NEAR: f64 = 0.02;
+
+/// It is also where so many steps in a row have gained less: a kink of the sum promises what it does not keep.
+const IDLE_STEPS: usize = 3;
+
+/// A rough search ends where a step gains less than this part of the sum.
+const ROUGH_GAIN: f64 = 5e-3;
+
+/// Longest step of a parameter: beyond it the linear model is not to be trusted.
+const LONGEST: f64 = 0.3;
+
+/// Damping at the start of a search that has far to go, and of one that is near.
+const DAMPING: [f64; 2] = [1e-3, 1e-8];
+
+/// Damping at which a search gives up.
+const MOST_DAMPING: f64 = 1e10;
+
+/// Searches from `start`: to the end, or near it. A `start` without residuals is a slip of the caller.
+///
+/// # Panics
+/// When there are no residuals at `start`.
+pub fn minimise(
+    problem: &impl Problem,
+    start: &[f64],
+    to_the_end: bool,
+    progress: &mut dyn FnMut(&str),
+) -> Minimum {
+    let mut search = Search::at(problem, start, DAMPING[usize::from(to_the_end)]);
+    let most = if to_the_end { MOST_STEPS } else { MOST_ROUGH_STEPS };
+    let mut idle = 0;
+    for _ in 0..most {
+        let before = search.cost();
+        search.step(problem);
+        idle = if before - search.cost() < search.near() { idle + 1 } else { 0 };
+        search.minimum.converged |= idle >= IDLE_STEPS;
+        progress(&format!("sum of squares {:.6e}", search.cost()));
+        if search.stuck
+            || search.minimum.converged
+            || (!to_the_end && search.cost() > (1.0 - ROUGH_GAIN) * before)
+        {
+            break;
+        }
+    }
+    search.minimum
+}
+
+struct Search {
+    minimum: Minimum,
+    damping: f64,
+    growth: f64,
+    stuck: bool,
+}
+
+impl Search {
+    fn at(problem: &impl Problem, start: &[f64], damping: f64) -> Search {
+        let residuals = problem.residuals(start).expect("a search starts where there are residuals");
+        let jacobian = problem
+            .jacobian(start, &residuals)
+            .unwrap_or_else(|| DMatrix::zeros(residuals.len(), start.len()));
+        let minimum = Minimum { u: start.to_vec(), residuals, jacobian, converged: false };
+        Search { minimum, damping, growth: 2.0, stuck: false }
+    }
+
+    fn cost(&self) -> f64 {
+        self.minimum.residuals.norm_squared()
+    }
+
+    /// A gain of the sum that is none.
+    fn near(&self) -> f64 {
+        let freedom = self.minimum.residuals.len().saturating_sub(self.minimum.u.len()).max(1);
+        NEAR * self.cost() / freedom as f64
+    }
+
+    /// One step that gains something; none where no step does.
+    fn step(&mut self, problem: &impl Problem) {
+        let jacobian = &self.minimum.jacobian;
+        let (normal, gradient) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(&self.minimum.residuals));
+        let near = self.near();
+        while self.damping < MOST_DAMPING {
+            let Some(step) = damped(&normal, &gradient, self.damping) else {
+                self.grow();
+                continue;
+            };
+            let promised = -gradient.dot(&step) - 0.5 * (&normal * &step).dot(&step);
+            if 2.0 * promised < near && self.damping <= 1.0 {
+                self.minimum.converged = true;
+                return;
+            }
+            let u: Vec<f64> = self.minimum.u.iter().zip(&limited(step)).map(|(u, d)| u + d).collect();
+            if self.take(problem, u) {
+                return;
+            }
+            self.grow();
+        }
+        self.stuck = true;
+    }
+
+    /// Goes to `u` if that is better and goes on from there.
+    fn take(&mut self, problem: &impl Problem, u: Vec<f64>) -> bool {
+        let Some(residuals) = problem.residuals(&u).filter(|r| r.norm_squared() < self.cost()) else {
+            return false;
+        };
+        let Some(jacobian) = problem.jacobian(&u, &residuals) else { return false };
+        self.minimum = Minimum { u, residuals, jacobian, converged: false };
+        self.damping = (self.damping / 5.0).max(1e-9);
+        self.growth = 2.0;
+        true
+    }
+
+    fn grow(&mut self) {
+        self.damping *= self.growth;
+        self.growth *= 2.0;
+    }
+}
+
+fn damped(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+    let mut matrix = normal.clone();
+    for i in 0..matrix.nrows() {
+        matrix[(i, i)] += damping * normal[(i, i)];
+    }
+    matrix.cholesky().map(|cholesky| cholesky.solve(&-gradient))
+}
+
+/// The step, shortened where a parameter would go further than can be trusted.
+fn limited(step: DVector<f64>) -> DVector<f64> {
+    let longest = step.amax();
+    if longest > LONGEST { step * (LONGEST / longest) } else { step }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rosenbrock's valley, without points left of a wall.
+    struct Valley {
+        wall: f64,
+    }
+
+    impl Problem for Valley {
+        fn residuals(&self, u: &[f64]) -> Option<DVector<f64>> {
+            (u[0] >= self.wall)
+                .then(|| DVector::from_vec(vec![10.0 * (u[1] - u[0] * u[0]), 1.0 - u[0], 1e-3, 1e-3]))
+        }
+
+        fn jacobian(&self, u: &[f64], _: &DVector<f64>) -> Option<DMatrix<f64>> {
+            let rows = [-20.0 * u[0], 10.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            Some(DMatrix::from_row_slice(4, 2, &rows))
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_curved_valley_is_found() {
+        let minimum = minimise(&Valley { wall: -9.0 }, &[-1.2, 1.0], true, &mut |_| {});
+        assert!(minimum.converged);
+        assert!((minimum.u[0] - 1.0).abs() < 1e-3 && (minimum.u[1] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
+    }
+
+    #[test]
+    fn a_search_goes_on_along_points_that_cannot_be_evaluated() {
+        let minimum = minimise(&Valley { wall: -1.2 }, &[-1.2, 1.0], true, &mut |_| {});
+        assert!(minimum.converged && (minimum.u[0] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
+    }
+}

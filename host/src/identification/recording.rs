@@ -1,0 +1,273 @@
+//! A TARGET file as a fit takes it: the commands, and what counts of each channel.
+
+use anyhow::{Context, Result, bail};
+use pneudrive_controller::Command;
+use pneudrive_controller::parameters::id;
+use pneudrive_protocol::RecordedSample;
+use pneudrive_sim::follow::{Reading, Timing, follow};
+use pneudrive_sim::{Accuracy, Rig};
+
+use crate::replay::parameters::Header;
+use crate::replay::samples;
+use crate::target::TargetFile;
+
+/// What is compared, and in what unit it is shown.
+pub const CHANNELS: [(&str, &str); 4] =
+    [("position", "mm"), ("pressure 1", "kPa"), ("pressure 2", "kPa"), ("spool", "mm")];
+
+/// The keys of an initial state.
+const KEYS_OF_START: [&str; 3] = ["test.position_m", "test.pressure_1_pa", "test.pressure_2_pa"];
+
+/// Quantities of an initial state.
+pub const STARTS: usize = KEYS_OF_START.len();
+
+/// Fewest samples at rest under an unchanged command that a record begins with.
+const FEWEST_AT_REST: usize = 16;
+
+/// Samples to either side over which a speed is formed.
+const REACH: usize = 8;
+
+/// Fewest samples of a record.
+const FEWEST: usize = 50;
+
+/// A channel in counts.
+#[derive(Clone, Debug, Default)]
+pub struct Channel {
+    /// What was read at each sample.
+    pub measured: Vec<f64>,
+    /// The samples that count, in order.
+    pub taken: Vec<usize>,
+    /// SI at 0 counts, with what rounding takes off in the mean.
+    pub offset: f64,
+    /// SI per count.
+    pub scale: f64,
+    /// What the rest at its beginning tells of the noise.
+    pub rest: Rest,
+}
+
+/// Scatter around a straight line, counts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rest {
+    /// Sum of the squares.
+    pub squares: f64,
+    /// Samples less the two numbers of the line.
+    pub freedom: f64,
+}
+
+/// A record.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Where it comes from.
+    pub name: String,
+    /// When its samples were taken and its commands driven.
+    pub timing: Timing,
+    /// Command by command.
+    pub commands: Vec<Command>,
+    /// In the order of [`CHANNELS`].
+    pub channels: [Channel; CHANNELS.len()],
+    /// Position, m, and pressures, Pa, of the first sample.
+    pub start: [f64; STARTS],
+}
+
+impl Rest {
+    /// Of readings at equal distances.
+    fn of(readings: &[f64]) -> Rest {
+        let n = readings.len() as f64;
+        let mean = readings.iter().sum::<f64>() / n;
+        let from_middle = |k: usize| k as f64 - 0.5 * (n - 1.0);
+        let steepness = readings.iter().enumerate().map(|(k, y)| from_middle(k) * y).sum::<f64>()
+            / (n * (n * n - 1.0) / 12.0);
+        let off = |(k, y): (usize, &f64)| (y - mean - steepness * from_middle(k)).powi(2);
+        Rest { squares: readings.iter().enumerate().map(off).sum(), freedom: n - 2.0 }
+    }
+}
+
+impl Channel {
+    /// What the model's reading would be in counts.
+    #[must_use]
+    pub fn counts(&self, si: f64) -> f64 {
+        (si - self.offset) / self.scale
+    }
+}
+
+/// The reading of a channel, SI.
+#[must_use]
+pub fn reading(of: &Reading, channel: usize) -> f64 {
+    match channel {
+        0 => of.position,
+        1 | 2 => of.pressures[channel - 1],
+        _ => of.spool,
+    }
+}
+
+impl Recording {
+    /// The record of a file, for the model `rig`.
+    ///
+    /// # Errors
+    /// When it is not whole, not of decimation 1, too short, or of another kind of drive.
+    pub fn of(name: &str, file: &TargetFile, rig: &Rig) -> Result<Recording> {
+        Recording::read(name, file, rig).with_context(|| format!("{name} cannot be fitted"))
+    }
+
+    fn read(name: &str, file: &TargetFile, rig: &Rig) -> Result<Recording> {
+        let recorded = samples(file)?;
+        let header = Header::of(file)?.parameters;
+        let parameter = |id: u16| header.get(id).unwrap_or(0);
+        let stepper = parameter(id::STEPPER) != 0;
+        if stepper != (rig.word("operator.model") == "stepper") {
+            bail!("it and the rig file do not have the same drive stage (operator.model)");
+        }
+        if recorded.len() < FEWEST {
+            bail!("it has {} samples; a fit needs at least {FEWEST}", recorded.len());
+        }
+        let still = |sample: &&RecordedSample| {
+            (sample.position, sample.command) == (recorded[0].position, recorded[0].command)
+        };
+        let rest = recorded.iter().take_while(still).count();
+        if rest < FEWEST_AT_REST {
+            bail!(
+                "it begins with {rest} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from"
+            );
+        }
+        let number = |key: &str| file.number(key);
+        let full_scale = f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1);
+        let pulse = number("mm_per_count")? * 1e-3;
+        let pressure = [number("pressure_offset_pa")?, number("pressure_scale_pa")?];
+        let spool = [number("spool_offset_mm")? * 1e-3, number("spool_scale_mm")? * 1e-3];
+        let converter = |of: fn(&RecordedSample) -> i16, [offset, scale]: [f64; 2]| {
+            let measured: Vec<f64> = recorded.iter().map(|sample| f64::from(of(sample))).collect();
+            // What stands at an end of the converter is not known.
+            let within = |k: &usize| measured[*k] > 0.0 && measured[*k] < full_scale;
+            let taken = (0..measured.len()).filter(within).collect();
+            Channel { taken, rest: Rest::of(&measured[..rest]), measured, offset, scale }
+        };
+        let mut channels = [
+            encoder(&recorded, pulse),
+            converter(|sample| sample.pressure_1, pressure),
+            converter(|sample| sample.pressure_2, pressure),
+            converter(|sample| sample.spool, spool),
+        ];
+        if stepper {
+            // SPLLOC: what was asked for, not what was measured.
+            channels[3].taken.clear();
+        }
+        let delay = u64::try_from(parameter(id::DELAY_US))?;
+        let timing = Timing { period_us: number("measured_period_us")?.round() as u64, delay_us: delay };
+        if timing.period_us <= delay {
+            bail!("its header has a period of {} us and a delay of {delay} us", timing.period_us);
+        }
+        let commands = recorded.iter().map(|sample| command(sample, stepper)).collect();
+        let start = [0, 1, 2].map(|c| channels[c].offset + channels[c].measured[0] * channels[c].scale);
+        Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
+    }
+
+    /// What the sensors of `rig` would read under the first `samples` commands, from an initial state that is
+    /// `off` the one that was measured, in counts; None where the rig is not valid in it, or cannot be integrated.
+    #[must_use]
+    pub fn follow(
+        &self,
+        rig: &Rig,
+        accuracy: Accuracy,
+        off: [f64; STARTS],
+        samples: usize,
+    ) -> Option<Vec<Reading>> {
+        let start = |i: usize| (KEYS_OF_START[i], self.start[i] + off[i] * self.channels[i].scale);
+        let started = rig.with_numbers(&[0, 1, 2].map(start)).ok()?;
+        follow(&started, accuracy, self.timing, &self.commands[..samples]).ok()
+    }
+
+    /// Its length, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        1e-6 * (self.timing.period_us * self.commands.len() as u64) as f64
+    }
+}
+
+/// SPLLOC is noted before the pulse of the sample's output.
+fn command(sample: &RecordedSample, stepper: bool) -> Command {
+    let step = if stepper { (sample.command - sample.spool).signum() as i8 } else { 0 };
+    Command { counts: sample.command, step, drive_enable: true }
+}
+
+fn encoder(recorded: &[RecordedSample], pulse: f64) -> Channel {
+    let counts: Vec<i32> = recorded.iter().map(|sample| sample.position).collect();
+    Channel {
+        taken: independent(&counts),
+        rest: Rest::default(),
+        measured: counts.into_iter().map(f64::from).collect(),
+        // The middle of what a count stands for.
+        offset: 0.5 * pulse,
+        scale: pulse,
+    }
+}
+
+/// Samples whose rounding has nothing to do with one another: the drive has moved on by one to two counts
+/// since the last one. How far it moved is told by a mean speed, and the distance differs from sample to
+/// sample; if a change of the count itself chose the sample, a slow drive would always stand just behind an
+/// edge. A rest gives one sample, in its middle.
+fn independent(counts: &[i32]) -> Vec<usize> {
+    let speed = |k: usize| {
+        let (from, to) = (k.saturating_sub(REACH), (k + REACH).min(counts.len() - 1));
+        (f64::from(counts[to]) - f64::from(counts[from])).abs() / (to - from).max(1) as f64
+    };
+    let (mut taken, mut moved, mut distance, mut rest) = (Vec::new(), 0.0, 1.0, 0);
+    for k in 0..counts.len() {
+        let speed = speed(k);
+        if speed > 0.0 {
+            if rest > 2 * REACH {
+                taken.push(k - rest / 2);
+            }
+            rest = 0;
+            moved += speed;
+        } else {
+            rest += 1;
+        }
+        if moved >= distance {
+            taken.push(k);
+            moved = 0.0;
+            // The fractions of the golden ratio's multiples fill the range from 1 to 2 evenly.
+            distance = 1.0 + (distance + 0.618_033_988_749_895) % 1.0;
+        }
+    }
+    if rest > 2 * REACH {
+        taken.push(counts.len() - rest / 2 - 1);
+    }
+    taken.dedup();
+    taken
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean and variance of the rounding at the samples that are taken.
+    fn rounding(path: impl Fn(usize) -> f64) -> (f64, f64, usize) {
+        let positions: Vec<f64> = (0..4000).map(path).collect();
+        let counts: Vec<i32> = positions.iter().map(|position| position.floor() as i32).collect();
+        let errors: Vec<f64> =
+            independent(&counts).iter().map(|&k| f64::from(counts[k]) + 0.5 - positions[k]).collect();
+        let n = errors.len() as f64;
+        let mean = errors.iter().sum::<f64>() / n;
+        (mean, errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / n, errors.len())
+    }
+
+    #[test]
+    fn a_drive_that_creeps_is_not_always_seen_at_the_edge_of_a_count() {
+        let (mean, variance, samples) = rounding(|k| 0.3 + 0.0731 * k as f64);
+        assert!(samples > 150, "{samples}");
+        assert!(mean.abs() < 0.06, "{mean}");
+        assert!((variance * 12.0 - 1.0).abs() < 0.2, "{variance}");
+    }
+
+    #[test]
+    fn of_a_fast_drive_every_sample_counts() {
+        let (mean, variance, samples) = rounding(|k| 3.307 * k as f64);
+        assert!(samples > 3900 && mean.abs() < 0.02 && (variance * 12.0 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_rest_counts_once() {
+        let (_, _, samples) = rounding(|k| if k < 2000 { 5.3 } else { 7.9 });
+        assert!((2..=6).contains(&samples), "{samples}");
+    }
+}

@@ -1,0 +1,105 @@
+//! `pneudrive identify` as a user calls it.
+
+mod program;
+
+use std::fs;
+use std::path::Path;
+
+use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_sim::Rig;
+use program::{exists, folder, ok, transcript};
+
+/// An open loop with two strokes, without dither: half a second.
+const TEST: &str = "\
+[controller]
+loop = \"open\"
+[operator]
+dither_mm = 0.0
+[test]
+moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
+duration_s = 0.45
+";
+
+/// TARGET01.DAT of the test on a rig with another mass and viscous friction, next to its rig file.
+fn recorded(folder: &Path) {
+    fs::write(folder.join("rig.toml"), TEST).expect("written");
+    let rig = Rig::read("rig.toml", TEST).expect("valid");
+    let real = rig.with_numbers(&[("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0)]).expect("valid");
+    let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
+    let rig = Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"));
+    ok(folder, &format!("run rig.toml --port {}", rig.port()));
+    ok(folder, &format!("record --port {}", rig.port()));
+    rig.stop().expect("it served");
+}
+
+#[test]
+fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
+    let folder = folder();
+    recorded(folder.path());
+    let keys = "load.mass_kg,load.viscous_n_s_per_m,load.stop_stiffness_n_per_m";
+    let printed = ok(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {keys}"));
+    exists(&folder.path().join("identified"), &["fitted.toml", "identification.json", "identification.html"]);
+    assert!(printed.contains("cannot be seen in these data"), "{printed}");
+    let text = fs::read_to_string(folder.path().join("identified/identification.json")).expect("there");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!((&json["converged"], &json["fits"]), (&true.into(), &true.into()), "{text}");
+    assert_eq!(json["unseen"][0]["key"], "load.stop_stiffness_n_per_m");
+    for (i, hidden) in [1.8, 26.0].into_iter().enumerate() {
+        let found = &json["parameters"][i];
+        let miss = (found["estimate"].as_f64().expect("a number") - hidden).abs();
+        assert!(miss < 4.0 * found["standard_error"].as_f64().expect("a number"), "{found}");
+        assert!(miss < 0.01 * hidden, "{found}");
+    }
+    let fitted = fs::read_to_string(folder.path().join("identified/fitted.toml")).expect("there");
+    let rig = Rig::read("fitted.toml", &fitted).expect("valid");
+    assert_eq!(rig.number("load.mass_kg"), json["parameters"][0]["estimate"].as_f64().expect("a number"));
+    ok(folder.path(), "simulate identified/fitted.toml --out simulated");
+    assert!(fitted.contains("# identified, 95 %:") && fitted.contains("duration_s = 0.45"), "{fitted}");
+}
+
+#[test]
+fn files_that_cannot_be_fitted_are_refused_by_what_is_wrong_with_them() {
+    let folder = folder();
+    recorded(folder.path());
+    let text = fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("recorded");
+    let cut = text[..text.len() - 400].to_owned();
+    let lines: Vec<&str> = text.lines().collect();
+    let shortened = lines[..lines.len() - 20].join("\n") + "\n";
+    let coarse = text.replace("# decimation = 1", "# decimation = 2");
+    let digit = |from: char| if from == '1' { '2' } else { '1' };
+    let last = text.trim_end().chars().last().expect("a digit");
+    let flipped = format!("{}{}\n", &text.trim_end()[..text.trim_end().len() - 1], digit(last));
+    let stepper = text.replace("# param.stepper = 0", "# param.stepper = 1");
+    for (content, says) in [
+        (String::new(), "ends before its data"),
+        (cut, "line 4"),
+        (shortened, "damaged or cut"),
+        ("\u{0}\u{1}\u{fffd}garbage".to_owned(), "line 1"),
+        (flipped, "damaged or cut"),
+        ("time_s,position_m\n0,1\n".to_owned(), "line 1"),
+        (coarse, "test.decimation=1"),
+        (stepper, "drive stage"),
+    ] {
+        fs::write(folder.path().join("bad.dat"), content).expect("written");
+        let printed = transcript(folder.path(), "identify rig.toml bad.dat");
+        assert!(
+            printed.contains(says) && printed.contains("bad.dat") && printed.ends_with("= 1"),
+            "{printed}"
+        );
+        assert!(!folder.path().join("identified").exists());
+    }
+}
+
+#[test]
+fn keys_that_cannot_be_fitted_are_refused_before_any_work() {
+    let folder = folder();
+    recorded(folder.path());
+    for (key, says) in [
+        ("load.mas", "there is no key"),
+        ("controller.scale", "no physical number"),
+        ("actuator.leakage_coefficient", "above 0"),
+    ] {
+        let printed = transcript(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {key}"));
+        assert!(printed.contains(says) && printed.ends_with("= 1"), "{printed}");
+    }
+}
