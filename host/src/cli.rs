@@ -6,7 +6,7 @@ mod transients;
 use std::path::PathBuf;
 use std::time::Duration;
 
-pub use experiments::{ALL, Characterise, LIST, Merge, Study, Sweep, Tune};
+pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Tune};
 pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -59,6 +59,8 @@ pub enum Command {
     Sweep(Sweep),
     /// Put the shards of a sweep together
     Merge(Merge),
+    /// What each model of a component costs, and what it changes
+    Ladder(Ladder),
     /// Find gains for a rig that hold over a spread of loads, friction and supply
     Tune(Tune),
 }

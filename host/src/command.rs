@@ -5,6 +5,7 @@ mod demo;
 mod device;
 mod eval;
 mod identify;
+mod ladder;
 mod merge;
 mod monitor;
 mod overlay;
@@ -53,6 +54,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Characterise(arguments) => characterise::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
         Command::Sweep(arguments) => sweep::execute(&arguments),
+        Command::Ladder(arguments) => ladder::execute(&arguments),
         Command::Tune(arguments) => tune::execute(&arguments),
         Command::Merge(arguments) => merge::execute(&arguments),
     }

@@ -22,6 +22,8 @@
 //! | [`evaluation`] | what a transient tells about its moves |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
+//! | [`ladder`] | what each model of a component costs, and what it changes |
+//! | [`parallel`] | the same for each of many, on several threads |
 //! | [`tuning`] | gains for a step, at the worst of all rigs within a spread |
 //! | [`rig_text`] | rig files as text: other values, the same comments |
 //! | [`page`] | notes, tables and graphs in one file |
@@ -49,7 +51,9 @@ pub mod emulated_board;
 pub mod evaluation;
 pub mod identification;
 pub mod kept_flash;
+pub mod ladder;
 pub mod page;
+pub mod parallel;
 pub mod part_file;
 #[cfg(unix)]
 mod plant_server;

@@ -10,7 +10,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use plotly::Plot;
 
-pub use figure::{Curve, Figure, Look, Panel};
+pub use figure::{COLOURS, Curve, Figure, Look, Panel};
 
 use crate::run_folder;
 

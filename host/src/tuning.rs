@@ -27,7 +27,6 @@ pub mod trial;
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use anyhow::Result;
 use pneudrive_sim::Rig;
@@ -37,6 +36,7 @@ pub use goal::{Goal, Performance};
 pub use obstacle::Obstacle;
 pub use spread::{Relative, Variant};
 
+use crate::parallel;
 use search::{Budget, search};
 use trial::Trial;
 
@@ -164,18 +164,23 @@ impl Batch<'_> {
     /// The cost of each candidate: its worst corner. One that is above its limit is not looked at any further.
     fn costs(&self, genes: &[Vec<f64>], limits: &[f64]) -> Vec<f64> {
         let jobs: Vec<(&Vec<f64>, f64)> = genes.iter().zip(limits.iter().copied()).collect();
-        in_parallel(&jobs, self.task.threads, |(genes, limit)| {
-            let settings = self.space.settings(genes);
-            let mut worst = 0.0_f64;
-            for corner in self.corners {
-                self.counter.fetch_add(1, Ordering::Relaxed);
-                worst = worst.max(self.trial.run(&settings, corner).cost(&self.task.goal));
-                if worst >= *limit {
-                    break;
+        parallel::map(
+            &jobs,
+            self.task.threads,
+            |(genes, limit)| {
+                let settings = self.space.settings(genes);
+                let mut worst = 0.0_f64;
+                for corner in self.corners {
+                    self.counter.fetch_add(1, Ordering::Relaxed);
+                    worst = worst.max(self.trial.run(&settings, corner).cost(&self.task.goal));
+                    if worst >= *limit {
+                        break;
+                    }
                 }
-            }
-            worst
-        })
+                worst
+            },
+            |_| {},
+        )
     }
 }
 
@@ -188,32 +193,8 @@ fn judged(
     counter: &AtomicUsize,
 ) -> Found {
     counter.fetch_add(variants.len(), Ordering::Relaxed);
-    let performances = in_parallel(variants, task.threads, |variant| trial.run(settings, variant));
+    let performances = parallel::map(variants, task.threads, |variant| trial.run(settings, variant), |_| {});
     Found { settings: settings.to_vec(), performances }
-}
-
-/// A function of each item, in their order, on several threads.
-fn in_parallel<T: Sync, U: Send>(
-    items: &[T],
-    threads: NonZeroUsize,
-    make: impl Fn(&T) -> U + Sync,
-) -> Vec<U> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut made = Vec::new();
-        while let Some((place, item)) = Some(next.fetch_add(1, Ordering::Relaxed))
-            .and_then(|place| items.get(place).map(|item| (place, item)))
-        {
-            made.push((place, make(item)));
-        }
-        made
-    };
-    let mut all: Vec<(usize, U)> = thread::scope(|scope| {
-        let threads: Vec<_> = (0..threads.get().min(items.len())).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().flat_map(|thread| thread.join().expect("a run does not panic")).collect()
-    });
-    all.sort_by_key(|(place, _)| *place);
-    all.into_iter().map(|(_, made)| made).collect()
 }
 
 /// The rig file of a task.

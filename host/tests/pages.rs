@@ -72,6 +72,7 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         "characterise servo-b flow-gain --out .",
         "characterise servo-b pressure-drop --out .",
         "study impulse --out .",
+        "ladder servo-a --set test.duration_s=0.2 --out .",
         "tune servo-a --settled 2 --overshoot 20 --population 2 --generations 2 --load 0% --friction 0% --out .",
     ] {
         ok(folder.path(), arguments);
@@ -85,6 +86,7 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         ("flow-gain.html", 2, 9),
         ("pressure-drop.html", 1, 3),
         ("impulse.html", 5, 7),
+        ("ladder.html", 4, 31),
         ("tune.html", 5, 11),
     ] {
         let seen = open(browser, profile.path(), &folder.path().join(name));
@@ -93,9 +95,10 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         let drawn = |what: &str| seen.document.matches(what).count();
         assert_eq!(drawn("<g class=\"subplot "), graphs, "{name}");
         assert_eq!(drawn("<g class=\"trace scatter"), curves, "{name}");
-        // A line each, more where it has gaps, and a short one each in the legend.
+        // A line each, more where it has gaps, and a short one each in the legend; or a point.
         let lines = drawn("class=\"js-line\" d=\"M") - drawn("class=\"js-line\" d=\"M5,0h30");
-        assert!(lines >= curves, "{name}: {lines} lines of {curves} curves");
+        let points = drawn("<path class=\"point\"");
+        assert!(lines + points >= curves, "{name}: {lines} lines and {points} points of {curves} curves");
     }
 }
 

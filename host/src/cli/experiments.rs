@@ -121,6 +121,17 @@ fn shard(text: &str) -> Result<Shard, String> {
     read().ok_or_else(|| "write I/N with I from 1 to N, such as 2/4".to_owned())
 }
 
+/// Arguments of `ladder`.
+#[derive(Debug, Args)]
+pub struct Ladder {
+    /// The rig.
+    #[command(flatten)]
+    pub rig: RigChoice,
+    /// Where to leave ladder.html
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
 /// Arguments of `tune`.
 #[derive(Debug, Args)]
 pub struct Tune {

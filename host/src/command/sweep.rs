@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_sim::rig::builtin;
@@ -12,6 +10,7 @@ use pneudrive_sim::rig::builtin;
 use super::{Progress, rig_text};
 use crate::cli;
 use crate::page::GENERATOR;
+use crate::parallel::processors;
 use crate::run_folder::{make_writable, put, refuse_foreign};
 use crate::sweep::execution::execute as run_points;
 use crate::sweep::journal::{Journal, NAME};
@@ -22,7 +21,7 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     let out = arguments.out.clone().unwrap_or_else(|| folder_of(&arguments.file));
     make_place(&out)?;
     let (mut journal, mut rows) = Journal::open(&out, &sweep)?;
-    let threads = arguments.threads.or_else(|| available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let threads = arguments.threads.unwrap_or_else(processors);
     if !rows.is_empty() {
         say!("{}: {} points are there already", out.join(NAME).display(), rows.len());
     }

@@ -1,13 +1,11 @@
 //! `pneudrive tune`.
 
-use std::num::NonZeroUsize;
-use std::thread::available_parallelism;
-
 use anyhow::Result;
 
 use super::{Progress, rig_text};
 use crate::cli::Tune;
 use crate::page::GENERATOR;
+use crate::parallel::processors;
 use crate::run_folder::{make_writable, put, refuse_foreign};
 use crate::tuning::search::Budget;
 use crate::tuning::{Goal, Relative, Task, report, tune};
@@ -48,6 +46,6 @@ fn task(arguments: &Tune) -> Result<Task> {
             generations: arguments.generations,
             seed: arguments.seed,
         },
-        threads: arguments.threads.or_else(|| available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN),
+        threads: arguments.threads.unwrap_or_else(processors),
     })
 }

@@ -23,6 +23,13 @@ const Y_AXES: [fn(Layout, Axis) -> Layout; 8] = [
     Layout::y_axis8,
 ];
 
+/// Colours of curves that stand in several panels and once in the legend.
+#[rustfmt::skip]
+pub const COLOURS: [&str; 10] = [
+    "#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd",
+    "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf",
+];
+
 /// Panels over one axis.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {

@@ -1,14 +1,12 @@
 //! Runs the drives of studies, as many at a time as the machine has processors. A drive that several
 //! studies ask for is run once.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use pneudrive_sim::rig::builtin;
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::{Outcome, Study, Variant};
+use crate::parallel;
 
 /// Rig and settings: what makes two variants the same run.
 type Drive = (&'static str, &'static [&'static str]);
@@ -24,7 +22,12 @@ pub fn run(studies: &[&Study], mut progress: impl FnMut(usize, usize)) -> Result
             drives.push(drive(variant));
         }
     }
-    let runs = run_all(&drives, &mut progress);
+    let runs = parallel::map(
+        &drives,
+        parallel::processors(),
+        |drive| run_one(*drive),
+        |done| progress(done, drives.len()),
+    );
     let runs: Vec<(Rig, pneudrive_sim::Run)> = runs.into_iter().collect::<Result<_>>()?;
     let outcome = |variant: &Variant| {
         let (rig, run) = &runs[drives.iter().position(|one| *one == drive(variant)).expect("it was run")];
@@ -35,35 +38,6 @@ pub fn run(studies: &[&Study], mut progress: impl FnMut(usize, usize)) -> Result
 
 fn drive(variant: &Variant) -> Drive {
     (variant.rig, variant.settings)
-}
-
-fn run_all(
-    drives: &[Drive],
-    progress: &mut impl FnMut(usize, usize),
-) -> Vec<Result<(Rig, pneudrive_sim::Run)>> {
-    let next = AtomicUsize::new(0);
-    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(drives.len());
-    let (tell, told) = mpsc::channel();
-    let mut runs: Vec<_> = drives.iter().map(|_| Err(anyhow!("it was not run"))).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..workers {
-            let (tell, next) = (tell.clone(), &next);
-            scope.spawn(move || {
-                while let Some(drive) = drives.get(next.fetch_add(1, Ordering::Relaxed)).copied() {
-                    let index = drives.iter().position(|one| *one == drive).unwrap_or_default();
-                    if tell.send((index, run_one(drive))).is_err() {
-                        return;
-                    }
-                }
-            });
-        }
-        drop(tell);
-        for (done, (index, run)) in (1..).zip(told) {
-            runs[index] = run;
-            progress(done, drives.len());
-        }
-    });
-    runs
 }
 
 fn run_one((name, settings): Drive) -> Result<(Rig, pneudrive_sim::Run)> {

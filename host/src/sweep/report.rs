@@ -2,19 +2,12 @@
 
 use super::metric::Which;
 use super::{Axis, Objective, Row, Sweep};
-use crate::page::{Curve, Figure, Look, Page, Panel, Table};
+use crate::page::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
 
 /// Most panels of a figure, and most failures and curves that are shown one by one.
 const PANELS: usize = 8;
 const FAILURES: usize = 30;
 const CURVES: usize = COLOURS.len();
-
-/// Colours of the levels of a key.
-#[rustfmt::skip]
-const COLOURS: [&str; 10] = [
-    "#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd",
-    "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf",
-];
 
 /// Colours of points that are allowed, and that are not.
 const ALLOWED: &str = "#1f4e9c";

@@ -1,0 +1,23 @@
+//! `pneudrive ladder`.
+
+use anyhow::Result;
+
+use super::{Progress, rig_text};
+use crate::cli::Ladder;
+use crate::ladder::{climb, page, table};
+use crate::page::GENERATOR;
+use crate::run_folder::{make_writable, refuse_foreign};
+
+pub(super) fn execute(arguments: &Ladder) -> Result<()> {
+    let place = arguments.out.join("ladder.html");
+    make_writable(&arguments.out)?;
+    refuse_foreign(&place, GENERATOR)?;
+    let source = rig_text(&arguments.rig.rig)?;
+    let mut progress = Progress::of("climbing", "models");
+    let rungs = climb(&source, &arguments.rig.settings, |done, all| progress.at(done as u64, all as u64))?;
+    progress.done();
+    page(&source.0, &rungs).write(&place)?;
+    let table = table(&rungs);
+    say!("{}\n{}\n{}", table.heading, table.to_text(), place.display());
+    Ok(())
+}

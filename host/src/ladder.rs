@@ -1,0 +1,319 @@
+//! The ladder of fidelity: what each model of a component costs, and what it changes (thesis 8.3).
+//!
+//! The reference is the rig with all that its file leaves out or simplifies switched on, as far as no figure is
+//! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
+//! the right-hand side and solutions of the flows, times of this machine beside them.
+
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, anyhow};
+use pneudrive_sim::{Accuracy, Rig, Run, run};
+
+use crate::deviation::{Deviation, deviations};
+use crate::page::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
+use crate::parallel;
+use crate::run_folder::StoredRun;
+use crate::transient::{CHANNELS, POSITION, PRESSURES, Transient};
+
+/// A component and its models, the most complete one first: its name, and its keys.
+type Component = (&'static str, &'static [(&'static str, &'static [&'static str])]);
+
+/// All of them. A model that a rig cannot have is left out.
+const COMPONENTS: [Component; 9] = [
+    (
+        "valve",
+        &[
+            ("flow node", &["valve.model=flow-node"]),
+            ("multiple flow node", &["valve.model=multiple-flow-node"]),
+            ("single restriction", &["valve.model=single-restriction"]),
+        ],
+    ),
+    (
+        "approach velocity",
+        &[("counts", &["valve.upstream_mach=true"]), ("neglected", &["valve.upstream_mach=false"])],
+    ),
+    (
+        "flow force",
+        &[
+            ("analytical", &["valve.flow_force=analytical"]),
+            ("experimental", &["valve.flow_force=experimental"]),
+            ("none", &["valve.flow_force=none"]),
+        ],
+    ),
+    (
+        "discharge",
+        &[("constant", &["valve.discharge_model=constant"]), ("Perry", &["valve.discharge_model=perry"])],
+    ),
+    (
+        "tubing",
+        &[
+            ("empirical", &["tubing.model=empirical"]),
+            ("analytical, 1 m", &["tubing.model=analytical"]),
+            ("none", &["tubing.model=none"]),
+        ],
+    ),
+    (
+        "operator",
+        &[("solenoid", &["operator.model=solenoid"]), ("empirical", &["operator.model=solenoid-empirical"])],
+    ),
+    (
+        "friction of the spool",
+        &[
+            ("stick and slip", &[]),
+            ("none", &["operator.static_friction_n=0.0", "operator.coulomb_friction_n=0.0"]),
+        ],
+    ),
+    ("hysteresis", &[("magnetic", &[]), ("none", &["operator.hysteresis_percent=0.0"])]),
+    ("controller", &[("sampled", &[]), ("continuous", &["controller.model=continuous"])]),
+];
+
+/// Times that a rung is run for its time; the shortest counts.
+const TIMES: usize = 3;
+
+/// A model of a component, run.
+#[derive(Clone, Debug)]
+pub struct Rung {
+    /// The component; "" for the whole rig.
+    pub component: &'static str,
+    /// Its model.
+    pub model: &'static str,
+    /// Evaluations of the right-hand side a sample.
+    pub evaluations: f64,
+    /// Iterations over the flows a sample.
+    pub flow_iterations: f64,
+    /// Shortest time of a run.
+    pub time: Duration,
+    /// What it differs by from the reference.
+    pub deviations: Vec<Deviation>,
+    /// The transient.
+    pub transient: Transient,
+}
+
+/// What is run on a rung.
+#[derive(Clone, Debug)]
+struct Plan {
+    component: &'static str,
+    model: &'static str,
+    rig: Rig,
+}
+
+/// The rungs of a rig: the reference first, then the file's own models, then each other model of each component.
+/// `progress` is given rungs done and in all.
+///
+/// # Errors
+/// When a rung cannot be simulated.
+pub fn climb(
+    source: &(String, String),
+    settings: &[String],
+    mut progress: impl FnMut(usize, usize),
+) -> Result<Vec<Rung>> {
+    let plans = plans(source, settings)?;
+    // One at a time: what else runs would be in the times.
+    let runs = parallel::map(&plans, NonZeroUsize::MIN, timed, |done| progress(done, plans.len()));
+    let runs: Vec<(Run, Duration)> = runs.into_iter().collect::<Result<_>>()?;
+    let transient = |plan: &Plan, run: &Run| {
+        let name = if plan.component.is_empty() {
+            plan.model.to_owned()
+        } else {
+            format!("{}: {}", plan.component, plan.model)
+        };
+        Transient::of_run(&name, &StoredRun::of(&plan.rig, run))
+    };
+    let reference = transient(&plans[0], &runs[0].0);
+    let rung = |(plan, (run, time)): (&Plan, &(Run, Duration))| {
+        let samples = run.observations.len().max(1) as f64;
+        let transient = transient(plan, run);
+        Rung {
+            component: plan.component,
+            model: plan.model,
+            evaluations: run.work.integrator.evaluations as f64 / samples,
+            flow_iterations: run.work.network.iterations as f64 / samples,
+            time: *time,
+            deviations: deviations(&reference, &transient),
+            transient,
+        }
+    };
+    Ok(plans.iter().zip(&runs).map(rung).collect())
+}
+
+fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
+    let read = |more: &[&str]| {
+        let all: Vec<String> =
+            settings.iter().cloned().chain(more.iter().map(|&one| one.to_owned())).collect();
+        Rig::read_with(&source.0, &source.1, &all)
+    };
+    let file = read(&[])?;
+    // As far as the rig can have it.
+    let mut complete: Vec<&str> = Vec::new();
+    for (_, models) in COMPONENTS {
+        let with: Vec<&str> = complete.iter().chain(models[0].1).copied().collect();
+        if applies(&file, models[0].1) && read(&with).is_ok() {
+            complete = with;
+        }
+    }
+    let reference = read(&complete)?;
+    let mut plans = vec![
+        Plan { component: "", model: "complete", rig: reference.clone() },
+        Plan { component: "", model: "as in the file", rig: file },
+    ];
+    for (component, models) in COMPONENTS {
+        for (model, keys) in &models[1..] {
+            let with: Vec<&str> = complete.iter().chain(*keys).copied().collect();
+            if applies(&reference, keys)
+                && let Ok(rig) = read(&with)
+                && rig != reference
+            {
+                plans.push(Plan { component, model, rig });
+            }
+        }
+    }
+    Ok(plans)
+}
+
+/// Whether the keys mean something on a rig as it is: an operator that it has, a valve that has a node.
+fn applies(rig: &Rig, keys: &[&str]) -> bool {
+    let operator = rig.word("operator.model");
+    keys.iter().all(|key| match key.split_once('=') {
+        Some(("valve.model", _)) => rig.word("valve.model") != "iso-6358",
+        Some(("valve.flow_force" | "operator.model", _)) => operator.starts_with("solenoid"),
+        Some((path, _)) if path.starts_with("operator.") => operator == "solenoid",
+        _ => true,
+    })
+}
+
+fn timed(plan: &Plan) -> Result<(Run, Duration)> {
+    let once = || {
+        let begun = Instant::now();
+        let run = run(&plan.rig, Accuracy::default())
+            .map_err(|error| anyhow!("{} {}: {error}", plan.component, plan.model))?;
+        Ok::<_, anyhow::Error>((run, begun.elapsed()))
+    };
+    let (run, first) = once()?;
+    let others = (1..TIMES).map(|_| once().map(|(_, time)| time)).collect::<Result<Vec<_>>>()?;
+    Ok((run, others.into_iter().fold(first, Duration::min)))
+}
+
+/// The page.
+#[must_use]
+pub fn page(name: &str, rungs: &[Rung]) -> Page {
+    let cost = Figure {
+        heading: "what a model costs, and what it changes".to_owned(),
+        across: "evaluations of the right-hand side a sample".to_owned(),
+        panels: vec![Panel {
+            title: "largest difference of the position, mm".to_owned(),
+            curves: rungs[1..].iter().map(place).collect(),
+            ..Panel::default()
+        }],
+        ..Figure::default()
+    };
+    let drawn = [POSITION, PRESSURES[0], PRESSURES[1]].map(|channel| {
+        let curves = rungs.iter().zip(COLOURS.iter().cycle()).map(|(rung, colour)| {
+            let transient = &rung.transient;
+            let (x, y) = (transient.time.clone(), transient.channels[channel].clone());
+            Curve { colour: Some(colour), ..Curve::new(&transient.name, x, y) }
+        });
+        Panel::new(&format!("{}, {}", CHANNELS[channel].0, CHANNELS[channel].1), curves.collect())
+    });
+    let transients = Figure { heading: "the transients".to_owned(), ..Figure::over_time(drawn.to_vec()) };
+    Page {
+        title: format!("{name}: the ladder of fidelity"),
+        notes: vec![
+            "The reference has every model in its most complete form that the rig file has figures for. On each rung one component has another model; its transient is compared with that of the reference. In closed loop a difference of the position is what the controller leaves of it; --set controller.loop=open with moves as commands shows the bare one.".to_owned(),
+            format!("Evaluations and iterations are counted and the same everywhere; times are the shortest of {TIMES} runs on the machine that made this page, as a part of the reference's."),
+        ],
+        tables: vec![table(rungs)],
+        figures: vec![cost, transients],
+    }
+}
+
+fn place(rung: &Rung) -> Curve {
+    let x = vec![rung.evaluations];
+    Curve { look: Look::Points, ..Curve::new(&rung.transient.name, x, vec![largest(rung, POSITION)]) }
+}
+
+fn of(rung: &Rung, channel: usize) -> Option<&Deviation> {
+    rung.deviations.iter().find(|deviation| deviation.channel == CHANNELS[channel].0)
+}
+
+fn largest(rung: &Rung, channel: usize) -> f64 {
+    of(rung, channel).map_or(f64::NAN, |deviation| deviation.largest)
+}
+
+/// The rungs in figures.
+#[must_use]
+pub fn table(rungs: &[Rung]) -> Table {
+    let columns = [
+        "component",
+        "model",
+        "evaluations a sample",
+        "flow iterations a sample",
+        "time, %",
+        "position rms, mm",
+        "largest, mm",
+        "P1 rms, kPa",
+        "P2 rms, kPa",
+    ];
+    let all = rungs[0].time.as_secs_f64();
+    let rms = |rung: &Rung, channel: usize| of(rung, channel).map_or(f64::NAN, |one| one.mean_square.sqrt());
+    let row = |rung: &Rung| {
+        vec![
+            if rung.component.is_empty() { "all".to_owned() } else { rung.component.to_owned() },
+            rung.model.to_owned(),
+            format!("{:.1}", rung.evaluations),
+            format!("{:.1}", rung.flow_iterations),
+            format!("{:.0}", 100.0 * rung.time.as_secs_f64() / all),
+            format!("{:.4}", rms(rung, POSITION)),
+            format!("{:.4}", largest(rung, POSITION)),
+            format!("{:.3}", rms(rung, PRESSURES[0])),
+            format!("{:.3}", rms(rung, PRESSURES[1])),
+        ]
+    };
+    Table {
+        heading: "models of the components, one at a time".to_owned(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows: rungs.iter().map(row).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_sim::rig::{BUILTIN, builtin};
+
+    fn source(rig: &str) -> (String, String) {
+        (rig.to_owned(), builtin(rig).expect("a built-in rig").to_owned())
+    }
+
+    #[test]
+    fn each_rung_is_the_reference_with_one_component_changed() {
+        for (name, _) in BUILTIN {
+            let plans = plans(&source(name), &[]).unwrap_or_else(|error| panic!("{name}: {error:#}"));
+            assert_eq!((plans[0].model, plans[1].model), ("complete", "as in the file"));
+            assert!(plans.len() >= 6, "{name}: {}", plans.len());
+            for rung in &plans[2..] {
+                let value = |rig: &Rig, path| rig.value(path).cloned();
+                let changed: Vec<&str> = rung
+                    .rig
+                    .entries()
+                    .filter(|(key, new)| value(&plans[0].rig, key.path).as_ref() != Some(new))
+                    .map(|(key, _)| key.path)
+                    .collect();
+                assert!((1..=2).contains(&changed.len()), "{name}, {}: {changed:?}", rung.model);
+            }
+        }
+    }
+
+    #[test]
+    fn an_operator_without_its_spool_costs_less_and_every_other_model_changes_something() {
+        let settings = ["test.duration_s=0.4".to_owned()];
+        let rungs = climb(&source("servo-b-tuned"), &settings, |_, _| {}).expect("runs");
+        assert_eq!(largest(&rungs[0], POSITION), 0.0, "the reference is itself");
+        let empirical = rungs.iter().find(|rung| rung.component == "operator").expect("a rung");
+        assert!(empirical.evaluations < rungs[0].evaluations / 2.0, "{:.1}", empirical.evaluations);
+        for rung in rungs[1..].iter() {
+            assert!(largest(rung, POSITION) > 0.01, "{}: {}", rung.component, rung.model);
+        }
+        assert_eq!(table(&rungs).rows.len(), rungs.len());
+    }
+}
