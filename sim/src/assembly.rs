@@ -79,7 +79,7 @@ pub(crate) struct Assembly {
     ports: Ports,
     /// What the spool will do next, as long as no mode of it changes.
     outlook: Option<Ahead>,
-    /// The last solution of the network, and the spool position and state it belongs to.
+    /// The last solution of the network, and the instant and state it belongs to.
     solved: Option<(f64, StateVector, [Node; 2])>,
 }
 
@@ -140,6 +140,7 @@ impl Assembly {
         self.parts.operator.drive(t, spool_state(x), request, flow_force);
         let spool = self.spool(t, x);
         if spool != before {
+            self.solved = None;
             self.lands = Lands::at(&self.parts.valve, spool);
             self.parts.network.jump();
             self.find_port_directions(t, x);
@@ -176,7 +177,7 @@ impl Assembly {
             return 0.0;
         }
         let nodes = self.nodes(t, x);
-        let ends = self.ends_at_valve(x);
+        let ends = self.ends_at_valve(x, &self.air(x));
         let behind = [0, 1].map(|i| self.parts.network.exner_behind_port(&nodes[i], &ends[i]));
         let spool = self.spool(t, x);
         let pressure = |exner| self.parts.gas.pressure(exner);
@@ -235,19 +236,27 @@ impl Assembly {
 
     fn air(&self, x: &StateVector) -> [Air; 2] {
         let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
-        [0, 1].map(|i| Air::of_state(&self.parts.gas, x[slot::MASS[i]], x[slot::EXNER[i]], volumes[i].volume))
+        let of =
+            |i: usize| Air::of_state(&self.parts.gas, x[slot::MASS[i]], x[slot::EXNER[i]], volumes[i].volume);
+        [of(0), of(1)]
     }
 
     /// The flows at a state; solved once for each.
     fn nodes(&mut self, t: f64, x: &StateVector) -> [Node; 2] {
-        let spool = self.spool(t, x);
+        let air = self.air(x);
+        self.nodes_of(t, x, &air)
+    }
+
+    /// The same for the air that a state tells of.
+    fn nodes_of(&mut self, t: f64, x: &StateVector, air: &[Air; 2]) -> [Node; 2] {
         match &self.solved {
-            Some((at, solved, nodes)) if *at == spool && solved == x => *nodes,
+            Some((at, solved, nodes)) if *at == t && solved == x => *nodes,
             _ => {
-                let stations = self.ends_at_valve(x);
+                let spool = self.spool(t, x);
+                let stations = self.ends_at_valve(x, air);
                 let conductances = self.parts.valve.conductances_of(&self.parts.gas, spool, self.lands.open);
                 let nodes = self.parts.network.solve_at(t, &conductances, &stations, &self.ports.directions);
-                self.solved = Some((spool, *x, nodes));
+                self.solved = Some((t, *x, nodes));
                 nodes
             }
         }
@@ -255,8 +264,8 @@ impl Assembly {
 
     /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;
     /// the supply likewise.
-    fn ends_at_valve(&mut self, x: &StateVector) -> [Station; 2] {
-        let mut stations = self.air(x).map(|air| air.station());
+    fn ends_at_valve(&mut self, x: &StateVector, air: &[Air; 2]) -> [Station; 2] {
+        let mut stations = [air[0].station(), air[1].station()];
         if let Some(lag) = &self.parts.lag {
             let part = |i: usize| self.parts.gas.exner(x[slot::RATIO[i]]);
             self.parts.network.set_supply(lag.supply.exner * part(0));
@@ -319,7 +328,7 @@ impl Assembly {
     fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
         let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
         let air = self.air(x);
-        let nodes = self.nodes(t, x);
+        let nodes = self.nodes_of(t, x, &air);
         let (joined, ports) = (self.joined(nodes), self.joined(self.ports.directions));
         let gas = &self.parts.gas;
         let leak = self.parts.actuator.leak(gas, &air);

@@ -249,7 +249,7 @@ fn load(rig: &Rig) -> Load {
         viscous: rig.number("load.viscous_n_s_per_m"),
         constant_force: rig.number("load.constant_force_n"),
         spring: rig.number("load.spring_n_per_m"),
-        incline: rig.number("load.incline_deg").to_radians(),
+        uphill: libm::sin(rig.number("load.incline_deg").to_radians()),
         friction: DryFriction {
             static_extend: rig.number("load.static_extend_n"),
             coulomb_extend: rig.number("load.coulomb_extend_n"),

@@ -377,7 +377,6 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             } else {
                 let next = h * self.pace.factor(h, error, trial.order);
                 if let Some(taken) = trial.taken {
-                    self.pace.note(h, error);
                     // A step cut short by an event says nothing of the wanted size.
                     self.wanted = if limited { next.max(self.wanted) } else { next };
                     self.note_step(&taken, limited);

@@ -24,8 +24,8 @@
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
 //!
-//! Everything is SI after loading. Transcendental functions come from `libm`, so that a run gives
-//! the same bits on every machine.
+//! Everything is SI after loading. Transcendental functions come from `libm`, or from sums and products
+//! alone, so that a run gives the same bits on every machine.
 
 pub mod actuator;
 pub mod air;

@@ -25,8 +25,8 @@ pub struct Load {
     pub constant_force: f64,
     /// k, N/m, from y = 0.
     pub spring: f64,
-    /// Angle at which extension goes uphill, rad.
-    pub incline: f64,
+    /// Sine of the incline: of the angle at which extension goes uphill.
+    pub uphill: f64,
     /// Stiction and Coulomb friction by direction.
     pub friction: DryFriction,
     /// The ends of the stroke.
@@ -48,7 +48,7 @@ impl Load {
     /// The forces that depend on neither velocity nor contact, N: constant force, spring, weight.
     #[must_use]
     pub fn standing_force(&self, position: f64) -> f64 {
-        self.constant_force - self.spring * position - self.mass * GRAVITY * libm::sin(self.incline)
+        self.constant_force - self.spring * position - self.mass * GRAVITY * self.uphill
     }
 
     /// All forces but dry friction, N.
@@ -90,7 +90,7 @@ mod tests {
             viscous: 30.0,
             constant_force: 5.0,
             spring: 100.0,
-            incline: std::f64::consts::FRAC_PI_6,
+            uphill: 0.5,
             friction: DryFriction::symmetric(20.0, 10.0),
             stops: Stops::new(0.0, 0.3, 1e6, 1e-3, 0.5, 2.0),
         }

@@ -28,6 +28,7 @@
 mod brackets;
 mod course;
 mod newton;
+mod nodes;
 mod rest;
 mod restriction;
 
@@ -253,53 +254,58 @@ impl Network {
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
         self.work.solutions += 1;
-        let usable = |value: f64| value.is_finite() && value > 0.0;
+        let usable = |value: f64| value > 0.0 && value < f64::INFINITY;
         let in_order = |chamber: &Station| usable(chamber.exner) && usable(chamber.temperature);
         if !(chambers.iter().all(in_order) && valve.iter().all(|lands| lands.supply.is_finite())) {
             return [Node::NOT_A_NUMBER; 2];
         }
-        // A trial step too large may lead to where there is no solution, or leave no numbers: it is
-        // told so, and the last solution is not spoilt by it.
-        let last = self.nodes;
         if !(self.started && self.by_newton(valve, chambers, ports)) {
             (self.failures, self.found) = (self.failures + 1, 0);
-            if !self.far && self.failures < MOST_FAILURES {
-                self.nodes = last;
+            // A trial step too large may lead to where there is no solution, or leave no numbers: it is
+            // told so, and the last solution is not spoilt by it.
+            let lost = !self.far && self.failures < MOST_FAILURES;
+            if lost || !self.by_search(valve, chambers, ports) {
                 return [Node::NOT_A_NUMBER; 2];
             }
-            self.work.bracketed += 1;
-            self.by_brackets(valve, chambers, ports);
-            // Sharpens what the brackets found; they are the answer where it fails again.
-            let found = self.nodes;
-            if !self.by_newton(valve, chambers, ports) {
-                self.nodes = found;
-            }
+        }
+        self.started = true;
+        self.far = false;
+        self.found += 1;
+        if self.found >= CALM {
+            self.failures = 0;
         }
         let mut solved = self.nodes;
         for (node, lands) in solved.iter_mut().zip(valve) {
-            node.carried = self.carried(node, lands.port);
-        }
-        if solved.iter().all(Node::is_finite) {
-            self.started = true;
-            self.far = false;
-            self.found += 1;
-            if self.found >= CALM {
-                self.failures = 0;
+            if lands.port.is_none() {
+                node.carried = self.carried(node);
             }
-        } else {
-            self.nodes = last;
         }
         solved
     }
 
-    /// A node mixes what flows into it; without one the air comes from the land that feeds the port.
-    fn carried(&self, node: &Node, bore: Option<f64>) -> f64 {
+    /// Nested brackets, sharpened by Newton's method; false where they leave no numbers.
+    fn by_search(
+        &mut self,
+        valve: &[Conductances; 2],
+        chambers: &[Station; 2],
+        ports: &[PortFlow; 2],
+    ) -> bool {
+        let last = self.nodes;
+        self.work.bracketed += 1;
+        self.by_brackets(valve, chambers, ports);
+        // What the brackets found is the answer where Newton's method fails again.
+        let found = self.by_newton(valve, chambers, ports) || self.nodes.iter().all(Node::is_finite);
+        if !found {
+            self.nodes = last;
+        }
+        found
+    }
+
+    /// What a port without a node before it takes: the air from the land that feeds it.
+    fn carried(&self, node: &Node) -> f64 {
         let from_lands =
             [(node.supply_flow, self.supply.temperature), (node.exhaust_flow, self.exhaust.temperature)];
-        match bore {
-            Some(_) => node.temperature,
-            None => mean_of_inflows(&from_lands).unwrap_or(node.temperature),
-        }
+        mean_of_inflows(&from_lands).unwrap_or(node.temperature)
     }
 }
 

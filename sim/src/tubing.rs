@@ -32,6 +32,7 @@ mod pipe;
 
 use crate::air::Station;
 use crate::gas::Gas;
+use crate::number::Number;
 use connector::Connector;
 use pipe::Pipe;
 
@@ -52,9 +53,9 @@ enum Model {
 
 /// Exner pressure at the far end of a tube, and its slope over the flow.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FarEnd {
-    pub exner: f64,
-    pub by_flow: f64,
+pub(crate) struct FarEnd<N = f64> {
+    pub exner: N,
+    pub by_flow: N,
 }
 
 /// Exner pressure at the far end over that at the known end.
@@ -115,19 +116,35 @@ impl Tube {
 
     /// The far end, for a flow (kg/s) from the known end to the far end. The temperature at the known
     /// end counts for both directions.
-    #[inline]
-    pub(crate) fn far_end(&self, known: &Station, flow: f64) -> FarEnd {
-        let w = known.exner;
+    #[inline(always)]
+    pub(crate) fn far_end<N: Number>(&self, known: &Station<N>, flow: N) -> FarEnd<N> {
         match &self.0 {
-            Model::None => FarEnd { exner: w, by_flow: 0.0 },
+            Model::None => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
             Model::Empirical { decay } => {
-                let exner = w * libm::exp(decay * flow);
+                let decay = N::from(*decay);
+                let exner = known.exner * (decay * flow).exponential();
                 FarEnd { exner, by_flow: decay * exner }
             }
-            Model::Analytical(pipe) => pipe.ratio(known, flow).far_end(w, flow),
-            Model::Connector(connector) => connector.ratio(known, flow).far_end(w, flow),
+            Model::Analytical(pipe) => one_by_one(known, flow, |known, flow| pipe.ratio(known, flow)),
+            Model::Connector(connector) => {
+                one_by_one(known, flow, |known, flow| connector.ratio(known, flow))
+            }
         }
     }
+}
+
+/// The far ends of tubes whose equations have to be asked how large things are.
+#[inline]
+fn one_by_one<N: Number>(known: &Station<N>, flow: N, ratio: impl Fn(&Station, f64) -> Ratio) -> FarEnd<N> {
+    let mut slopes = [0.0; 2];
+    let exner = N::of(|i| {
+        let (known, flow) =
+            (Station { exner: known.exner.lane(i), temperature: known.temperature.lane(i) }, flow.lane(i));
+        let far = ratio(&known, flow).far_end(known.exner, flow);
+        slopes[i] = far.by_flow;
+        far.exner
+    });
+    FarEnd { exner, by_flow: N::of(|i| slopes[i]) }
 }
 
 impl Ratio {

@@ -101,7 +101,7 @@ impl Valve {
     /// The same with land 1 and land 2 told to be open or shut.
     pub(crate) fn conductances_of(&self, gas: &Gas, spool: f64, open: [bool; 2]) -> [Conductances; 2] {
         let openings = self.openings(spool);
-        let lands = [0, 1].map(|i| self.squared_area(openings[i], open[i]));
+        let lands = [self.squared_area(openings[0], open[0]), self.squared_area(openings[1], open[1])];
         let constant = gas.flow_constant();
         let of = |discharge: f64, squared_area: f64| match self.land_law {
             FlowLaw::Orifice => constant * discharge * discharge * squared_area,

@@ -55,7 +55,7 @@ impl Hybrid<2, 2, 0> for Pulled {
 const MASS: f64 = 1.6;
 
 fn load(friction: DryFriction, force: f64, viscous: f64, stops: Stops) -> Load {
-    Load { mass: MASS, viscous, constant_force: force, spring: 0.0, incline: 0.0, friction, stops }
+    Load { mass: MASS, viscous, constant_force: force, spring: 0.0, uphill: 0.0, friction, stops }
 }
 
 fn integrator(x: [f64; 2]) -> Integrator<2, 2, 0> {

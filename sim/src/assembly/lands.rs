@@ -23,7 +23,8 @@ impl Lands {
     /// Not negative as long as the spool has passed no edge.
     pub fn guards(&self, valve: &Valve, spool: f64) -> [f64; 2] {
         let openings = valve.openings(spool);
-        std::array::from_fn(|i| if self.open[i] { openings[i] } else { -openings[i] })
+        let room = |i: usize| if self.open[i] { openings[i] } else { -openings[i] };
+        [room(0), room(1)]
     }
 
     /// The edge of a land is passed.

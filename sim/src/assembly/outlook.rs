@@ -35,7 +35,9 @@ impl Assembly {
         }
         let span = clear.until - t;
         let guards_at = |part: f64| self.spool_guards(t + part * span, x, 0.0);
-        let found = first_of(&guards_at(0.0), &LOOKS.map(guards_at), guards_at);
+        let [one, two, three, four] = LOOKS;
+        let looks = [guards_at(one), guards_at(two), guards_at(three), guards_at(four)];
+        let found = first_of(&guards_at(0.0), &looks, guards_at);
         found.map_or(clear, |(guard, part)| Ahead {
             until: t + part * span,
             event: Some(Event::Guard(LANDS + guard)),

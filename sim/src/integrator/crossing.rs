@@ -91,9 +91,9 @@ fn departure(look: f64, value_at: &mut impl FnMut(f64) -> f64) -> (f64, f64) {
 fn dip_between(before: f64, middle: f64, after: f64) -> Option<f64> {
     let curvature = before - 2.0 * middle + after;
     let slope = 0.5 * (after - before);
-    let dip = -slope / curvature;
-    let lowest = middle - 0.5 * slope * slope / curvature;
-    (curvature > 0.0 && dip.abs() < 1.0 && after >= 0.0 && lowest < 0.0).then_some(dip)
+    let between = curvature > 0.0 && slope.abs() < curvature;
+    let below = || after >= 0.0 && 2.0 * middle * curvature < slope * slope;
+    (between && below()).then(|| -slope / curvature)
 }
 
 #[cfg(test)]

@@ -74,10 +74,9 @@ fn looks<const N: usize, const G: usize, const F: usize>(
     span: &Span,
     x: &[f64; N],
 ) -> Looks<G> {
-    LOOKS.map(|theta| match theta {
-        1.0 => system.guards(span.end, x),
-        _ => system.guards(span.when(theta), &segment.at_part(theta)),
-    })
+    let mut inside = |i: usize| system.guards(span.when(LOOKS[i]), &segment.at_part(LOOKS[i]));
+    let [one, two, three] = [inside(0), inside(1), inside(2)];
+    [one, two, three, system.guards(span.end, x)]
 }
 
 /// Of two at the same instant the one that is known already.

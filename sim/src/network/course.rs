@@ -3,15 +3,17 @@
 //! Between two jumps flows change smoothly with time. The parabola through the last three solutions nearly
 //! meets the next one, and an iteration is saved.
 
+use super::nodes::{Nodes, pair};
 use super::{Network, Node, PortFlow};
 use crate::air::Station;
+use crate::number::{Number, Pair};
 use crate::valve::Conductances;
 
 /// How far ahead a parabola is trusted, over the time that it was taken from.
 const FARTHEST: f64 = 8.0;
 
-/// w_n, s and e of both nodes.
-type Unknowns = [f64; 6];
+/// w_n, s and e of the nodes.
+type Unknowns = [Pair; 3];
 
 /// The last three solutions, the latest first, at different instants.
 #[derive(Clone, Copy, Debug)]
@@ -24,48 +26,42 @@ pub(super) struct Course {
 
 impl Course {
     /// Nothing is known yet.
-    pub const UNKNOWN: Course = Course { at: [0.0; 3], solutions: [[0.0; 6]; 3], now: 0.0 };
+    pub const UNKNOWN: Course = Course { at: [0.0; 3], solutions: [[Pair::ZERO; 3]; 3], now: 0.0 };
 
     /// Where the solution will be now, by Newton's divided differences; None where that is not known.
-    pub fn ahead(&self, nodes: &[Node; 2]) -> Option<[Node; 2]> {
+    #[inline]
+    pub fn ahead(&self, nodes: &Nodes) -> Option<Nodes> {
         let [last, middle, first] = self.at;
         let dt = self.now - last;
-        let span = (last - first).abs();
-        if dt == 0.0 || last == middle || dt.abs() > FARTHEST * span {
+        let span = last - first;
+        if dt == 0.0 || last == middle || dt.abs() > FARTHEST * span.abs() {
             return None;
         }
-        let bends = if middle == first { 0.0 } else { 1.0 };
+        let latest = dt / (last - middle);
+        let bend = if middle == first { 0.0 } else { dt * (self.now - middle) / span };
+        let (by_last, by_first) = (bend / (last - middle), bend / (middle - first));
+        let (rise, fall) = (pair(latest + by_last), pair(if bend == 0.0 { 0.0 } else { by_first }));
         let [a, b, c] = &self.solutions;
-        let mut found = *a;
-        for i in 0..found.len() {
-            let slope = (a[i] - b[i]) / (last - middle);
-            let before = (b[i] - c[i]) / (middle - first);
-            let bend = if bends == 0.0 { 0.0 } else { (slope - before) / (last - first) };
-            found[i] += dt * (slope + (self.now - middle) * bend);
-        }
-        Some([node_with(&nodes[0], &found[..3]), node_with(&nodes[1], &found[3..])])
+        let at = |i: usize| a[i] + rise * (a[i] - b[i]) - fall * (b[i] - c[i]);
+        // A land that is shut stays so.
+        let flow = |before: Pair, ahead: Pair| Pair::choose(before.simd_eq(Pair::ZERO), Pair::ZERO, ahead);
+        Some(Nodes {
+            exner: at(0).larger(pair(0.5) * nodes.exner),
+            supply: flow(nodes.supply, at(1)),
+            exhaust: flow(nodes.exhaust, at(2)),
+            ..*nodes
+        })
     }
 
-    fn note(&mut self, nodes: &[Node; 2]) {
-        let [one, two] = nodes.map(|node| [node.exner, node.supply_flow, node.exhaust_flow]);
-        let solution = [one[0], one[1], one[2], two[0], two[1], two[2]];
+    #[inline]
+    pub fn note(&mut self, nodes: &Nodes) {
+        let Nodes { exner, supply, exhaust, .. } = *nodes;
         if self.now != self.at[0] {
             self.at = [self.now, self.at[0], self.at[1]];
-            self.solutions = [solution, self.solutions[0], self.solutions[1]];
+            self.solutions = [[exner, supply, exhaust], self.solutions[0], self.solutions[1]];
         } else {
-            self.solutions[0] = solution;
+            self.solutions[0] = [exner, supply, exhaust];
         }
-    }
-}
-
-/// A land that is shut stays so.
-fn node_with(node: &Node, unknowns: &[f64]) -> Node {
-    let flow = |before: f64, ahead: f64| if before == 0.0 { 0.0 } else { ahead };
-    Node {
-        exner: unknowns[0].max(0.5 * node.exner),
-        supply_flow: flow(node.supply_flow, unknowns[1]),
-        exhaust_flow: flow(node.exhaust_flow, unknowns[2]),
-        ..*node
     }
 }
 
@@ -79,11 +75,6 @@ impl Network {
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
         self.course.now = t;
-        let failures = self.failures;
-        let solved = self.solve(valve, chambers, ports);
-        if self.failures <= failures {
-            self.course.note(&solved);
-        }
-        solved
+        self.solve(valve, chambers, ports)
     }
 }

@@ -4,13 +4,13 @@
 //! goes with its square: about d^2/(2|f|) for a flow f whose last correction is d. The last one is applied
 //! and not looked at again.
 
+use super::nodes::{Nodes, Surroundings, pair};
 use super::rest::{Slopes, is_rounding, land_line, square_slope};
-use super::restriction::{MaybeApproach, SquareFlow, factor};
-use super::{FLOW_ERROR, Network, Node, PortFlow};
+use super::restriction::{MaybeApproach, SquareFlow};
+use super::{FLOW_ERROR, Network};
 use crate::air::Station;
 use crate::number::{Number, Pair};
 use crate::tubing::FarEnd;
-use crate::valve::Conductances;
 
 /// Residual of a port without a bore, per unit of Exner pressure: of the size of the others, kg^2/s^2.
 const OPEN_PORT: f64 = 1e-6;
@@ -20,29 +20,6 @@ const SMALLEST: f64 = 1e-12;
 
 /// kg/s: less than this is no flow at all.
 const NO_FLOW: f64 = 1e-20;
-
-/// What surrounds the nodes.
-struct Surroundings {
-    supply_land: Pair,
-    exhaust_land: Pair,
-    bore: Option<Pair>,
-    /// Whether a land is shut, without even a clearance.
-    shut: bool,
-    supply_temperature: Pair,
-    exhaust: Station<Pair>,
-    chambers: Station<Pair>,
-    /// Where the port's air goes into the cylinder.
-    charging: <Pair as Number>::Truth,
-}
-
-/// Both nodes: w_n, T_n, s and e.
-#[derive(Clone, Copy)]
-struct Nodes {
-    exner: Pair,
-    temperature: Pair,
-    supply: Pair,
-    exhaust: Pair,
-}
 
 /// T_n with its slopes over s, e and the flow in the supply tube.
 struct Mixture {
@@ -62,76 +39,14 @@ struct Balance {
 /// Corrections of the nodes' w_n, s and e.
 type Correction = [Pair; 3];
 
-fn pair(value: f64) -> Pair {
-    Pair::splat(value)
-}
-
-impl Surroundings {
-    fn new(
-        network: &Network,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) -> Surroundings {
-        let shut = valve.iter().any(|lands| lands.supply == 0.0 || lands.exhaust == 0.0);
-        Surroundings {
-            supply_land: Pair::of(|i| valve[i].supply),
-            exhaust_land: Pair::of(|i| valve[i].exhaust),
-            bore: valve[0].port.map(pair),
-            shut,
-            supply_temperature: pair(network.supply.temperature),
-            exhaust: Station {
-                exner: pair(network.exhaust.exner),
-                temperature: pair(network.exhaust.temperature),
-            },
-            chambers: Station {
-                exner: Pair::of(|i| chambers[i].exner),
-                temperature: Pair::of(|i| chambers[i].temperature),
-            },
-            charging: Pair::of(|i| f64::from(ports[i] == PortFlow::Charging)).above(pair(0.0)),
-        }
-    }
-}
-
-impl Nodes {
-    fn of(nodes: &[Node; 2]) -> Nodes {
-        Nodes {
-            exner: Pair::of(|i| nodes[i].exner),
-            temperature: Pair::of(|i| nodes[i].temperature),
-            supply: Pair::of(|i| nodes[i].supply_flow),
-            exhaust: Pair::of(|i| nodes[i].exhaust_flow),
-        }
-    }
-
-    fn put_into(&self, nodes: &mut [Node; 2]) {
-        for (i, node) in nodes.iter_mut().enumerate() {
-            node.exner = self.exner.lane(i);
-            node.temperature = self.temperature.lane(i);
-            node.supply_flow = self.supply.lane(i);
-            node.exhaust_flow = self.exhaust.lane(i);
-        }
-    }
-}
-
 impl Network {
-    /// Newton's method from the present nodes; false where it does not converge.
-    pub(super) fn newton(
-        &mut self,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-        slopes: Slopes,
-    ) -> bool {
-        self.begin_flows(valve);
-        let around = Surroundings::new(self, valve, chambers, ports);
-        let mut nodes = Nodes::of(&self.nodes);
-        let at_rest = self.mach == 0.0;
-        let found = match slopes {
-            Slopes::Tangent if at_rest => self.iterate::<true>(&around, &mut nodes, Slopes::Tangent),
-            _ => self.iterate::<false>(&around, &mut nodes, slopes),
-        };
-        nodes.put_into(&mut self.nodes);
-        found
+    /// Newton's method from `nodes`; None where it does not converge.
+    pub(super) fn newton(&mut self, around: &Surroundings, nodes: Nodes, slopes: Slopes) -> Option<Nodes> {
+        let nodes = self.begun(around, nodes);
+        match slopes {
+            Slopes::Tangent if self.mach == 0.0 => self.iterate::<true>(around, nodes, Slopes::Tangent),
+            _ => self.iterate::<false>(around, nodes, slopes),
+        }
     }
 
     /// `AT_REST`: no air has a speed in front of a restriction.
@@ -139,48 +54,53 @@ impl Network {
     fn iterate<const AT_REST: bool>(
         &mut self,
         around: &Surroundings,
-        nodes: &mut Nodes,
+        mut nodes: Nodes,
         slopes: Slopes,
-    ) -> bool {
+    ) -> Option<Nodes> {
         for _ in 0..slopes.most_iterations() {
             self.work.iterations += 1;
             let total = nodes.supply.reduce_add();
             let at_valve = self.supply_tube.far_end(&self.supply, total);
-            let balance = self.balance::<AT_REST>(nodes, around, &at_valve, slopes);
-            let corrections = balance.corrections();
+            let balance = self.balance::<AT_REST>(&nodes, around, &at_valve, slopes);
+            let corrections = balance.corrections::<AT_REST>();
             // The change of the total is the sum of its parts, which depend on it.
             let [[_, fixed, _], [_, per_total, _]] = &corrections;
             let change = fixed.reduce_add() / (1.0 - per_total.reduce_add());
             if !change.is_finite() {
-                return false;
+                return None;
             }
-            if self.apply(nodes, &balance.mixture, &corrections, change, slopes) {
-                return true;
+            if self.apply::<AT_REST>(&mut nodes, &balance.mixture, &corrections, change, slopes) {
+                return Some(nodes);
             }
         }
-        false
+        None
     }
 
     /// A land that was shut and has opened begins with what its pressures drive through it: from no flow
     /// at all a square has no slope to follow.
-    fn begin_flows(&mut self, valve: &[Conductances; 2]) {
-        let signed_root = |square: f64| square.abs().sqrt().copysign(square);
-        for (i, lands) in valve.iter().enumerate() {
-            let (node, here) = (self.nodes[i], self.nodes[i].station());
-            if node.supply_flow.abs() < NO_FLOW && lands.supply > 0.0 {
-                let square = self.land(lands.supply, &self.supply, &None, &here).value;
-                self.nodes[i].supply_flow = signed_root(square);
-            }
-            if node.exhaust_flow.abs() < NO_FLOW && lands.exhaust > 0.0 {
-                let square = self.land(lands.exhaust, &self.exhaust, &None, &here).value;
-                self.nodes[i].exhaust_flow = signed_root(square);
-            }
+    #[inline(always)]
+    fn begun(&self, around: &Surroundings, nodes: Nodes) -> Nodes {
+        let least = pair(NO_FLOW);
+        if !(least.above(nodes.supply.abs()) | least.above(nodes.exhaust.abs())).any() {
+            return nodes;
+        }
+        let supply = Station { exner: pair(self.supply.exner), temperature: around.supply_temperature };
+        let begin = |flow: Pair, conductance: Pair, source: &Station<Pair>| {
+            let square = self.land(conductance, source, &None, &nodes.stations()).value;
+            let driven = Pair::of(|i| square.lane(i).abs().sqrt().copysign(square.lane(i)));
+            let opens = least.above(flow.abs()) & conductance.above(pair(0.0));
+            Pair::choose(opens, driven, flow)
+        };
+        Nodes {
+            supply: begin(nodes.supply, around.supply_land, &supply),
+            exhaust: begin(nodes.exhaust, around.exhaust_land, &around.exhaust),
+            ..nodes
         }
     }
 
     /// Applies a correction; true where another one would be no more than the allowed error.
     #[inline(always)]
-    fn apply(
+    fn apply<const AT_REST: bool>(
         &self,
         nodes: &mut Nodes,
         mixture: &Mixture,
@@ -194,7 +114,7 @@ impl Network {
             fixed[1] + change * per_total[1],
             fixed[2] + change * per_total[2],
         ];
-        nodes.temperature = mixture.after(supply, exhaust, change);
+        nodes.temperature = mixture.after::<AT_REST>(supply, exhaust, change);
         // A pressure that is held back has not arrived, whatever the flows say.
         let half = pair(0.5) * nodes.exner;
         let arrives = half.at_least(exner.abs());
@@ -229,9 +149,11 @@ impl Network {
         let (s, e, m) = (nodes.supply, nodes.exhaust, nodes.supply + nodes.exhaust);
         let supply = Station { exner: pair(at_valve.exner), temperature: around.supply_temperature };
         let supply_approach = if AT_REST { None } else { self.supply_approach(&supply, s) };
-        let (far, far_by_flow) = self.far_of_cylinders(&around.chambers, -m);
+        // At the temperature of the chamber.
+        let far_end = self.cylinder_tube.far_end(&around.chambers, -m);
+        let far = Station { exner: far_end.exner, ..around.chambers };
         let far_approach = if AT_REST { None } else { self.approach(&far, -m) };
-        let by_back = far_by_flow;
+        let by_back = far_end.by_flow;
         let mixture = match around.bore {
             Some(_) => {
                 let by_total = pair(at_valve.by_flow);
@@ -260,7 +182,8 @@ impl Network {
         let [e_s, e_e, e_t] = by_mixture(cooling(&from_exhaust, of_node(&from_exhaust)));
         let supply_row = [-from_supply.by_node, supply_line.1 - from_supply.by_flow + s_s, s_e];
         let exhaust_row = [-from_exhaust.by_node, e_s, exhaust_line.1 + e_e];
-        let supply_by_total = s_t - from_supply.by_place * pair(at_valve.by_flow);
+        let pushed = -from_supply.by_place * pair(at_valve.by_flow);
+        let supply_by_total = if AT_REST { pushed } else { s_t + pushed };
         let Some(bore) = around.bore else {
             let by_flow = pair(-OPEN_PORT) * by_back;
             return Balance {
@@ -284,19 +207,6 @@ impl Network {
             by_total: [supply_by_total, e_t, p_t],
             mixture,
         }
-    }
-
-    /// The far ends of the cylinder's tubes for flows from the chambers, whose temperature they have, and
-    /// the slopes of w there over these flows.
-    #[inline(always)]
-    fn far_of_cylinders(&self, chambers: &Station<Pair>, flows: Pair) -> (Station<Pair>, Pair) {
-        let far_end = |i: usize| {
-            let known = Station { exner: chambers.exner.lane(i), temperature: chambers.temperature.lane(i) };
-            self.cylinder_tube.far_end(&known, flows.lane(i))
-        };
-        let (one, two) = (far_end(0), far_end(1));
-        let exner = Pair::new([one.exner, two.exner]);
-        (Station { exner, ..*chambers }, Pair::new([one.by_flow, two.by_flow]))
     }
 
     /// Residuals of lands whose pressures give the signed squares `value`, and their slopes over the flow.
@@ -333,47 +243,52 @@ impl Network {
         (supply, by_total): (&MaybeApproach<Pair>, Pair),
         (behind, by_back): (&MaybeApproach<Pair>, Pair),
     ) -> Mixture {
-        let (zero, one) = (pair(0.0), pair(1.0));
-        let where_positive = |flow: Pair| Pair::choose(flow.above(zero), one, zero);
-        let (s, e) = (nodes.supply, nodes.exhaust);
-        let back = -(s + e);
-        let (s_in, e_in) = (where_positive(s), where_positive(e));
-        let back_in = Pair::choose(around.charging, zero, where_positive(back));
-        let from_supply = s_in * around.supply_temperature * factor(supply);
-        let from_exhaust = e_in * around.exhaust.temperature;
-        let from_chamber = back_in * around.chambers.temperature * factor(behind);
-        let mass = s_in * s + e_in * e + back_in * back;
-        let heat = from_supply * s + from_exhaust * e + from_chamber * back;
-        let mut by_flows = [from_supply - from_chamber, from_exhaust - from_chamber, zero];
+        let zero = pair(0.0);
+        let out = nodes.supply + nodes.exhaust;
+        let s = nodes.supply.larger(zero);
+        let e = nodes.exhaust.larger(zero);
+        let back = Pair::choose(around.charging, zero, (-out).larger(zero));
+        let from_supply = scaled(around.supply_temperature, supply);
+        let from_exhaust = around.exhaust.temperature;
+        let from_chamber = scaled(around.chambers.temperature, behind);
+        let mass = s + e + back;
+        let heat = s * from_supply + e * from_exhaust + back * from_chamber;
+        let flows = mass.above(zero);
+        let per_mass = Pair::choose(flows, pair(1.0) / mass, zero);
+        let temperature = Pair::choose(flows, per_mass * heat, nodes.temperature);
+        // What a flow more brings of warmth, where it flows in.
+        let warmth = |flow: Pair, from: Pair| Pair::choose(flow.above(zero), from - temperature, zero);
+        let by_chamber = warmth(back, from_chamber);
+        let mut by_flows = [warmth(s, from_supply) - by_chamber, warmth(e, from_exhaust) - by_chamber, zero];
         if let Some(supply) = supply {
-            let carried = s_in * s * around.supply_temperature;
+            let carried = s * around.supply_temperature;
             by_flows[0] += carried * supply.by_flow;
             by_flows[2] = carried * supply.by_exner * by_total;
         }
         if let Some(behind) = behind {
-            let carried = back_in * back * around.chambers.temperature;
+            let carried = back * around.chambers.temperature;
             let bend = carried * (behind.by_flow + behind.by_exner * by_back);
             (by_flows[0], by_flows[1]) = (by_flows[0] - bend, by_flows[1] - bend);
         }
-        let flows = mass.above(zero);
-        let per_mass = Pair::choose(flows, one / mass, zero);
-        let temperature = Pair::choose(flows, per_mass * heat, nodes.temperature);
         let [by_supply, by_exhaust, by_total] = by_flows;
-        let slopes = [
-            per_mass * (by_supply - temperature * (s_in - back_in)),
-            per_mass * (by_exhaust - temperature * (e_in - back_in)),
-            per_mass * by_total,
-        ];
-        Mixture { temperature, slopes }
+        let by_total = if supply.is_some() { per_mass * by_total } else { zero };
+        Mixture { temperature, slopes: [per_mass * by_supply, per_mass * by_exhaust, by_total] }
     }
+}
+
+/// A temperature raised by an approach.
+#[inline(always)]
+fn scaled(temperature: Pair, approach: &MaybeApproach<Pair>) -> Pair {
+    approach.as_ref().map_or(temperature, |approach| temperature * approach.factor)
 }
 
 impl Mixture {
     /// T_n after changes of s, e and the flow in the supply tube.
     #[inline(always)]
-    fn after(&self, supply: Pair, exhaust: Pair, total: Pair) -> Pair {
+    fn after<const AT_REST: bool>(&self, supply: Pair, exhaust: Pair, total: Pair) -> Pair {
         let [by_supply, by_exhaust, by_total] = self.slopes;
-        self.temperature + by_supply * supply + by_exhaust * exhaust + by_total * total
+        let after = self.temperature + by_supply * supply + by_exhaust * exhaust;
+        if AT_REST { after } else { after + by_total * total }
     }
 }
 
@@ -381,7 +296,7 @@ impl Balance {
     /// The correction at a fixed flow in the supply tube, and that per unit of its change. The
     /// determinant vanishes only where no air flows at all.
     #[inline(always)]
-    fn corrections(&self) -> [Correction; 2] {
+    fn corrections<const AT_REST: bool>(&self) -> [Correction; 2] {
         let [a, b, c] = &self.rows;
         let columns = [cross(b, c), cross(c, a), cross(a, b)];
         let determinant = a[0] * columns[0][0] + a[1] * columns[0][1] + a[2] * columns[0][2];
@@ -391,6 +306,11 @@ impl Balance {
             let at = |k: usize| x * columns[0][k] + y * columns[1][k] + z * columns[2][k];
             [at(0), at(1), at(2)]
         };
+        if AT_REST {
+            // The supply land alone feels the flow in the supply tube.
+            let x = scale * self.by_total[0];
+            return [solved(&self.residual), [x * columns[0][0], x * columns[0][1], x * columns[0][2]]];
+        }
         [solved(&self.residual), solved(&self.by_total)]
     }
 }

@@ -20,6 +20,7 @@
 //! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow
 //! ```
 
+use super::nodes::{Nodes, Surroundings};
 use super::{Network, PortFlow, Station};
 use crate::valve::Conductances;
 
@@ -96,19 +97,18 @@ impl Network {
         chambers: &[Station; 2],
         ports: &[PortFlow; 2],
     ) -> bool {
-        let last = self.nodes;
-        if let Some(ahead) = self.course.ahead(&last) {
-            self.nodes = ahead;
-            if self.newton(valve, chambers, ports, Slopes::Tangent) {
-                return true;
-            }
-            self.nodes = last;
+        let around = Surroundings::new(self, valve, chambers, ports);
+        let last = Nodes::of(&self.nodes);
+        let ahead = self.course.ahead(&last);
+        let found = ahead
+            .and_then(|ahead| self.newton(&around, ahead, Slopes::Tangent))
+            .or_else(|| self.newton(&around, last, Slopes::Tangent))
+            .or_else(|| self.newton(&around, last, Slopes::Secant));
+        if let Some(nodes) = &found {
+            nodes.put_into(&mut self.nodes);
+            self.course.note(nodes);
         }
-        if self.newton(valve, chambers, ports, Slopes::Tangent) {
-            return true;
-        }
-        self.nodes = last;
-        self.newton(valve, chambers, ports, Slopes::Secant)
+        found.is_some()
     }
 }
 

@@ -16,7 +16,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::SpoolState;
-use crate::dither::Dither;
+use crate::dither::{Dither, sine_and_cosine_of};
+use crate::number::Number;
 
 /// A damped oscillator.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +49,8 @@ pub(super) struct Flight {
     free: f64,
     /// sqrt |w^2|.
     frequency: f64,
+    /// The same in cycles a second.
+    cycles_hz: f64,
     rest: f64,
     /// With an amplitude of 1; p and q.
     swing: Dither,
@@ -80,6 +83,7 @@ impl Flight {
             stiffness,
             free,
             frequency: free.abs().sqrt(),
+            cycles_hz: free.abs().sqrt() / (2.0 * PI),
             rest: drive.steady / stiffness,
             swing: Dither { amplitude: if angular == 0.0 { 0.0 } else { 1.0 }, ..drive.swing },
             in_phase: drive.swing.amplitude * stiff / size,
@@ -128,8 +132,8 @@ impl Flight {
     fn free_motion(&self, tau: f64) -> (f64, f64) {
         let w = self.frequency;
         if self.free > 0.0 {
-            let fade = libm::exp(-self.decay * tau);
-            let (sine, cosine) = libm::sincos(w * tau);
+            let fade = (-self.decay * tau).exponential();
+            let (sine, cosine) = sine_and_cosine_of(self.cycles_hz * tau);
             (fade * cosine, fade * sine / w)
         } else if self.free == 0.0 {
             let fade = libm::exp(-self.decay * tau);
