@@ -77,7 +77,7 @@ fn recorded(seen: &Observation) -> RecordedSample {
 /// At the first sample that is different, with both sides.
 pub fn assert_equal_in_every_integer(target: &dyn Target, rig: &Rig) {
     let what = format!("{}, {}", target.name(), rig.name());
-    let simulated = run(rig, Accuracy::default()).expect("a transient").observations;
+    let simulated = run(rig, Accuracy::of(rig)).expect("a transient").observations;
     assert_is_the_simulation(&what, &run_and_record(target, rig), &simulated);
     if let Some(cost) = target.cost() {
         println!("{what}: {cost}");

@@ -71,7 +71,7 @@ fn rows_of_a_trace_in_between_change_nothing() {
     // 2.6 s is both a sample and a millisecond: the two end alike.
     let every_sample = rig("servo-b", &["test.duration_s=2.6"]);
     let every_millisecond = rig("servo-b", &["test.duration_s=2.6", "test.trace_period_s=0.001"]);
-    let transient = |rig: &Rig| run(rig, Accuracy::default()).expect("a transient");
+    let transient = |rig: &Rig| run(rig, Accuracy::of(rig)).expect("a transient");
     let (a, b) = (transient(&every_sample), transient(&every_millisecond));
     assert_eq!(a.observations, b.observations);
     assert_eq!(a.work.integrator, b.work.integrator, "the same steps");

@@ -10,7 +10,6 @@ pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Tune
 pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use pneudrive_sim::Accuracy;
 
 /// Servo-pneumatic drives: simulate, run, record, compare.
 #[derive(Debug, Parser)]
@@ -90,9 +89,10 @@ pub struct Integration {
     /// Method of integration
     #[arg(long, value_enum, default_value_t = MethodName::DormandPrince)]
     pub method: MethodName,
-    /// Allowed error of a step, relative to what counts as large in each state
-    #[arg(long, value_name = "X", default_value_t = Accuracy::default().tolerance, value_parser = tolerance)]
-    pub tolerance: f64,
+    /// Allowed error of a step, relative to what counts as large in each state [default: what the drive needs, 1e-9
+    /// or with a stepper 3e-8]
+    #[arg(long, value_name = "X", value_parser = tolerance)]
+    pub tolerance: Option<f64>,
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

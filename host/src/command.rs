@@ -87,12 +87,12 @@ fn load_choice(choice: &RigChoice) -> Result<Rig> {
     load_rig(&choice.rig, &choice.settings)
 }
 
-fn accuracy(integration: &Integration) -> Accuracy {
+fn accuracy(integration: &Integration, rig: &Rig) -> Accuracy {
     let method = match integration.method {
         MethodName::DormandPrince => Method::DormandPrince,
         MethodName::Merson => Method::Merson,
     };
-    Accuracy { method, tolerance: integration.tolerance }
+    Accuracy { method, tolerance: integration.tolerance.unwrap_or(Accuracy::of(rig).tolerance) }
 }
 
 /// Names for a message: the first few of many.

@@ -36,6 +36,10 @@ fn current(rig: &SharedRig) -> Rig {
     rig.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }
 
+fn plant_of(rig: &Rig, seed: u64) -> Plant {
+    Plant::new(rig, Accuracy::of(rig), seed)
+}
+
 /// A plant that answers a board's outputs with the inputs of the next sample.
 pub(crate) struct PlantServer {
     rig: SharedRig,
@@ -85,7 +89,7 @@ impl Time {
 impl PlantServer {
     /// The plant of a rig in the initial state of its test.
     pub(crate) fn new(rig: SharedRig, seed: u64, time: Time, figures: Arc<Mutex<Figures>>) -> PlantServer {
-        let plant = Plant::new(&current(&rig), Accuracy::default(), seed);
+        let plant = plant_of(&current(&rig), seed);
         PlantServer { rig, seed, plant, time, figures }
     }
 
@@ -126,7 +130,7 @@ impl PlantServer {
                 self.time.advance();
             }
             Next::Begin { period_us, delay_us } => {
-                self.plant = Plant::new(&current(&self.rig), Accuracy::default(), self.seed)
+                self.plant = plant_of(&current(&self.rig), self.seed)
                     .with_timing(u64::from(period_us), u64::from(delay_us));
                 self.time.begin(period_us);
             }

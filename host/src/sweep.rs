@@ -52,8 +52,8 @@ pub struct Sweep {
     pub settings: Vec<String>,
     /// That rig with these settings.
     pub rig: Rig,
-    /// How exactly it is simulated.
-    pub accuracy: Accuracy,
+    /// Allowed error of a step; None for what each drive needs.
+    pub tolerance: Option<f64>,
     /// A move has settled within this distance of its setpoint, mm.
     pub settled_mm: f64,
     /// What varies, in the order of the file.
@@ -107,13 +107,19 @@ impl Sweep {
         names.fold(String::from("point"), |line, name| line + "," + name) + HEADER_END
     }
 
+    /// How exactly a rig is simulated.
+    fn accuracy_for(&self, rig: &Rig) -> Accuracy {
+        let usual = Accuracy::of(rig);
+        Accuracy { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
+    }
+
     /// A number that is another one if any row of the result may be: it tells the results of one sweep from
     /// those of another. Objective and constraints do not count, nor do comments.
     #[must_use]
     pub fn identity(&self) -> u64 {
         const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
         let mut digest = CRC.digest();
-        let about = (&self.rig_source.text, &self.settings, self.accuracy, self.settled_mm, self.draws);
+        let about = (&self.rig_source.text, &self.settings, self.tolerance, self.settled_mm, self.draws);
         digest.update(format!("{about:?}{}", env!("CARGO_PKG_VERSION")).as_bytes());
         digest.update(format!("{:?}", self.axes).as_bytes());
         for metric in &self.metrics {

@@ -62,7 +62,7 @@ struct VirtualBoard {
 
 impl VirtualBoard {
     fn new(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> VirtualBoard {
-        let plant = Plant::new(&rig, Accuracy::default(), seed);
+        let plant = Plant::new(&rig, Accuracy::of(&rig), seed);
         VirtualBoard {
             period_us: u64::from(rig.period_us().get()),
             rig,
@@ -150,7 +150,7 @@ impl Board for VirtualBoard {
         if !self.pace.live {
             let timing = &config.timing;
             self.period_us = u64::from(timing.period_us.get());
-            self.plant = Plant::new(&self.rig, Accuracy::default(), self.seed)
+            self.plant = Plant::new(&self.rig, Accuracy::of(&self.rig), self.seed)
                 .with_timing(self.period_us, u64::from(timing.delay_us.get()));
         }
     }

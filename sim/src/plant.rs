@@ -25,10 +25,22 @@ pub struct Accuracy {
 }
 
 impl Default for Accuracy {
-    /// Repeats the reference transients to a tenth of their tolerances, over the whole run
+    /// For any drive: repeats the reference transients to a tenth of their tolerances, over the whole run
     /// (docs/agreement.md).
     fn default() -> Self {
-        Accuracy { method: Method::DormandPrince, tolerance: 3e-10 }
+        Accuracy { method: Method::DormandPrince, tolerance: 1e-9 }
+    }
+}
+
+impl Accuracy {
+    /// What the drive of a rig needs for that. A spool that a stepper places does not shake, and no position
+    /// depends on the last nanometres of its motion.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Accuracy {
+        match rig.word("operator.model") {
+            "stepper" => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
+            _ => Accuracy::default(),
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 use pneudrive_sim::{Accuracy, Method, Rig, Run, run};
 
 fn simulate(name: &str) -> Run {
-    run(&Rig::builtin(name).expect("a built-in rig"), Accuracy::default()).expect("a transient")
+    let rig = Rig::builtin(name).expect("a built-in rig");
+    run(&rig, Accuracy::of(&rig)).expect("a transient")
 }
 
 /// Positions in mm between two times.
@@ -65,7 +66,7 @@ fn a_setpoint_that_drives_the_rod_too_fast_trips_the_supervisor_and_the_command_
     let settings = ["safety.max_speed_m_s=0.3".to_owned()];
     let text = pneudrive_sim::rig::builtin("servo-b").expect("a built-in rig");
     let rig = Rig::read_with("servo-b", text, &settings).expect("valid");
-    let run = run(&rig, Accuracy::default()).expect("a transient");
+    let run = run(&rig, Accuracy::of(&rig)).expect("a transient");
     let (fault, k) = run.fault.expect("tripped");
     assert_eq!(fault, pneudrive_controller::Fault::EncoderStep);
     assert!(run.observations[k as usize..].iter().all(|seen| seen.command == 0));
@@ -132,7 +133,7 @@ fn the_solenoid_valve_brings_the_heavy_drive_closer_and_sooner_than_the_stepper(
     let solenoid = Rig::builtin("lut-solenoid").expect("a built-in rig");
     let stepper = Rig::builtin("lut-stepper").expect("a built-in rig");
     let stepper = stepper.with_test_of(&solenoid).expect("the same cylinder");
-    let [stepper, solenoid] = [stepper, solenoid].map(|rig| run(&rig, Accuracy::default()).expect("a run"));
+    let [stepper, solenoid] = [stepper, solenoid].map(|rig| run(&rig, Accuracy::of(&rig)).expect("a run"));
     let first_motion = |run: &Run| {
         let row = run.rows.iter().find(|row| row.time > 0.3 && row.plant.velocity != 0.0);
         row.map(|row| row.time - 0.3).expect("it moves")
@@ -175,7 +176,7 @@ fn the_bang_bang_drive_goes_from_stop_to_stop() {
 fn the_supervisor_ends_a_run_of_the_continuous_controller() {
     let settings = ["controller.model=continuous", "safety.max_speed_m_s=0.3"];
     let rig = Rig::read_with("test", "", &settings.map(str::to_owned)).expect("valid");
-    let run = run(&rig, Accuracy::default()).expect("a transient");
+    let run = run(&rig, Accuracy::of(&rig)).expect("a transient");
     let last = run.observations.last().expect("samples");
     assert_eq!(run.fault, Some((pneudrive_controller::Fault::EncoderStep, last.index)));
     assert_eq!(last.command, 0);
@@ -187,7 +188,7 @@ fn advancing_a_plant_by_its_commands_repeats_the_run_that_they_come_from() {
     use pneudrive_controller::Command;
     let run = simulate("servo-b-tuned");
     let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
-    let mut plant = pneudrive_sim::Plant::new(&rig, Accuracy::default(), 0);
+    let mut plant = pneudrive_sim::Plant::new(&rig, Accuracy::of(&rig), 0);
     for pair in run.observations.windows(2) {
         let command = Command { counts: pair[0].command, step: 0, drive_enable: true };
         let sample = plant.advance(command).expect("a transient");

@@ -10,7 +10,7 @@ fn simulate(rig: &str, events: &[&str], settings: &[&str]) -> Run {
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let rig = Rig::read_with(rig, &format!("{text}{events}"), &settings);
     let rig = rig.unwrap_or_else(|problems| panic!("{problems}"));
-    run(&rig, Accuracy::default()).expect("a transient")
+    run(&rig, Accuracy::of(&rig)).expect("a transient")
 }
 
 /// Rows from a time on, until another.

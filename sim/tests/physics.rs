@@ -9,7 +9,7 @@ const ROD_SIDE: f64 = BLIND - std::f64::consts::PI / 4.0 * 0.025 * 0.025;
 fn simulate(settings: &[&str]) -> Run {
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let rig = Rig::read_with("test", "", &settings).unwrap_or_else(|problems| panic!("{problems}"));
-    run(&rig, Accuracy::default()).expect("a transient")
+    run(&rig, Accuracy::of(&rig)).expect("a transient")
 }
 
 /// A cylinder with all ports shut (a spool without clearance, overlapped), no friction, and a force

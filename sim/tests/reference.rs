@@ -11,7 +11,7 @@ fn deviation(case: &str, until: f64) -> (f64, f64) {
         std::fs::read_to_string(format!("{folder}/{case}.{ending}")).expect("a case in the repository")
     };
     let rig = Rig::read(case, &read("toml")).unwrap_or_else(|problems| panic!("{problems}"));
-    let rows = run(&rig, Accuracy::default()).expect("a transient").rows;
+    let rows = run(&rig, Accuracy::of(&rig)).expect("a transient").rows;
     let csv = read("csv");
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().expect("a header").split(',').collect();

@@ -65,7 +65,7 @@ pub fn rig_file(bytes: &[u8]) {
         Ok(rig) => {
             Config::new(&rig.parameters()).expect("a consistent controller");
             let _ = rig.sequence();
-            let _ = Plant::new(&rig, Accuracy::default(), 0).sample();
+            let _ = Plant::new(&rig, Accuracy::of(&rig), 0).sample();
         }
         Err(problems) => assert!(!problems.to_string().is_empty(), "a refusal says why"),
     }

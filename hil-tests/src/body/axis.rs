@@ -27,7 +27,7 @@ pub fn faults_of_the_plant_trip_by_name(start: Start) {
         ("kind = \"swapped-tubes\"\nat_s = 0.0", Fault::NoMotion),
     ] {
         let rig = faulty(event);
-        let simulated = run(&rig, Accuracy::default()).expect("a transient").fault;
+        let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").fault;
         let (expected, k) = simulated.unwrap_or_else(|| panic!("{event} is not noticed"));
         assert_eq!(expected, fault, "{event}");
         let target = start(&rig);
@@ -82,7 +82,7 @@ pub fn moves_on_arrival(start: Start) {
     let settings = settings.map(str::to_owned);
     let rig =
         Rig::read_with("servo-a-tuned", &text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
-    let simulated = run(&rig, Accuracy::default()).expect("a transient").observations;
+    let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
     let last = simulated.iter().rposition(|seen| seen.running).expect("samples");
     let target = start(&rig);
     let mut client = target.connect().expect("a rig that answers");

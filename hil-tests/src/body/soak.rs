@@ -60,7 +60,7 @@ fn moves_of(numbers: &mut Numbers) -> Rig {
 }
 
 fn simulated(rig: &Rig) -> Vec<Observation> {
-    let run = run(rig, Accuracy::default()).expect("a transient");
+    let run = run(rig, Accuracy::of(rig)).expect("a transient");
     assert_eq!(run.fault, None, "{}", rig.name());
     run.observations
 }

@@ -15,7 +15,7 @@ use super::{Start, recorded, rig};
 pub fn a_run_that_the_memory_could_not_hold_is_streamed(start: Start) {
     let moves = "test.moves=[[0.0, 8192], [0.3, 16384], [3.2, 8192], [6.0, 12000]]";
     let rig = rig("servo-b-tuned", &["test.duration_s=7", moves]);
-    let simulated = run(&rig, Accuracy::default()).expect("a transient").observations;
+    let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
     let target = start(&rig);
     let mut client = target.connect().expect("a rig that answers");
     let capacity = client.info().expect("an answer").record_capacity as usize;

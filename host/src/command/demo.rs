@@ -49,8 +49,8 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let (target_path, target) = recorded?;
 
     say!("4. the same test, simulated from the rig file");
-    let run = run(&model, Accuracy::default())?;
-    run_folder::write(&arguments.out, &model, Accuracy::default(), &run)?;
+    let run = run(&model, Accuracy::of(&model))?;
+    run_folder::write(&arguments.out, &model, Accuracy::of(&model), &run)?;
     say!("   {}", simulate::summary(&model, &run));
 
     say!("5. both on the same graphs\n");

@@ -16,7 +16,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
     }
-    let accuracy = accuracy(&arguments.integration);
+    let accuracy = accuracy(&arguments.integration, &rig);
     let mut progress = Progress::new("simulating");
     let run = run_watched(&rig, accuracy, |done, all| progress.at(u64::from(done), u64::from(all)));
     progress.done();

@@ -44,7 +44,7 @@ fn run_one((name, settings): Drive) -> Result<(Rig, pneudrive_sim::Run)> {
     let text = builtin(name).with_context(|| format!("there is no built-in rig {name}"))?;
     let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();
     let rig = Rig::read_with(name, text, &settings)?;
-    let run = pneudrive_sim::run(&rig, Accuracy::default())
+    let run = pneudrive_sim::run(&rig, Accuracy::of(&rig))
         .with_context(|| format!("{name} with {settings:?} cannot be simulated"))?;
     Ok((rig, run))
 }

@@ -59,7 +59,7 @@ impl Sweep {
             rig_source,
             rig,
             settings,
-            accuracy: reader.accuracy(top),
+            tolerance: reader.tolerance(top),
             settled_mm: reader.positive(top, "settled_mm", 0.05),
             draws,
             objective: reader.objective(top, &metrics),
@@ -110,14 +110,14 @@ impl Reader<'_> {
         }
     }
 
-    fn accuracy(&mut self, top: &Table) -> Accuracy {
-        let usual = Accuracy::default();
-        let tolerance = self.positive(top, "tolerance", usual.tolerance);
+    fn tolerance(&mut self, top: &Table) -> Option<f64> {
+        self.entry(top, "tolerance")?;
+        let tolerance = self.positive(top, "tolerance", Accuracy::default().tolerance);
         if !(1e-13..=1e-2).contains(&tolerance) {
             let line = self.entry(top, "tolerance").and_then(|entry| entry.line);
             self.problem(line, "tolerance", format!("must be between 1e-13 and 1e-2, is {tolerance:e}"));
         }
-        Accuracy { tolerance, ..usual }
+        Some(tolerance)
     }
 
     /// What varies, and how many draws there are.

@@ -82,7 +82,7 @@ fn measured(sweep: &Sweep, point: usize) -> Result<(Vec<Option<f64>>, String), S
     let source = &sweep.rig_source;
     let rig = Rig::read_with(&source.name, &source.text, &sweep.settings_of(point));
     let rig = rig.map_err(|problems| problems.to_string())?;
-    let run = run(&rig, sweep.accuracy).map_err(|error| error.to_string())?;
+    let run = run(&rig, sweep.accuracy_for(&rig)).map_err(|error| error.to_string())?;
     let transient = Transient::of_run("", &StoredRun::of(&rig, &run));
     let moves = moves(&transient, &Motion::of(&transient), None, sweep.settled_mm);
     let values = sweep.metrics.iter().map(|metric| metric.value(&moves, sweep.settled_mm));

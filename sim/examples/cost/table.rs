@@ -23,7 +23,7 @@ pub fn rig(name: &str) -> Result<Rig, String> {
 
 /// The row of a rig.
 pub fn row(name: &str, rig: &Rig) -> String {
-    let run = run(rig, Accuracy::default()).expect("a transient");
+    let run = run(rig, Accuracy::of(rig)).expect("a transient");
     let (work, network) = (run.work.integrator, run.work.network);
     let a_sample = work.evaluations as f64 / run.observations.len() as f64;
     format!(
