@@ -26,6 +26,7 @@
 //!
 //! docs/identification.md has the proof: how often the intervals hold what a virtual rig hides.
 
+pub mod figures;
 pub mod least_squares;
 mod model;
 pub mod moves;

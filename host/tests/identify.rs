@@ -57,6 +57,57 @@ fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
     assert!(fitted.contains("# identified, 95 %:") && fitted.contains("duration_s = 0.45"), "{fitted}");
 }
 
+/// A rig that stands in the middle of its stroke.
+const MIDDLE: &str = "\
+[operator]
+dither_mm = 0.0
+[test]
+position_m = 0.15
+duration_s = 0.2
+";
+
+fn plan(folder: &Path, real: Rig, options: &str) -> String {
+    fs::write(folder.join("rig.toml"), MIDDLE).expect("written");
+    let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
+    let rig = Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"));
+    let printed = transcript(folder, &format!("identify rig.toml --plan {} {options}", rig.port()));
+    let left = ok(folder, &format!("device --port {} config get open_loop", rig.port()));
+    assert!(left.contains("open_loop = 0"), "the rig is not left as it was: {left}");
+    rig.stop().expect("it served");
+    printed
+}
+
+#[test]
+fn a_plan_moves_the_rig_records_what_a_fit_needs_and_fits_it() {
+    let folder = folder();
+    let numbers = [("load.mass_kg", 1.7), ("load.static_extend_n", 66.0), ("load.coulomb_retract_n", 12.0)];
+    let real = Rig::read("rig.toml", MIDDLE).expect("valid").with_numbers(&numbers).expect("valid");
+    let keys: Vec<&str> = numbers.iter().map(|(key, _)| *key).collect();
+    let printed = plan(folder.path(), real, &format!("--fit {}", keys.join(",")));
+    assert!(printed.ends_with("= 0"), "{printed}");
+    exists(&folder.path().join("identified"), &["TARGET01.DAT", "TARGET09.DAT", "fitted.toml"]);
+    let text = fs::read_to_string(folder.path().join("identified/identification.json")).expect("there");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    for (i, (key, hidden)) in numbers.into_iter().enumerate() {
+        let found = &json["parameters"][i];
+        let miss = (found["estimate"].as_f64().expect("a number") - hidden).abs();
+        assert!(miss < 2e-3 * hidden, "{key}: {found}");
+    }
+    assert_eq!((&json["converged"], &json["fits"]), (&true.into(), &true.into()), "{text}");
+}
+
+#[test]
+fn a_plan_on_a_rig_with_swapped_tubes_ends_at_its_first_movement() {
+    let folder = folder();
+    let swapped = format!("{MIDDLE}[[faults.event]]\nkind = \"swapped-tubes\"\nat_s = 0.0\n");
+    let printed = plan(folder.path(), Rig::read("rig.toml", &swapped).expect("valid"), "");
+    assert!(
+        printed.contains("tubes of the valve's ports are swapped") && printed.ends_with("= 1"),
+        "{printed}"
+    );
+    assert!(!folder.path().join("identified/TARGET02.DAT").exists());
+}
+
 #[test]
 fn files_that_cannot_be_fitted_are_refused_by_what_is_wrong_with_them() {
     let folder = folder();

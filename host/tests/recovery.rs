@@ -1,5 +1,6 @@
 //! A fit finds what a virtual rig hides, as exactly as it says; docs/identification.md has a hundred trials.
 
+use pneudrive::identification::figures::Figures;
 use pneudrive::identification::parameter::Parameter;
 use pneudrive::identification::recovery::{Case, Coverage, Trial, held, spread};
 use pneudrive::identification::{Identification, identify};
@@ -35,19 +36,45 @@ fn fit(keys: &[&str], tests: &[usize]) -> (Case, Identification) {
     (case, found)
 }
 
+#[test]
+fn stiction_and_the_force_balance_are_near_what_was_hidden_without_a_model_of_the_air() {
+    let case = Case::draw(1).expect("a case");
+    let figures = Figures::of(&case.model, &case.recordings);
+    let hidden =
+        |key: &str| case.hidden.iter().find(|(parameter, _)| parameter.key.path == key).expect("hidden").1;
+    for (figure, key, off) in [
+        (figures.mass, "load.mass_kg", 0.01),
+        (figures.viscous, "load.viscous_n_s_per_m", 0.05),
+        (figures.coulomb[0], "load.coulomb_extend_n", 0.03),
+        (figures.coulomb[1], "load.coulomb_retract_n", 0.1),
+        (figures.stiction[0], "load.static_extend_n", 0.2),
+        (figures.stiction[1], "load.static_retract_n", 0.2),
+    ] {
+        let (figure, hidden) = (figure.expect(key), hidden(key));
+        println!("{key}: {figure:?}, hidden {hidden}");
+        assert!((figure.value / hidden - 1.0).abs() < off, "{key}: {figure:?}, hidden {hidden}");
+    }
+    assert!(figures.top_speed.iter().all(|speed| speed.is_some_and(|speed| speed > 0.3)));
+}
+
 fn unseen(found: &Identification) -> Vec<&str> {
     found.unseen.iter().map(|unseen| unseen.parameter.key.path).collect()
 }
 
 #[test]
 fn friction_of_retraction_is_not_invented_from_extensions() {
-    let keys = ["load.coulomb_extend_n", "load.coulomb_retract_n", "load.static_retract_n", "load.mass_kg"];
+    let case = Case::draw(1).expect("a case");
+    let keys: Vec<&str> = case.hidden.iter().map(|(parameter, _)| parameter.key.path).collect();
     let (_, found) = fit(&keys, &[0, 4]);
     let mut unseen = unseen(&found);
     unseen.sort_unstable();
     assert_eq!(unseen, ["load.coulomb_retract_n", "load.static_retract_n"]);
     for unseen in &found.unseen {
         assert_eq!(found.rig.number(unseen.parameter.key.path), unseen.parameter.start, "it keeps its value");
+    }
+    let trial = Trial { hidden: case.hidden, found };
+    for (key, miss) in trial.misses().filter_map(|(key, miss)| Some((key, miss?))) {
+        assert!(miss.standard_errors.abs() < 4.0, "{key}: {miss:?}");
     }
 }
 

@@ -143,8 +143,12 @@ pub struct Identify {
     #[command(flatten)]
     pub rig: RigChoice,
     /// TARGET files that were recorded with test.decimation=1
-    #[arg(required = true, value_name = "TARGET")]
+    #[arg(required_unless_present = "plan", conflicts_with = "plan", value_name = "TARGET")]
     pub targets: Vec<PathBuf>,
+    /// Arm the rig at this port and run the tests that are needed, from where it stands: near the middle of its
+    /// stroke. It moves by up to 30 % of it to either side
+    #[arg(long, value_name = "PORT")]
+    pub plan: Option<String>,
     /// What to fit, such as load.mass_kg,load.viscous_n_s_per_m; left out: friction, mass, valve, leakage and
     /// the operator's gain
     #[arg(long, value_name = "KEY,KEY...", value_delimiter = ',')]

@@ -1,5 +1,7 @@
 //! `pneudrive identify`.
 
+mod plan;
+
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -7,10 +9,11 @@ use pneudrive_sim::{Accuracy, Rig};
 
 use super::{accuracy, load_choice, rig_text};
 use crate::cli::Identify;
+use crate::identification::figures::Figures;
 use crate::identification::parameter::{Parameter, usual};
 use crate::identification::recording::Recording;
 use crate::identification::{Identification, identify, report};
-use crate::page::{GENERATOR, Page};
+use crate::page::{GENERATOR, Page, Table};
 use crate::run_folder::{make_writable, put, refuse_foreign};
 use crate::target::TargetFile;
 
@@ -26,18 +29,33 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     } else {
         arguments.fit.iter().map(|key| Parameter::of(&rig, key)).collect::<Result<_>>()?
     };
-    let recordings =
-        arguments.targets.iter().map(|path| recording(path, &rig)).collect::<Result<Vec<_>>>()?;
+    let (recordings, figures) = records(arguments, &rig)?;
+    say!("{}\n{}", figures.heading, figures.to_text());
     make_writable(&arguments.out)?;
     let accuracy = accuracy(&arguments.integration);
     let found = identify(&rig, &recordings, parameters, accuracy, &mut |line| eprintln!("{line}"))?;
-    for table in report::tables(&found) {
+    let mut tables = report::tables(&found);
+    for table in &tables {
         say!("{}\n{}", table.heading, table.to_text());
     }
     for note in report::notes(&found) {
         say!("{note}");
     }
-    write(arguments, &rig, &recordings, accuracy, &found)
+    tables.push(figures);
+    write(arguments, &rig, &recordings, accuracy, &found, tables)
+}
+
+/// What is fitted, and what all records tell without a model of the air.
+fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Table)> {
+    let recorded = if let Some(port) = &arguments.plan {
+        make_writable(&arguments.out)?;
+        plan::execute(&arguments.rig, port, &arguments.out)?
+    } else {
+        let all = arguments.targets.iter().map(|path| recording(path, rig)).collect::<Result<Vec<_>>>()?;
+        plan::Recorded { fitted: all.clone(), all }
+    };
+    let figures = Figures::of(rig, &recorded.all).table(rig);
+    Ok((recorded.fitted, figures))
 }
 
 fn recording(path: &Path, rig: &Rig) -> Result<Recording> {
@@ -51,6 +69,7 @@ fn write(
     recordings: &[Recording],
     accuracy: Accuracy,
     found: &Identification,
+    tables: Vec<Table>,
 ) -> Result<()> {
     let [fitted, numbers, page] = [FITTED, NUMBERS, PAGE].map(|name| arguments.out.join(name));
     refuse_foreign(&fitted, report::FITTED_MARK)?;
@@ -67,7 +86,7 @@ fn write(
         figures.push(report::figure(recording, &before, &after));
     }
     let title = format!("{}, identified", rig.name());
-    let page_of = Page { title, notes: report::notes(found), tables: report::tables(found), figures };
+    let page_of = Page { title, notes: report::notes(found), tables, figures };
     page_of.write(&page).context("the page")?;
     for path in [fitted, numbers, page] {
         say!("{}", path.display());

@@ -1,57 +1,168 @@
 //! The tests whose transients show what a fit is after.
 //!
-//! Open loop, in pulses of the valve, short, and from rest. What makes a test good for a fit:
+//! Open loop, in strokes of the valve, short, and from rest. What makes a test good for a fit:
 //!
-//! - **The sum of squares is smooth.** A pulse opens the valve far and at once, so the drive breaks away once. Slow
+//! - **The sum of squares is smooth.** A stroke opens the valve far and at once, so the drive breaks away once. Slow
 //!   motion, and a closed loop that creeps to its setpoint, sticks and slips at instants that a hair decides: a
 //!   little more stiction then moves all that follows. So a record ends while the drive moves.
 //! - **Spool steps of a middling size.** A spool swings to its new place and sticks there; how often it swings
-//!   changes at steps of 745 and 1205 counts from rest, and at 480 more each, for servo-drive B. The pulses keep 10 %
+//!   changes at steps of 745 and 1205 counts from rest, and at 480 more each, for servo-drive B. The strokes keep 10 %
 //!   away from these, so that a gain within 10 % of the file's is found without a jump.
 //! - **Both directions, two sizes, there and back.** Accelerations tell the mass, speeds viscous and Coulomb friction
 //!   and the discharge, breakaways the stiction.
 //! - **A half open valve**, so that its opening matters: gain and null.
 //! - **Rests of two lengths**, in which pressures creep: noise, leakage and null.
+//!
+//! How long a stroke takes is told by the model of the rig file, so that any cylinder stays within its ends.
 
-use pneudrive_app::recorder::CAPACITY;
-use pneudrive_sim::Rig;
-use pneudrive_sim::rig::Problems;
+use anyhow::{Result, bail};
+use pneudrive_controller::{Command, drive};
+use pneudrive_sim::follow::Timing;
+use pneudrive_sim::{Accuracy, Rig, follow, run};
 
-/// Command, counts, and how long it holds, s.
-type Pulses = &'static [(i32, f64)];
+/// Command, counts of a converter, and how far the drive goes on it, of what it may; 0 is where it starts.
+pub type Strokes = &'static [(i32, f64)];
 
-/// Name, where it starts as a part of the stroke, pulses.
-const TESTS: &[(&str, f64, Pulses)] = &[
-    ("extension, half open", 0.30, &[(0, 0.04), (560, 0.27)]),
-    ("retraction, half open", 0.70, &[(0, 0.04), (-560, 0.32)]),
-    ("extension and back", 0.35, &[(0, 0.04), (960, 0.20), (-700, 0.20)]),
-    ("retraction and back", 0.60, &[(0, 0.04), (-960, 0.20), (700, 0.20)]),
-    ("extension after a rest", 0.35, &[(0, 0.10), (620, 0.25)]),
-    ("retraction after a rest", 0.65, &[(0, 0.10), (-620, 0.25)]),
+/// Name, rest before, s, strokes.
+pub type Test = (&'static str, f64, Strokes);
+
+/// Whether the drive goes where the valve says.
+pub const MOVEMENT: Test = ("movement", 0.04, &[(960, 0.15)]);
+
+/// How fast it gets, and how soon.
+pub const DYNAMIC: Test = ("dynamic", 0.04, &[(drive::MAX_COUNTS as i32, 0.9)]);
+
+/// What is fitted.
+pub const FITTED: [Test; 6] = [
+    ("extension, half open", 0.04, &[(560, 1.0)]),
+    ("retraction, half open", 0.04, &[(-560, 1.0)]),
+    ("extension and back", 0.04, &[(960, 0.7), (-700, 0.0)]),
+    ("retraction and back", 0.04, &[(-960, 0.7), (700, 0.0)]),
+    ("extension after a rest", 0.10, &[(620, 0.8)]),
+    ("retraction after a rest", 0.10, &[(-620, 0.8)]),
 ];
 
-/// The tests, in their order, each a rig with its test.
+/// How far a stroke goes at most, and how near to an end, as parts of the stroke.
+const FARTHEST: f64 = 0.3;
+const FROM_END: f64 = 0.15;
+
+/// Shortest way that shows anything, as a part of the stroke.
+const SHORTEST: f64 = 0.1;
+
+/// Longest time of a stroke, s.
+const LONGEST_S: f64 = 0.6;
+
+/// Stairs of the ramp that shows stiction and hysteresis, counts, and how long each holds, s: the first time at
+/// which the model stays within its way is taken.
+const STAIR: i32 = 60;
+const STAIRS: usize = 14;
+const STAIR_S: [f64; 5] = [0.026, 0.013, 0.0078, 0.0052, 0.0039];
+
+/// The valve opened slowly to both sides, up and down: breakaways at forces that rise slowly, and the loop of the spool.
 ///
 /// # Errors
-/// When the rig cannot run them.
-pub fn tests(rig: &Rig) -> Result<Vec<Rig>, Problems> {
-    TESTS.iter().map(|(name, start, pulses)| test(rig, name, *start, pulses)).collect()
+/// When the model of the drive goes too far at any pace.
+pub fn ramp(rig: &Rig, position: f64) -> Result<Rig> {
+    let up = (0..=STAIRS).chain((0..STAIRS).rev()).map(|stair| stair as i32 * STAIR);
+    let stairs: Vec<i32> = up.clone().chain(up.skip(1).map(|counts| -counts)).collect();
+    let room = room(rig, position, 1.0)?.min(room(rig, position, -1.0)?.abs());
+    for seconds in STAIR_S {
+        let times = (0..stairs.len()).map(|i| 0.04 + i as f64 * seconds);
+        let moves: Vec<(f64, i32)> =
+            times.zip(&stairs).map(|(time, counts)| (time, scaled(rig, *counts))).collect();
+        let test = with_moves(rig, "static", position, &moves, 0.04 + stairs.len() as f64 * seconds)?;
+        let far = run(&test, Accuracy::default())?
+            .rows
+            .iter()
+            .map(|row| (row.plant.position - position).abs())
+            .fold(0.0, f64::max);
+        if far < room {
+            return Ok(test);
+        }
+    }
+    bail!("the model of {} goes further than {:.0} mm on the slow ramp", rig.name(), 1e3 * room)
 }
 
-fn test(rig: &Rig, name: &str, start: f64, pulses: Pulses) -> Result<Rig, Problems> {
-    let pulse = 1e-3 * rig.number("encoder.mm_per_count");
-    let period = rig.number("controller.period_s");
-    let mut time = 0.0;
-    let mut moves = Vec::new();
-    for (command, seconds) in pulses {
-        moves.push(format!("[{time:.4}, {command}]"));
-        time += seconds;
+/// A test on the drive of `rig` that stands at `position`, m: the rig with this test.
+///
+/// # Errors
+/// When it stands too near to an end, or the model does not move.
+pub fn test(rig: &Rig, position: f64, (name, rest, strokes): Test) -> Result<Rig> {
+    let start = middle_of_count(rig, position);
+    let rig = &rig.with_numbers(&[("test.position_m", start)])?;
+    let mut moves = vec![(0.0, 0)];
+    let mut time = rest;
+    for (command, way) in strokes {
+        let room = room(rig, start, f64::from(strokes[0].0).signum())?;
+        moves.push((time, scaled(rig, *command)));
+        time += stroke_time(rig, &moves, start + way * room)?;
     }
-    let duration = time.min((period * (CAPACITY - 1) as f64 * 1e6).floor() / 1e6);
-    let position = ((start * rig.number("actuator.stroke_m") / pulse).floor() + 0.5) * pulse;
+    with_moves(rig, name, position, &moves, time)
+}
+
+/// A start on the edge of a count is ill-defined.
+fn middle_of_count(rig: &Rig, position: f64) -> f64 {
+    let pulse = 1e-3 * rig.number("encoder.mm_per_count");
+    ((position / pulse).floor() + 0.5) * pulse
+}
+
+/// Counts of a converter as those of the rig's drive stage.
+fn scaled(rig: &Rig, counts: i32) -> i32 {
+    if rig.word("operator.model") != "stepper" {
+        return counts;
+    }
+    let full = rig.integer("operator.max_steps") as f64;
+    (f64::from(counts) / f64::from(drive::MAX_COUNTS) * full).round() as i32
+}
+
+fn with_moves(rig: &Rig, name: &str, position: f64, moves: &[(f64, i32)], duration: f64) -> Result<Rig> {
+    let position = middle_of_count(rig, position);
+    let moves: Vec<String> = moves.iter().map(|(time, counts)| format!("[{time:.4}, {counts}]")).collect();
     let text = format!(
-        "name = \"{name}\"\n[controller]\nloop = \"open\"\n[test]\nmoves = [{}]\nduration_s = {duration:.6}\nposition_m = {position}\n",
+        "name = \"{name}\"\n[controller]\nloop = \"open\"\n[test]\nmoves = [{}]\nduration_s = {duration:.4}\nposition_m = {position}\n",
         moves.join(", ")
     );
-    rig.with_test_of(&Rig::read(name, &text)?)
+    Ok(rig.with_test_of(&Rig::read(name, &text)?)?)
+}
+
+/// How far the drive may go in a direction, m, signed.
+fn room(rig: &Rig, start: f64, direction: f64) -> Result<f64> {
+    let stroke = rig.number("actuator.stroke_m");
+    let end = if direction > 0.0 { stroke - start } else { start };
+    let room = (end - FROM_END * stroke).min(FARTHEST * stroke);
+    if room < SHORTEST * stroke {
+        bail!(
+            "the drive stands {:.0} mm from an end; bring it to rest near {:.0} mm, the middle of its stroke",
+            1e3 * end,
+            500.0 * stroke
+        );
+    }
+    Ok(direction * room)
+}
+
+/// How long the last of these moves takes to `goal`, m, on the model, s.
+fn stroke_time(rig: &Rig, moves: &[(f64, i32)], goal: f64) -> Result<f64> {
+    let period_us = u64::from(rig.period_us().get());
+    let timing = Timing { period_us, delay_us: rig.microseconds("controller.delay_s") };
+    let time = |k: usize| 1e-6 * period_us as f64 * k as f64;
+    let (begun, counts) = moves[moves.len() - 1];
+    let samples = ((begun + LONGEST_S) / time(1)) as usize;
+    let mut spool = 0;
+    let commands: Vec<Command> = (0..samples)
+        .map(|k| {
+            let counts = moves.iter().rev().find(|(at, _)| time(k) >= *at).map_or(0, |(_, counts)| *counts);
+            let step = (counts - spool).signum();
+            spool += step;
+            Command { counts: counts as i16, step: step as i8, drive_enable: true }
+        })
+        .collect();
+    let readings = follow(rig, Accuracy::default(), timing, &commands)?;
+    let first = (begun / time(1)).ceil() as usize;
+    let beyond = |position: f64| (position - goal) * f64::from(counts.signum()) >= 0.0;
+    let arrived = readings.iter().skip(first).position(|reading| beyond(reading.position));
+    let moved = (readings[readings.len() - 1].position - readings[first].position).abs();
+    if arrived.is_none() && moved < 0.1 * SHORTEST * rig.number("actuator.stroke_m") {
+        bail!("the model of {} does not move under a command of {counts}", rig.name());
+    }
+    Ok(time(arrived.unwrap_or(samples - first)))
 }

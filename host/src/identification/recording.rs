@@ -18,13 +18,17 @@ pub const CHANNELS: [(&str, &str); 4] =
 /// The keys of an initial state.
 const KEYS_OF_START: [&str; 3] = ["test.position_m", "test.pressure_1_pa", "test.pressure_2_pa"];
 
+/// Variance up to which a converter is taken to have no noise of its own, squares of a count.
+const ROUNDING_ALONE: f64 = 0.15;
+
 /// Quantities of an initial state.
 pub const STARTS: usize = KEYS_OF_START.len();
 
 /// Fewest samples at rest under an unchanged command that a record begins with.
 const FEWEST_AT_REST: usize = 16;
 
-/// Samples to either side over which a speed is formed.
+/// Samples to either side over which the speed of a drive is formed. That of a spool is formed over one: it stops
+/// at once.
 const REACH: usize = 8;
 
 /// Fewest samples of a record.
@@ -79,6 +83,11 @@ impl Rest {
             / (n * (n * n - 1.0) / 12.0);
         let off = |(k, y): (usize, &f64)| (y - mean - steepness * from_middle(k)).powi(2);
         Rest { squares: readings.iter().enumerate().map(off).sum(), freedom: n - 2.0 }
+    }
+
+    /// Whether there is no noise but that of rounding: then readings at rest repeat one error.
+    fn is_rounding(&self) -> bool {
+        self.squares < ROUNDING_ALONE * self.freedom
     }
 }
 
@@ -138,8 +147,11 @@ impl Recording {
             let measured: Vec<f64> = recorded.iter().map(|sample| f64::from(of(sample))).collect();
             // What stands at an end of the converter is not known.
             let within = |k: &usize| measured[*k] > 0.0 && measured[*k] < full_scale;
-            let taken = (0..measured.len()).filter(within).collect();
-            Channel { taken, rest: Rest::of(&measured[..rest]), measured, offset, scale }
+            let rest = Rest::of(&measured[..rest]);
+            let all =
+                if rest.is_rounding() { independent(&measured, 1) } else { (0..measured.len()).collect() };
+            let taken = all.into_iter().filter(within).collect();
+            Channel { taken, rest, measured, offset, scale }
         };
         let mut channels = [
             encoder(&recorded, pulse),
@@ -190,11 +202,11 @@ fn command(sample: &RecordedSample, stepper: bool) -> Command {
 }
 
 fn encoder(recorded: &[RecordedSample], pulse: f64) -> Channel {
-    let counts: Vec<i32> = recorded.iter().map(|sample| sample.position).collect();
+    let measured: Vec<f64> = recorded.iter().map(|sample| f64::from(sample.position)).collect();
     Channel {
-        taken: independent(&counts),
+        taken: independent(&measured, REACH),
         rest: Rest::default(),
-        measured: counts.into_iter().map(f64::from).collect(),
+        measured,
         // The middle of what a count stands for.
         offset: 0.5 * pulse,
         scale: pulse,
@@ -205,16 +217,16 @@ fn encoder(recorded: &[RecordedSample], pulse: f64) -> Channel {
 /// since the last one. How far it moved is told by a mean speed, and the distance differs from sample to
 /// sample; if a change of the count itself chose the sample, a slow drive would always stand just behind an
 /// edge. A rest gives one sample, in its middle.
-fn independent(counts: &[i32]) -> Vec<usize> {
+fn independent(counts: &[f64], reach: usize) -> Vec<usize> {
     let speed = |k: usize| {
-        let (from, to) = (k.saturating_sub(REACH), (k + REACH).min(counts.len() - 1));
-        (f64::from(counts[to]) - f64::from(counts[from])).abs() / (to - from).max(1) as f64
+        let (from, to) = (k.saturating_sub(reach), (k + reach).min(counts.len() - 1));
+        (counts[to] - counts[from]).abs() / (to - from).max(1) as f64
     };
     let (mut taken, mut moved, mut distance, mut rest) = (Vec::new(), 0.0, 1.0, 0);
     for k in 0..counts.len() {
         let speed = speed(k);
         if speed > 0.0 {
-            if rest > 2 * REACH {
+            if rest > 2 * reach {
                 taken.push(k - rest / 2);
             }
             rest = 0;
@@ -229,7 +241,7 @@ fn independent(counts: &[i32]) -> Vec<usize> {
             distance = 1.0 + (distance + 0.618_033_988_749_895) % 1.0;
         }
     }
-    if rest > 2 * REACH {
+    if rest > 2 * reach {
         taken.push(counts.len() - rest / 2 - 1);
     }
     taken.dedup();
@@ -243,9 +255,9 @@ mod tests {
     /// Mean and variance of the rounding at the samples that are taken.
     fn rounding(path: impl Fn(usize) -> f64) -> (f64, f64, usize) {
         let positions: Vec<f64> = (0..4000).map(path).collect();
-        let counts: Vec<i32> = positions.iter().map(|position| position.floor() as i32).collect();
+        let counts: Vec<f64> = positions.iter().map(|position| position.floor()).collect();
         let errors: Vec<f64> =
-            independent(&counts).iter().map(|&k| f64::from(counts[k]) + 0.5 - positions[k]).collect();
+            independent(&counts, REACH).iter().map(|&k| counts[k] + 0.5 - positions[k]).collect();
         let n = errors.len() as f64;
         let mean = errors.iter().sum::<f64>() / n;
         (mean, errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / n, errors.len())

@@ -56,12 +56,13 @@ impl Case {
             hidden.iter().map(|(parameter, value)| (parameter.key.path, *value)).collect();
         let real = rig.with_numbers(&numbers)?;
         let mut recordings = Vec::new();
-        let tests = moves::tests(&rig)?;
-        for (i, test) in tests.iter().enumerate() {
-            let file = record(&real.with_test_of(test)?, seed + 1000 * i as u64)?;
-            recordings.push(Recording::of(test.name(), &file, test)?);
+        let middle = 0.5 * rig.number("actuator.stroke_m");
+        for (test, seed) in moves::FITTED.into_iter().zip((seed..).step_by(1000)) {
+            let rig = moves::test(&rig, middle, test)?;
+            let file = record(&real.with_test_of(&rig)?, seed)?;
+            recordings.push(Recording::of(test.0, &file, &rig)?);
         }
-        Ok(Case { model: tests[0].clone(), hidden, recordings })
+        Ok(Case { model: rig, hidden, recordings })
     }
 }
 

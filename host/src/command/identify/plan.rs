@@ -1,0 +1,167 @@
+//! `pneudrive identify --plan`: the tests that a fit needs, run on a rig.
+//!
+//! First the movement test, which ends the plan where the drive does not go the way that the valve says; then the
+//! static test (stiction, hysteresis), the dynamic one (top speed and acceleration), and those that are fitted. Before
+//! each of these the drive goes back to where the plan began, in closed loop.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use pneudrive_controller::parameters::id;
+use pneudrive_protocol::RecordedSample;
+use pneudrive_sim::Rig;
+
+use crate::cli::RigChoice;
+use crate::client::Client;
+use crate::command::load_rig;
+use crate::command::record::record;
+use crate::command::run::run_test;
+use crate::identification::moves;
+use crate::identification::recording::Recording;
+use crate::target::TargetFile;
+
+/// Time to go back to where the plan began, s.
+const RETURN_S: f64 = 1.5;
+
+/// A movement test that goes less far shows nothing, counts.
+const MOVED: i32 = 40;
+const UNMOVED: i32 = -MOVED;
+
+/// Change of P_1 - P_2 that is a push, counts: far above noise.
+const PUSH: i32 = 30;
+
+/// What a plan has recorded.
+pub(super) struct Recorded {
+    /// What is fitted.
+    pub fitted: Vec<Recording>,
+    /// All records.
+    pub all: Vec<Recording>,
+}
+
+/// Runs the tests on the rig at a port and leaves their TARGET files in a folder.
+pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<Recorded> {
+    let [closed, open] = ["closed", "open"].map(|loop_| {
+        let with = format!("controller.loop={loop_}");
+        load_rig(&choice.rig, &[&choice.settings[..], &[with]].concat())
+    });
+    let (closed, open) = (closed?, open?);
+    let mut client = Client::connect(port)?;
+    let count = client.status()?.position;
+    client.disarm()?;
+    let open_loop = client.parameters()?.values.get(id::OPEN_LOOP).unwrap_or(0);
+    let recorded = Plan { client: &mut client, closed, open, count, folder }.run();
+    // Whatever became of the tests, the rig is left as it was.
+    let left = client.disarm().and_then(|()| client.set_parameters(id::OPEN_LOOP, &[open_loop]));
+    let recorded = recorded?;
+    left.context("the tests are done, but the rig was not left as it was")?;
+    Ok(recorded)
+}
+
+struct Plan<'a> {
+    client: &'a mut Client,
+    /// The rig file with either loop.
+    closed: Rig,
+    open: Rig,
+    /// Where it began.
+    count: i32,
+    folder: &'a Path,
+}
+
+impl Plan<'_> {
+    fn run(mut self) -> Result<Recorded> {
+        let position = (f64::from(self.count) + 0.5) * 1e-3 * self.open.number("encoder.mm_per_count");
+        let test = |test: moves::Test| Ok((test.0, moves::test(&self.open, position, test)?));
+        let movement = test(moves::MOVEMENT)?;
+        let mut others = vec![("static", moves::ramp(&self.open, position)?), test(moves::DYNAMIC)?];
+        others.extend(moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?);
+        // In closed loop a drive with swapped tubes would run away, so there is no way back before this.
+        let (file, recording) = self.record(&movement)?;
+        check_movement(&file.samples).with_context(|| recording.name.clone())?;
+        let mut all = vec![recording];
+        for test in &others {
+            self.run_in_loop(0, &self.way_back()?)?;
+            all.push(self.record(test)?.1);
+        }
+        let fitted = all[all.len() - moves::FITTED.len()..].to_vec();
+        Ok(Recorded { fitted, all })
+    }
+
+    /// Runs a test and records it.
+    fn record(&mut self, (name, test): &(&str, Rig)) -> Result<(TargetFile, Recording)> {
+        self.run_in_loop(1, test)?;
+        let (path, file) = record(self.client, self.folder)?;
+        self.client.disarm()?;
+        say!("{}: {name}", path.display());
+        let name = format!("{}, {name}", path.file_name().unwrap_or_default().to_string_lossy());
+        let recording = Recording::of(&name, &file, test)?;
+        Ok((file, recording))
+    }
+
+    fn run_in_loop(&mut self, open_loop: i32, test: &Rig) -> Result<()> {
+        self.client.disarm()?;
+        self.client.set_parameters(id::OPEN_LOOP, &[open_loop])?;
+        run_test(self.client, test, false, None)
+    }
+
+    fn way_back(&self) -> Result<Rig> {
+        let text = format!(
+            "name = \"back\"\n[controller]\nloop = \"closed\"\n[test]\nmoves = [[0.0, {}]]\nduration_s = {RETURN_S}\n",
+            self.count
+        );
+        Ok(self.closed.with_test_of(&Rig::read("back", &text)?)?)
+    }
+}
+
+/// Whether the drive has gone the way that the valve says, and pressure 1 has pushed it.
+fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
+    let (Some((_, first)), Some((_, last))) = (samples.first(), samples.last()) else {
+        bail!("nothing was recorded");
+    };
+    let way = last.position - first.position;
+    let over = |sample: &RecordedSample| i32::from(sample.pressure_1) - i32::from(sample.pressure_2);
+    // The first push moves it; what comes later is the motion's own.
+    let mut pushes = samples.iter().map(|(_, sample)| over(sample) - over(first));
+    let push = pushes.find(|push| push.abs() >= PUSH).unwrap_or(0);
+    match (way, push) {
+        (MOVED.., 1..) => Ok(()),
+        (..=UNMOVED, ..=-1) => bail!(
+            "the drive retracts by {} counts under a command to extend, and chamber 2 is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; exchange them and begin again",
+            -way
+        ),
+        (..=UNMOVED, 1..) => bail!(
+            "the encoder counts down by {} while chamber 1 pushes the drive out; change encoder.polarity and begin again",
+            -way
+        ),
+        (MOVED.., ..=-1) => bail!(
+            "the drive extends by {way} counts while the pressure of chamber 2 rises: the pressure sensors are swapped; exchange them and begin again"
+        ),
+        _ => bail!(
+            "the drive moves by {way} counts under a wide open valve; look for the supply of air, what gates the amplifier, a stuck spool, the encoder"
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(way: i32, push: i16) -> String {
+        let sample = |k: i32| RecordedSample {
+            position: 8000 + way * k / 20,
+            pressure_1: 1500 + push * k as i16,
+            pressure_2: 1500,
+            ..RecordedSample::default()
+        };
+        let samples: Vec<(i32, RecordedSample)> = (0..=20).map(|k| (k, sample(k))).collect();
+        check_movement(&samples).map_or_else(|error| error.to_string(), |()| "right".to_owned())
+    }
+
+    #[test]
+    fn each_way_of_going_wrong_has_its_cause() {
+        assert_eq!(verdict(900, 20), "right");
+        assert!(verdict(-900, -20).contains("tubes of the valve's ports are swapped"));
+        assert!(verdict(-900, 20).contains("encoder.polarity"));
+        assert!(verdict(900, -20).contains("sensors are swapped"));
+        assert!(verdict(3, 20).contains("supply of air"));
+    }
+}
