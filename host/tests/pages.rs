@@ -9,7 +9,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-use program::{folder, ok};
+use program::{folder, ok, virtual_rig};
 
 /// What a browser made of a page.
 struct Seen {
@@ -99,6 +99,25 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         let lines = drawn("class=\"js-line\" d=\"M") - drawn("class=\"js-line\" d=\"M5,0h30");
         let points = drawn("<path class=\"point\"");
         assert!(lines + points >= curves, "{name}: {lines} lines and {points} points of {curves} curves");
+    }
+}
+
+#[test]
+fn the_page_of_an_identification_shows_each_record_with_its_model_and_what_remains() {
+    let Some(browser) = chromium() else { return };
+    let folder = folder();
+    let profile = tempfile::tempdir().expect("a folder");
+    let rig = virtual_rig("servo-b-tuned");
+    ok(folder.path(), &format!("identify servo-b-tuned --plan {} --fit load.mass_kg", rig.port()));
+    rig.stop().expect("it served");
+    let seen = open(browser, profile.path(), &folder.path().join("identified/identification.html"));
+    assert!(seen.console.is_empty() && seen.requests.is_empty(), "{:?} {:?}", seen.console, seen.requests);
+    let drawn = |what: &str| seen.document.matches(what).count();
+    // Six records: four channels with their model before and after, and four residuals.
+    assert_eq!(drawn("<g class=\"subplot "), 6 * 8);
+    assert_eq!(drawn("<g class=\"trace scatter"), 6 * 16);
+    for table in ["parameters", "root mean square", "correlation of the estimates", "read off the records"] {
+        assert!(seen.document.contains(table), "{table}");
     }
 }
 

@@ -74,8 +74,13 @@ pub struct Recording {
 }
 
 impl Rest {
-    /// Of readings at equal distances.
-    fn of(readings: &[f64]) -> Rest {
+    /// Of readings at equal distances: around a straight line, or of a spool and pressures that follow a dither, in
+    /// their sixth differences, in which white noise has 924 times its variance and a slow swing none.
+    fn of(readings: &[f64], dithered: bool) -> Rest {
+        if dithered { Rest::of_differences(readings) } else { Rest::of_line(readings) }
+    }
+
+    fn of_line(readings: &[f64]) -> Rest {
         let n = readings.len() as f64;
         let mean = readings.iter().sum::<f64>() / n;
         let from_middle = |k: usize| k as f64 - 0.5 * (n - 1.0);
@@ -83,6 +88,18 @@ impl Rest {
             / (n * (n * n - 1.0) / 12.0);
         let off = |(k, y): (usize, &f64)| (y - mean - steepness * from_middle(k)).powi(2);
         Rest { squares: readings.iter().enumerate().map(off).sum(), freedom: n - 2.0 }
+    }
+
+    fn of_differences(readings: &[f64]) -> Rest {
+        const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+        const VARIANCE: f64 = 924.0;
+        // Neighbouring differences share readings: 924^2 over the sum of their squared correlations.
+        const INDEPENDENT: f64 = VARIANCE * VARIANCE / 2_704_156.0;
+        let difference = |seven: &[f64]| seven.iter().zip(SIXTH).map(|(y, weight)| y * weight).sum::<f64>();
+        let differences = readings.windows(SIXTH.len()).map(difference);
+        let squares = differences.map(|difference| difference * difference / VARIANCE).sum::<f64>();
+        let n = readings.len().saturating_sub(SIXTH.len() - 1) as f64;
+        Rest { squares: INDEPENDENT * squares, freedom: INDEPENDENT * n }
     }
 
     /// Whether there is no noise but that of rounding: then readings at rest repeat one error.
@@ -139,6 +156,8 @@ impl Recording {
             );
         }
         let number = |key: &str| file.number(key);
+        let dithered =
+            rig.word("operator.model").starts_with("solenoid") && rig.number("operator.dither_mm") > 0.0;
         let full_scale = f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1);
         let pulse = number("mm_per_count")? * 1e-3;
         let pressure = [number("pressure_offset_pa")?, number("pressure_scale_pa")?];
@@ -147,7 +166,7 @@ impl Recording {
             let measured: Vec<f64> = recorded.iter().map(|sample| f64::from(of(sample))).collect();
             // What stands at an end of the converter is not known.
             let within = |k: &usize| measured[*k] > 0.0 && measured[*k] < full_scale;
-            let rest = Rest::of(&measured[..rest]);
+            let rest = Rest::of(&measured[..rest], dithered);
             let all =
                 if rest.is_rounding() { independent(&measured, 1) } else { (0..measured.len()).collect() };
             let taken = all.into_iter().filter(within).collect();
@@ -275,6 +294,19 @@ mod tests {
     fn of_a_fast_drive_every_sample_counts() {
         let (mean, variance, samples) = rounding(|k| 3.307 * k as f64);
         assert!(samples > 3900 && mean.abs() < 0.02 && (variance * 12.0 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_noise_of_a_rest_is_found_on_a_slope_and_under_a_dither() {
+        // Even noise of a variance of 1 from multiples of the golden ratio.
+        let noise = |k: usize| ((k * k) as f64 * 0.618_033_988_749_895).fract() * 12f64.sqrt();
+        let sloping: Vec<f64> = (0..4000).map(|k| 0.3 * k as f64 + noise(k)).collect();
+        let dithered: Vec<f64> =
+            sloping.iter().enumerate().map(|(k, y)| y + 100.0 * (0.2 * k as f64).sin()).collect();
+        for rest in [Rest::of(&sloping, false), Rest::of(&dithered, true)] {
+            let variance = rest.squares / rest.freedom;
+            assert!((variance - 1.0).abs() < 0.1, "{variance}");
+        }
     }
 
     #[test]
