@@ -185,7 +185,7 @@ fn applies(rig: &Rig, keys: &[&str]) -> bool {
 fn timed(plan: &Plan) -> Result<(Run, Duration)> {
     let once = || {
         let begun = Instant::now();
-        let run = run(&plan.rig, Accuracy::default())
+        let run = run(&plan.rig, Accuracy::of(&plan.rig))
             .map_err(|error| anyhow!("{} {}: {error}", plan.component, plan.model))?;
         Ok::<_, anyhow::Error>((run, begun.elapsed()))
     };

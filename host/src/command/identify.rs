@@ -32,7 +32,7 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     let (recordings, figures) = records(arguments, &rig)?;
     say!("{}\n{}", figures.heading, figures.to_text());
     make_writable(&arguments.out)?;
-    let accuracy = accuracy(&arguments.integration);
+    let accuracy = accuracy(&arguments.integration, &rig);
     let found = identify(&rig, &recordings, parameters, accuracy, &mut |line| eprintln!("{line}"))?;
     let mut tables = report::tables(&found);
     for table in &tables {

@@ -1,13 +1,14 @@
 //! What a fit has found, for a terminal, a page, a program and the next simulation.
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::Result;
 use pneudrive_sim::follow::Reading;
 use serde_json::{Value, json};
-use toml_edit::{DocumentMut, Item, Table as TomlTable, value};
+use toml_edit::{DocumentMut, value};
 
 use super::recording::{CHANNELS, Channel, Recording, reading};
 use super::{Estimate, Identification, UNSEEN};
 use crate::page::{Curve, Figure, Look, Panel, Table};
+use crate::rig_text;
 
 /// First line of a fitted rig file: such a file may be written anew.
 pub const FITTED_MARK: &str = "# Fitted by pneudrive identify";
@@ -215,13 +216,7 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
 /// # Errors
 /// When the text is no TOML.
 pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result<String> {
-    let mut document: DocumentMut = text.parse().context("the rig file")?;
-    for setting in settings {
-        let (path, given) = setting.split_once('=').ok_or_else(|| anyhow!("{setting}: write KEY=VALUE"))?;
-        let given = given.trim();
-        let parsed = given.parse::<toml_edit::Value>().unwrap_or_else(|_| given.into());
-        put(&mut document, path.trim(), Item::Value(parsed));
-    }
+    let mut document: DocumentMut = rig_text::with_settings(text, settings, "set by hand")?.parse()?;
     for estimate in &found.estimates {
         let [low, high] = estimate.interval.map(digits);
         let mut number = value(estimate.value);
@@ -229,16 +224,7 @@ pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result
             let file = digits(estimate.parameter.start);
             number.decor_mut().set_suffix(format!("  # identified, 95 %: {low} to {high}; was {file}"));
         }
-        put(&mut document, estimate.parameter.key.path, number);
+        rig_text::put(&mut document, estimate.parameter.key.path, number);
     }
     Ok(format!("{FITTED_MARK}\n{document}"))
-}
-
-fn put(document: &mut DocumentMut, path: &str, item: Item) {
-    let Some((table, name)) = path.split_once('.') else {
-        document[path] = item;
-        return;
-    };
-    let table = document.entry(table).or_insert(Item::Table(TomlTable::new()));
-    table[name] = item;
 }

@@ -107,7 +107,7 @@ impl Plan<'_> {
     fn run_in_loop(&mut self, open_loop: i32, test: &Rig) -> Result<()> {
         self.client.disarm()?;
         self.client.set_parameters(id::OPEN_LOOP, &[open_loop])?;
-        run_test(self.client, test, false, None)
+        run_test(self.client, test, test.last_sample(), false, None)
     }
 
     fn way_back(&self) -> Result<Rig> {
