@@ -67,9 +67,9 @@ pub fn refuse_foreign(path: &Path, mark: &str) -> Result<()> {
 ///
 /// # Errors
 /// When it cannot be written.
-pub fn put(path: &Path, text: &str) -> Result<()> {
+pub fn put(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
     let partial = PathBuf::from(format!("{}.partial", path.display()));
-    fs::write(&partial, text)
+    fs::write(&partial, content)
         .and_then(|()| fs::rename(&partial, path))
         .with_context(|| format!("cannot write {}", path.display()))
 }

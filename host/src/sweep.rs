@@ -13,6 +13,7 @@
 //! | [`journal`] | what has been run, safe from kills |
 //! | [`execution`] | the points on all cores |
 //! | [`choice`] | which points are allowed and which is best |
+//! | `parquet` | the result with types, if it was built with that |
 //! | [`report`] | the page |
 
 pub mod axis;
@@ -21,6 +22,8 @@ pub mod execution;
 pub mod file;
 pub mod journal;
 pub mod metric;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod point;
 pub mod report;
 

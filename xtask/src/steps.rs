@@ -37,6 +37,9 @@ pub fn test(tally: &mut Tally) {
     tally.check("emulator", emulator::ensure);
     tally.check("image for the emulator", firmware::check_emulated);
     tests_on_the_pc(tally);
+    tally.check("results of sweeps as Parquet", || {
+        run(&mut in_root(&["test", "--package", "pneudrive", "--features", "parquet", "--lib", "parquet"]))
+    });
     tally.check("no_std crates for the boards", || {
         let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app"];
         let mut arguments = vec!["build", "--lib", "--keep-going", "--target", THUMB];

@@ -68,6 +68,8 @@ pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Re
     let rows: Vec<Row> = rows.into_values().collect();
     let lines = std::iter::once(sweep.header()).chain(rows.iter().map(Row::to_csv));
     put(&out.join("sweep.csv"), &lines.map(|line| line + "\n").collect::<String>())?;
+    #[cfg(feature = "parquet")]
+    put(&out.join("sweep.parquet"), &crate::sweep::parquet::file(sweep, &rows)?)?;
     report::page(sweep, &rows).write(&out.join("sweep.html"))?;
     say!("{}", report::count(sweep, &rows));
     let best = report::best(sweep, &rows);
@@ -78,7 +80,8 @@ pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Re
     if !combinations.rows.is_empty() {
         say!("{}\n{}", combinations.heading, combinations.to_text());
     }
-    say!("{}: sweep.csv, sweep.html", out.display());
+    let parquet = if cfg!(feature = "parquet") { "sweep.parquet, " } else { "" };
+    say!("{}: sweep.csv, {parquet}sweep.html", out.display());
     if let Some(first) = rows.iter().find(|row| !row.failure.is_empty())
         && rows.iter().all(|row| !row.failure.is_empty())
     {
