@@ -365,7 +365,15 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             let room = limit - self.t;
             // A remainder of less than a tenth of a step would cost as much as a whole one.
             let limited = self.wanted >= 0.9 * room;
-            let h = if limited { room } else { self.wanted };
+            // Two equal steps to the end rather than a long one and a short one.
+            let even = room < 2.0 * self.wanted && room.is_finite();
+            let h = if limited {
+                room
+            } else if even {
+                0.5 * room
+            } else {
+                self.wanted
+            };
             let end = if limited { limit } else { self.t + h };
             let trial = match &slopes {
                 Some(slopes) => self.implicit_trial(system, slope, slopes, h),

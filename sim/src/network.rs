@@ -36,7 +36,7 @@ use crate::air::Station;
 use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
 use crate::tubing::Tube;
-use crate::valve::Conductances;
+use crate::valve::{Conductances, Valve};
 use course::Course;
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
@@ -246,6 +246,18 @@ impl Network {
         self.far_of_cylinder(chamber, node.port_flow())
     }
 
+    /// The flows through a valve with its spool at a place (m) into two chambers.
+    pub fn flows(
+        &mut self,
+        valve: &Valve,
+        spool: f64,
+        chambers: &[Station; 2],
+        ports: &[PortFlow; 2],
+    ) -> [Node; 2] {
+        let conductances = valve.conductances(&self.gas, spool);
+        self.solve(&conductances, chambers, ports)
+    }
+
     /// The flows for the open areas, chambers and port directions of this instant.
     pub(crate) fn solve(
         &mut self,
@@ -259,7 +271,9 @@ impl Network {
         if !(chambers.iter().all(in_order) && valve.iter().all(|lands| lands.supply.is_finite())) {
             return [Node::NOT_A_NUMBER; 2];
         }
-        if !(self.started && self.by_newton(valve, chambers, ports)) {
+        // Of air that is at rest in front of each restriction there is one solution, wherever it is begun from.
+        let has_start = self.started || self.mach == 0.0;
+        if !(has_start && self.by_newton(valve, chambers, ports)) {
             (self.failures, self.found) = (self.failures + 1, 0);
             // A trial step too large may lead to where there is no solution, or leave no numbers: it is
             // told so, and the last solution is not spoilt by it.
