@@ -33,7 +33,9 @@ pub mod moves;
 pub mod parameter;
 pub mod recording;
 pub mod recovery;
+pub mod regression;
 pub mod report;
+pub mod tubing;
 pub mod uncertainty;
 
 use anyhow::{Result, bail};

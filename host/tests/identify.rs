@@ -22,9 +22,13 @@ duration_s = 0.45
 
 /// TARGET01.DAT of the test on a rig with another mass and viscous friction, next to its rig file.
 fn recorded(folder: &Path) {
-    fs::write(folder.join("rig.toml"), TEST).expect("written");
-    let rig = Rig::read("rig.toml", TEST).expect("valid");
-    let real = rig.with_numbers(&[("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0)]).expect("valid");
+    recorded_with(folder, TEST, &[("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0)]);
+}
+
+fn recorded_with(folder: &Path, text: &str, hidden: &[(&'static str, f64)]) {
+    fs::write(folder.join("rig.toml"), text).expect("written");
+    let rig = Rig::read("rig.toml", text).expect("valid");
+    let real = rig.with_numbers(hidden).expect("valid");
     let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
     let rig = Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"));
     ok(folder, &format!("run rig.toml --port {}", rig.port()));
@@ -55,6 +59,50 @@ fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
     assert_eq!(rig.number("load.mass_kg"), json["parameters"][0]["estimate"].as_f64().expect("a number"));
     ok(folder.path(), "simulate identified/fitted.toml --out simulated");
     assert!(fitted.contains("# identified, 95 %:") && fitted.contains("duration_s = 0.45"), "{fitted}");
+}
+
+#[test]
+fn stiffness_and_damping_of_either_spool_are_found_in_its_swings() {
+    for (model, numbers) in [
+        ("solenoid", [("operator.spring_n_per_mm", 26.0), ("operator.damping_n_s_per_m", 2.1)]),
+        (
+            "solenoid-empirical",
+            [("operator.stiffness_per_mass_per_s2", 38_000.0), ("operator.damping_per_s", 90.0)],
+        ),
+    ] {
+        let folder = folder();
+        let text = format!("{TEST}[sensors]\nnoise_counts = 1\n")
+            .replace("[operator]", &format!("[operator]\nmodel = \"{model}\""));
+        recorded_with(folder.path(), &text, &numbers);
+        let keys: Vec<&str> = numbers.iter().map(|(key, _)| *key).collect();
+        ok(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {}", keys.join(",")));
+        let text = fs::read_to_string(folder.path().join("identified/identification.json")).expect("there");
+        let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!((&json["converged"], &json["fits"]), (&true.into(), &true.into()), "{text}");
+        for (i, (key, hidden)) in numbers.into_iter().enumerate() {
+            let found = &json["parameters"][i];
+            let miss = (found["estimate"].as_f64().expect("a number") - hidden).abs();
+            assert!(miss < 4.0 * found["standard_error"].as_f64().expect("a number"), "{key}: {found}");
+            assert!(miss < 0.01 * hidden, "{key}: {found}");
+        }
+    }
+}
+
+#[test]
+fn the_regression_lines_of_tubing_and_timer_need_no_model() {
+    let folder = folder();
+    ok(folder.path(), "characterise servo-b pressure-drop --out .");
+    let printed = ok(folder.path(), "identify servo-b --tubing pressure-drop.csv");
+    assert!(printed.starts_with("tubing.drop_slope = 0.400000 +- "), "{printed}");
+    recorded(folder.path());
+    let printed = ok(folder.path(), "identify rig.toml --timer TARGET01.DAT TARGET01.DAT");
+    assert!(printed.contains("+0.0") && printed.contains("needs three records"), "{printed}");
+    fs::write(folder.path().join("bad.csv"), "flow_g_s,ratio\n1,0.9\n2\n").expect("written");
+    let printed = transcript(folder.path(), "identify servo-b --tubing bad.csv");
+    assert!(
+        printed.contains("bad.csv") && printed.contains("line 3") && printed.ends_with("= 1"),
+        "{printed}"
+    );
 }
 
 /// A rig that stands in the middle of its stroke.

@@ -2,7 +2,7 @@
 
 use pneudrive::identification::figures::Figures;
 use pneudrive::identification::parameter::Parameter;
-use pneudrive::identification::recovery::{Case, Coverage, Trial, held, spread};
+use pneudrive::identification::recovery::{Case, Coverage, HIDDEN, Trial, held, spread};
 use pneudrive::identification::{Identification, identify};
 use pneudrive_sim::Accuracy;
 
@@ -12,7 +12,7 @@ const TRIALS: u64 = 10;
 fn the_intervals_hold_what_was_hidden_as_often_as_they_say() {
     let mut coverage = Coverage::default();
     for seed in 1..=TRIALS {
-        let trial = Trial::run(seed, &mut |_| {}).expect("a fit");
+        let trial = Trial::run(seed, HIDDEN, &mut |_| {}).expect("a fit");
         println!("seed {seed}: {}", trial.summary());
         coverage.count(&trial);
     }
@@ -28,7 +28,7 @@ fn the_intervals_hold_what_was_hidden_as_often_as_they_say() {
 
 /// A fit of some parameters to some of the tests.
 fn fit(keys: &[&str], tests: &[usize]) -> (Case, Identification) {
-    let case = Case::draw(1).expect("a case");
+    let case = Case::draw(1, HIDDEN).expect("a case");
     let parameters = keys.iter().map(|key| Parameter::of(&case.model, key).expect("a parameter")).collect();
     let recordings: Vec<_> = tests.iter().map(|&test| case.recordings[test].clone()).collect();
     let found =
@@ -38,7 +38,7 @@ fn fit(keys: &[&str], tests: &[usize]) -> (Case, Identification) {
 
 #[test]
 fn stiction_and_the_force_balance_are_near_what_was_hidden_without_a_model_of_the_air() {
-    let case = Case::draw(1).expect("a case");
+    let case = Case::draw(1, HIDDEN).expect("a case");
     let figures = Figures::of(&case.model, &case.recordings);
     let hidden =
         |key: &str| case.hidden.iter().find(|(parameter, _)| parameter.key.path == key).expect("hidden").1;
@@ -63,7 +63,7 @@ fn unseen(found: &Identification) -> Vec<&str> {
 
 #[test]
 fn friction_of_retraction_is_not_invented_from_extensions() {
-    let case = Case::draw(1).expect("a case");
+    let case = Case::draw(1, HIDDEN).expect("a case");
     let keys: Vec<&str> = case.hidden.iter().map(|(parameter, _)| parameter.key.path).collect();
     let (_, found) = fit(&keys, &[0, 4]);
     let mut unseen = unseen(&found);

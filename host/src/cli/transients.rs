@@ -143,8 +143,15 @@ pub struct Identify {
     #[command(flatten)]
     pub rig: RigChoice,
     /// TARGET files that were recorded with test.decimation=1
-    #[arg(required_unless_present = "plan", conflicts_with = "plan", value_name = "TARGET")]
+    #[arg(required_unless_present_any = ["plan", "tubing"], conflicts_with_all = ["plan", "tubing"], value_name = "TARGET")]
     pub targets: Vec<PathBuf>,
+    /// Only the regression line of a pressure drop: a CSV table with flow_g_s (or flow_kg_s) and ratio, the pressure at
+    /// the far end of a tube over that at its near end
+    #[arg(long, value_name = "FILE", conflicts_with = "plan")]
+    pub tubing: Option<PathBuf>,
+    /// Only the regression line of the sample period: asked for, and measured, in these files
+    #[arg(long)]
+    pub timer: bool,
     /// Arm the rig at this port and run the tests that are needed, from where it stands: near the middle of its
     /// stroke. It moves by up to 30 % of it to either side
     #[arg(long, value_name = "PORT")]

@@ -1,6 +1,7 @@
 //! `pneudrive identify`.
 
 mod plan;
+mod simple;
 
 use std::path::Path;
 
@@ -24,6 +25,12 @@ const PAGE: &str = "identification.html";
 
 pub(super) fn execute(arguments: &Identify) -> Result<()> {
     let rig = load_choice(&arguments.rig)?;
+    if let Some(path) = &arguments.tubing {
+        return simple::tubing(&rig, path);
+    }
+    if arguments.timer {
+        return simple::timer(&arguments.targets);
+    }
     let parameters = if arguments.fit.is_empty() {
         usual(&rig)?
     } else {

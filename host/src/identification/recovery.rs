@@ -15,8 +15,8 @@ use crate::client::Client;
 use crate::target::TargetFile;
 use crate::virtual_rig::{Background, Door, Pace, VirtualRig};
 
-/// How far a hidden value lies from the file's at most: a part of it, or of what is plausible.
-const HIDDEN: f64 = 0.1;
+/// How far a hidden value lies from the file's at most, as a rule: a part of it, or of what is plausible.
+pub const HIDDEN: f64 = 0.1;
 
 /// The drive whose values are hidden: servo-drive B with a piston that leaks and sensors that are noisy.
 const SETTINGS: [&str; 5] = [
@@ -39,18 +39,19 @@ pub struct Case {
 }
 
 impl Case {
-    /// Draws values and records the tests on a virtual rig that has them.
+    /// Draws values that lie `hidden` from the file's at most, in u, and records the tests on a virtual rig that has
+    /// them.
     ///
     /// # Errors
     /// When the virtual rig breaks down.
-    pub fn draw(seed: u64) -> Result<Case> {
+    pub fn draw(seed: u64, hidden: f64) -> Result<Case> {
         let rig = drive()?;
         let parameters = usual(&rig)?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut draw = || (random.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
         let hidden: Vec<(Parameter, f64)> = parameters
             .iter()
-            .map(|parameter| (parameter.clone(), parameter.value(HIDDEN * draw())))
+            .map(|parameter| (parameter.clone(), parameter.value(hidden * draw())))
             .collect();
         let numbers: Vec<(&'static str, f64)> =
             hidden.iter().map(|(parameter, value)| (parameter.key.path, *value)).collect();
@@ -91,8 +92,8 @@ impl Trial {
     ///
     /// # Errors
     /// When the virtual rig or the fit breaks down.
-    pub fn run(seed: u64, progress: &mut dyn FnMut(&str)) -> Result<Trial> {
-        let case = Case::draw(seed)?;
+    pub fn run(seed: u64, hidden: f64, progress: &mut dyn FnMut(&str)) -> Result<Trial> {
+        let case = Case::draw(seed, hidden)?;
         let parameters = case.hidden.iter().map(|(parameter, _)| parameter.clone()).collect();
         let found = identify(&case.model, &case.recordings, parameters, Accuracy::default(), progress)?;
         Ok(Trial { hidden: case.hidden, found })

@@ -1,0 +1,54 @@
+//! The identifications that need no model of the drive: `identify --tubing`, `identify --timer`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use pneudrive_sim::Rig;
+
+use crate::identification::figures::Figure;
+use crate::identification::regression::Line;
+use crate::identification::tubing::drop_slope;
+use crate::page::Table;
+use crate::target::TargetFile;
+
+/// The regression line of a measured pressure drop (thesis 7.1.4).
+pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
+    let reference = rig.number("tubing.reference_flow_kg_s");
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let found = drop_slope(&text, reference)
+        .with_context(|| format!("{} is no table of a pressure drop", path.display()))?;
+    say!("tubing.drop_slope = {}, at tubing.reference_flow_kg_s = {reference}", with_error(found));
+    Ok(())
+}
+
+/// The period that the timer was asked for, and the one that was measured (thesis 7.1.5).
+pub(super) fn timer(paths: &[PathBuf]) -> Result<()> {
+    let mut points = Vec::new();
+    let mut rows = Vec::new();
+    for path in paths {
+        let file = TargetFile::read(path)?;
+        let period = |key: &str| file.positive(key).with_context(|| path.display().to_string());
+        let (asked, measured) = (period("sample_period_us")?, period("measured_period_us")?);
+        let off = 1e6 * (measured / asked - 1.0);
+        rows.push(vec![
+            path.display().to_string(),
+            asked.to_string(),
+            measured.to_string(),
+            format!("{off:+.1}"),
+        ]);
+        points.push((asked, measured));
+    }
+    let columns = ["record", "asked for, us", "measured, us", "off, ppm"].map(str::to_owned).to_vec();
+    say!("{}", Table { heading: String::new(), columns, rows }.to_text());
+    match Line::through(&points) {
+        Some(line) => {
+            say!("measured = {} us + {} x asked for", with_error(line.intercept), with_error(line.slope))
+        }
+        None => say!("a regression line needs three records, of two periods at least"),
+    }
+    Ok(())
+}
+
+fn with_error(Figure { value, error }: Figure) -> String {
+    format!("{value:.6} +- {error:.1e}")
+}

@@ -1,0 +1,91 @@
+//! The regression line of the pressure drop in a tube (thesis 7.1.4).
+//!
+//! ```text
+//! ln(P_far / P_near) = (m / m_ref) ln(1 - K_dr)          6.61 as EQUATIONS section 4 reads it (R1)
+//! ```
+//!
+//! Measured are the flow m away from the near end and the ratio of the pressures; m_ref is chosen.
+
+use anyhow::{Context, Result, bail};
+
+use super::figures::Figure;
+use super::regression::Line;
+
+/// Columns of a table: the flow in one of two units, and the ratio.
+const FLOWS: [(&str, f64); 2] = [("flow_kg_s", 1.0), ("flow_g_s", 1e-3)];
+const RATIOS: [&str; 2] = ["ratio", "value"];
+
+/// K_dr, `tubing.drop_slope`, of a table as text (CSV: a header with `flow_g_s` or `flow_kg_s`, and `ratio` or `value`)
+/// for a reference flow in kg/s.
+///
+/// # Errors
+/// When it is no such table, with the line.
+pub fn drop_slope(csv: &str, reference_flow: f64) -> Result<Figure> {
+    let points: Vec<(f64, f64)> =
+        points(csv)?.into_iter().map(|(flow, ratio)| (flow / reference_flow, ratio.ln())).collect();
+    let line = Line::through_origin(&points).context("it needs two points with a flow at least")?;
+    let left = line.slope.value.exp();
+    if left >= 1.0 {
+        bail!("the pressure rises with the flow; is the ratio that of the far end over the near one?");
+    }
+    Ok(Figure { value: 1.0 - left, error: left * line.slope.error })
+}
+
+/// Flow, kg/s, and ratio.
+fn points(csv: &str) -> Result<Vec<(f64, f64)>> {
+    let mut lines = (1..).zip(csv.lines()).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let (_, header) = lines.next().context("it is empty")?;
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    let place = |name: &str| names.iter().position(|column| *column == name);
+    let flow = FLOWS.iter().find_map(|(name, unit)| Some((place(name)?, *unit)));
+    let ratio = RATIOS.iter().find_map(|name| place(name));
+    let (Some((flow, unit)), Some(ratio)) = (flow, ratio) else {
+        bail!("line 1: expected a header with flow_g_s or flow_kg_s, and ratio; found {header:?}");
+    };
+    lines
+        .map(|(n, line)| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let number = |i: usize| cells.get(i).and_then(|cell| cell.trim().parse::<f64>().ok());
+            match (number(flow), number(ratio)) {
+                (Some(flow), Some(ratio))
+                    if flow.is_finite() && ratio > 0.0 && cells.len() == names.len() =>
+                {
+                    Ok((flow * unit, ratio))
+                }
+                _ => bail!("line {n}: expected a flow and a ratio above 0, found {line:?}"),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_of_the_thesis_is_found_in_points_on_it() {
+        let points = (1..20).map(|i| {
+            let flow = 0.4 * f64::from(i);
+            format!("{flow},{}\n", 0.6f64.powf(flow / 4.65))
+        });
+        let csv = format!("flow_g_s,ratio\n{}", points.collect::<String>());
+        let found = drop_slope(&csv, 0.00465).expect("a line");
+        assert!((found.value - 0.4).abs() < 1e-12 && found.error < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_no_table_is_refused_with_its_line() {
+        for (csv, says) in [
+            ("", "empty"),
+            ("a,b\n1,2\n", "line 1"),
+            ("flow_g_s,ratio\n1,0.9\n2\n", "line 3"),
+            ("flow_g_s,ratio\n1,0.9\n2,-1\n", "line 3"),
+            ("flow_g_s,ratio\n1,0.9\n2,x\n", "line 3"),
+            ("flow_g_s,ratio\n0,1\n0,1\n", "two points"),
+            ("flow_g_s,ratio\n1,1.2\n2,1.5\n", "far end"),
+        ] {
+            let message = format!("{:#}", drop_slope(csv, 0.00465).expect_err("refused"));
+            assert!(message.contains(says), "{csv:?}: {message}");
+        }
+    }
+}
