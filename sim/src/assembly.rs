@@ -296,6 +296,11 @@ impl Assembly {
     pub fn effects(&mut self, t: f64, x: &StateVector) -> Effects {
         let applied = self.applied_to_load(x);
         let left = (self.parts.network.clone(), self.solved);
+        if let Some((at, ..)) = &mut self.solved
+            && self.parts.operator.stands(t)
+        {
+            *at = t;
+        }
         // A row is no trial step: where the flows are hard to find, they are searched for.
         self.parts.network.expect_jump();
         let nodes = self.nodes(t, x);

@@ -104,6 +104,12 @@ impl Operator {
         }
     }
 
+    /// Whether nothing but a request will move its spool.
+    #[must_use]
+    pub fn stands(&self, t: f64) -> bool {
+        self.is_foreseen() && self.longest_step().is_infinite() && self.next_instant(t).is_infinite()
+    }
+
     /// A request takes effect at `t`, under a flow force (N) on the spool.
     pub fn drive(&mut self, t: f64, spool: SpoolState, request: Request, flow_force: f64) {
         match self {

@@ -76,19 +76,23 @@ impl Network {
         None
     }
 
-    /// A land that was shut and has opened begins with what its pressures drive through it: from no flow
-    /// at all a square has no slope to follow.
+    /// The nodes to begin with.
     #[inline(always)]
     fn begun(&self, around: &Surroundings, nodes: Nodes) -> Nodes {
         let least = pair(NO_FLOW);
-        if !(least.above(nodes.supply.abs()) | least.above(nodes.exhaust.abs())).any() {
-            return nodes;
-        }
+        let rests = least.above(nodes.supply.abs()) | least.above(nodes.exhaust.abs());
+        if rests.any() { self.begun_from_rest(around, nodes) } else { nodes }
+    }
+
+    /// A land that was shut and has opened begins with what its pressures drive through it: from no flow
+    /// at all a square has no slope to follow.
+    #[inline(never)]
+    fn begun_from_rest(&self, around: &Surroundings, nodes: Nodes) -> Nodes {
         let supply = Station { exner: pair(self.supply.exner), temperature: around.supply_temperature };
         let begin = |flow: Pair, conductance: Pair, source: &Station<Pair>| {
             let square = self.land(conductance, source, &None, &nodes.stations()).value;
             let driven = Pair::of(|i| square.lane(i).abs().sqrt().copysign(square.lane(i)));
-            let opens = least.above(flow.abs()) & conductance.above(pair(0.0));
+            let opens = pair(NO_FLOW).above(flow.abs()) & conductance.above(pair(0.0));
             Pair::choose(opens, driven, flow)
         };
         Nodes {
@@ -222,13 +226,27 @@ impl Network {
         if slopes == Slopes::Tangent && !around.shut {
             return (flow * flow.abs() - value, pair(2.0) * flow.abs());
         }
-        let [one, two] = [0, 1].map(|i| {
+        self.line_by_line(around, conductance, source, (flow, value), slopes)
+    }
+
+    /// The same one by one: at rest, or beside a land that is shut.
+    #[inline(never)]
+    fn line_by_line(
+        &self,
+        around: &Surroundings,
+        conductance: Pair,
+        source: &Station<Pair>,
+        (flow, value): (Pair, Pair),
+        slopes: Slopes,
+    ) -> (Pair, Pair) {
+        let line = |i: usize| {
             let shut = around.supply_land.lane(i) == 0.0 || around.exhaust_land.lane(i) == 0.0;
             let source = Station { exner: source.exner.lane(i), temperature: source.temperature.lane(i) };
             let conductance = conductance.lane(i);
             let creeping = if shut { self.creeping(conductance, &source) } else { 0.0 };
             land_line(conductance, flow.lane(i), value.lane(i), creeping, slopes)
-        });
+        };
+        let (one, two) = (line(0), line(1));
         (Pair::new([one.0, two.0]), Pair::new([one.1, two.1]))
     }
 
