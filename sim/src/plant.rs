@@ -9,7 +9,7 @@ use pneudrive_controller::{Command, Sample};
 use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, slot};
 use crate::build;
 use crate::faults::SensorFaults;
-use crate::integrator::{IntegrationError, Integrator, Method, Work};
+use crate::integrator::{Hybrid, IntegrationError, Integrator, Method, Work};
 use crate::network::NetworkWork;
 use crate::operator::Request;
 use crate::rig::Rig;
@@ -240,6 +240,15 @@ impl Plant {
             actuator_force,
             friction: friction_force,
         }
+    }
+
+    /// One evaluation of the right-hand side in the state of the present sample, `later` seconds after it: the
+    /// acceleration of the load, m/s^2. For benchmarks; what it finds of the flows stays.
+    #[doc(hidden)]
+    pub fn evaluate(&mut self, later: f64) -> f64 {
+        let t = self.sample_time_of(self.k);
+        let x = self.integrator.state(t);
+        self.assembly.derivative(t + later, &x)[slot::VELOCITY]
     }
 
     fn sample_time_of(&self, k: u64) -> f64 {

@@ -40,9 +40,8 @@ impl ValveBench {
     pub fn nodes(&mut self, spool: f64, ports_pa: [f64; 2]) -> [Node; 2] {
         let temperature = self.network.supply().temperature;
         let ports = ports_pa.map(|pressure| Station { exner: self.gas.exner(pressure), temperature });
-        let conductances = self.valve.conductances(&self.gas, spool);
         self.network.expect_jump();
-        let mut nodes = self.network.solve(&conductances, &ports, &[PortFlow::Charging; 2]);
+        let mut nodes = self.network.flows(&self.valve, spool, &ports, &[PortFlow::Charging; 2]);
         // The direction decides the temperature alone, so the second solution has the right signs.
         for _ in 0..2 {
             let directions = nodes.map(|node| match node.port_flow() >= 0.0 {
@@ -50,7 +49,7 @@ impl ValveBench {
                 false => PortFlow::Discharging,
             });
             self.network.expect_jump();
-            nodes = self.network.solve(&conductances, &ports, &directions);
+            nodes = self.network.flows(&self.valve, spool, &ports, &directions);
         }
         nodes
     }
