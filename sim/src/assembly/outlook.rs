@@ -2,7 +2,7 @@
 //!
 //! Where time alone moves the spool, so it does its events: stick and slip, stops and the edges of the lands.
 //! They are located before a step is made, which then ends on them. A spool under a flow force, in a stop or with
-//! a command that moves all the time is watched at every step instead ([`Hybrid::guards`]).
+//! a command that moves all the time is watched at every step instead (`Hybrid::guards`).
 
 use super::{Assembly, LANDS, SPOOL_GUARDS, StateVector, spool_state};
 use crate::integrator::crossing::{LOOKS, first_of};
