@@ -177,6 +177,8 @@ fn files_that_cannot_be_fitted_are_refused_by_what_is_wrong_with_them() {
         (flipped, "damaged or cut"),
         ("time_s,position_m\n0,1\n".to_owned(), "line 1"),
         (coarse, "test.decimation=1"),
+        (text.replace("# measured_period_us = 1300", "# measured_period_us = 1e18"), "measured period"),
+        (text.replace("# mm_per_count = 0.01205", "# mm_per_count = 0"), "mm_per_count"),
         (stepper, "drive stage"),
     ] {
         fs::write(folder.path().join("bad.dat"), content).expect("written");

@@ -28,6 +28,10 @@ const COUNTS: f64 = 10.0;
 const DIFFERENCE: f64 = 1e-3;
 const DIFFERENCE_OF_START: f64 = 0.1 / COUNTS;
 
+/// Derivatives to both sides that differ by this factor have a jump of the residuals on one side: a spool that
+/// swings once more, say.
+const JUMP: f64 = 3.0;
+
 /// Root of the mean squared error of rounding to whole counts.
 const ROUNDING: f64 = 0.288_675_134_594_812_9;
 
@@ -243,23 +247,40 @@ impl<'a> Model<'a> {
         if unknown < self.parameters.len() { DIFFERENCE } else { DIFFERENCE_OF_START }
     }
 
-    /// The derivatives as columns, from residuals on two sides of each unknown.
-    fn columns(
-        &self,
-        up: Vec<Option<DVector<f64>>>,
-        down: Vec<Option<DVector<f64>>>,
-        width: f64,
-    ) -> Option<DMatrix<f64>> {
-        let rows = self.rows();
-        let data = rows.last().map_or(0, |rows| rows.end);
+    /// The rows of the residuals that an unknown has to do with.
+    fn rows_of(&self, unknown: usize) -> Range<usize> {
+        let (rows, of) = (self.rows(), self.recordings_of(unknown));
+        rows[of.start].start..rows[of.end - 1].end
+    }
+
+    /// Column by column, the derivatives from a difference of `part` steps.
+    fn differences(&self, u: &[f64], at: &DVector<f64>, part: f64) -> Option<Vec<DVector<f64>>> {
+        let moved = self.moved(u, |i| part * self.difference(i));
+        let difference = |(i, moved): (usize, Option<DVector<f64>>)| {
+            let rows = self.rows_of(i);
+            Some((moved? - at.rows(rows.start, rows.len())) / (part * self.difference(i)))
+        };
+        moved.into_iter().enumerate().map(difference).collect()
+    }
+
+    /// The matrix of these columns, and the derivatives of the terms of the unknowns.
+    fn matrix(&self, columns: Vec<DVector<f64>>) -> DMatrix<f64> {
+        let data = self.rows().last().map_or(0, |rows| rows.end);
         let mut jacobian = DMatrix::zeros(data + self.unknowns(), self.unknowns());
-        for (i, (up, down)) in up.into_iter().zip(down).enumerate() {
-            let column = (up? - down?) / (width * self.difference(i));
-            let first = rows[self.recordings_of(i).start].start;
-            jacobian.view_mut((first, i), (column.len(), 1)).copy_from(&column);
+        for (i, column) in columns.into_iter().enumerate() {
+            jacobian.view_mut((self.rows_of(i).start, i), (column.len(), 1)).copy_from(&column);
             jacobian[(data + i, i)] = 1.0 / ALLOWED;
         }
-        Some(jacobian)
+        jacobian
+    }
+}
+
+/// The mean of the derivatives to both sides; across a jump of the residuals, that of the side without it.
+fn smooth(up: DVector<f64>, down: DVector<f64>) -> DVector<f64> {
+    match up.norm() / down.norm() {
+        ratio if ratio > JUMP => down,
+        ratio if ratio < 1.0 / JUMP => up,
+        _ => 0.5 * (up + down),
     }
 }
 
@@ -292,20 +313,26 @@ impl Problem for Model<'_> {
     }
 
     fn jacobian(&self, u: &[f64], at: &DVector<f64>) -> Option<DMatrix<f64>> {
-        let up = self.moved(u, |i| self.difference(i));
-        if self.fine {
-            let down = self.moved(u, |i| -self.difference(i));
-            return self.columns(up, down, 2.0);
-        }
-        let rows = self.rows();
-        let here = (0..self.unknowns()).map(|i| {
-            let of = self.recordings_of(i);
-            let span = rows[of.start].start..rows[of.end - 1].end;
-            Some(at.rows(span.start, span.len()).into_owned())
-        });
-        let here: Vec<_> = here.collect();
+        let up = self.differences(u, at, 1.0);
         // Where there is no valid rig on one side, there is on the other.
-        self.columns(up, here.clone(), 1.0)
-            .or_else(|| self.columns(self.moved(u, |i| -self.difference(i)), here, -1.0))
+        let down = if self.fine || up.is_none() { self.differences(u, at, -1.0) } else { None };
+        let columns = match (up, down) {
+            (Some(up), Some(down)) => up.into_iter().zip(down).map(|(up, down)| smooth(up, down)).collect(),
+            (up, down) => up.or(down)?,
+        };
+        Some(self.matrix(columns))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_derivative_does_not_reach_across_a_jump() {
+        let [slope, jump] = [1.0, 800.0].map(|value| DVector::from_element(3, value));
+        assert_eq!(smooth(slope.clone(), jump.clone()), slope);
+        assert_eq!(smooth(jump, slope.clone()), slope);
+        assert_eq!(smooth(slope.clone(), 1.2 * &slope)[0], 1.1);
     }
 }

@@ -18,6 +18,9 @@ pub const CHANNELS: [(&str, &str); 4] =
 /// The keys of an initial state.
 const KEYS_OF_START: [&str; 3] = ["test.position_m", "test.pressure_1_pa", "test.pressure_2_pa"];
 
+/// A measured period may be off by this part: more is no drift of a clock.
+const MOST_OFF: f64 = 0.5;
+
 /// Variance up to which a converter is taken to have no noise of its own, squares of a count.
 const ROUNDING_ALONE: f64 = 0.15;
 
@@ -146,47 +149,20 @@ impl Recording {
         if recorded.len() < FEWEST {
             bail!("it has {} samples; a fit needs at least {FEWEST}", recorded.len());
         }
-        let still = |sample: &&RecordedSample| {
-            (sample.position, sample.command) == (recorded[0].position, recorded[0].command)
+        let rest = samples_at_rest(&recorded)?;
+        let converters = Converters {
+            full_scale: f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1),
+            rest,
+            dithered: rig.word("operator.model").starts_with("solenoid")
+                && rig.number("operator.dither_mm") > 0.0,
         };
-        let rest = recorded.iter().take_while(still).count();
-        if rest < FEWEST_AT_REST {
-            bail!(
-                "it begins with {rest} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from"
-            );
-        }
-        let number = |key: &str| file.number(key);
-        let dithered =
-            rig.word("operator.model").starts_with("solenoid") && rig.number("operator.dither_mm") > 0.0;
-        let full_scale = f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1);
-        let pulse = number("mm_per_count")? * 1e-3;
-        let pressure = [number("pressure_offset_pa")?, number("pressure_scale_pa")?];
-        let spool = [number("spool_offset_mm")? * 1e-3, number("spool_scale_mm")? * 1e-3];
-        let converter = |of: fn(&RecordedSample) -> i16, [offset, scale]: [f64; 2]| {
-            let measured: Vec<f64> = recorded.iter().map(|sample| f64::from(of(sample))).collect();
-            // What stands at an end of the converter is not known.
-            let within = |k: &usize| measured[*k] > 0.0 && measured[*k] < full_scale;
-            let rest = Rest::of(&measured[..rest], dithered);
-            let all =
-                if rest.is_rounding() { independent(&measured, 1) } else { (0..measured.len()).collect() };
-            let taken = all.into_iter().filter(within).collect();
-            Channel { taken, rest, measured, offset, scale }
-        };
-        let mut channels = [
-            encoder(&recorded, pulse),
-            converter(|sample| sample.pressure_1, pressure),
-            converter(|sample| sample.pressure_2, pressure),
-            converter(|sample| sample.spool, spool),
-        ];
+        let mut channels = converters.channels(file, &recorded)?;
         if stepper {
             // SPLLOC: what was asked for, not what was measured.
             channels[3].taken.clear();
         }
-        let delay = u64::try_from(parameter(id::DELAY_US))?;
-        let timing = Timing { period_us: number("measured_period_us")?.round() as u64, delay_us: delay };
-        if timing.period_us <= delay {
-            bail!("its header has a period of {} us and a delay of {delay} us", timing.period_us);
-        }
+        let timing =
+            timing(file.positive("measured_period_us")?, parameter(id::PERIOD_US), parameter(id::DELAY_US))?;
         let commands = recorded.iter().map(|sample| command(sample, stepper)).collect();
         let start = [0, 1, 2].map(|c| channels[c].offset + channels[c].measured[0] * channels[c].scale);
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
@@ -206,11 +182,62 @@ impl Recording {
         let started = rig.with_numbers(&[0, 1, 2].map(start)).ok()?;
         follow(&started, accuracy, self.timing, &self.commands[..samples]).ok()
     }
+}
 
-    /// Its length, s.
-    #[must_use]
-    pub fn duration_s(&self) -> f64 {
-        1e-6 * (self.timing.period_us * self.commands.len() as u64) as f64
+/// How many samples a record begins with before the drive moves or is told to.
+fn samples_at_rest(recorded: &[RecordedSample]) -> Result<usize> {
+    let first = (recorded[0].position, recorded[0].command);
+    let rest = recorded.iter().take_while(|sample| (sample.position, sample.command) == first).count();
+    if rest < FEWEST_AT_REST {
+        bail!(
+            "it begins with {rest} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from"
+        );
+    }
+    Ok(rest)
+}
+
+/// A measured period, and the period and delay that were asked for, us.
+fn timing(measured: f64, asked: i32, delay: i32) -> Result<Timing> {
+    if (measured / f64::from(asked)).ln().abs() > MOST_OFF {
+        bail!("its header has a measured period of {measured} us, and {asked} us was asked for");
+    }
+    let timing = Timing { period_us: measured.round() as u64, delay_us: u64::try_from(delay)? };
+    if timing.period_us <= timing.delay_us {
+        bail!("its header has a period of {} us and a delay of {delay} us", timing.period_us);
+    }
+    Ok(timing)
+}
+
+/// The converters of a record.
+struct Converters {
+    full_scale: f64,
+    /// Samples at rest.
+    rest: usize,
+    dithered: bool,
+}
+
+impl Converters {
+    fn channels(&self, file: &TargetFile, recorded: &[RecordedSample]) -> Result<[Channel; CHANNELS.len()]> {
+        let pressure = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
+        let spool = [1e-3 * file.number("spool_offset_mm")?, 1e-3 * file.positive("spool_scale_mm")?];
+        let counts = |of: fn(&RecordedSample) -> i32| -> Vec<f64> {
+            recorded.iter().map(|sample| f64::from(of(sample))).collect()
+        };
+        Ok([
+            encoder(counts(|sample| sample.position), 1e-3 * file.positive("mm_per_count")?),
+            self.channel(counts(|sample| sample.pressure_1.into()), pressure),
+            self.channel(counts(|sample| sample.pressure_2.into()), pressure),
+            self.channel(counts(|sample| sample.spool.into()), spool),
+        ])
+    }
+
+    fn channel(&self, measured: Vec<f64>, [offset, scale]: [f64; 2]) -> Channel {
+        // What stands at an end of the converter is not known.
+        let within = |k: &usize| measured[*k] > 0.0 && measured[*k] < self.full_scale;
+        let rest = Rest::of(&measured[..self.rest], self.dithered);
+        let all = if rest.is_rounding() { independent(&measured, 1) } else { (0..measured.len()).collect() };
+        let taken = all.into_iter().filter(within).collect();
+        Channel { taken, rest, measured, offset, scale }
     }
 }
 
@@ -220,8 +247,7 @@ fn command(sample: &RecordedSample, stepper: bool) -> Command {
     Command { counts: sample.command, step, drive_enable: true }
 }
 
-fn encoder(recorded: &[RecordedSample], pulse: f64) -> Channel {
-    let measured: Vec<f64> = recorded.iter().map(|sample| f64::from(sample.position)).collect();
+fn encoder(measured: Vec<f64>, pulse: f64) -> Channel {
     Channel {
         taken: independent(&measured, REACH),
         rest: Rest::default(),

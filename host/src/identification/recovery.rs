@@ -49,13 +49,16 @@ impl Case {
         let parameters = usual(&rig)?;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut draw = || (random.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
-        let hidden: Vec<(Parameter, f64)> = parameters
-            .iter()
-            .map(|parameter| (parameter.clone(), parameter.value(hidden * draw())))
-            .collect();
-        let numbers: Vec<(&'static str, f64)> =
-            hidden.iter().map(|(parameter, value)| (parameter.key.path, *value)).collect();
-        let real = rig.with_numbers(&numbers)?;
+        // Far away not every draw is a rig: a port does not pass more than what comes.
+        let (hidden, real) = loop {
+            let values: Vec<f64> =
+                parameters.iter().map(|parameter| parameter.value(hidden * draw())).collect();
+            let numbers: Vec<_> =
+                parameters.iter().map(|parameter| parameter.key.path).zip(values.iter().copied()).collect();
+            if let Ok(real) = rig.with_numbers(&numbers) {
+                break (parameters.into_iter().zip(values).collect(), real);
+            }
+        };
         let mut recordings = Vec::new();
         let middle = 0.5 * rig.number("actuator.stroke_m");
         for (test, seed) in moves::FITTED.into_iter().zip((seed..).step_by(1000)) {
