@@ -6,7 +6,7 @@
 //! F = M a + K_C v + F_c,ext [v > 0] - F_c,ret [v < 0]  least squares while it slips
 //! ```
 //!
-//! Speed and acceleration are differences of positions over [`REACH`] samples to either side, the force a mean over
+//! Speed and acceleration are differences of positions over `REACH` samples to either side, the force a mean over
 //! the same ones. The hysteresis is how far apart the spool stands at the same command on the way up and on the way
 //! down, as in 7.1.2.1.
 
