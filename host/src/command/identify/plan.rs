@@ -125,10 +125,7 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
         bail!("nothing was recorded");
     };
     let way = last.position - first.position;
-    let over = |sample: &RecordedSample| i32::from(sample.pressure_1) - i32::from(sample.pressure_2);
-    // The first push moves it; what comes later is the motion's own.
-    let mut pushes = samples.iter().map(|(_, sample)| over(sample) - over(first));
-    let push = pushes.find(|push| push.abs() >= PUSH).unwrap_or(0);
+    let push = first_push(samples, first.command);
     match (way, push) {
         (MOVED.., 1..) => Ok(()),
         (..=UNMOVED, ..=-1) => bail!(
@@ -148,18 +145,33 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
     }
 }
 
+/// The change of P_1 - P_2, counts, by which pressures first leave what they were before the first command: that moves the
+/// drive, and what comes later is the motion's own.
+fn first_push(samples: &[(i32, RecordedSample)], resting: i16) -> i32 {
+    let over =
+        |(_, sample): &(i32, RecordedSample)| i32::from(sample.pressure_1) - i32::from(sample.pressure_2);
+    let rest = samples.iter().take_while(|(_, sample)| sample.command == resting).count();
+    let mean = samples[..rest].iter().map(over).sum::<i32>() / rest.max(1) as i32;
+    // Under a dither, and where a drive creeps, pressures do not stand still before either.
+    let restless = samples[..rest].iter().map(|sample| (over(sample) - mean).abs()).max().unwrap_or(0);
+    let mut pushes = samples[rest..].iter().map(|sample| over(sample) - mean);
+    pushes.find(|push| push.abs() >= PUSH + 2 * restless).unwrap_or(0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn verdict(way: i32, push: i16) -> String {
+        // Before the command pressures swing by 35 counts, as under a dither.
         let sample = |k: i32| RecordedSample {
-            position: 8000 + way * k / 20,
-            pressure_1: 1500 + push * k as i16,
+            position: 8000 + way * k.max(0) / 20,
+            pressure_1: 1500 + push * k.max(0) as i16 + if k < 0 { 35 * (k % 2) as i16 } else { 0 },
             pressure_2: 1500,
+            command: if k < 0 { 0 } else { 960 },
             ..RecordedSample::default()
         };
-        let samples: Vec<(i32, RecordedSample)> = (0..=20).map(|k| (k, sample(k))).collect();
+        let samples: Vec<(i32, RecordedSample)> = (-20..=20).map(|k| (k + 20, sample(k))).collect();
         check_movement(&samples).map_or_else(|error| error.to_string(), |()| "right".to_owned())
     }
 
