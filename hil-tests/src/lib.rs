@@ -46,7 +46,9 @@ pub trait Target {
     /// # Errors
     /// When nobody answers.
     fn connect(&self) -> Result<Client> {
-        Client::connect(self.port())
+        // An emulator that comes up on a busy machine may need longer than a program waits for an answer.
+        let again = || Client::connect(self.port()).ok();
+        (0..4).find_map(|_| again()).map_or_else(|| Client::connect(self.port()), Ok)
     }
 
     /// What its runs have cost, where that is known.

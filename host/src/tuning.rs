@@ -11,7 +11,7 @@
 //! | [`goal`] | what is asked of a step, and what a run costs |
 //! | [`spread`] | the rigs that the drive may turn out to be |
 //! | [`trial`] | the step on a rig |
-//! | [`search`] | differential evolution |
+//! | [`mod@search`] | differential evolution |
 //! | [`obstacle`] | which parameter of the rig is in the way |
 //! | [`report`] | the page, and the rig file |
 //!

@@ -3,7 +3,7 @@
 //! | key | is |
 //! |---|---|
 //! | `rig` | a built-in rig, or a rig file beside this one |
-//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator, 1e-11 |
+//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: what the drive needs |
 //! | `[set]` | keys of the rig that all points have in common |
 //! | `[vary]` | a key and what it takes on (`file/vary.rs`) |
 //! | `[draw]` | `count` of draws of the distributions, `seed` = 1, `method` = "latin-hypercube" or "random" |

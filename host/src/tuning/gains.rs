@@ -57,6 +57,9 @@ const NULL_OFFSET: Gene = linear(-0.02, 0.02);
 const DITHER: Gene = linear(0.0, 0.6);
 const DITHER_HZ: Gene = linear(20.0, 120.0);
 
+/// Gains of a profile that are less than this apart are one.
+const ALIKE: f64 = 1.02;
+
 /// Most that a gain can be.
 const MOST_GAIN: f64 = 65_535.0;
 
@@ -162,7 +165,7 @@ impl Space {
         settings
     }
 
-    /// The profile, as long as it changes, in spans of a sixth of the knee.
+    /// The profile, as long as it is another than at large errors, in spans of a sixth of the knee.
     fn profile(&self, near: f64, far: f64, knee_mm: f64) -> [String; 2] {
         let knee = knee_mm / self.mm_per_count;
         let span = (knee / 6.0).round().max(1.0);
@@ -170,9 +173,9 @@ impl Space {
             let error = (i as f64 + 0.5) * span;
             (far + (near - far) / (1.0 + (error / knee).powi(2))).round().clamp(0.0, MOST_GAIN)
         };
-        let mut entries: Vec<f64> = (0..256).map(entry).collect();
-        entries.dedup_by(|next, before| next == before && *next == far.round().clamp(0.0, MOST_GAIN));
-        let entries: Vec<String> = entries.iter().map(f64::to_string).collect();
+        let last = far.round().clamp(0.0, MOST_GAIN);
+        let near = (0..255).map(entry).take_while(|gain| *gain > ALIKE * last);
+        let entries: Vec<String> = near.chain([last]).map(|gain| gain.to_string()).collect();
         [
             format!("controller.profile_span_counts={span}"),
             format!("controller.gain_profile=[{}]", entries.join(", ")),
