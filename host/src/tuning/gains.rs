@@ -45,8 +45,9 @@ impl Gene {
 const E_NEAR: Gene = ratio(0.15, 30.0);
 const E_FAR: Gene = ratio(3.0, 150.0);
 const E_KNEE: Gene = ratio(0.03, 10.0);
-const T_D: Gene = ratio(0.003, 0.3);
-const T_A: Gene = ratio(0.001, 0.08);
+const T_D: Gene = ratio(0.003, 0.15);
+/// Above, a count of acceleration throws the valve over.
+const T_A: Gene = ratio(0.001, 0.04);
 const VELOCITY_WINDOW: Gene = linear(2.0, 12.0);
 const ACCELERATION_WINDOW: Gene = linear(1.0, 8.0);
 /// Fractions of the distance that counts as settled.

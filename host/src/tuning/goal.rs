@@ -17,6 +17,9 @@ pub struct Goal {
     pub overshoot_percent: f64,
 }
 
+/// A step that is within the distance only later than this part of its time has not settled: it passes by.
+const SETTLED_BY: f64 = 0.75;
+
 /// Cost of a run that tripped, or could not be simulated, s.
 const FAILED: f64 = 1e3;
 
@@ -29,7 +32,7 @@ pub struct Performance {
     pub allowed_s: f64,
     /// How far beyond, % of the step.
     pub overshoot_percent: f64,
-    /// Largest distance from the setpoint in the last quarter of its time, mm.
+    /// Mean distance from the setpoint in the last quarter of its time, mm.
     pub error_mm: f64,
     /// Half the swing of a limit cycle in that quarter, mm; 0: it stands.
     pub limit_cycle_mm: f64,
@@ -42,7 +45,8 @@ impl Performance {
     #[must_use]
     pub fn of(moves: &[&Move], step_mm: f64, allowed_s: f64) -> Performance {
         let largest = |of: &dyn Fn(&Move) -> f64| moves.iter().map(|one| of(one)).fold(0.0, f64::max);
-        let settling = moves.iter().map(|one| one.settling_s);
+        let stays = |settling: &f64| *settling <= SETTLED_BY * allowed_s;
+        let settling = moves.iter().map(|one| one.settling_s.filter(stays));
         Performance {
             settling_s: settling.reduce(|a, b| Some(a?.max(b?))).flatten(),
             allowed_s,

@@ -101,6 +101,8 @@ fn a_step_that_is_as_asked_costs_its_settling_time_and_all_others_more() {
     let late = performance(step(), Move { settling_s: None, steady_error_mm: Some(-0.2), ..step() });
     assert_eq!(late.faults(&GOAL), ["it does not settle"]);
     assert!((late.cost(&GOAL) - (1.5 + 4.0)).abs() < 1e-12, "its time, and four times the allowed error");
+    let passing = performance(step(), Move { settling_s: Some(1.4), steady_error_mm: Some(0.1), ..step() });
+    assert_eq!((passing.settling_s, passing.faults(&GOAL)), (None, vec!["it does not settle"]));
     let far = performance(step(), Move { overshoot_mm: Some(1.2), ..step() });
     assert_eq!(far.faults(&GOAL), ["it overshoots"]);
     assert!((far.cost(&GOAL) - (0.4 + 0.2)).abs() < 1e-12, "2 % of the step, 1 % is allowed");
