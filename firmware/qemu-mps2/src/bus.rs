@@ -50,9 +50,24 @@ impl PlantBus {
     pub fn open() -> Result<PlantBus, Error> {
         let mut bus = PlantBus { outputs: File::create(OUTPUTS)?, inputs: File::open(INPUTS)? };
         bus.outputs.write_all(&HELLO)?;
+        match bus.hello()? {
+            HELLO => Ok(bus),
+            hello => Err(Error::Version(hello[3])),
+        }
+    }
+
+    /// The plant's hello, behind the answer to what was said before a reset: that may be in the pipe still.
+    fn hello(&mut self) -> Result<[u8; HELLO.len()], Error> {
         let mut hello = [0; HELLO.len()];
-        bus.inputs.read_exact(&mut hello)?;
-        if hello == HELLO { Ok(bus) } else { Err(Error::Version(hello[3])) }
+        self.inputs.read_exact(&mut hello)?;
+        for _ in 0..Inputs::BYTES {
+            if hello[..3] == HELLO[..3] {
+                break;
+            }
+            hello.rotate_left(1);
+            self.inputs.read_exact(&mut hello[3..])?;
+        }
+        Ok(hello)
     }
 
     /// One turn of each side, with the ticks of the longest part of a request; None once the plant has gone.
