@@ -37,7 +37,7 @@ pub use obstacle::Obstacle;
 pub use spread::{Relative, Variant};
 
 use crate::parallel;
-use search::{Budget, search};
+use search::{Budget, Outcome, search};
 use trial::Trial;
 
 /// What is to be done.
@@ -102,48 +102,28 @@ pub struct Tuned {
 /// # Errors
 /// When the rig has no gains to look for, or the step does not fit into its stroke.
 pub fn tune(task: &Task, mut progress: impl FnMut(usize, usize, f64)) -> Result<Tuned> {
-    let trial = Trial::of(task, &[])?;
-    let corners = spread::corners(&task.spread);
+    let drive = Drive::of(task, &[])?;
     let variants = spread::all(&task.spread, task.budget.seed);
-    let suspects = obstacle::suspects(&trial.rig);
-    let all = task.budget.generations + suspects.len() * obstacle::generations(task.budget.generations);
-    let counter = AtomicUsize::new(0);
-    let space = Space::of(&trial.rig, task.goal.settled_mm)?;
-    let batch = Batch { trial: &trial, space: &space, corners: &corners, counter: &counter, task };
-    let mut done = 0;
-    let outcome = search(
-        space.len(),
-        &task.budget,
-        &[],
-        |genes, limits| batch.costs(genes, limits),
-        |best| {
-            done += 1;
-            progress(done, all, best);
-        },
-    );
-    let before = judged(task, &trial, &[], &variants, &counter);
-    let mut after = judged(task, &trial, &space.settings(&outcome.best), &variants, &counter);
+    let suspects = obstacle::suspects(&drive.trial.rig);
+    let later = Budget { generations: obstacle::generations(task.budget.generations), ..task.budget };
+    let all = task.budget.generations + suspects.len() * later.generations;
+    let (counter, mut done) = (AtomicUsize::new(0), 0);
+    let mut progress = |best: f64| {
+        done += 1;
+        progress(done, all, best);
+    };
+    let outcome = drive.search(&task.budget, &[], &counter, &mut progress);
+    let before = drive.judged(&[], &variants, &counter);
+    let mut after = drive.judged(&drive.space.settings(&outcome.best), &variants, &counter);
     if after.cost(&task.goal) >= before.cost(&task.goal) {
         after = before.clone();
     }
     let mut obstacles = Vec::new();
     if after.met(&task.goal) < variants.len() {
         for suspect in suspects {
-            let budget =
-                Budget { generations: obstacle::generations(task.budget.generations), ..task.budget };
-            let trial = Trial::of(task, &suspect.settings)?;
-            let batch = Batch { trial: &trial, space: &space, corners: &corners, counter: &counter, task };
-            let without = search(
-                space.len(),
-                &budget,
-                &outcome.population,
-                |g, l| batch.costs(g, l),
-                |best| {
-                    done += 1;
-                    progress(done, all, best);
-                },
-            );
-            let found = judged(task, &trial, &space.settings(&without.best), &variants, &counter);
+            let drive = Drive::of(task, &suspect.settings)?;
+            let without = drive.search(&later, &outcome.population, &counter, &mut progress);
+            let found = drive.judged(&drive.space.settings(&without.best), &variants, &counter);
             obstacles.push(Obstacle { suspect, found });
         }
     }
@@ -151,50 +131,64 @@ pub fn tune(task: &Task, mut progress: impl FnMut(usize, usize, f64)) -> Result<
     Ok(Tuned { variants, before, after, progress: outcome.history, obstacles, runs })
 }
 
-/// Candidates on the corners of the spread.
-struct Batch<'a> {
-    trial: &'a Trial,
-    space: &'a Space,
-    corners: &'a [Variant],
-    counter: &'a AtomicUsize,
+/// A rig to be tuned, and what its genes mean: in its own counts and samples.
+struct Drive<'a> {
     task: &'a Task,
+    trial: Trial,
+    space: Space,
 }
 
-impl Batch<'_> {
-    /// The cost of each candidate: its worst corner. One that is above its limit is not looked at any further.
-    fn costs(&self, genes: &[Vec<f64>], limits: &[f64]) -> Vec<f64> {
-        let jobs: Vec<(&Vec<f64>, f64)> = genes.iter().zip(limits.iter().copied()).collect();
-        parallel::map(
-            &jobs,
-            self.task.threads,
-            |(genes, limit)| {
-                let settings = self.space.settings(genes);
-                let mut worst = 0.0_f64;
-                for corner in self.corners {
-                    self.counter.fetch_add(1, Ordering::Relaxed);
-                    worst = worst.max(self.trial.run(&settings, corner).cost(&self.task.goal));
-                    if worst >= *limit {
-                        break;
-                    }
-                }
-                worst
-            },
-            |_| {},
-        )
+impl Drive<'_> {
+    /// The rig of a task; `more` keys are set.
+    fn of<'a>(task: &'a Task, more: &[String]) -> Result<Drive<'a>> {
+        let trial = Trial::of(task, more)?;
+        let space = Space::of(&trial.rig, task.goal.settled_mm)?;
+        Ok(Drive { task, trial, space })
     }
-}
 
-/// Gains on every variant.
-fn judged(
-    task: &Task,
-    trial: &Trial,
-    settings: &[String],
-    variants: &[Variant],
-    counter: &AtomicUsize,
-) -> Found {
-    counter.fetch_add(variants.len(), Ordering::Relaxed);
-    let performances = parallel::map(variants, task.threads, |variant| trial.run(settings, variant), |_| {});
-    Found { settings: settings.to_vec(), performances }
+    fn search(
+        &self,
+        budget: &Budget,
+        start: &[Vec<f64>],
+        counter: &AtomicUsize,
+        progress: impl FnMut(f64),
+    ) -> Outcome {
+        let corners = spread::corners(&self.task.spread);
+        let costs = |genes: &[Vec<f64>], limits: &[f64]| self.costs(genes, limits, &corners, counter);
+        search(self.space.len(), budget, start, costs, progress)
+    }
+
+    /// The cost of each candidate: its worst corner. One that is above its limit is not looked at any further.
+    fn costs(
+        &self,
+        genes: &[Vec<f64>],
+        limits: &[f64],
+        corners: &[Variant],
+        counter: &AtomicUsize,
+    ) -> Vec<f64> {
+        let worst = |(genes, limit): &(&Vec<f64>, f64)| {
+            let settings = self.space.settings(genes);
+            let mut worst = 0.0_f64;
+            for corner in corners {
+                counter.fetch_add(1, Ordering::Relaxed);
+                worst = worst.max(self.trial.run(&settings, corner).cost(&self.task.goal));
+                if worst >= *limit {
+                    break;
+                }
+            }
+            worst
+        };
+        let jobs: Vec<(&Vec<f64>, f64)> = genes.iter().zip(limits.iter().copied()).collect();
+        parallel::map(&jobs, self.task.threads, worst, |_| {})
+    }
+
+    /// Gains on every variant.
+    fn judged(&self, settings: &[String], variants: &[Variant], counter: &AtomicUsize) -> Found {
+        counter.fetch_add(variants.len(), Ordering::Relaxed);
+        let run = |variant: &Variant| self.trial.run(settings, variant);
+        let performances = parallel::map(variants, self.task.threads, run, |_| {});
+        Found { settings: settings.to_vec(), performances }
+    }
 }
 
 /// The rig file of a task.

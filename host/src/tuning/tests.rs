@@ -149,6 +149,24 @@ fn a_rig_without_one_of_its_imperfections_is_a_rig() {
     }
 }
 
+/// Else a rig without one of its imperfections is judged with gains for another one.
+#[test]
+fn genes_of_a_rig_with_another_encoder_or_period_are_in_its_own_counts_and_samples() {
+    let task = task("servo-b", &[]);
+    let gain = |more: &[&str], key: &str| {
+        let more: Vec<String> = more.iter().map(|&one| one.to_owned()).collect();
+        let drive = Drive::of(&task, &more).expect("a drive");
+        let settings = drive.space.settings(&vec![0.4; drive.space.len()]);
+        let value = settings.iter().find_map(|one| one.strip_prefix(&format!("{key}="))).expect("a gain");
+        value.parse::<f64>().expect("a number")
+    };
+    let velocity = "controller.velocity_gain";
+    let ratio = |more: &[&str], key: &str| gain(more, key) / gain(&[], key);
+    assert!((ratio(&["encoder.mm_per_count=0.0030125"], velocity) - 0.25).abs() < 0.01);
+    let faster = ["controller.delay_s=0.000125", "controller.period_s=0.000325"];
+    assert!((ratio(&faster, velocity) - 4.0).abs() < 0.02, "a window covers a quarter of the way");
+}
+
 #[test]
 fn the_same_gains_are_found_on_any_number_of_threads_and_they_are_no_worse_than_those_of_the_file() {
     let task = task("servo-a", &[]);
