@@ -17,6 +17,7 @@ use std::f64::consts::PI;
 use crate::air::{Air, Volume};
 use crate::gas::Gas;
 use crate::leakage::{self, Leakage};
+use crate::number::{Number, Pair};
 
 /// The dimensions of a cylinder, SI.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +40,7 @@ pub struct Actuator {
 
 /// Air that leaks past the piston.
 #[derive(Clone, Copy, Debug)]
-pub struct Leak {
+pub(crate) struct Leak {
     /// kg/s from chamber 1 to chamber 2.
     pub flow: f64,
     /// Of the chamber that it comes from, K.
@@ -47,10 +48,10 @@ pub struct Leak {
 }
 
 impl Leak {
-    /// The flow into chamber `i` (0 or 1) and the temperature that it carries.
-    #[must_use]
-    pub fn into_chamber(&self, i: usize) -> (f64, f64) {
-        (if i == 0 { -self.flow } else { self.flow }, self.temperature)
+    /// The flows into the chambers and the temperature that they carry.
+    #[inline(always)]
+    pub fn entering(self) -> (Pair, Pair) {
+        (Pair::new([-self.flow, self.flow]), Pair::splat(self.temperature))
     }
 }
 
@@ -66,16 +67,18 @@ impl Actuator {
     /// Volumes of chambers 1 and 2 at a position (m) and velocity (m/s).
     #[must_use]
     pub fn volumes(&self, position: f64, velocity: f64) -> [Volume; 2] {
-        [
-            Volume {
-                volume: self.area_1 * position + self.residual_volumes[0],
-                rate: self.area_1 * velocity,
-            },
-            Volume {
-                volume: self.area_2 * (self.stroke - position) + self.residual_volumes[1],
-                rate: -self.area_2 * velocity,
-            },
-        ]
+        let both = self.both_volumes(position, velocity);
+        [0, 1].map(|i| Volume { volume: both.volume.lane(i), rate: both.rate.lane(i) })
+    }
+
+    /// Both at once.
+    #[inline(always)]
+    pub(crate) fn both_volumes(&self, position: f64, velocity: f64) -> Volume<Pair> {
+        let areas = Pair::new([self.area_1, self.area_2]);
+        Volume {
+            volume: areas * Pair::new([position, self.stroke - position]) + Pair::new(self.residual_volumes),
+            rate: areas * Pair::new([velocity, -velocity]),
+        }
     }
 
     /// F_a, N, for the chamber pressures in Pa.
@@ -91,9 +94,10 @@ impl Actuator {
     }
 
     /// What leaks past the piston between the two chambers.
-    #[must_use]
-    pub fn leak(&self, gas: &Gas, air: &[Air; 2]) -> Leak {
-        Leak { flow: self.leakage.flow(gas, air), temperature: air[leakage::source(air)].temperature }
+    #[inline(always)]
+    pub(crate) fn leak(&self, gas: &Gas, air: &Air<Pair>) -> Leak {
+        let from = leakage::source(air);
+        Leak { flow: self.leakage.flow(gas, air), temperature: air.temperature.lane(from) }
     }
 
     /// P_1 at which the cylinder delivers `force` N against `pressure_2`.
@@ -137,7 +141,7 @@ mod tests {
         let (p, t, flow, carried) = (3e5, 300.0, 2e-3, 280.0);
         let [mass, exner] = Air::state_of(&gas, p, t, volume.volume);
         let air = Air::of_state(&gas, mass, exner, volume.volume);
-        let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(flow, carried), (0.0, t)]);
+        let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(flow, carried), (0.0, t), (0.0, t)]);
 
         let energy = 1.4 * 286.76 * carried * flow;
         let p_rate = (energy - 1.4 * p * volume.rate) / volume.volume;
@@ -152,7 +156,7 @@ mod tests {
         let gas = Gas::new(1.4, 286.76);
         let air = Air::of_state(&gas, 1e-3, 36.0, 3e-4);
         let volume = Volume { volume: 3e-4, rate: 1e-4 };
-        let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(0.0, 294.0); 2]);
+        let [mass_rate, exner_rate] = air.derivative(&gas, volume, [(0.0, 294.0); 3]);
         assert_eq!(mass_rate, 0.0);
         assert!((exner_rate / 36.0 + 0.4 * volume.rate / volume.volume).abs() < 1e-15);
     }

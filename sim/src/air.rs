@@ -7,6 +7,7 @@
 //! ```
 
 use crate::gas::Gas;
+use crate::number::{Number, Pair};
 
 /// A place with an Exner pressure and a temperature, or two of them.
 #[derive(Clone, Copy, Debug)]
@@ -17,55 +18,91 @@ pub struct Station<N = f64> {
     pub temperature: N,
 }
 
-/// A chamber's volume and how fast it grows.
-#[derive(Clone, Copy, Debug)]
-pub struct Volume {
-    /// m^3.
-    pub volume: f64,
-    /// m^3/s.
-    pub rate: f64,
+impl Station<Pair> {
+    /// Two places as one.
+    pub(crate) fn both([one, two]: &[Station; 2]) -> Station<Pair> {
+        Station {
+            exner: Pair::new([one.exner, two.exner]),
+            temperature: Pair::new([one.temperature, two.temperature]),
+        }
+    }
+
+    /// Place `i` of them.
+    pub(crate) fn lane(&self, i: usize) -> Station {
+        Station { exner: self.exner.lane(i), temperature: self.temperature.lane(i) }
+    }
 }
 
-/// The air in a chamber.
+/// A chamber's volume and how fast it grows, or those of both chambers.
 #[derive(Clone, Copy, Debug)]
-pub struct Air {
+pub struct Volume<N = f64> {
+    /// m^3.
+    pub volume: N,
+    /// m^3/s.
+    pub rate: N,
+}
+
+/// The air in a chamber, or in both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Air<N = f64> {
     /// m, kg.
-    pub mass: f64,
+    pub mass: N,
     /// w.
-    pub exner: f64,
+    pub exner: N,
     /// P, Pa.
-    pub pressure: f64,
+    pub pressure: N,
     /// T, K.
-    pub temperature: f64,
+    pub temperature: N,
 }
 
 impl Air {
-    /// Air of a mass and an Exner pressure in a volume.
-    #[must_use]
-    pub fn of_state(gas: &Gas, mass: f64, exner: f64, volume: f64) -> Air {
-        let pressure = gas.pressure(exner);
-        Air { mass, exner, pressure, temperature: pressure * volume / (mass * gas.gas_constant) }
-    }
-
     /// The mass (kg) and Exner pressure of air at `pressure` Pa and `temperature` K in a volume.
     #[must_use]
     pub fn state_of(gas: &Gas, pressure: f64, temperature: f64, volume: f64) -> [f64; 2] {
         [pressure * volume / (gas.gas_constant * temperature), gas.exner(pressure)]
     }
+}
+
+impl<N: Number> Air<N> {
+    /// Air of a mass and an Exner pressure in a volume.
+    #[inline(always)]
+    pub(crate) fn of_state(gas: &Gas, mass: N, exner: N, volume: N) -> Air<N> {
+        let pressure = gas.pressure_of(exner);
+        Air { mass, exner, pressure, temperature: pressure * volume / (mass * N::from(gas.gas_constant)) }
+    }
 
     /// As a place in the network of flows.
-    #[must_use]
-    pub fn station(&self) -> Station {
+    #[inline(always)]
+    pub(crate) fn station(&self) -> Station<N> {
         Station { exner: self.exner, temperature: self.temperature }
     }
 
     /// m' and w' for flows in kg/s into the chamber, each with the temperature (K) that it carries.
-    #[must_use]
-    pub fn derivative<const N: usize>(&self, gas: &Gas, volume: Volume, flows: [(f64, f64); N]) -> [f64; 2] {
-        let carried: f64 = flows.iter().map(|(flow, temperature)| flow * temperature).sum();
-        let filling = gas.gas_constant * carried / (self.pressure * volume.volume);
+    #[inline(always)]
+    pub(crate) fn derivative(&self, gas: &Gas, volume: Volume<N>, flows: [(N, N); 3]) -> [N; 2] {
+        let [(one, t1), (two, t2), (three, t3)] = flows;
+        let carried = one * t1 + two * t2 + three * t3;
+        let filling = N::from(gas.gas_constant) * carried / (self.pressure * volume.volume);
         let growth = volume.rate / volume.volume;
-        let mass = flows.iter().map(|(flow, _)| flow).sum();
-        [mass, self.exner * (gas.heat_capacity_ratio - 1.0) * (filling - growth)]
+        let per_growth = self.exner * N::from(gas.heat_capacity_ratio - 1.0);
+        [one + two + three, per_growth * (filling - growth)]
+    }
+}
+
+impl Air<Pair> {
+    /// That of chamber `i`.
+    #[inline(always)]
+    pub(crate) fn lane(&self, i: usize) -> Air {
+        Air {
+            mass: self.mass.lane(i),
+            exner: self.exner.lane(i),
+            pressure: self.pressure.lane(i),
+            temperature: self.temperature.lane(i),
+        }
+    }
+
+    /// That of each chamber.
+    pub(crate) fn each(&self) -> [Air; 2] {
+        [self.lane(0), self.lane(1)]
     }
 }

@@ -26,10 +26,11 @@ use crate::friction::Contact;
 use crate::gas::Gas;
 use crate::integrator::{Ahead, Event, Hybrid, Slope};
 use crate::load::Load;
-use crate::network::{Network, Node, PortFlow};
+use crate::network::{Network, Nodes, PortFlow, Surroundings};
+use crate::number::{Number, Pair};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
-use crate::valve::Valve;
+use crate::valve::{Conductances, Restrictions, Valve};
 use lands::Lands;
 use ports::Ports;
 
@@ -75,12 +76,13 @@ pub(crate) struct Assembly {
     pub parts: Parts,
     load_contact: Contact,
     load_side: Side,
+    restrictions: Restrictions,
     lands: Lands,
     ports: Ports,
     /// What the spool will do next, as long as no mode of it changes.
     outlook: Option<Ahead>,
     /// The last solution of the network, and the instant and state it belongs to.
-    solved: Option<(f64, StateVector, [Node; 2])>,
+    solved: Option<(f64, StateVector, Nodes)>,
 }
 
 /// The components that an assembly is made of.
@@ -117,6 +119,7 @@ impl Assembly {
         let mut assembly = Assembly {
             load_contact: Contact::Stuck,
             load_side: parts.load.stops.side(x[slot::POSITION]),
+            restrictions: parts.valve.restrictions(&parts.gas),
             lands: Lands::at(&parts.valve, 0.0),
             ports: Ports::new(),
             outlook: None,
@@ -178,7 +181,8 @@ impl Assembly {
         }
         let nodes = self.nodes(t, x);
         let ends = self.ends_at_valve(x, &self.air(x));
-        let behind = [0, 1].map(|i| self.parts.network.exner_behind_port(&nodes[i], &ends[i]));
+        let behind = self.parts.network.exner_behind_ports(&nodes, &ends);
+        let each = nodes.each();
         let spool = self.spool(t, x);
         let pressure = |exner| self.parts.gas.pressure(exner);
         let flows = ValveFlows {
@@ -191,10 +195,10 @@ impl Assembly {
                 temperature: self.parts.network.exhaust().temperature,
             },
             nodes: [0, 1].map(|i| NodeFlows {
-                supply: nodes[i].supply_flow,
-                exhaust: nodes[i].exhaust_flow,
-                pressure: pressure(nodes[i].exner),
-                port_pressure: pressure(behind[i]),
+                supply: each[i].supply_flow,
+                exhaust: each[i].exhaust_flow,
+                pressure: pressure(each[i].exner),
+                port_pressure: pressure(behind.lane(i)),
             }),
             land_areas: self.parts.valve.land_areas(spool),
             path_area: path_area(self.parts.valve.spool_diameter, self.parts.valve.rod_diameter),
@@ -234,50 +238,62 @@ impl Assembly {
         }
     }
 
-    fn air(&self, x: &StateVector) -> [Air; 2] {
-        let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
-        let of =
-            |i: usize| Air::of_state(&self.parts.gas, x[slot::MASS[i]], x[slot::EXNER[i]], volumes[i].volume);
-        [of(0), of(1)]
+    fn air(&self, x: &StateVector) -> Air<Pair> {
+        self.air_in(self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]).volume, x)
+    }
+
+    /// The same in volumes of m^3.
+    #[inline(always)]
+    fn air_in(&self, volumes: Pair, x: &StateVector) -> Air<Pair> {
+        let both = |slots: [usize; 2]| Pair::new(slots.map(|i| x[i]));
+        Air::of_state(&self.parts.gas, both(slot::MASS), both(slot::EXNER), volumes)
     }
 
     /// The flows at a state; solved once for each.
-    fn nodes(&mut self, t: f64, x: &StateVector) -> [Node; 2] {
-        let air = self.air(x);
-        self.nodes_of(t, x, &air)
+    fn nodes(&mut self, t: f64, x: &StateVector) -> Nodes {
+        self.nodes_of(t, x, &self.air(x))
     }
 
     /// The same for the air that a state tells of.
-    fn nodes_of(&mut self, t: f64, x: &StateVector, air: &[Air; 2]) -> [Node; 2] {
+    fn nodes_of(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
         match &self.solved {
             Some((at, solved, nodes)) if *at == t && solved == x => *nodes,
-            _ => {
-                let spool = self.spool(t, x);
-                let stations = self.ends_at_valve(x, air);
-                let conductances = self.parts.valve.conductances_of(&self.parts.gas, spool, self.lands.open);
-                let nodes = self.parts.network.solve_at(t, &conductances, &stations, &self.ports.directions);
-                self.solved = Some((t, *x, nodes));
-                nodes
-            }
+            _ => self.solve(t, x, air),
         }
+    }
+
+    fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
+        let conductances = self.conductances(t, x);
+        let stations = self.ends_at_valve(x, air);
+        let around = Surroundings::new(conductances, stations, &self.ports.directions);
+        let nodes = self.parts.network.solve_at(t, &around);
+        self.solved = Some((t, *x, nodes));
+        nodes
+    }
+
+    /// What the valve lets pass.
+    #[inline(always)]
+    fn conductances(&self, t: f64, x: &StateVector) -> Conductances<Pair> {
+        self.restrictions.at(self.parts.valve.openings(self.spool(t, x)), self.lands.open)
     }
 
     /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;
     /// the supply likewise.
-    fn ends_at_valve(&mut self, x: &StateVector, air: &[Air; 2]) -> [Station; 2] {
-        let mut stations = [air[0].station(), air[1].station()];
+    #[inline(always)]
+    fn ends_at_valve(&mut self, x: &StateVector, air: &Air<Pair>) -> Station<Pair> {
+        let mut stations = air.station();
         if let Some(lag) = &self.parts.lag {
             let part = |i: usize| self.parts.gas.exner(x[slot::RATIO[i]]);
             self.parts.network.set_supply(lag.supply.exner * part(0));
-            stations[0].exner *= part(1);
-            stations[1].exner *= part(2);
+            stations.exner *= Pair::new([part(1), part(2)]);
         }
-        self.joined(stations)
+        Station { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }
     }
 
     /// What is told of the ports, told of the chambers that they are joined to, and the other way about.
-    fn joined<T: Copy>(&self, each: [T; 2]) -> [T; 2] {
-        if self.parts.faults.now.swapped_tubes { [each[1], each[0]] } else { each }
+    #[inline(always)]
+    fn joined(&self, each: Pair) -> Pair {
+        if self.parts.faults.now.swapped_tubes { Pair::new([each.lane(1), each.lane(0)]) } else { each }
     }
 
     fn actuator_force(&self, x: &StateVector) -> f64 {
@@ -306,20 +322,11 @@ impl Assembly {
         let nodes = self.nodes(t, x);
         (self.parts.network, self.solved) = left;
         Effects {
-            air: self.air(x),
-            mass_flows: self.joined(nodes.map(|node| node.port_flow())),
+            air: self.air(x).each(),
+            mass_flows: self.joined(nodes.port_flow()).to_array(),
             actuator_force: self.actuator_force(x),
             friction_force: self.parts.load.friction.force(self.load_contact, applied),
             acceleration: self.parts.load.acceleration(applied, self.load_contact),
-        }
-    }
-
-    /// The temperature that the air in a port carries into or out of its chamber: that of the air
-    /// from the valve when charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
-    fn carried(port: PortFlow, node: &Node, air: &Air) -> f64 {
-        match port {
-            PortFlow::Charging => node.carried,
-            PortFlow::Discharging => air.temperature,
         }
     }
 }
@@ -331,37 +338,52 @@ fn spool_state(x: &StateVector) -> SpoolState {
 impl Assembly {
     /// The rates of all but the spool: of load, air and lagged tubes. No command is in them.
     fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
-        let volumes = self.parts.actuator.volumes(x[slot::POSITION], x[slot::VELOCITY]);
-        let air = self.air(x);
+        let volumes = self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]);
+        let air = self.air_in(volumes.volume, x);
         let nodes = self.nodes_of(t, x, &air);
-        let (joined, ports) = (self.joined(nodes), self.joined(self.ports.directions));
         let gas = &self.parts.gas;
-        let leak = self.parts.actuator.leak(gas, &air);
+        let flows = self.joined(nodes.port_flow());
+        let carried = self.carried(&nodes, &air);
+        let leak = self.parts.actuator.leak(gas, &air).entering();
+        let holes = self.through_holes(&air);
+        let [masses, exners] = air.derivative(gas, volumes, [(flows, carried), leak, holes]);
         let mut slope = [0.0; STATES];
         for i in 0..2 {
-            let port = (joined[i].port_flow(), Assembly::carried(ports[i], &joined[i], &air[i]));
-            let hole = through_hole(
-                gas,
-                self.parts.faults.now.leak_areas[i],
-                &air[i].station(),
-                self.parts.network.exhaust(),
-            );
-            let [mass, exner] = air[i].derivative(gas, volumes[i], [port, leak.into_chamber(i), hole]);
-            slope[slot::MASS[i]] = mass;
-            slope[slot::EXNER[i]] = exner;
+            slope[slot::MASS[i]] = masses.lane(i);
+            slope[slot::EXNER[i]] = exners.lane(i);
         }
-        let force = self.parts.actuator.force(air[0].pressure, air[1].pressure);
+        let force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
         let (position, velocity) = (x[slot::POSITION], x[slot::VELOCITY]);
         let applied = self.parts.load.applied_force(force, self.load_side, position, velocity);
         slope[slot::POSITION] = velocity;
         slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
         if let Some(lag) = &self.parts.lag {
-            let rates = lag.derivative(&self.parts.gas, x, air.map(|air| air.station()), &joined);
+            let rates = lag.derivative(gas, x, &air.station(), nodes.supply.reduce_add(), flows);
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {
                 slope[place] = rate;
             }
         }
         slope
+    }
+
+    /// The temperatures that the air in the tubes carries into or out of the chambers: that of the air from
+    /// the valve when charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
+    #[inline(always)]
+    fn carried(&self, nodes: &Nodes, air: &Air<Pair>) -> Pair {
+        let charging = PortFlow::charging(&self.ports.directions);
+        self.joined(Pair::choose(charging, nodes.carried, self.joined(air.temperature)))
+    }
+
+    /// The flows into the chambers through holes, and the temperatures that they carry.
+    #[inline(always)]
+    fn through_holes(&self, air: &Air<Pair>) -> (Pair, Pair) {
+        let areas = self.parts.faults.now.leak_areas;
+        if areas == [0.0; 2] {
+            return (Pair::ZERO, air.temperature);
+        }
+        let (gas, outside) = (&self.parts.gas, self.parts.network.exhaust());
+        let [one, two] = [0, 1].map(|i| through_hole(gas, areas[i], &air.lane(i).station(), outside));
+        (Pair::new([one.0, two.0]), Pair::new([one.1, two.1]))
     }
 
     /// A mode of the load or an entry of the profile ends: the continuous command jumps, or its rate does.

@@ -25,6 +25,7 @@ use std::f64::consts::PI;
 
 use crate::air::Air;
 use crate::gas::Gas;
+use crate::number::{Number, Pair};
 
 /// How the piston leaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,16 +50,16 @@ pub enum Leakage {
 
 impl Leakage {
     /// mdot_L, kg/s, from chamber 1 to chamber 2; negative the other way.
-    #[must_use]
-    pub fn flow(&self, gas: &Gas, air: &[Air; 2]) -> f64 {
+    #[inline]
+    pub(crate) fn flow(&self, gas: &Gas, air: &Air<Pair>) -> f64 {
         match *self {
             Leakage::None => 0.0,
-            Leakage::Laminar { coefficient } => coefficient * (air[0].pressure - air[1].pressure),
+            Leakage::Laminar { coefficient } => coefficient * (air.pressure.lane(0) - air.pressure.lane(1)),
             Leakage::Adiabatic { resistance, clearance, bore } => {
                 let from = source(air);
-                let (high, low) = (&air[from], air[1 - from].pressure);
+                let (high, low) = (air.lane(from), air.lane(1 - from));
                 // P_o sqrt(1 - r^2), without the loss of digits at r = 1.
-                let drop = ((high.pressure - low) * (high.pressure + low)).sqrt();
+                let drop = ((high.pressure - low.pressure) * (high.pressure + low.pressure)).sqrt();
                 let gap = PI * bore * clearance;
                 let flow = gap * drop / (resistance * gas.gas_constant * high.temperature).sqrt();
                 if from == 0 { flow } else { -flow }
@@ -69,9 +70,9 @@ impl Leakage {
 
 /// The index of the chamber that air leaks from, whose temperature is T_L. At equal pressures nothing
 /// leaks and it is chamber 1's.
-#[must_use]
-pub fn source(air: &[Air; 2]) -> usize {
-    usize::from(air[1].pressure > air[0].pressure)
+#[inline(always)]
+pub(crate) fn source(air: &Air<Pair>) -> usize {
+    usize::from(air.pressure.lane(1) > air.pressure.lane(0))
 }
 
 #[cfg(test)]
@@ -84,13 +85,21 @@ mod tests {
         Gas::new(1.4, 286.76)
     }
 
-    fn air(pressure: f64, temperature: f64) -> Air {
-        let [mass, exner] = Air::state_of(&gas(), pressure, temperature, 1e-4);
-        Air { mass, exner, pressure, temperature }
+    /// Both chambers at a pressure and a temperature each.
+    fn air(chambers: [(f64, f64); 2]) -> Air<Pair> {
+        let states =
+            chambers.map(|(pressure, temperature)| Air::state_of(&gas(), pressure, temperature, 1e-4));
+        let both = |of: fn(&[f64; 2]) -> f64| Pair::of(|i| of(&states[i]));
+        Air {
+            mass: both(|state| state[0]),
+            exner: both(|state| state[1]),
+            pressure: Pair::of(|i| chambers[i].0),
+            temperature: Pair::of(|i| chambers[i].1),
+        }
     }
 
     fn flow(leakage: Leakage, p_1: f64, t_1: f64, p_2: f64, t_2: f64) -> f64 {
-        leakage.flow(&gas(), &[air(p_1, t_1), air(p_2, t_2)])
+        leakage.flow(&gas(), &air([(p_1, t_1), (p_2, t_2)]))
     }
 
     #[test]
@@ -114,8 +123,8 @@ mod tests {
         let [cold, hot] = [294.0, 300.0];
         let (forth, back) = (flow(THESIS, 5e5, cold, 3e5, hot), flow(THESIS, 3e5, cold, 5e5, hot));
         assert!((back / forth + (cold / hot).sqrt()).abs() < 1e-14);
-        assert_eq!(source(&[air(5e5, cold), air(3e5, hot)]), 0);
-        assert_eq!(source(&[air(3e5, cold), air(5e5, hot)]), 1);
+        assert_eq!(source(&air([(5e5, cold), (3e5, hot)])), 0);
+        assert_eq!(source(&air([(3e5, cold), (5e5, hot)])), 1);
     }
 
     #[test]

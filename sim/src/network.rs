@@ -35,9 +35,11 @@ mod restriction;
 use crate::air::Station;
 use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
+use crate::number::Pair;
 use crate::tubing::Tube;
 use crate::valve::{Conductances, Valve};
 use course::Course;
+pub(crate) use nodes::{Nodes, Surroundings};
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,7 +111,7 @@ pub struct Network {
     reservoir: bool,
     /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
     mach: f64,
-    nodes: [Node; 2],
+    nodes: Nodes,
     /// Whether `nodes` is a solution.
     started: bool,
     /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
@@ -177,7 +179,7 @@ impl Network {
             laws,
             reservoir: false,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
-            nodes: [node; 2],
+            nodes: Nodes::alike(node),
             started: false,
             far: true,
             course: Course::UNKNOWN,
@@ -228,6 +230,16 @@ impl Network {
         self.supply.exner = exner;
     }
 
+    /// The same in front of both nodes, K.
+    fn supply_temperature(&self) -> Pair {
+        Pair::splat(self.supply.temperature)
+    }
+
+    /// The exhaust behind both.
+    fn exhausts(&self) -> Station<Pair> {
+        Station { exner: Pair::splat(self.exhaust.exner), temperature: Pair::splat(self.exhaust.temperature) }
+    }
+
     /// The exhaust.
     #[must_use]
     pub fn exhaust(&self) -> &Station {
@@ -235,15 +247,13 @@ impl Network {
     }
 
     /// w in front of the supply's lands, behind its tube.
-    #[must_use]
-    pub fn exner_at_lands(&self, nodes: &[Node; 2]) -> f64 {
-        self.supply_tube.far_end(&self.supply, nodes[0].supply_flow + nodes[1].supply_flow).exner
+    pub(crate) fn exner_at_lands(&self, nodes: &Nodes) -> f64 {
+        self.supply_tube.far_end(&self.supply, nodes.supply.reduce_add()).exner
     }
 
-    /// w at the far side of a port, for the chamber that it is joined to.
-    #[must_use]
-    pub fn exner_behind_port(&self, node: &Node, chamber: &Station) -> f64 {
-        self.far_of_cylinder(chamber, node.port_flow())
+    /// w at the far side of the ports, for the chambers that they are joined to.
+    pub(crate) fn exner_behind_ports(&self, nodes: &Nodes, chambers: &Station<Pair>) -> Pair {
+        self.cylinder_tube.far_end(chambers, -nodes.port_flow()).exner
     }
 
     /// The flows through a valve with its spool at a place (m) into two chambers.
@@ -261,25 +271,28 @@ impl Network {
     /// The flows for the open areas, chambers and port directions of this instant.
     pub(crate) fn solve(
         &mut self,
-        valve: &[Conductances; 2],
+        valve: &Conductances<Pair>,
         chambers: &[Station; 2],
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
+        self.solve_among(&Surroundings::new(*valve, Station::both(chambers), ports)).each()
+    }
+
+    /// The nodes among what surrounds them.
+    fn solve_among(&mut self, around: &Surroundings) -> Nodes {
         self.work.solutions += 1;
-        let usable = |value: f64| value > 0.0 && value < f64::INFINITY;
-        let in_order = |chamber: &Station| usable(chamber.exner) && usable(chamber.temperature);
-        if !(chambers.iter().all(in_order) && valve.iter().all(|lands| lands.supply.is_finite())) {
-            return [Node::NOT_A_NUMBER; 2];
+        if !around.are_in_order() {
+            return Nodes::NOT_NUMBERS;
         }
         // Of air that is at rest in front of each restriction there is one solution, wherever it is begun from.
         let has_start = self.started || self.mach == 0.0;
-        if !(has_start && self.by_newton(valve, chambers, ports)) {
+        if !(has_start && self.by_newton(around)) {
             (self.failures, self.found) = (self.failures + 1, 0);
             // A trial step too large may lead to where there is no solution, or leave no numbers: it is
             // told so, and the last solution is not spoilt by it.
             let lost = !self.far && self.failures < MOST_FAILURES;
-            if lost || !self.by_search(valve, chambers, ports) {
-                return [Node::NOT_A_NUMBER; 2];
+            if lost || !self.by_search(around) {
+                return Nodes::NOT_NUMBERS;
             }
         }
         self.started = true;
@@ -288,38 +301,34 @@ impl Network {
         if self.found >= CALM {
             self.failures = 0;
         }
-        let mut solved = self.nodes;
-        for (node, lands) in solved.iter_mut().zip(valve) {
-            if lands.port.is_none() {
-                node.carried = self.carried(node);
-            }
-        }
-        solved
+        let carried = match around.valve.port {
+            Some(_) => self.nodes.temperature,
+            None => self.carried(),
+        };
+        Nodes { carried, ..self.nodes }
     }
 
     /// Nested brackets, sharpened by Newton's method; false where they leave no numbers.
-    fn by_search(
-        &mut self,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) -> bool {
+    fn by_search(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
         self.work.bracketed += 1;
-        self.by_brackets(valve, chambers, ports);
+        self.by_brackets(around);
         // What the brackets found is the answer where Newton's method fails again.
-        let found = self.by_newton(valve, chambers, ports) || self.nodes.iter().all(Node::is_finite);
+        let found = self.by_newton(around) || self.nodes.are_finite();
         if !found {
             self.nodes = last;
         }
         found
     }
 
-    /// What a port without a node before it takes: the air from the land that feeds it.
-    fn carried(&self, node: &Node) -> f64 {
-        let from_lands =
-            [(node.supply_flow, self.supply.temperature), (node.exhaust_flow, self.exhaust.temperature)];
-        mean_of_inflows(&from_lands).unwrap_or(node.temperature)
+    /// What ports without a node before them take: the air from the land that feeds each.
+    fn carried(&self) -> Pair {
+        let (supply, exhaust) = (self.supply.temperature, self.exhaust.temperature);
+        let each = self.nodes.each().map(|node| {
+            let from_lands = [(node.supply_flow, supply), (node.exhaust_flow, exhaust)];
+            mean_of_inflows(&from_lands).unwrap_or(node.temperature)
+        });
+        Pair::new(each)
     }
 }
 

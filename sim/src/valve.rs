@@ -16,6 +16,7 @@ use std::f64::consts::PI;
 
 use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
+use crate::number::{Number, Pair};
 
 /// The dimensions of the valve that its flow depends on, SI.
 #[derive(Clone, Copy, Debug)]
@@ -44,14 +45,53 @@ pub struct Valve {
     pub discharge_exhaust: f64,
 }
 
-/// (C_d A)^2 2n/((n-1)R) of the restrictions around one node: a squared mass flow for a flow
+/// (C_d A)^2 2n/((n-1)R) of the restrictions around a node, or around both: a squared mass flow for a flow
 /// function over a temperature.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Conductances {
-    pub supply: f64,
-    pub exhaust: f64,
+pub(crate) struct Conductances<N = f64> {
+    pub supply: N,
+    pub exhaust: N,
     /// None: the port has no bore of its own (single restriction, 6.39 to 6.46).
-    pub port: Option<f64>,
+    pub port: Option<N>,
+}
+
+impl Conductances<Pair> {
+    /// Those of node `i`.
+    pub fn lane(&self, i: usize) -> Conductances {
+        Conductances {
+            supply: self.supply.lane(i),
+            exhaust: self.exhaust.lane(i),
+            port: self.port.map(|port| port.lane(i)),
+        }
+    }
+}
+
+/// What a valve's conductances have in common for all places of its spool.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Restrictions {
+    /// Of lands to the supply and to the exhaust over z^2 + c^2, c the clearance.
+    per_square: [f64; 2],
+    /// c^2, m^2.
+    clearance_squared: f64,
+    port: Option<f64>,
+}
+
+impl Restrictions {
+    /// Around nodes 1 and 2, with lands 1 and 2 open by `openings` (m), or counted as shut: smooth a little
+    /// beyond the change as well.
+    #[inline]
+    pub fn at(&self, openings: [f64; 2], open: [bool; 2]) -> Conductances<Pair> {
+        let squares = [0, 1].map(|i| {
+            let across = if open[i] { openings[i] * openings[i] } else { 0.0 };
+            across + self.clearance_squared
+        });
+        let [supply, exhaust] = self.per_square.map(Pair::splat);
+        Conductances {
+            supply: supply * Pair::new(squares),
+            exhaust: exhaust * Pair::new([squares[1], squares[0]]),
+            port: self.port.map(Pair::splat),
+        }
+    }
 }
 
 impl Valve {
@@ -79,46 +119,40 @@ impl Valve {
         [x - self.lap, -x - self.lap]
     }
 
-    /// A^2 of an edge that counts as open or shut, m^4: smooth a little beyond the change as well.
-    fn squared_area(&self, opening: f64, open: bool) -> f64 {
-        let around = PI * (self.sleeve_diameter + self.spool_diameter) / 2.0;
-        let clearance = (self.sleeve_diameter - self.spool_diameter) / 2.0;
-        let across = if open { opening * opening } else { 0.0 };
-        around * around * (across + clearance * clearance)
-    }
-
     /// A_p, m^2.
     #[must_use]
     pub fn port_area(&self) -> f64 {
         PI / 4.0 * self.port_diameter * self.port_diameter
     }
 
-    /// The restrictions around nodes 1 and 2 for a spool position in m.
-    pub(crate) fn conductances(&self, gas: &Gas, spool: f64) -> [Conductances; 2] {
-        self.conductances_of(gas, spool, self.openings(spool).map(|opening| opening >= 0.0))
+    /// The conductances around nodes 1 and 2 for a spool position in m.
+    pub(crate) fn conductances(&self, gas: &Gas, spool: f64) -> Conductances<Pair> {
+        let openings = self.openings(spool);
+        self.restrictions(gas).at(openings, openings.map(|opening| opening >= 0.0))
     }
 
-    /// The same with land 1 and land 2 told to be open or shut.
-    pub(crate) fn conductances_of(&self, gas: &Gas, spool: f64, open: [bool; 2]) -> [Conductances; 2] {
-        let openings = self.openings(spool);
-        let lands = [self.squared_area(openings[0], open[0]), self.squared_area(openings[1], open[1])];
+    /// What they have in common for all places of the spool.
+    pub(crate) fn restrictions(&self, gas: &Gas) -> Restrictions {
+        let around = PI * (self.sleeve_diameter + self.spool_diameter) / 2.0;
+        let clearance = (self.sleeve_diameter - self.spool_diameter) / 2.0;
         let constant = gas.flow_constant();
         let of = |discharge: f64, squared_area: f64| match self.land_law {
             FlowLaw::Orifice => constant * discharge * discharge * squared_area,
             FlowLaw::Perry => constant * squared_area,
             // The conductance is that of full opening, and goes with the area of the edge.
             FlowLaw::Iso6358(component) => {
-                component.conductance() * squared_area / self.squared_area(self.travel - self.lap, true)
+                let full = self.travel - self.lap;
+                component.conductance() * squared_area
+                    / (around * around * (full * full + clearance * clearance))
             }
         };
         let port_area = self.port_area();
-        let port = self.has_node.then(|| of(self.discharge_supply, port_area * port_area));
-        let node = |supply_land, exhaust_land| Conductances {
-            supply: of(self.discharge_supply, supply_land),
-            exhaust: of(self.discharge_exhaust, exhaust_land),
-            port,
-        };
-        [node(lands[0], lands[1]), node(lands[1], lands[0])]
+        Restrictions {
+            per_square: [self.discharge_supply, self.discharge_exhaust]
+                .map(|discharge| of(discharge, around * around)),
+            clearance_squared: clearance * clearance,
+            port: self.has_node.then(|| of(self.discharge_supply, port_area * port_area)),
+        }
     }
 }
 

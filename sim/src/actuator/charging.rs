@@ -45,7 +45,7 @@ impl Hybrid<2, 0, 0> for Vessel {
     fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
         let air = self.air(x);
         let volume = Volume { volume: VOLUME, rate: 0.0 };
-        air.derivative(&self.gas, volume, [self.flow(&air), (0.0, 0.0)])
+        air.derivative(&self.gas, volume, [self.flow(&air), (0.0, 0.0), (0.0, 0.0)])
     }
     fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
         []

@@ -10,7 +10,7 @@
 use super::{StateVector, slot};
 use crate::air::Station;
 use crate::gas::Gas;
-use crate::network::Node;
+use crate::number::{Number, Pair};
 use crate::tubing::Tube;
 
 /// The lag, and what the ratios will come to.
@@ -29,20 +29,19 @@ impl Lag {
         gas.pressure(tube.far_end(known, flow).exner) / gas.pressure(known.exner)
     }
 
-    /// Rates of the three ratios, for the chambers and the node that each is joined to.
+    /// Rates of the three ratios, for the flow from the supply (kg/s) and those into the chambers.
     pub fn derivative(
         &self,
         gas: &Gas,
         x: &StateVector,
-        chambers: [Station; 2],
-        nodes: &[Node; 2],
+        chambers: &Station<Pair>,
+        total: f64,
+        flows: Pair,
     ) -> [f64; 3] {
-        let total = nodes[0].supply_flow + nodes[1].supply_flow;
-        let settled = [
-            self.settled_ratio(gas, &self.supply_tube, &self.supply, total),
-            self.settled_ratio(gas, &self.cylinder_tube, &chambers[0], -nodes[0].port_flow()),
-            self.settled_ratio(gas, &self.cylinder_tube, &chambers[1], -nodes[1].port_flow()),
-        ];
+        let settled =
+            |i: usize| self.settled_ratio(gas, &self.cylinder_tube, &chambers.lane(i), -flows.lane(i));
+        let settled =
+            [self.settled_ratio(gas, &self.supply_tube, &self.supply, total), settled(0), settled(1)];
         std::array::from_fn(|i| (settled[i] - x[slot::RATIO[i]]) / self.time)
     }
 }

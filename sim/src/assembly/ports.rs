@@ -5,7 +5,8 @@
 //! [`RESTING_FLOW`] goes against it. The direction decides the temperature alone, and so little air
 //! carries nothing.
 
-use crate::network::{Node, PortFlow};
+use crate::network::{Nodes, PortFlow};
+use crate::number::Number;
 
 /// s.
 const MOMENT: f64 = 1e-6;
@@ -27,19 +28,19 @@ impl Ports {
     }
 
     /// The directions that flows have.
-    pub fn follow(&mut self, nodes: &[Node; 2]) {
-        self.directions = nodes.map(|node| match node.port_flow() >= 0.0 {
+    pub fn follow(&mut self, nodes: &Nodes) {
+        self.directions = nodes.port_flow().to_array().map(|flow| match flow >= 0.0 {
             true => PortFlow::Charging,
             false => PortFlow::Discharging,
         });
     }
 
     /// Negative where a flow goes against its port's direction.
-    pub fn guards(&self, nodes: &[Node; 2]) -> [f64; 2] {
+    pub fn guards(&self, nodes: &Nodes) -> [f64; 2] {
         std::array::from_fn(|i| {
             let along = match self.directions[i] {
-                PortFlow::Charging => nodes[i].port_flow(),
-                PortFlow::Discharging => -nodes[i].port_flow(),
+                PortFlow::Charging => nodes.port_flow().lane(i),
+                PortFlow::Discharging => -nodes.port_flow().lane(i),
             };
             if self.resting[i] { along + RESTING_FLOW } else { along }
         })

@@ -29,7 +29,7 @@ pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
     let (up, down) = (rig.number("supply.pressure_pa"), ratio * rig.number("supply.pressure_pa"));
     let psi = valve.land_law.flow_function(&gas, gas.exner(up), gas.exner(down)).value;
     let lands = valve.conductances(&gas, valve.null_offset + valve.travel);
-    (lands[0].supply * psi / rig.number("supply.temperature_k")).max(0.0).sqrt()
+    (lands.lane(0).supply * psi / rig.number("supply.temperature_k")).max(0.0).sqrt()
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {

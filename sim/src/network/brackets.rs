@@ -2,7 +2,7 @@
 //! inside it, its port innermost. Slow, and used only where Newton's method has no start or gets lost.
 
 use super::restriction::{MaybeApproach, factor};
-use super::{Network, Node, PortFlow, Station, mean_of_inflows};
+use super::{Network, Node, Nodes, PortFlow, Station, Surroundings, mean_of_inflows};
 use crate::root::bracketed_root;
 use crate::valve::Conductances;
 
@@ -11,8 +11,8 @@ const MOST_PASSES: u32 = 200;
 
 /// What surrounds one node, for given speeds of approach.
 struct NodeSide<'a> {
-    valve: &'a Conductances,
-    chamber: &'a Station,
+    valve: Conductances,
+    chamber: Station,
     port: PortFlow,
     /// At supply land, exhaust land and port.
     approaches: &'a [MaybeApproach; 3],
@@ -21,16 +21,12 @@ struct NodeSide<'a> {
 impl Network {
     /// Nested brackets for given speeds of approach, which then follow from the flows, beginning at
     /// rest: of several solutions this finds the one that air at rest comes to.
-    pub(super) fn by_brackets(
-        &mut self,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) {
+    pub(super) fn by_brackets(&mut self, around: &Surroundings) {
         let mut approaches = [[None; 3]; 2];
         for _ in 0..MOST_PASSES {
-            self.balance_supply(valve, chambers, ports, &approaches);
-            let found = [0, 1].map(|i| self.approaches(i, &chambers[i], ports[i]));
+            let nodes = self.balanced(around, &approaches);
+            self.nodes = Nodes::of(&nodes);
+            let found = [0, 1].map(|i| self.approaches(i, around));
             let change = approaches.as_flattened().iter().zip(found.as_flattened());
             let change = change.map(|(old, new)| (factor(old) - factor(new)).abs()).fold(0.0, f64::max);
             approaches = found;
@@ -41,43 +37,38 @@ impl Network {
     }
 
     /// How air approaches supply land, exhaust land and port of node `i` at its present flows.
-    pub(super) fn approaches(&self, i: usize, chamber: &Station, port: PortFlow) -> [MaybeApproach; 3] {
-        let node = &self.nodes[i];
-        let total = self.nodes[0].supply_flow + self.nodes[1].supply_flow;
-        let supply = Station { exner: self.supply_tube.far_end(&self.supply, total).exner, ..self.supply };
+    pub(super) fn approaches(&self, i: usize, around: &Surroundings) -> [MaybeApproach; 3] {
+        let node = &self.nodes.each()[i];
+        let supply = Station { exner: self.exner_at_lands(&self.nodes), ..self.supply };
         let here = node.station();
-        let far = self.port_station(&here, chamber, port, node.port_flow());
+        let far = self.port_station(&here, &around.chambers.lane(i), around.port(i), node.port_flow());
         [self.supply_approach(&supply, node.supply_flow), None, self.approach(&far, -node.port_flow())]
     }
 
-    /// The flow in the supply tube at which both nodes take just that much.
-    fn balance_supply(
-        &mut self,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-        approaches: &[[MaybeApproach; 3]; 2],
-    ) {
-        let highest = self.supply.exner.max(chambers[0].exner).max(chambers[1].exner);
-        let coldest = self.supply.temperature.min(chambers[0].temperature).min(chambers[1].temperature);
-        let most: f64 =
-            valve.iter().map(|v| self.more_than_choked(&self.laws.land, v.supply / coldest, highest)).sum();
-        let mut excess = |total: f64| {
+    /// The nodes at the flow in the supply tube at which both take just that much.
+    fn balanced(&self, around: &Surroundings, approaches: &[[MaybeApproach; 3]; 2]) -> [Node; 2] {
+        let sides = [0, 1].map(|i| NodeSide {
+            valve: around.valve.lane(i),
+            chamber: around.chambers.lane(i),
+            port: around.port(i),
+            approaches: &approaches[i],
+        });
+        let highest = self.supply.exner.max(sides[0].chamber.exner).max(sides[1].chamber.exner);
+        let coldest =
+            sides.iter().map(|side| side.chamber.temperature).fold(self.supply.temperature, f64::min);
+        let choked =
+            |side: &NodeSide| self.more_than_choked(&self.laws.land, side.valve.supply / coldest, highest);
+        let most: f64 = sides.iter().map(choked).sum();
+        let nodes_at = |total: f64| {
             let at_valve = self.supply_tube.far_end(&self.supply, total).exner;
-            for i in 0..2 {
-                let side = NodeSide {
-                    valve: &valve[i],
-                    chamber: &chambers[i],
-                    port: ports[i],
-                    approaches: &approaches[i],
-                };
-                self.nodes[i] = self.node_by_brackets(&side, at_valve);
-            }
-            self.nodes[0].supply_flow + self.nodes[1].supply_flow - total
+            sides.each_ref().map(|side| self.node_by_brackets(side, at_valve))
+        };
+        let excess = |total: f64| {
+            let [one, two] = nodes_at(total);
+            one.supply_flow + two.supply_flow - total
         };
         let bracket = [(-most, excess(-most)), (most, excess(most))];
-        let total = bracketed_root(&mut excess, bracket, 1e-16);
-        excess(total);
+        nodes_at(bracketed_root(excess, bracket, 1e-16))
     }
 
     /// The node at a given pressure behind the supply tube: where its net flow is zero.
@@ -99,7 +90,7 @@ impl Network {
     /// The same without a bore: the flow decides the node's pressure by the tube.
     fn open_node_by_brackets(&self, side: &NodeSide, at_valve: f64) -> Node {
         let node_for = |m: f64| {
-            let exner = self.far_of_cylinder(side.chamber, m);
+            let exner = self.far_of_cylinder(&side.chamber, m);
             self.node_at(exner, side, at_valve, |_| m)
         };
         let excess = |m: f64| node_for(m).port_flow() - m;
@@ -156,7 +147,7 @@ impl Network {
     fn port_flow_at(&self, node: &Node, side: &NodeSide, bore: f64) -> f64 {
         let here = node.station();
         let excess = |m: f64| {
-            let far = self.port_station(&here, side.chamber, side.port, m);
+            let far = self.port_station(&here, &side.chamber, side.port, m);
             m * m.abs() + self.port(bore, &far, &side.approaches[2], here.exner).value
         };
         let highest = node.exner.max(side.chamber.exner);

@@ -3,11 +3,9 @@
 //! Between two jumps flows change smoothly with time. The parabola through the last three solutions nearly
 //! meets the next one, and an iteration is saved.
 
-use super::nodes::{Nodes, pair};
-use super::{Network, Node, PortFlow};
-use crate::air::Station;
+use super::Network;
+use super::nodes::{Nodes, Surroundings, pair};
 use crate::number::{Number, Pair};
-use crate::valve::Conductances;
 
 /// How far ahead a parabola is trusted, over the time that it was taken from.
 const FARTHEST: f64 = 8.0;
@@ -66,15 +64,10 @@ impl Course {
 }
 
 impl Network {
-    /// The flows for the open areas, chambers and port directions at the instant `t`.
-    pub(crate) fn solve_at(
-        &mut self,
-        t: f64,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) -> [Node; 2] {
+    /// The nodes among what surrounds them at the instant `t`.
+    #[inline]
+    pub(crate) fn solve_at(&mut self, t: f64, around: &Surroundings) -> Nodes {
         self.course.now = t;
-        self.solve(valve, chambers, ports)
+        self.solve_among(around)
     }
 }

@@ -88,7 +88,7 @@ impl Network {
     /// at all a square has no slope to follow.
     #[inline(never)]
     fn begun_from_rest(&self, around: &Surroundings, nodes: Nodes) -> Nodes {
-        let supply = Station { exner: pair(self.supply.exner), temperature: around.supply_temperature };
+        let supply = Station { exner: pair(self.supply.exner), temperature: self.supply_temperature() };
         let begin = |flow: Pair, conductance: Pair, source: &Station<Pair>| {
             let square = self.land(conductance, source, &None, &nodes.stations()).value;
             let driven = Pair::of(|i| square.lane(i).abs().sqrt().copysign(square.lane(i)));
@@ -96,8 +96,8 @@ impl Network {
             Pair::choose(opens, driven, flow)
         };
         Nodes {
-            supply: begin(nodes.supply, around.supply_land, &supply),
-            exhaust: begin(nodes.exhaust, around.exhaust_land, &around.exhaust),
+            supply: begin(nodes.supply, around.valve.supply, &supply),
+            exhaust: begin(nodes.exhaust, around.valve.exhaust, &self.exhausts()),
             ..nodes
         }
     }
@@ -122,7 +122,7 @@ impl Network {
         // A pressure that is held back has not arrived, whatever the flows say.
         let half = pair(0.5) * nodes.exner;
         let arrives = half.at_least(exner.abs());
-        nodes.exner = (nodes.exner + exner).larger(half).fast_min(pair(2.0) * nodes.exner);
+        nodes.exner = (nodes.exner + exner).larger(half).smaller(pair(2.0) * nodes.exner);
         nodes.supply += supply;
         nodes.exhaust += exhaust;
         let error = pair(if self.sharp { FLOW_ERROR } else { self.flow_error });
@@ -150,15 +150,16 @@ impl Network {
         at_valve: &FarEnd,
         slopes: Slopes,
     ) -> Balance {
-        let (s, e, m) = (nodes.supply, nodes.exhaust, nodes.supply + nodes.exhaust);
-        let supply = Station { exner: pair(at_valve.exner), temperature: around.supply_temperature };
+        let (s, e, m) = (nodes.supply, nodes.exhaust, nodes.port_flow());
+        let exhaust = self.exhausts();
+        let supply = Station { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
         let supply_approach = if AT_REST { None } else { self.supply_approach(&supply, s) };
         // At the temperature of the chamber.
         let far_end = self.cylinder_tube.far_end(&around.chambers, -m);
         let far = Station { exner: far_end.exner, ..around.chambers };
         let far_approach = if AT_REST { None } else { self.approach(&far, -m) };
         let by_back = far_end.by_flow;
-        let mixture = match around.bore {
+        let mixture = match around.valve.port {
             Some(_) => {
                 let by_total = pair(at_valve.by_flow);
                 self.mixture(nodes, around, (&supply_approach, by_total), (&far_approach, by_back))
@@ -167,12 +168,12 @@ impl Network {
             None => Mixture { temperature: around.chambers.temperature, slopes: [pair(0.0); 3] },
         };
         let here = Station { exner: nodes.exner, temperature: mixture.temperature };
-        let from_supply = self.land(around.supply_land, &supply, &supply_approach, &here);
-        let from_exhaust = self.land(around.exhaust_land, &around.exhaust, &None, &here);
+        let from_supply = self.land(around.valve.supply, &supply, &supply_approach, &here);
+        let from_exhaust = self.land(around.valve.exhaust, &exhaust, &None, &here);
         let supply_line =
-            self.land_lines(around, around.supply_land, &supply, (s, from_supply.value), slopes);
+            self.land_lines(around, around.valve.supply, &supply, (s, from_supply.value), slopes);
         let exhaust_line =
-            self.land_lines(around, around.exhaust_land, &around.exhaust, (e, from_exhaust.value), slopes);
+            self.land_lines(around, around.valve.exhaust, &exhaust, (e, from_exhaust.value), slopes);
         // Over T_n, where the air of the node is the one that flows.
         let per_temperature = pair(1.0) / mixture.temperature;
         let cooling = |square: &SquareFlow<Pair>, of_node: Pair| match slopes {
@@ -188,7 +189,7 @@ impl Network {
         let exhaust_row = [-from_exhaust.by_node, e_s, exhaust_line.1 + e_e];
         let pushed = -from_supply.by_place * pair(at_valve.by_flow);
         let supply_by_total = if AT_REST { pushed } else { s_t + pushed };
-        let Some(bore) = around.bore else {
+        let Some(bore) = around.valve.port else {
             let by_flow = pair(-OPEN_PORT) * by_back;
             return Balance {
                 residual: [supply_line.0, exhaust_line.0, pair(OPEN_PORT) * (far.exner - nodes.exner)],
@@ -223,7 +224,7 @@ impl Network {
         (flow, value): (Pair, Pair),
         slopes: Slopes,
     ) -> (Pair, Pair) {
-        if slopes == Slopes::Tangent && !around.shut {
+        if slopes == Slopes::Tangent && !around.has_shut_land {
             return (flow * flow.abs() - value, pair(2.0) * flow.abs());
         }
         self.line_by_line(around, conductance, source, (flow, value), slopes)
@@ -240,7 +241,7 @@ impl Network {
         slopes: Slopes,
     ) -> (Pair, Pair) {
         let line = |i: usize| {
-            let shut = around.supply_land.lane(i) == 0.0 || around.exhaust_land.lane(i) == 0.0;
+            let shut = around.valve.supply.lane(i) == 0.0 || around.valve.exhaust.lane(i) == 0.0;
             let source = Station { exner: source.exner.lane(i), temperature: source.temperature.lane(i) };
             let conductance = conductance.lane(i);
             let creeping = if shut { self.creeping(conductance, &source) } else { 0.0 };
@@ -266,8 +267,8 @@ impl Network {
         let s = nodes.supply.larger(zero);
         let e = nodes.exhaust.larger(zero);
         let back = Pair::choose(around.charging, zero, (-out).larger(zero));
-        let from_supply = scaled(around.supply_temperature, supply);
-        let from_exhaust = around.exhaust.temperature;
+        let from_supply = scaled(self.supply_temperature(), supply);
+        let from_exhaust = pair(self.exhaust.temperature);
         let from_chamber = scaled(around.chambers.temperature, behind);
         let mass = s + e + back;
         let heat = s * from_supply + e * from_exhaust + back * from_chamber;
@@ -279,7 +280,7 @@ impl Network {
         let by_chamber = warmth(back, from_chamber);
         let mut by_flows = [warmth(s, from_supply) - by_chamber, warmth(e, from_exhaust) - by_chamber, zero];
         if let Some(supply) = supply {
-            let carried = s * around.supply_temperature;
+            let carried = s * self.supply_temperature();
             by_flows[0] += carried * supply.by_flow;
             by_flows[2] = carried * supply.by_exner * by_total;
         }

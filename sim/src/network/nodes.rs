@@ -1,6 +1,6 @@
 //! Both nodes at once, and what surrounds them.
 
-use super::{Network, Node, PortFlow};
+use super::{Node, PortFlow};
 use crate::air::Station;
 use crate::number::{Number, Pair};
 use crate::valve::Conductances;
@@ -12,77 +12,107 @@ pub(super) fn pair(value: f64) -> Pair {
 }
 
 /// What surrounds the nodes.
-pub(super) struct Surroundings {
-    pub supply_land: Pair,
-    pub exhaust_land: Pair,
-    pub bore: Option<Pair>,
-    /// Whether a land is shut, without even a clearance.
-    pub shut: bool,
-    pub supply_temperature: Pair,
-    pub exhaust: Station<Pair>,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surroundings {
+    pub valve: Conductances<Pair>,
     pub chambers: Station<Pair>,
     /// Where the port's air goes into the cylinder.
     pub charging: <Pair as Number>::Truth,
+    /// Whether a land is shut, without even a clearance.
+    pub has_shut_land: bool,
 }
 
-/// Both nodes: w_n, T_n, s and e.
-#[derive(Clone, Copy)]
-pub(super) struct Nodes {
+/// Both nodes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nodes {
+    /// w_n.
     pub exner: Pair,
+    /// T_n, K: of the air that leaves by the lands.
     pub temperature: Pair,
+    /// Temperature of the air that goes on into the cylinder, K.
+    pub carried: Pair,
+    /// s, kg/s, from the supply.
     pub supply: Pair,
+    /// e, kg/s, from the exhaust; negative when air leaves.
     pub exhaust: Pair,
 }
 
 impl Surroundings {
-    pub fn new(
-        network: &Network,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) -> Surroundings {
-        let shut = valve.iter().any(|lands| lands.supply == 0.0 || lands.exhaust == 0.0);
-        Surroundings {
-            supply_land: Pair::of(|i| valve[i].supply),
-            exhaust_land: Pair::of(|i| valve[i].exhaust),
-            bore: valve[0].port.map(pair),
-            shut,
-            supply_temperature: pair(network.supply.temperature),
-            exhaust: Station {
-                exner: pair(network.exhaust.exner),
-                temperature: pair(network.exhaust.temperature),
-            },
-            chambers: Station {
-                exner: Pair::of(|i| chambers[i].exner),
-                temperature: Pair::of(|i| chambers[i].temperature),
-            },
-            charging: Pair::of(|i| f64::from(ports[i] == PortFlow::Charging)).above(pair(0.0)),
+    #[inline(always)]
+    pub fn new(valve: Conductances<Pair>, chambers: Station<Pair>, ports: &[PortFlow; 2]) -> Surroundings {
+        let zero = pair(0.0);
+        let open = Pair::all(valve.supply.above(zero) & valve.exhaust.above(zero));
+        Surroundings { valve, chambers, charging: PortFlow::charging(ports), has_shut_land: !open }
+    }
+
+    /// Which way the air goes in port `i`.
+    pub fn port(&self, i: usize) -> PortFlow {
+        // A truth has all its bits set.
+        match self.charging.lane(i).to_bits() {
+            0 => PortFlow::Discharging,
+            _ => PortFlow::Charging,
         }
+    }
+
+    /// Whether these are pressures, temperatures and areas.
+    #[inline(always)]
+    pub fn are_in_order(&self) -> bool {
+        let (zero, infinity) = (pair(0.0), pair(f64::INFINITY));
+        let usable = |value: Pair| value.above(zero) & infinity.above(value);
+        let chambers = usable(self.chambers.exner) & usable(self.chambers.temperature);
+        Pair::all(chambers & infinity.above(self.valve.supply.abs()))
+    }
+}
+
+impl PortFlow {
+    /// Of which ports the air goes into the cylinder.
+    #[inline(always)]
+    pub(crate) fn charging(ports: &[PortFlow; 2]) -> <Pair as Number>::Truth {
+        Pair::of(|i| f64::from(ports[i] == PortFlow::Charging)).above(pair(0.0))
     }
 }
 
 impl Nodes {
-    pub fn of(nodes: &[Node; 2]) -> Nodes {
+    pub const NOT_NUMBERS: Nodes = Nodes::alike(Node::NOT_A_NUMBER);
+
+    pub const fn alike(node: Node) -> Nodes {
+        Nodes::of(&[node; 2])
+    }
+
+    pub const fn of([one, two]: &[Node; 2]) -> Nodes {
         Nodes {
-            exner: Pair::of(|i| nodes[i].exner),
-            temperature: Pair::of(|i| nodes[i].temperature),
-            supply: Pair::of(|i| nodes[i].supply_flow),
-            exhaust: Pair::of(|i| nodes[i].exhaust_flow),
+            exner: Pair::new([one.exner, two.exner]),
+            temperature: Pair::new([one.temperature, two.temperature]),
+            carried: Pair::new([one.carried, two.carried]),
+            supply: Pair::new([one.supply_flow, two.supply_flow]),
+            exhaust: Pair::new([one.exhaust_flow, two.exhaust_flow]),
         }
     }
 
+    /// Each of them.
+    pub fn each(&self) -> [Node; 2] {
+        [0, 1].map(|i| Node {
+            exner: self.exner.lane(i),
+            temperature: self.temperature.lane(i),
+            carried: self.carried.lane(i),
+            supply_flow: self.supply.lane(i),
+            exhaust_flow: self.exhaust.lane(i),
+        })
+    }
+
     /// Where their air is.
+    #[inline(always)]
     pub fn stations(&self) -> Station<Pair> {
         Station { exner: self.exner, temperature: self.temperature }
     }
 
-    pub fn put_into(&self, nodes: &mut [Node; 2]) {
-        for (i, node) in nodes.iter_mut().enumerate() {
-            node.exner = self.exner.lane(i);
-            node.temperature = self.temperature.lane(i);
-            node.carried = node.temperature;
-            node.supply_flow = self.supply.lane(i);
-            node.exhaust_flow = self.exhaust.lane(i);
-        }
+    /// m, kg/s, into the cylinder.
+    #[inline(always)]
+    pub fn port_flow(&self) -> Pair {
+        self.supply + self.exhaust
+    }
+
+    pub fn are_finite(&self) -> bool {
+        self.each().iter().all(Node::is_finite)
     }
 }

@@ -20,9 +20,8 @@
 //! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow
 //! ```
 
-use super::nodes::{Nodes, Surroundings};
-use super::{Network, PortFlow, Station};
-use crate::valve::Conductances;
+use super::nodes::Surroundings;
+use super::{Network, Station};
 
 /// Which slopes of a square over its flow Newton's method takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,21 +90,15 @@ impl Network {
     }
 
     /// Newton's method by tangents from where the solution is going or was last, else by secants.
-    pub(super) fn by_newton(
-        &mut self,
-        valve: &[Conductances; 2],
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) -> bool {
-        let around = Surroundings::new(self, valve, chambers, ports);
-        let last = Nodes::of(&self.nodes);
+    pub(super) fn by_newton(&mut self, around: &Surroundings) -> bool {
+        let last = self.nodes;
         let ahead = self.course.ahead(&last);
         let found = ahead
-            .and_then(|ahead| self.newton(&around, ahead, Slopes::Tangent))
-            .or_else(|| self.newton(&around, last, Slopes::Tangent))
-            .or_else(|| self.newton(&around, last, Slopes::Secant));
+            .and_then(|ahead| self.newton(around, ahead, Slopes::Tangent))
+            .or_else(|| self.newton(around, last, Slopes::Tangent))
+            .or_else(|| self.newton(around, last, Slopes::Secant));
         if let Some(nodes) = &found {
-            nodes.put_into(&mut self.nodes);
+            self.nodes = *nodes;
             self.course.note(nodes);
         }
         found.is_some()

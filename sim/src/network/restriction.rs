@@ -70,27 +70,28 @@ impl Network {
         approach: &MaybeApproach<N>,
         node: &Station<N>,
     ) -> SquareFlow<N> {
-        let raised = Station {
-            exner: place.exner * factor(approach),
-            temperature: place.temperature * factor(approach),
+        let raised = match approach {
+            None => *place,
+            Some(approach) => Station {
+                exner: place.exner * approach.factor,
+                temperature: place.temperature * approach.factor,
+            },
         };
         let inward = raised.exner.at_least(node.exner);
-        let upstream = N::choose(inward, raised.exner, node.exner);
-        let downstream = N::choose(inward, node.exner, place.exner);
-        let psi = law.flow_function(&self.gas, upstream, downstream);
-        let size = conductance / N::choose(inward, raised.temperature, node.temperature);
-        let k = N::choose(inward, size, -size);
-        let (by_up, by_down) = (k * psi.by_upstream, k * psi.by_downstream);
-        let square = SquareFlow {
-            value: k * psi.value,
-            by_place: N::choose(inward, by_up, by_down),
-            by_node: N::choose(inward, by_down, by_up),
-            by_flow: N::from(0.0),
+        let [upstream, downstream] = match approach {
+            None => [raised.exner.larger(node.exner), raised.exner.smaller(node.exner)],
+            Some(_) => {
+                [N::choose(inward, raised.exner, node.exner), N::choose(inward, node.exner, place.exner)]
+            }
         };
+        let psi = law.flow_function(&self.gas, upstream, downstream);
+        let k = (conductance / N::choose(inward, raised.temperature, node.temperature)).signed(inward);
+        let [by_place, by_node] = N::either(inward, k * psi.by_upstream, k * psi.by_downstream);
+        let square = SquareFlow { value: k * psi.value, by_place, by_node, by_flow: N::from(0.0) };
         let Some(approach) = approach else { return square };
         // Over anything that changes the factor by df: w changes by w df and T by T df.
         let by_factor = k * (psi.by_upstream * place.exner - psi.value / approach.factor);
-        let by_place = by_up * approach.factor + by_factor * approach.by_exner;
+        let by_place = k * psi.by_upstream * approach.factor + by_factor * approach.by_exner;
         SquareFlow {
             by_place: N::choose(inward, by_place, square.by_place),
             by_flow: N::choose(inward, by_factor * approach.by_flow, N::from(0.0)),

@@ -56,8 +56,8 @@ fn newton_and_brackets_agree_everywhere() {
                         if n.port_flow() >= 0.0 { PortFlow::Charging } else { PortFlow::Discharging }
                     });
                 }
-                brackets.by_brackets(&valve, &chambers, &ports);
-                for (a, b) in newton.nodes.iter().zip(&brackets.nodes) {
+                brackets.by_brackets(&Surroundings::new(valve, Station::both(&chambers), &ports));
+                for (a, b) in newton.nodes.each().iter().zip(&brackets.nodes.each()) {
                     let what =
                         format!("tube {tube}, approach {approach}, x {spool}, P {p1} {p2}: {a:?} {b:?}");
                     assert!((a.supply_flow - b.supply_flow).abs() < 1e-10, "{what}");

@@ -16,8 +16,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::SpoolState;
-use crate::dither::{Dither, sine_and_cosine_of};
-use crate::number::Number;
+use crate::dither::Dither;
+use crate::number::{Number, Pair};
 
 /// A damped oscillator.
 #[derive(Clone, Copy, Debug)]
@@ -52,8 +52,8 @@ pub(super) struct Flight {
     /// The same in cycles a second.
     cycles_hz: f64,
     rest: f64,
-    /// With an amplitude of 1; p and q.
     swing: Dither,
+    /// p and q.
     in_phase: f64,
     across: f64,
     /// x_h and v_h.
@@ -85,13 +85,13 @@ impl Flight {
             frequency: free.abs().sqrt(),
             cycles_hz: free.abs().sqrt() / (2.0 * PI),
             rest: drive.steady / stiffness,
-            swing: Dither { amplitude: if angular == 0.0 { 0.0 } else { 1.0 }, ..drive.swing },
+            swing: drive.swing,
             in_phase: drive.swing.amplitude * stiff / size,
             across: -drive.swing.amplitude * damped / size,
             left: SpoolState::default(),
             quarter: FRAC_PI_2 / stiffness.sqrt().max(angular),
         };
-        let forced = flight.forced(t);
+        let forced = flight.forced(flight.swing.angle(t).sine_and_cosine_of_cycles());
         flight.left = SpoolState {
             position: start.position - forced.position,
             velocity: start.velocity - forced.velocity,
@@ -101,9 +101,13 @@ impl Flight {
 
     /// Where the spool is at `t`, and how fast.
     pub fn at(&self, t: f64) -> SpoolState {
-        let (c, s) = self.free_motion(t - self.since);
+        let tau = t - self.since;
+        // Both angles at once.
+        let angles = Pair::new([self.swing.angle(t), self.cycles_hz * tau]);
+        let [sines, cosines] = angles.sine_and_cosine_of_cycles();
+        let forced = self.forced([sines.lane(0), cosines.lane(0)]);
+        let [c, s] = self.free_motion(tau, [sines.lane(1), cosines.lane(1)]);
         let SpoolState { position, velocity } = self.left;
-        let forced = self.forced(t);
         SpoolState {
             position: forced.position + c * position + s * (velocity + self.decay * position),
             velocity: forced.velocity + c * velocity
@@ -116,11 +120,8 @@ impl Flight {
         self.quarter
     }
 
-    fn forced(&self, t: f64) -> SpoolState {
-        if self.swing.amplitude == 0.0 {
-            return SpoolState { position: self.rest, velocity: 0.0 };
-        }
-        let (sine, cosine) = self.swing.sine_and_cosine(t);
+    /// By sine and cosine of the swing.
+    fn forced(&self, [sine, cosine]: [f64; 2]) -> SpoolState {
         let angular = 2.0 * PI * self.swing.frequency_hz;
         SpoolState {
             position: self.rest + self.in_phase * sine + self.across * cosine,
@@ -128,21 +129,20 @@ impl Flight {
         }
     }
 
-    /// c and s.
-    fn free_motion(&self, tau: f64) -> (f64, f64) {
+    /// c and s, by sine and cosine of w tau.
+    fn free_motion(&self, tau: f64, [sine, cosine]: [f64; 2]) -> [f64; 2] {
         let w = self.frequency;
         if self.free > 0.0 {
             let fade = (-self.decay * tau).exponential();
-            let (sine, cosine) = sine_and_cosine_of(self.cycles_hz * tau);
-            (fade * cosine, fade * sine / w)
+            [fade * cosine, fade * sine / w]
         } else if self.free == 0.0 {
             let fade = libm::exp(-self.decay * tau);
-            (fade, fade * tau)
+            [fade, fade * tau]
         } else {
             // a - w without the loss of digits.
             let slow = libm::exp(-self.stiffness / (self.decay + w) * tau);
             let gone = libm::expm1(-2.0 * w * tau);
-            (0.5 * slow * (2.0 + gone), -0.5 * slow * gone / w)
+            [0.5 * slow * (2.0 + gone), -0.5 * slow * gone / w]
         }
     }
 }
