@@ -100,9 +100,4 @@ impl Air<Pair> {
             temperature: self.temperature.lane(i),
         }
     }
-
-    /// That of each chamber.
-    pub(crate) fn each(&self) -> [Air; 2] {
-        [self.lane(0), self.lane(1)]
-    }
 }

@@ -102,12 +102,10 @@ pub(crate) struct Parts {
     pub faults: Schedule,
 }
 
-/// Everything that follows from a state at one instant.
+/// What follows from a state alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effects {
-    pub air: [Air; 2],
-    /// Into the chambers, kg/s.
-    pub mass_flows: [f64; 2],
+    pub air: Air<Pair>,
     pub actuator_force: f64,
     pub friction_force: f64,
     pub acceleration: f64,
@@ -306,11 +304,21 @@ impl Assembly {
         self.parts.load.applied_force(force, self.load_side, x[slot::POSITION], x[slot::VELOCITY])
     }
 
-    /// Everything that follows from a state.
+    /// What follows from a state alone.
+    pub fn effects(&self, x: &StateVector) -> Effects {
+        let applied = self.applied_to_load(x);
+        Effects {
+            air: self.air(x),
+            actuator_force: self.actuator_force(x),
+            friction_force: self.parts.load.friction.force(self.load_contact, applied),
+            acceleration: self.parts.load.acceleration(applied, self.load_contact),
+        }
+    }
+
+    /// The flows into the chambers through their ports, kg/s.
     ///
     /// Looking leaves no trace: the network goes on from where the integrator left it.
-    pub fn effects(&mut self, t: f64, x: &StateVector) -> Effects {
-        let applied = self.applied_to_load(x);
+    pub fn port_flows(&mut self, t: f64, x: &StateVector) -> Pair {
         let left = (self.parts.network.clone(), self.solved);
         if let Some((at, ..)) = &mut self.solved
             && self.parts.operator.stands(t)
@@ -321,13 +329,14 @@ impl Assembly {
         self.parts.network.expect_jump();
         let nodes = self.nodes(t, x);
         (self.parts.network, self.solved) = left;
-        Effects {
-            air: self.air(x).each(),
-            mass_flows: self.joined(nodes.port_flow()).to_array(),
-            actuator_force: self.actuator_force(x),
-            friction_force: self.parts.load.friction.force(self.load_contact, applied),
-            acceleration: self.parts.load.acceleration(applied, self.load_contact),
-        }
+        self.joined(nodes.port_flow())
+    }
+
+    /// The same where the masses of the air have these slopes, kg/s.
+    pub fn port_flows_of(&self, masses: Pair, air: &Air<Pair>) -> Pair {
+        let (leaks, _) = self.parts.actuator.leak(&self.parts.gas, air).entering();
+        let (holes, _) = self.through_holes(air);
+        masses - leaks - holes
     }
 }
 

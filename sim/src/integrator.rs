@@ -226,6 +226,15 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         }
     }
 
+    /// The slope of one state at `t`, as in [`Integrator::state`]; None where it may have jumped.
+    #[must_use]
+    pub fn slope(&self, t: f64, state: usize) -> Option<f64> {
+        match &self.segment {
+            Some(segment) => Some(segment.slope_at(t.min(self.t), state)),
+            None => self.slope.map(|slope| slope[state]),
+        }
+    }
+
     /// Integrates to `t`, or a little beyond it, but not beyond `horizon`; takes every event up to
     /// and at `t`.
     ///

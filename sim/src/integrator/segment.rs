@@ -33,6 +33,19 @@ impl<const N: usize> Segment<N> {
         x
     }
 
+    /// dx/dt of one state.
+    pub fn slope_at(&self, t: f64, state: usize) -> f64 {
+        let theta = (t - self.start) / self.width;
+        let rest = 1.0 - theta;
+        let [_, r2, r3, r4, r5, r6] = self.coefficients.map(|row| row[state]);
+        // Each bracket and its slope, from the innermost one on.
+        let (quintic, quintic_by) = (r5 + theta * r6, r6);
+        let (quartic, quartic_by) = (r4 + rest * quintic, rest * quintic_by - quintic);
+        let (cubic, cubic_by) = (r3 + theta * quartic, quartic + theta * quartic_by);
+        let (line, line_by) = (r2 + rest * cubic, rest * cubic_by - cubic);
+        (line + theta * line_by) / self.width
+    }
+
     /// The polynomial of degree 5 with the slopes of the system at [`REFINED_AT`] of the step, besides state
     /// and slope at its ends: of order 5, where that of the method itself is of order 4.
     pub fn refine(&mut self, slopes: &[[f64; N]; 2]) {
