@@ -30,7 +30,7 @@ use crate::network::{Network, Nodes, PortFlow, Surroundings};
 use crate::number::{Number, Pair};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
-use crate::valve::{Conductances, Restrictions, Valve};
+use crate::valve::{Restrictions, Valve};
 use lands::Lands;
 use ports::Ports;
 
@@ -261,18 +261,13 @@ impl Assembly {
     }
 
     fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
-        let conductances = self.conductances(t, x);
+        let openings = self.parts.valve.openings(self.spool(t, x));
+        let conductances = self.restrictions.at(openings, self.lands.open);
         let stations = self.ends_at_valve(x, air);
         let around = Surroundings::new(conductances, stations, &self.ports.directions);
         let nodes = self.parts.network.solve_at(t, &around);
         self.solved = Some((t, *x, nodes));
         nodes
-    }
-
-    /// What the valve lets pass.
-    #[inline(always)]
-    fn conductances(&self, t: f64, x: &StateVector) -> Conductances<Pair> {
-        self.restrictions.at(self.parts.valve.openings(self.spool(t, x)), self.lands.open)
     }
 
     /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;
@@ -454,6 +449,10 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         if self.parts.network.sharpen(sharp) {
             self.solved = None;
         }
+    }
+
+    fn swings(&self) -> bool {
+        self.parts.operator.longest_step().is_finite()
     }
 
     fn longest_step(&self) -> f64 {

@@ -59,6 +59,10 @@ pub trait Hybrid<const N: usize, const G: usize, const F: usize> {
     fn ahead(&mut self, t: f64, _x: &[f64; N]) -> Ahead {
         Ahead { until: self.next_instant(t), event: Some(Event::Instant) }.within(t + self.longest_step())
     }
+    /// Whether something swings in the present modes: then steps are shorter, and their size is remembered apart.
+    fn swings(&self) -> bool {
+        false
+    }
     /// Changes modes (and state, where a velocity becomes zero) at an event; tells what that makes of dx/dt.
     fn cross(&mut self, event: Event, t: f64, x: &mut [f64; N]) -> Slope;
 }
@@ -184,6 +188,9 @@ pub struct Integrator<const N: usize, const G: usize, const F: usize> {
     pending: Option<Event>,
     /// The step size that the error asks for.
     wanted: f64,
+    /// The same where the system swings while now it does not, or the other way about.
+    wanted_otherwise: f64,
+    swings: bool,
     pace: Pace,
     events_at_once: (u32, f64),
     stiffness: Stiffness,
@@ -209,6 +216,8 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             segment: None,
             pending: None,
             wanted: 1e-5,
+            wanted_otherwise: 1e-5,
+            swings: false,
             pace: Pace::default(),
             events_at_once: (0, 0.0),
             stiffness: Stiffness::default(),
@@ -277,7 +286,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         }
         self.t = t;
         let slope = change(system, &mut self.x);
-        self.restart(slope);
+        self.restart(slope, system.swings());
     }
 
     /// Makes a step that is left before its end as exact inside as it is there; tells whether that is new.
@@ -293,7 +302,11 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         new
     }
 
-    fn restart(&mut self, slope: Slope) {
+    fn restart(&mut self, slope: Slope, swings: bool) {
+        if swings != self.swings {
+            self.swings = swings;
+            std::mem::swap(&mut self.wanted, &mut self.wanted_otherwise);
+        }
         self.segment = None;
         self.guards = None;
         self.pace = Pace::default();
@@ -311,7 +324,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         }
         let slope = system.cross(event, self.t, &mut self.x);
         self.work.events += 1;
-        self.restart(slope);
+        self.restart(slope, system.swings());
         Ok(())
     }
 

@@ -4,9 +4,9 @@
 //! Rows have flows at an instant. They are integrated by Simpson's rule over panels whose ends take in
 //! the outputs of the controller, where the flows bend.
 
-use pneudrive_sim::trace::Row;
 use pneudrive_controller::Command;
 use pneudrive_sim::plant::Plant;
+use pneudrive_sim::trace::Row;
 use pneudrive_sim::{Accuracy, Method, Rig, Run, run};
 
 /// What is lost goes with the tolerance: a billionth asks for this one.

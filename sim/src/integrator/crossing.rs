@@ -35,6 +35,20 @@ pub(crate) fn first_of<const G: usize>(
     first
 }
 
+/// A guard that stays farther from zero than so many times what it changes by in a step is not looked at closer.
+const CLEAR: f64 = 2.0;
+
+/// Whether all guards stay clear of zero, by their values at the beginning, in the middle and at the end.
+pub(super) fn stay_clear<const G: usize>(begin: &[f64; G], middle: &[f64; G], end: &[f64; G]) -> bool {
+    let mut clear = true;
+    for i in 0..G {
+        let (one, two, three) = (begin[i], middle[i], end[i]);
+        let (least, most) = (one.min(two).min(three), one.max(two).max(three));
+        clear &= least > CLEAR * (most - least);
+    }
+    clear
+}
+
 /// Whether one of several guards may become negative at all.
 pub(super) fn any_may_cross<const G: usize>(begin: &[f64; G], looks: &Looks<G>) -> bool {
     (0..G).any(|guard| may_cross(&values_of(guard, begin, looks)))

@@ -1,6 +1,7 @@
-//! The first event in a step: seen at a few looks, then located on the refined step.
+//! The first event in a step: seen at a few looks, unless all guards stay clear of zero, then located on the
+//! refined step.
 
-use super::crossing::{LOOKS, Looks, any_may_cross, first_of};
+use super::crossing::{LOOKS, Looks, any_may_cross, first_of, stay_clear};
 use super::segment::Segment;
 use super::{Event, Hybrid, Integrator};
 use crate::root::bracketed_root;
@@ -33,10 +34,15 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     ) -> Option<(Event, f64)> {
         let span = Span { start: segment.start, width: segment.width, end };
         let begin = self.guards.unwrap_or_else(|| system.guards(span.start, &self.x));
-        let mut looks = looks(system, segment, &span, x);
+        let (middle, last) = (system.guards(span.when(0.5), &segment.at_part(0.5)), system.guards(end, x));
         let flows = system.flow_guards(end, x);
-        self.guards = Some(looks[LOOKS.len() - 1]);
-        if !any_may_cross(&begin, &looks) && flows.iter().all(|value| *value >= 0.0) {
+        self.guards = Some(last);
+        let flows_go_on = flows.iter().all(|value| *value >= 0.0);
+        if flows_go_on && stay_clear(&begin, &middle, &last) {
+            return None;
+        }
+        let mut looks = looks(system, segment, &span, x);
+        if flows_go_on && !any_may_cross(&begin, &looks) {
             return None;
         }
         if self.refine(system, segment) {

@@ -35,10 +35,14 @@ impl Course {
         if dt == 0.0 || last == middle || dt.abs() > FARTHEST * span.abs() {
             return None;
         }
-        let latest = dt / (last - middle);
-        let bend = if middle == first { 0.0 } else { dt * (self.now - middle) / span };
-        let (by_last, by_first) = (bend / (last - middle), bend / (middle - first));
-        let (rise, fall) = (pair(latest + by_last), pair(if bend == 0.0 { 0.0 } else { by_first }));
+        let (per_last, per_first, per_span) = (1.0 / (last - middle), 1.0 / (middle - first), 1.0 / span);
+        let (rise, fall) = if middle == first {
+            (dt * per_last, 0.0)
+        } else {
+            let bend = dt * (self.now - middle) * per_span;
+            ((dt + bend) * per_last, bend * per_first)
+        };
+        let (rise, fall) = (pair(rise), pair(fall));
         let [a, b, c] = &self.solutions;
         let at = |i: usize| a[i] + rise * (a[i] - b[i]) - fall * (b[i] - c[i]);
         // A land that is shut stays so.
