@@ -172,6 +172,9 @@ pub struct Simulate {
     /// Where to leave trace.csv, run.json and report.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Leave no report.html, which takes longer than most runs
+    #[arg(long)]
+    pub no_report: bool,
     /// How to integrate.
     #[command(flatten)]
     pub integration: Integration,

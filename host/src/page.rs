@@ -5,7 +5,9 @@
 
 mod figure;
 
+use std::borrow::Cow;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use anyhow::{Context, Result};
 use plotly::Plot;
@@ -50,24 +52,28 @@ impl Page {
     /// to put into it.
     pub fn write(&self, path: &Path) -> Result<()> {
         run_folder::refuse_foreign(path, GENERATOR)?;
-        run_folder::put(path, &self.to_html()?)
+        let [head, script, body] = self.pieces()?;
+        run_folder::put_pieces(path, &[head.as_bytes(), script.as_bytes(), body.as_bytes()])
     }
 
-    /// The page as text.
-    ///
-    /// # Errors
-    /// When the plotting library has no script to put into it.
-    pub fn to_html(&self) -> Result<String> {
+    /// What stands before the script, the script, and the rest.
+    fn pieces(&self) -> Result<[Cow<'static, str>; 3]> {
+        let script = if self.figures.is_empty() { "" } else { plotly_script()? };
         let title = escaped(&self.title);
-        let notes: String = self.notes.iter().map(|note| format!("<p>{}</p>\n", escaped(note))).collect();
-        let tables: String = self.tables.iter().map(Table::to_html).collect();
-        let figures: String = (1..).zip(&self.figures).map(|(n, figure)| section(n, figure)).collect();
-        let script = if self.figures.is_empty() { String::new() } else { plotly_script()? };
-        Ok(format!(
+        let head = format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{GENERATOR}\n<title>{title}</title>\n\
-             <style>{STYLE}</style>\n{script}\n</head>\n<body>\n<h1>{title}</h1>\n{notes}{tables}{figures}\
-             </body>\n</html>\n"
-        ))
+             <style>{STYLE}</style>\n"
+        );
+        let body = format!("\n</head>\n<body>\n<h1>{title}</h1>\n{}</body>\n</html>\n", self.content());
+        Ok([head.into(), script.into(), body.into()])
+    }
+
+    /// Notes, tables and figures.
+    fn content(&self) -> String {
+        let notes = self.notes.iter().map(|note| format!("<p>{}</p>\n", escaped(note)));
+        let tables = self.tables.iter().map(Table::to_html);
+        let figures = (1..).zip(&self.figures).map(|(n, figure)| section(n, figure));
+        notes.chain(tables).chain(figures).collect()
     }
 }
 
@@ -135,11 +141,14 @@ fn section(number: usize, figure: &Figure) -> String {
     )
 }
 
-/// The script of the plotting library, without the formula renderer that comes with it.
-fn plotly_script() -> Result<String> {
-    let scripts = Plot::offline_js_sources();
-    let script = scripts.split_inclusive("</script>").find(|script| script.contains("plotly.js v"));
-    script.map(|script| script.trim().to_owned()).context("the plotting library brings no script")
+/// The script of the plotting library, without the formula renderer that comes with it: megabytes, looked up once.
+fn plotly_script() -> Result<&'static str> {
+    static SCRIPT: LazyLock<Option<String>> = LazyLock::new(|| {
+        let scripts = Plot::offline_js_sources();
+        let script = scripts.split_inclusive("</script>").find(|script| script.contains("plotly.js v"));
+        script.map(|script| script.trim().to_owned())
+    });
+    SCRIPT.as_deref().context("the plotting library brings no script")
 }
 
 /// A page beside this one as a link, other text as it is.
@@ -181,9 +190,13 @@ mod tests {
         }
     }
 
+    fn html(page: &Page) -> String {
+        page.pieces().expect("a page").concat()
+    }
+
     #[test]
     fn the_page_needs_no_network_and_holds_its_data() {
-        let html = page().to_html().expect("a page");
+        let html = html(&page());
         let own = &html[..html.find("<script").expect("a script")];
         assert!(own.contains("<title>step &amp; hold</title>"));
         assert!(!html.contains("<script src") && !own.contains("http"));
@@ -218,7 +231,7 @@ mod tests {
 
     #[test]
     fn a_page_without_graphs_carries_no_script() {
-        let html = Page { figures: Vec::new(), ..page() }.to_html().expect("a page");
+        let html = html(&Page { figures: Vec::new(), ..page() });
         assert!(!html.contains("<script"));
     }
 
@@ -229,7 +242,7 @@ mod tests {
         let told = |colour: Option<&'static str>| {
             let panels = [(); 3].map(|()| Panel::new("", vec![curve(colour)]));
             let page = Page { figures: vec![Figure::over_time(panels.to_vec())], ..page() };
-            page.to_html().expect("a page").matches("\"showlegend\":true,").count()
+            html(&page).matches("\"showlegend\":true,").count()
         };
         assert_eq!(told(None) - told(Some("#1f4e9c")), 2);
     }

@@ -1,6 +1,7 @@
 //! The folder of a simulated run: trace.csv and run.json.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -56,11 +57,20 @@ pub fn make_writable(folder: &Path) -> Result<()> {
 /// # Errors
 /// When there is such a file.
 pub fn refuse_foreign(path: &Path, mark: &str) -> Result<()> {
-    match fs::read_to_string(path) {
+    match beginning(path) {
         Ok(text) if text.contains(mark) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
         _ => bail!("{} is not of this program; choose another place", path.display()),
     }
+}
+
+/// Bytes at the beginning of a file that hold its mark, if it has one.
+const BEGINNING: u64 = 1 << 16;
+
+fn beginning(path: &Path) -> std::io::Result<String> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(BEGINNING).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// Writes a file whole or not at all.
@@ -68,8 +78,18 @@ pub fn refuse_foreign(path: &Path, mark: &str) -> Result<()> {
 /// # Errors
 /// When it cannot be written.
 pub fn put(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
+    put_pieces(path, &[content.as_ref()])
+}
+
+/// The same of a file that is made of several pieces.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
     let partial = PathBuf::from(format!("{}.partial", path.display()));
-    fs::write(&partial, content)
+    let written =
+        File::create(&partial).and_then(|mut file| pieces.iter().try_for_each(|piece| file.write_all(piece)));
+    written
         .and_then(|()| fs::rename(&partial, path))
         .with_context(|| format!("cannot write {}", path.display()))
 }

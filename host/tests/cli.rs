@@ -136,6 +136,17 @@ fn simulate_leaves_a_trace_with_the_fixed_columns_a_row_a_sample() {
 }
 
 #[test]
+fn simulate_without_its_report_leaves_the_same_trace() {
+    let folder = folder();
+    let run = "simulate servo-b --set test.duration_s=0.05";
+    ok(folder.path(), &format!("{run} --out with"));
+    ok(folder.path(), &format!("{run} --out without --no-report"));
+    assert!(!folder.path().join("without/report.html").exists());
+    let [with, without] = ["with", "without"].map(|run| fs::read(folder.path().join(run).join("trace.csv")));
+    assert_eq!(with.expect("written"), without.expect("written"));
+}
+
+#[test]
 fn simulate_takes_the_test_of_another_file_and_rows_at_a_period() {
     let folder = folder();
     let test =

@@ -74,28 +74,69 @@ pub fn to_csv(rows: &[Row]) -> String {
     text.push('\n');
     for row in rows {
         for (column, value) in row.values().into_iter().enumerate() {
-            let comma = if column == 0 { "" } else { "," };
-            write!(text, "{comma}{}", number(value)).expect("writing to a string");
+            if column > 0 {
+                text.push(',');
+            }
+            push_number(&mut text, value);
         }
         text.push('\n');
     }
     text
 }
 
-/// Twelve significant digits, without zeros that say nothing: a tenth of a nanometre in a metre is
-/// kept, and rounding of the last bits is not shown.
-fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".to_owned(),
-        size if size < 1e-4 => format!("{rounded:e}"),
-        _ => rounded.to_string(),
+/// Significant digits of a number: a tenth of a nanometre in a metre is kept, and rounding of the last bits is
+/// not shown.
+const DIGITS: usize = 12;
+
+/// Below this the exponent is written, not the zeros.
+const SMALLEST_EXPONENT: i32 = -4;
+
+/// Appends a number to [`DIGITS`] digits, without zeros that say nothing.
+fn push_number(text: &mut String, value: f64) {
+    const WHOLE: f64 = 1e9;
+    if value.abs() < WHOLE && value == value.trunc() {
+        write!(text, "{}", value as i64).expect("writing to a string");
+        return;
+    }
+    let begin = text.len();
+    write!(text, "{value:.*e}", DIGITS - 1).expect("writing to a string");
+    let Some(e) = text[begin..].find('e') else { return };
+    let exponent: i32 = text[begin + e + 1..].parse().expect("the exponent of a number");
+    text.truncate(begin + e);
+    text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+    if exponent < SMALLEST_EXPONENT {
+        write!(text, "e{exponent}").expect("writing to a string");
+    } else {
+        place_point(text, begin, exponent);
+    }
+}
+
+/// Moves the point of the number that begins at `begin`, behind whose first digit it is, by `exponent` places.
+fn place_point(text: &mut String, begin: usize, exponent: i32) {
+    let first = begin + usize::from(text[begin..].starts_with('-'));
+    if text[first..].len() > 1 {
+        text.remove(first + 1);
+    }
+    let digits = text[first..].len();
+    let places = exponent.unsigned_abs() as usize;
+    if exponent < 0 {
+        text.insert_str(first, &"0.0000"[..1 + places]);
+    } else if places + 1 < digits {
+        text.insert(first + 1 + places, '.');
+    } else {
+        text.extend(std::iter::repeat_n('0', places + 1 - digits));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn number(value: f64) -> String {
+        let mut text = String::from("1,-");
+        push_number(&mut text, value);
+        text.split_off(3)
+    }
 
     #[test]
     fn numbers_are_short_and_exact_to_twelve_digits() {
@@ -105,9 +146,31 @@ mod tests {
             (325_324.999_999_999_1, "325325"),
             (0.098_719_625, "0.098719625"),
             (5.628_959_333_572_113e-5, "5.62895933357e-5"),
+            (1e-4, "0.0001"),
+            (-0.25, "-0.25"),
             (-2048.0, "-2048"),
+            (-20.5, "-20.5"),
+            (1.5e13, "15000000000000"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
         ] {
             assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn a_number_reads_back_as_the_nearest_one_of_twelve_digits() {
+        let mut value = 1.234_567_890_123_456e-9;
+        while value < 1e16 {
+            for value in [value, -value] {
+                let rounded: f64 = format!("{value:.11e}").parse().expect("a number");
+                let text = number(value);
+                assert_eq!(text.parse(), Ok(rounded), "{value:e}");
+                let shortest =
+                    if rounded.abs() < 1e-4 { format!("{rounded:e}") } else { rounded.to_string() };
+                assert_eq!(text, shortest, "{value:e}");
+            }
+            value *= 1.377;
         }
     }
 }

@@ -1,5 +1,7 @@
 //! `pneudrive simulate`.
 
+use std::time::Instant;
+
 use anyhow::{Context, Result};
 use pneudrive_sim::{Rig, Run, run_watched};
 
@@ -18,15 +20,22 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     }
     let accuracy = accuracy(&arguments.integration, &rig);
     let mut progress = Progress::new("simulating");
+    let begin = Instant::now();
     let run = run_watched(&rig, accuracy, |done, all| progress.at(u64::from(done), u64::from(all)));
+    let took = begin.elapsed();
     progress.done();
     let run = run.with_context(|| format!("{} cannot be simulated", rig.name()))?;
     run_folder::write(&arguments.out, &rig, accuracy, &run)?;
+    let summary = summary(&rig, &run);
+    say!("{summary}, in {:.1} ms", 1e3 * took.as_secs_f64());
+    if arguments.no_report {
+        say!("{}: trace.csv, run.json", arguments.out.display());
+        return Ok(());
+    }
     let transient = Transient::of_run("simulated", &StoredRun::of(&rig, &run));
     let title = format!("{}, simulated", rig.name());
-    let page = report::page(&title, vec![summary(&rig, &run)], &[transient], Vec::new());
+    let page = report::page(&title, vec![summary], &[transient], Vec::new());
     page.write(&arguments.out.join("report.html"))?;
-    say!("{}", summary(&rig, &run));
     say!("{}: trace.csv, run.json, report.html", arguments.out.display());
     Ok(())
 }
