@@ -49,8 +49,8 @@ pub(crate) type StateVector = [f64; STATES];
 pub(crate) mod slot {
     pub const POSITION: usize = 0;
     pub const VELOCITY: usize = 1;
-    pub const MASS: [usize; 2] = [2, 4];
-    pub const EXNER: [usize; 2] = [3, 5];
+    pub const MASS: [usize; 2] = [2, 3];
+    pub const EXNER: [usize; 2] = [4, 5];
     pub const SPOOL: usize = 6;
     pub const SPOOL_VELOCITY: usize = 7;
     /// Pressure behind a lagged tube over that at its known end: supply, cylinder 1, cylinder 2.
@@ -59,7 +59,7 @@ pub(crate) mod slot {
 
 /// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
 /// to themselves, hence small), m, m/s; ratios of pressures.
-pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1.0, 1e-5, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0];
+pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1e-5, 1.0, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0];
 
 const LOAD_FRICTION: usize = 0;
 const LOAD_STOPS: usize = 1;

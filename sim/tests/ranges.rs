@@ -160,3 +160,23 @@ proptest! {
         outcome(name, &[tests(name)[test].clone(), changes].concat());
     }
 }
+
+/// A valve far wider than its port: its air approaches it faster and faster until that flow has no solution
+/// any more. Once the search for another one ended on its way, and the run with it.
+#[test]
+fn a_run_goes_on_where_a_solution_of_its_flows_comes_to_its_end() {
+    let settings = [
+        "valve.model=iso-6358",
+        "valve.sonic_conductance_m3_per_s_pa=1e-6",
+        "valve.critical_ratio=0.3",
+        "controller.loop=open",
+        "test.moves=[[0.0, 2048], [0.02, -2048]]",
+        "test.duration_s=0.03",
+    ];
+    let text = builtin("bang-bang").expect("a built-in rig");
+    let rig = Rig::read_with("bang-bang", text, &settings.map(str::to_owned)).expect("a valid rig");
+    for tolerance in [1e-7, 1e-8, 1e-9] {
+        let run = run(&rig, Accuracy { tolerance, ..Accuracy::default() });
+        assert!(has_physical_numbers(&run.unwrap_or_else(|error| panic!("{tolerance}: {error}"))));
+    }
+}

@@ -1,6 +1,7 @@
 //! The network's restrictions and nodes against the thesis's equations as printed, with EQUATIONS
 //! sections 1 and 3 where those correct them.
 
+use super::restriction::Place;
 use super::*;
 use crate::valve::{Valve, thesis_valve};
 
@@ -39,7 +40,12 @@ fn gamma_of_network(p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
     let (network, gas) = (network(true), Gas::new(N, R));
     let flow = m1 * p1 / (network.mach * t1).sqrt();
     let up = station(p1, t1);
-    let square = network.land(gas.flow_constant(), &up, &network.approach(&up, flow), &station(p2, 300.0));
+    let square = network.land(
+        gas.flow_constant(),
+        &Place::of(&up),
+        &network.approach(&up, flow),
+        &Place::of(&station(p2, 300.0)),
+    );
     square.value.abs().sqrt().copysign(square.value) * (R / N).sqrt()
 }
 

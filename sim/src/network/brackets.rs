@@ -1,13 +1,16 @@
 //! The network by nested brackets, which cannot fail: the flow of the supply tube outside, each node
 //! inside it, its port innermost. Slow, and used only where Newton's method has no start or gets lost.
 
-use super::restriction::{MaybeApproach, factor};
+use super::restriction::{Approach, MaybeApproach, Place, factor};
 use super::{Network, Node, Nodes, PortFlow, Station, Surroundings, mean_of_inflows};
 use crate::root::bracketed_root;
 use crate::valve::Conductances;
 
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.
-const MOST_PASSES: u32 = 200;
+const MOST_PASSES: u32 = 400;
+
+/// A pass that leaves more than this part of the change of the one before is slow.
+const SLOW: f64 = 0.9;
 
 /// What surrounds one node, for given speeds of approach.
 struct NodeSide<'a> {
@@ -21,18 +24,29 @@ struct NodeSide<'a> {
 impl Network {
     /// Nested brackets for given speeds of approach, which then follow from the flows, beginning at
     /// rest: of several solutions this finds the one that air at rest comes to.
+    ///
+    /// Where a solution has just come to its end the speeds creep past the place, ten thousand passes long:
+    /// slow passes reach farther and farther, and one that has reached beyond a solution is taken back.
     pub(super) fn by_brackets(&mut self, around: &Surroundings) {
         let mut approaches = [[None; 3]; 2];
+        let mut before = approaches;
+        let (mut reach, mut farthest, mut last) = (1.0, f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_PASSES {
             let nodes = self.balanced(around, &approaches);
             self.nodes = Nodes::of(&nodes);
             let found = [0, 1].map(|i| self.approaches(i, around));
-            let change = approaches.as_flattened().iter().zip(found.as_flattened());
-            let change = change.map(|(old, new)| (factor(old) - factor(new)).abs()).fold(0.0, f64::max);
-            approaches = found;
-            if change < 1e-12 {
+            let rise = largest_rise(&approaches, &found);
+            if rise.abs() < 1e-12 {
                 return;
             }
+            if rise < 0.0 && reach > 1.0 {
+                (approaches, reach, farthest) = (before, 1.0, 1.0);
+                continue;
+            }
+            reach = if rise.abs() > SLOW * last { f64::min(2.0 * reach, farthest) } else { 1.0 };
+            last = rise.abs();
+            before = approaches;
+            approaches = moved(&approaches, &found, reach);
         }
     }
 
@@ -125,9 +139,10 @@ impl Network {
         let [from_supply, from_exhaust, from_port] = side.approaches;
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);
         for _ in 0..2 {
-            let here = Station { exner, temperature: node.temperature };
-            let supply_flow = self.land(side.valve.supply, &supply, from_supply, &here).value;
-            let exhaust_flow = self.land(side.valve.exhaust, &self.exhaust, from_exhaust, &here).value;
+            let here = Place::of(&Station { exner, temperature: node.temperature });
+            let supply_flow = self.land(side.valve.supply, &Place::of(&supply), from_supply, &here).value;
+            let exhaust_flow =
+                self.land(side.valve.exhaust, &Place::of(&self.exhaust), from_exhaust, &here).value;
             node.supply_flow = signed_root(supply_flow);
             node.exhaust_flow = signed_root(exhaust_flow);
             let inflows = [
@@ -148,11 +163,29 @@ impl Network {
         let here = node.station();
         let excess = |m: f64| {
             let far = self.port_station(&here, &side.chamber, side.port, m);
-            m * m.abs() + self.port(bore, &far, &side.approaches[2], here.exner).value
+            m * m.abs() + self.port(bore, &Place::of(&far), &side.approaches[2], here.exner).value
         };
         let highest = node.exner.max(side.chamber.exner);
         let coldest = node.temperature.min(side.chamber.temperature);
         let most = self.more_than_choked(&self.laws.port, bore / coldest, highest);
         bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17)
     }
+}
+
+/// The largest change of a factor, with its sign.
+fn largest_rise(from: &[[MaybeApproach; 3]; 2], to: &[[MaybeApproach; 3]; 2]) -> f64 {
+    let rises = from.as_flattened().iter().zip(to.as_flattened()).map(|(old, new)| factor(new) - factor(old));
+    rises.fold(0.0, |largest: f64, rise: f64| if rise.abs() > largest.abs() { rise } else { largest })
+}
+
+/// From the old factors `reach` times as far as the new ones.
+fn moved(
+    from: &[[MaybeApproach; 3]; 2],
+    to: &[[MaybeApproach; 3]; 2],
+    reach: f64,
+) -> [[MaybeApproach; 3]; 2] {
+    let moved = |old: &MaybeApproach, new: &MaybeApproach| {
+        new.map(|new| Approach { factor: factor(old) + reach * (new.factor - factor(old)), ..new })
+    };
+    std::array::from_fn(|i| std::array::from_fn(|k| moved(&from[i][k], &to[i][k])))
 }

@@ -6,7 +6,7 @@
 
 use super::nodes::{Nodes, Surroundings, pair};
 use super::rest::{Slopes, is_rounding, land_line, square_slope};
-use super::restriction::{MaybeApproach, SquareFlow};
+use super::restriction::{MaybeApproach, Place, SquareFlow};
 use super::{FLOW_ERROR, Network};
 use crate::air::Station;
 use crate::number::{Number, Pair};
@@ -24,6 +24,7 @@ const NO_FLOW: f64 = 1e-20;
 /// T_n with its slopes over s, e and the flow in the supply tube.
 struct Mixture {
     temperature: Pair,
+    per_temperature: Pair,
     slopes: [Pair; 3],
 }
 
@@ -90,7 +91,8 @@ impl Network {
     fn begun_from_rest(&self, around: &Surroundings, nodes: Nodes) -> Nodes {
         let supply = Station { exner: pair(self.supply.exner), temperature: self.supply_temperature() };
         let begin = |flow: Pair, conductance: Pair, source: &Station<Pair>| {
-            let square = self.land(conductance, source, &None, &nodes.stations()).value;
+            let square =
+                self.land(conductance, &Place::of(source), &None, &Place::of(&nodes.stations())).value;
             let driven = Pair::of(|i| square.lane(i).abs().sqrt().copysign(square.lane(i)));
             let opens = pair(NO_FLOW).above(flow.abs()) & conductance.above(pair(0.0));
             Pair::choose(opens, driven, flow)
@@ -165,17 +167,17 @@ impl Network {
                 self.mixture(nodes, around, (&supply_approach, by_total), (&far_approach, by_back))
             }
             // Without a node the exhaust land takes the cylinder's air (6.40).
-            None => Mixture { temperature: around.chambers.temperature, slopes: [pair(0.0); 3] },
+            None => Mixture::of(around.chambers.temperature),
         };
-        let here = Station { exner: nodes.exner, temperature: mixture.temperature };
-        let from_supply = self.land(around.valve.supply, &supply, &supply_approach, &here);
-        let from_exhaust = self.land(around.valve.exhaust, &exhaust, &None, &here);
+        let here = Place { exner: nodes.exner, per_temperature: mixture.per_temperature };
+        let from_supply = self.land(around.valve.supply, &Place::of(&supply), &supply_approach, &here);
+        let from_exhaust = self.land(around.valve.exhaust, &Place::of(&exhaust), &None, &here);
         let supply_line =
             self.land_lines(around, around.valve.supply, &supply, (s, from_supply.value), slopes);
         let exhaust_line =
             self.land_lines(around, around.valve.exhaust, &exhaust, (e, from_exhaust.value), slopes);
         // Over T_n, where the air of the node is the one that flows.
-        let per_temperature = pair(1.0) / mixture.temperature;
+        let per_temperature = mixture.per_temperature;
         let cooling = |square: &SquareFlow<Pair>, of_node: Pair| match slopes {
             Slopes::Tangent => Pair::choose(of_node, square.value * per_temperature, pair(0.0)),
             Slopes::Secant => pair(0.0),
@@ -198,8 +200,10 @@ impl Network {
                 mixture,
             };
         };
-        let temperature = Pair::choose(around.charging, mixture.temperature, far.temperature);
-        let back = self.port(bore, &Station { temperature, ..far }, &far_approach, nodes.exner);
+        let of_chambers = pair(1.0) / around.chambers.temperature;
+        let per_temperature = Pair::choose(around.charging, per_temperature, of_chambers);
+        let behind = Place { exner: far.exner, per_temperature };
+        let back = self.port(bore, &behind, &far_approach, nodes.exner);
         let [p_s, p_e, p_t] = by_mixture(-cooling(&back, around.charging));
         let size = match slopes {
             Slopes::Tangent => pair(2.0) * m.abs(),
@@ -275,6 +279,9 @@ impl Network {
         let flows = mass.above(zero);
         let per_mass = Pair::choose(flows, pair(1.0) / mass, zero);
         let temperature = Pair::choose(flows, per_mass * heat, nodes.temperature);
+        // Not by way of T_n itself, which is there later.
+        let per_temperature =
+            Pair::choose(flows, mass, pair(1.0)) / Pair::choose(flows, heat, nodes.temperature);
         // What a flow more brings of warmth, where it flows in.
         let warmth = |flow: Pair, from: Pair| Pair::choose(flow.above(zero), from - temperature, zero);
         let by_chamber = warmth(back, from_chamber);
@@ -291,7 +298,11 @@ impl Network {
         }
         let [by_supply, by_exhaust, by_total] = by_flows;
         let by_total = if supply.is_some() { per_mass * by_total } else { zero };
-        Mixture { temperature, slopes: [per_mass * by_supply, per_mass * by_exhaust, by_total] }
+        Mixture {
+            temperature,
+            per_temperature,
+            slopes: [per_mass * by_supply, per_mass * by_exhaust, by_total],
+        }
     }
 }
 
@@ -302,6 +313,12 @@ fn scaled(temperature: Pair, approach: &MaybeApproach<Pair>) -> Pair {
 }
 
 impl Mixture {
+    /// Of a temperature that no flow changes.
+    #[inline(always)]
+    fn of(temperature: Pair) -> Mixture {
+        Mixture { temperature, per_temperature: pair(1.0) / temperature, slopes: [pair(0.0); 3] }
+    }
+
     /// T_n after changes of s, e and the flow in the supply tube.
     #[inline(always)]
     fn after<const AT_REST: bool>(&self, supply: Pair, exhaust: Pair, total: Pair) -> Pair {

@@ -22,6 +22,22 @@ pub(super) struct Approach<N = f64> {
     pub by_flow: N,
 }
 
+/// Where air comes from or goes to, as a restriction feels it.
+#[derive(Clone, Copy)]
+pub(super) struct Place<N = f64> {
+    /// w.
+    pub exner: N,
+    /// 1/T, 1/K.
+    pub per_temperature: N,
+}
+
+impl<N: Number> Place<N> {
+    #[inline(always)]
+    pub fn of(station: &Station<N>) -> Place<N> {
+        Place { exner: station.exner, per_temperature: N::from(1.0) / station.temperature }
+    }
+}
+
 /// None: air at rest.
 pub(super) type MaybeApproach<N = f64> = Option<Approach<N>>;
 
@@ -66,15 +82,15 @@ impl Network {
         &self,
         law: &FlowLaw,
         conductance: N,
-        place: &Station<N>,
+        place: &Place<N>,
         approach: &MaybeApproach<N>,
-        node: &Station<N>,
+        node: &Place<N>,
     ) -> SquareFlow<N> {
         let raised = match approach {
             None => *place,
-            Some(approach) => Station {
+            Some(approach) => Place {
                 exner: place.exner * approach.factor,
-                temperature: place.temperature * approach.factor,
+                per_temperature: place.per_temperature / approach.factor,
             },
         };
         let inward = raised.exner.at_least(node.exner);
@@ -85,7 +101,8 @@ impl Network {
             }
         };
         let psi = law.flow_function(&self.gas, upstream, downstream);
-        let k = (conductance / N::choose(inward, raised.temperature, node.temperature)).signed(inward);
+        let per_temperature = N::choose(inward, raised.per_temperature, node.per_temperature);
+        let k = (conductance * per_temperature).signed(inward);
         let [by_place, by_node] = N::either(inward, k * psi.by_upstream, k * psi.by_downstream);
         let square = SquareFlow { value: k * psi.value, by_place, by_node, by_flow: N::from(0.0) };
         let Some(approach) = approach else { return square };
@@ -104,9 +121,9 @@ impl Network {
     pub(super) fn land<N: Number>(
         &self,
         conductance: N,
-        source: &Station<N>,
+        source: &Place<N>,
         approach: &MaybeApproach<N>,
-        node: &Station<N>,
+        node: &Place<N>,
     ) -> SquareFlow<N> {
         self.restriction(&self.laws.land, conductance, source, approach, node)
     }
@@ -117,11 +134,11 @@ impl Network {
     pub(super) fn port<N: Number>(
         &self,
         conductance: N,
-        far: &Station<N>,
+        far: &Place<N>,
         approach: &MaybeApproach<N>,
         node_exner: N,
     ) -> SquareFlow<N> {
-        let near = Station { exner: node_exner, temperature: far.temperature };
+        let near = Place { exner: node_exner, ..*far };
         self.restriction(&self.laws.port, conductance, far, approach, &near)
     }
 
