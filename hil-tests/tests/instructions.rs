@@ -15,5 +15,6 @@ fn sample_and_output_take_no_more_instructions_than_is_held() {
     }
     assert!(both.most <= HELD, "{} instructions at most, held are {HELD}", both.most);
     assert!(first.most <= HELD_FIRST, "{} at a first sample, held are {HELD_FIRST}", first.most);
-    xtask::figures::hold(TABLE, &table(&costs)).unwrap_or_else(|error| panic!("{error:#}"));
+    xtask::figures::hold(xtask::figures::FIRMWARE, TABLE, &table(&costs))
+        .unwrap_or_else(|error| panic!("{error:#}"));
 }

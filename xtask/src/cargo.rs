@@ -27,9 +27,17 @@ pub fn root() -> &'static Path {
 /// # Errors
 /// When CARGO_TARGET_DIR is relative and the current folder is gone.
 pub fn image_folder() -> Result<PathBuf> {
+    built("firmware")
+}
+
+/// Where something that was built in the root workspace is.
+///
+/// # Errors
+/// When CARGO_TARGET_DIR is relative and the current folder is gone.
+pub fn built(path: &str) -> Result<PathBuf> {
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
     let target = std::path::absolute(&target).with_context(|| format!("CARGO_TARGET_DIR {target:?}"))?;
-    Ok(target.join("firmware"))
+    Ok(target.join(path))
 }
 
 /// A cargo call in the root workspace.

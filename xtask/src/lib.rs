@@ -18,12 +18,12 @@
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
 
 pub mod cargo;
-pub mod emulator;
 pub mod figures;
 pub mod firmware;
 pub mod forbidden;
 pub mod frame;
 pub mod image;
+pub mod instructions;
 pub mod memory;
 pub mod nucleo;
 pub mod probe;
@@ -31,3 +31,4 @@ pub mod stack;
 pub mod steps;
 pub mod tally;
 pub mod thumb;
+pub mod tools;

@@ -48,6 +48,9 @@ enum Command {
     /// Measure the instructions of the control in the emulator, read flash, memory and stack from the images, and
     /// write the tables of docs/firmware-figures.md anew
     Figures,
+    /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/speed.md
+    /// anew
+    Cost,
     /// 100,000 downloads over a faulty line, and 1,000 kills of either side of a record
     SoakLink,
 }
@@ -65,6 +68,7 @@ fn main() -> ExitCode {
         Command::Soak { seconds } => steps::soak(&mut tally, seconds),
         Command::ProveRounding => steps::prove_rounding(&mut tally),
         Command::Figures => steps::figures(&mut tally),
+        Command::Cost => steps::cost(&mut tally),
         Command::SoakLink => steps::soak_link(&mut tally),
     }
     tally.report()

@@ -128,7 +128,7 @@ fn tell(name: &str, memory: &Memory) {
 /// # Errors
 /// When a figure is off, with what to do.
 pub fn check() -> Result<()> {
-    figures::hold(TABLE, &table()?)
+    figures::hold(figures::FIRMWARE, TABLE, &table()?)
 }
 
 /// Writes the document's table anew.
@@ -136,5 +136,5 @@ pub fn check() -> Result<()> {
 /// # Errors
 /// When an image can't be built or read.
 pub fn write() -> Result<()> {
-    figures::write(TABLE, &table()?)
+    figures::write(figures::FIRMWARE, TABLE, &table()?)
 }

@@ -7,7 +7,8 @@ use anyhow::{Context, Result};
 
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
-use crate::{emulator, firmware, memory, nucleo, probe};
+use crate::tools::QEMU;
+use crate::{firmware, instructions, memory, nucleo, probe};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -34,12 +35,13 @@ pub fn lint(tally: &mut Tally) {
 /// All tests on the PC, then what can be said of the boards without one.
 pub fn test(tally: &mut Tally) {
     tally.check("target of the boards", cargo::ensure_thumb_target);
-    tally.check("emulator", emulator::ensure);
+    tally.check("emulator", || QEMU.ensure());
     tally.check("image for the emulator", firmware::check_emulated);
     tests_on_the_pc(tally);
     tally.check("results of sweeps as Parquet", || {
         run(&mut in_root(&["test", "--package", "pneudrive", "--features", "parquet", "--lib", "parquet"]))
     });
+    tally.check("instructions of the simulator", instructions::check);
     tally.check("no_std crates for the boards", || {
         let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app"];
         let mut arguments = vec!["build", "--lib", "--keep-going", "--target", THUMB];
@@ -98,9 +100,17 @@ pub fn probe(tally: &mut Tally) {
 
 /// Writes the figures of the control interrupt and of the images anew.
 pub fn figures(tally: &mut Tally) {
-    tally.check("emulator", emulator::ensure);
+    tally.check("emulator", || QEMU.ensure());
     tally.check("instructions of the control", || example("figures", &[]));
     tally.check("flash, memory and stack of the images", memory::write);
+}
+
+/// Writes the instructions of the simulator's runs anew.
+pub fn cost(tally: &mut Tally) {
+    tally.check("work of the simulator", || {
+        run(&mut in_root(&["run", "--release", "--package", "pneudrive-sim", "--example", "cost"]))
+    });
+    tally.check("instructions of the simulator", instructions::write);
 }
 
 /// The test bodies on a real board.
@@ -111,13 +121,13 @@ pub fn hil(tally: &mut Tally, bodies: &[String]) {
 
 /// A long time in the emulator.
 pub fn soak(tally: &mut Tally, seconds: u32) {
-    tally.check("emulator", emulator::ensure);
+    tally.check("emulator", || QEMU.ensure());
     tally.check("soak", || example("soak", &[&seconds.to_string()]));
 }
 
 /// A changed rounding is seen.
 pub fn prove_rounding(tally: &mut Tally) {
-    tally.check("emulator", emulator::ensure);
+    tally.check("emulator", || QEMU.ensure());
     tally.check("a changed rounding makes the test fail", || example("prove_rounding", &[]));
 }
 

@@ -1,0 +1,86 @@
+//! The instructions that the simulator needs for a run, counted by valgrind, and the table of docs/speed.md that holds
+//! them.
+//!
+//! They repeat to the last few on one machine, and to a fraction of a per cent on all with the pinned compiler; another
+//! processor family has others, and is told so.
+
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::cargo::{built, in_root, run};
+use crate::figures::{self, SPEED};
+use crate::tools::VALGRIND;
+
+/// The table.
+const TABLE: &str = "instructions";
+
+/// What the counts are for.
+const COUNTED_ON: (&str, &str) = ("linux", "x86_64");
+
+/// Compares the table with what runs need now.
+///
+/// # Errors
+/// When a figure is off, with what to do, or nothing can be counted.
+pub fn check() -> Result<()> {
+    if (std::env::consts::OS, std::env::consts::ARCH) != COUNTED_ON {
+        let (os, processor) = COUNTED_ON;
+        println!("the table is of {processor} under {os}: instructions are not compared here");
+        return Ok(());
+    }
+    figures::hold(SPEED, TABLE, &measured()?)
+}
+
+/// Writes the table anew.
+///
+/// # Errors
+/// When nothing can be counted or written.
+pub fn write() -> Result<()> {
+    figures::write(SPEED, TABLE, &measured()?)
+}
+
+/// The table, measured: its runs and their samples are those that it has.
+fn measured() -> Result<String> {
+    VALGRIND.ensure()?;
+    run(&mut in_root(&["build", "--release", "--package", "pneudrive-sim", "--example", "cost"]))?;
+    figures::lines(SPEED, TABLE)?.lines().map(row).collect()
+}
+
+/// A line anew, of which the run's name and its samples are taken.
+fn row(line: &str) -> Result<String> {
+    let mut cells = line.split('|').map(str::trim).skip(1);
+    let (name, samples) = (cells.next().unwrap_or_default(), cells.next().unwrap_or_default());
+    let samples: u64 = samples.parse().with_context(|| format!("the samples of {line:?}"))?;
+    let instructions = count(name)?;
+    Ok(format!("| {name} | {samples} | {} | {} |\n", instructions / 1000, instructions / samples))
+}
+
+/// The instructions of a run's process.
+fn count(name: &str) -> Result<u64> {
+    let program = built("release/examples/cost")?;
+    let mut command = Command::new(VALGRIND.program);
+    command.args(["--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null"]);
+    let output = command.arg(program).arg(name).output().context("valgrind can't be started")?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "the run of {name} ended with {}: {said}", output.status);
+    counted(&said).with_context(|| format!("valgrind told no count of {name}: {said}"))
+}
+
+/// `I   refs:      149,089,887`
+fn counted(said: &str) -> Option<u64> {
+    let line = said.lines().find(|line| line.contains("refs:") && line.contains(" I "))?;
+    let digits: String = line.rsplit(':').next()?.chars().filter(char::is_ascii_digit).collect();
+    digits.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_count_is_read_out_of_what_valgrind_says() {
+        let said = "==1== Command: cost\n==1== \n==1== I   refs:      149,089,887\n";
+        assert_eq!(counted(said), Some(149_089_887));
+        assert_eq!(counted("==1== D   refs:      1\n"), None);
+    }
+}

@@ -1,0 +1,48 @@
+//! The programs that tests need beside Rust: the emulator of the boards' processor, and a counter of instructions.
+
+use std::process::{Command, Stdio};
+
+use anyhow::{Result, bail};
+
+use crate::cargo::run;
+
+/// A program, and the package that brings it.
+pub struct Tool {
+    /// Its name.
+    pub program: &'static str,
+    package: &'static str,
+}
+
+/// The emulator.
+pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
+
+/// The counter of instructions.
+pub const VALGRIND: Tool = Tool { program: "valgrind", package: "valgrind" };
+
+impl Tool {
+    /// Makes sure that it is there; installs it where apt-get is and may.
+    ///
+    /// # Errors
+    /// When it's missing and can't be installed, with what to do.
+    pub fn ensure(&self) -> Result<()> {
+        let Tool { program, package } = self;
+        if answers(program, "--version") {
+            return Ok(());
+        }
+        if !answers("apt-get", "--version") || !is_root() {
+            bail!("{program} is not found, and the tests need it: install it (apt-get install {package})");
+        }
+        println!("installing {program}: apt-get install {package}");
+        run(Command::new("apt-get").arg("update"))?;
+        run(Command::new("apt-get").args(["install", "--yes", "--no-install-recommends", package]))
+    }
+}
+
+fn answers(program: &str, argument: &str) -> bool {
+    let status = Command::new(program).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    status.is_ok_and(|status| status.success())
+}
+
+fn is_root() -> bool {
+    Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+}
