@@ -82,7 +82,7 @@ impl<N: Number> Air<N> {
     pub(crate) fn derivative(&self, gas: &Gas, volume: Volume<N>, flows: [(N, N); 3]) -> [N; 2] {
         let [(one, t1), (two, t2), (three, t3)] = flows;
         let carried = one * t1 + two * t2 + three * t3;
-        let filling = N::from(gas.gas_constant) * carried / (self.pressure * volume.volume);
+        let filling = carried * (N::from(gas.gas_constant) / (self.pressure * volume.volume));
         let growth = volume.rate / volume.volume;
         let per_growth = self.exner * N::from(gas.heat_capacity_ratio - 1.0);
         [one + two + three, per_growth * (filling - growth)]

@@ -338,14 +338,15 @@ impl Balance {
         let determinant = a[0] * columns[0][0] + a[1] * columns[0][1] + a[2] * columns[0][2];
         let scale = pair(-1.0) / determinant;
         let solved = |right: &[Pair; 3]| {
-            let [x, y, z] = [scale * right[0], scale * right[1], scale * right[2]];
-            let at = |k: usize| x * columns[0][k] + y * columns[1][k] + z * columns[2][k];
-            [at(0), at(1), at(2)]
+            let at =
+                |k: usize| right[0] * columns[0][k] + right[1] * columns[1][k] + right[2] * columns[2][k];
+            // The determinant's inverse comes last.
+            [scale * at(0), scale * at(1), scale * at(2)]
         };
         if AT_REST {
             // The supply land alone feels the flow in the supply tube.
-            let x = scale * self.by_total[0];
-            return [solved(&self.residual), [x * columns[0][0], x * columns[0][1], x * columns[0][2]]];
+            let at = |k: usize| scale * (self.by_total[0] * columns[0][k]);
+            return [solved(&self.residual), [at(0), at(1), at(2)]];
         }
         [solved(&self.residual), solved(&self.by_total)]
     }

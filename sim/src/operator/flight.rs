@@ -47,8 +47,9 @@ pub(super) struct Flight {
     stiffness: f64,
     /// w^2; negative where overdamped.
     free: f64,
-    /// sqrt |w^2|.
+    /// sqrt |w^2|, and one over it.
     frequency: f64,
+    per_frequency: f64,
     /// The same in cycles a second.
     cycles_hz: f64,
     rest: f64,
@@ -83,6 +84,7 @@ impl Flight {
             stiffness,
             free,
             frequency: free.abs().sqrt(),
+            per_frequency: 1.0 / free.abs().sqrt(),
             cycles_hz: free.abs().sqrt() / (2.0 * PI),
             rest: drive.steady / stiffness,
             swing: drive.swing,
@@ -134,7 +136,7 @@ impl Flight {
         let w = self.frequency;
         if self.free > 0.0 {
             let fade = (-self.decay * tau).exponential();
-            [fade * cosine, fade * sine / w]
+            [fade * cosine, fade * (sine * self.per_frequency)]
         } else if self.free == 0.0 {
             let fade = libm::exp(-self.decay * tau);
             [fade, fade * tau]
