@@ -7,12 +7,13 @@
 //! | [`cargo`] | how cargo and rustup are called, and where they build |
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
 //! | [`nucleo`] | builds the image for the Nucleo board and judges its size and its interrupt |
-//! | [`emulator`] | makes sure that there is one |
+//! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
 //! | [`probe`] | builds the probe image of the firmware and judges it |
 //! | [`image`] | reads an image: its symbols, its code, what is in it that must not be |
 //! | [`forbidden`] | which symbols those are |
 //! | [`memory`] | what the images take of flash, memory and stack |
-//! | [`figures`] | the tables of docs/firmware-figures.md |
+//! | [`figures`] | tables of documents that programs write and tests hold |
+//! | [`instructions`] | what the simulator needs for its runs, and the table that holds it |
 //! | [`stack`] | the most stack that a function of an image takes |
 //! | [`frame`] | what an instruction takes from the stack |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
