@@ -276,9 +276,9 @@ impl Assembly {
     fn ends_at_valve(&mut self, x: &StateVector, air: &Air<Pair>) -> Station<Pair> {
         let mut stations = air.station();
         if let Some(lag) = &self.parts.lag {
-            let part = |i: usize| self.parts.gas.exner(x[slot::RATIO[i]]);
-            self.parts.network.set_supply(lag.supply.exner * part(0));
-            stations.exner *= Pair::new([part(1), part(2)]);
+            let [supply, one, two] = slot::RATIO.map(|i| x[i]);
+            self.parts.network.set_supply(lag.supply.exner * self.parts.gas.exner_ratio(supply));
+            stations.exner *= self.parts.gas.exner_ratio(Pair::new([one, two]));
         }
         Station { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }
     }
@@ -362,7 +362,7 @@ impl Assembly {
         slope[slot::POSITION] = velocity;
         slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
         if let Some(lag) = &self.parts.lag {
-            let rates = lag.derivative(gas, x, &air.station(), nodes.supply.reduce_add(), flows);
+            let rates = lag.derivative(gas, x, nodes.supply.reduce_add(), &air.station(), flows);
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {
                 slope[place] = rate;
             }

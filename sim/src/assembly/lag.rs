@@ -24,24 +24,25 @@ pub(crate) struct Lag {
 }
 
 impl Lag {
-    /// The pressure ratio that a flow will come to.
-    fn settled_ratio(&self, gas: &Gas, tube: &Tube, known: &Station, flow: f64) -> f64 {
-        gas.pressure(tube.far_end(known, flow).exner) / gas.pressure(known.exner)
-    }
-
-    /// Rates of the three ratios, for the flow from the supply (kg/s) and those into the chambers.
+    /// Rates of the three ratios, for the flow from the supply (kg/s), the chambers and the flows into them.
+    #[inline(always)]
     pub fn derivative(
         &self,
         gas: &Gas,
         x: &StateVector,
-        chambers: &Station<Pair>,
         total: f64,
+        chambers: &Station<Pair>,
         flows: Pair,
     ) -> [f64; 3] {
-        let settled =
-            |i: usize| self.settled_ratio(gas, &self.cylinder_tube, &chambers.lane(i), -flows.lane(i));
-        let settled =
-            [self.settled_ratio(gas, &self.supply_tube, &self.supply, total), settled(0), settled(1)];
+        let supply = settled_ratio(gas, &self.supply_tube, &self.supply, total);
+        let cylinders = settled_ratio(gas, &self.cylinder_tube, chambers, -flows);
+        let settled = [supply, cylinders.lane(0), cylinders.lane(1)];
         std::array::from_fn(|i| (settled[i] - x[slot::RATIO[i]]) / self.time)
     }
+}
+
+/// The pressure ratio that a flow will come to.
+#[inline(always)]
+fn settled_ratio<N: Number>(gas: &Gas, tube: &Tube, known: &Station<N>, flow: N) -> N {
+    gas.pressure_of(tube.far_end(known, flow).exner / known.exner)
 }
