@@ -289,22 +289,24 @@ impl Assembly {
         if self.parts.faults.now.swapped_tubes { Pair::new([each.lane(1), each.lane(0)]) } else { each }
     }
 
-    fn actuator_force(&self, x: &StateVector) -> f64 {
+    fn applied_to_load(&self, x: &StateVector) -> f64 {
         let [p1, p2] = slot::EXNER.map(|i| self.parts.gas.pressure(x[i]));
-        self.parts.actuator.force(p1, p2)
+        self.applied_of(self.parts.actuator.force(p1, p2), x)
     }
 
-    fn applied_to_load(&self, x: &StateVector) -> f64 {
-        let force = self.actuator_force(x);
-        self.parts.load.applied_force(force, self.load_side, x[slot::POSITION], x[slot::VELOCITY])
+    /// The same for a force of the cylinder.
+    fn applied_of(&self, actuator_force: f64, x: &StateVector) -> f64 {
+        self.parts.load.applied_force(actuator_force, self.load_side, x[slot::POSITION], x[slot::VELOCITY])
     }
 
     /// What follows from a state alone.
     pub fn effects(&self, x: &StateVector) -> Effects {
-        let applied = self.applied_to_load(x);
+        let air = self.air(x);
+        let actuator_force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
+        let applied = self.applied_of(actuator_force, x);
         Effects {
-            air: self.air(x),
-            actuator_force: self.actuator_force(x),
+            air,
+            actuator_force,
             friction_force: self.parts.load.friction.force(self.load_contact, applied),
             acceleration: self.parts.load.acceleration(applied, self.load_contact),
         }
@@ -357,9 +359,8 @@ impl Assembly {
             slope[slot::EXNER[i]] = exners.lane(i);
         }
         let force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
-        let (position, velocity) = (x[slot::POSITION], x[slot::VELOCITY]);
-        let applied = self.parts.load.applied_force(force, self.load_side, position, velocity);
-        slope[slot::POSITION] = velocity;
+        let applied = self.applied_of(force, x);
+        slope[slot::POSITION] = x[slot::VELOCITY];
         slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
         if let Some(lag) = &self.parts.lag {
             let rates = lag.derivative(gas, x, nodes.supply.reduce_add(), &air.station(), flows);
