@@ -38,7 +38,7 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         load: load(rig),
         operator: operator(rig),
         supply_pressure: rig.number("supply.pressure_pa"),
-        network: network(rig, gas),
+        network: network(rig, gas).with_table(rig.flow_table()),
         flow_force: flow_force(rig),
         lag: lag(rig, &gas),
         continuous: continuous(rig),
@@ -180,7 +180,7 @@ pub(crate) fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
     (tube, tube)
 }
 
-fn network(rig: &Rig, gas: Gas) -> Network {
+pub(crate) fn network(rig: &Rig, gas: Gas) -> Network {
     // Lagged tubes are states of the assembly, not part of the network.
     let (supply_tube, cylinder_tube) = match lag(rig, &gas) {
         Some(_) => (Tube::none(), Tube::none()),

@@ -7,10 +7,18 @@ use crate::root::bracketed_root;
 use crate::valve::Conductances;
 
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.
-const MOST_PASSES: u32 = 400;
+const MOST_PASSES: u32 = 300;
+
+/// Change of a factor that is none; after [`PATIENCE`] passes a solution that is nearly two in one is near enough.
+const UNCHANGED: f64 = 1e-12;
+const NEAR: f64 = 1e-9;
+const PATIENCE: u32 = 60;
 
 /// A pass that leaves more than this part of the change of the one before is slow.
 const SLOW: f64 = 0.9;
+
+/// The farthest that a slow factor reaches in one pass.
+const FARTHEST: f64 = 1e-3;
 
 /// What surrounds one node, for given speeds of approach.
 struct NodeSide<'a> {
@@ -25,28 +33,23 @@ impl Network {
     /// Nested brackets for given speeds of approach, which then follow from the flows, beginning at
     /// rest: of several solutions this finds the one that air at rest comes to.
     ///
-    /// Where a solution has just come to its end the speeds creep past the place, ten thousand passes long:
-    /// slow passes reach farther and farther, and one that has reached beyond a solution is taken back.
+    /// Where a solution has just come to its end a speed creeps past the place, ten thousand passes long. So a
+    /// factor that is slow reaches farther and farther, until it turns.
     pub(super) fn by_brackets(&mut self, around: &Surroundings) {
-        let mut approaches = [[None; 3]; 2];
-        let mut before = approaches;
-        let (mut reach, mut farthest, mut last) = (1.0, f64::INFINITY, f64::INFINITY);
-        for _ in 0..MOST_PASSES {
+        let mut places = [[Creep::AT_REST; 3]; 2];
+        for pass in 0..MOST_PASSES {
+            let approaches = places.map(|node| node.map(|place| place.approach));
             let nodes = self.balanced(around, &approaches);
             self.nodes = Nodes::of(&nodes);
-            let found = [0, 1].map(|i| self.approaches(i, around));
-            let rise = largest_rise(&approaches, &found);
-            if rise.abs() < 1e-12 {
+            let mut largest = 0.0_f64;
+            for (i, node) in places.iter_mut().enumerate() {
+                for (place, found) in node.iter_mut().zip(self.approaches(i, around)) {
+                    largest = largest.max(place.follow(found));
+                }
+            }
+            if largest < if pass < PATIENCE { UNCHANGED } else { NEAR } {
                 return;
             }
-            if rise < 0.0 && reach > 1.0 {
-                (approaches, reach, farthest) = (before, 1.0, 1.0);
-                continue;
-            }
-            reach = if rise.abs() > SLOW * last { f64::min(2.0 * reach, farthest) } else { 1.0 };
-            last = rise.abs();
-            before = approaches;
-            approaches = moved(&approaches, &found, reach);
         }
     }
 
@@ -172,20 +175,32 @@ impl Network {
     }
 }
 
-/// The largest change of a factor, with its sign.
-fn largest_rise(from: &[[MaybeApproach; 3]; 2], to: &[[MaybeApproach; 3]; 2]) -> f64 {
-    let rises = from.as_flattened().iter().zip(to.as_flattened()).map(|(old, new)| factor(new) - factor(old));
-    rises.fold(0.0, |largest: f64, rise: f64| if rise.abs() > largest.abs() { rise } else { largest })
+/// An approach on its way to where it belongs.
+#[derive(Clone, Copy)]
+struct Creep {
+    approach: MaybeApproach,
+    /// The last change of its factor that a pass asked for, and how many times as far it went.
+    last: f64,
+    reach: f64,
 }
 
-/// From the old factors `reach` times as far as the new ones.
-fn moved(
-    from: &[[MaybeApproach; 3]; 2],
-    to: &[[MaybeApproach; 3]; 2],
-    reach: f64,
-) -> [[MaybeApproach; 3]; 2] {
-    let moved = |old: &MaybeApproach, new: &MaybeApproach| {
-        new.map(|new| Approach { factor: factor(old) + reach * (new.factor - factor(old)), ..new })
-    };
-    std::array::from_fn(|i| std::array::from_fn(|k| moved(&from[i][k], &to[i][k])))
+impl Creep {
+    const AT_REST: Creep = Creep { approach: None, last: 0.0, reach: 1.0 };
+
+    /// Moves on towards what a pass has found; tells how far it was from there.
+    fn follow(&mut self, found: MaybeApproach) -> f64 {
+        let rise = factor(&found) - factor(&self.approach);
+        self.reach = if rise * self.last < 0.0 {
+            (0.5 * self.reach).max(1.0)
+        } else if self.last != 0.0 && rise.abs() > SLOW * self.last.abs() {
+            2.0 * self.reach
+        } else {
+            1.0
+        };
+        let farthest = FARTHEST.max(rise.abs());
+        let step = (self.reach * rise).clamp(-farthest, farthest);
+        self.last = rise;
+        self.approach = found.map(|found| Approach { factor: factor(&self.approach) + step, ..found });
+        rise.abs()
+    }
 }
