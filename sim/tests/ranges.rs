@@ -5,6 +5,7 @@ use pneudrive_sim::rig::keys::{KEYS, Key, Kind};
 use pneudrive_sim::rig::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// A test of the closed loop, one that opens the valve fully either way, and one into a stop.
 fn tests(name: &str) -> [Vec<String>; 3] {
@@ -147,8 +148,15 @@ fn several_ends() -> impl Strategy<Value = Vec<String>> {
     })
 }
 
+/// Some combinations take minutes: what is drawn is no luck of the day. PROPTEST_RNG_SEED draws others.
+fn the_same_every_time() -> ProptestConfig {
+    let seed = ProptestConfig::default().rng_seed;
+    let rng_seed = if seed == RngSeed::Random { RngSeed::Fixed(1) } else { seed };
+    ProptestConfig { failure_persistence: None, rng_seed, ..ProptestConfig::with_cases(200) }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(100) })]
+    #![proptest_config(the_same_every_time())]
 
     /// Here an error with a name will do: several extremes at once may be too stiff for any method.
     #[test]
