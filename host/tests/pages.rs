@@ -86,7 +86,7 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         ("flow-gain.html", 2, 9),
         ("pressure-drop.html", 1, 3),
         ("impulse.html", 5, 7),
-        ("ladder.html", 4, 31),
+        ("ladder.html", 4, 39),
         ("tune.html", 5, 11),
     ] {
         let seen = open(browser, profile.path(), &folder.path().join(name));
