@@ -34,8 +34,7 @@ impl Timed {
         let rig = Rig::read_with(case, &text, &settings).expect("a valid case");
         let own = Accuracy::of(&rig);
         let accuracy = Accuracy { tolerance: tolerance.unwrap_or(own.tolerance), ..own };
-        let title =
-            [&[case], settings.iter().map(String::as_str).collect::<Vec<_>>().as_slice()].concat().join(", ");
+        let title = std::iter::once(case.to_owned()).chain(settings).collect::<Vec<_>>().join(", ");
         Timed { title, rig, accuracy, best: Duration::MAX }
     }
 

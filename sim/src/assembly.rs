@@ -9,6 +9,7 @@
 //! position and velocity of the spool, and the pressure ratios of lagged tubes. The modes say on which smooth piece of the equations the
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
+mod air;
 mod following;
 mod lag;
 mod lands;
@@ -18,15 +19,15 @@ mod ports;
 pub(crate) use lag::Lag;
 
 use crate::actuator::Actuator;
-use crate::air::{Air, Station};
+use crate::air::Air;
 use crate::continuous::ContinuousLaw;
-use crate::faults::{Schedule, through_hole};
+use crate::faults::Schedule;
 use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::friction::Contact;
 use crate::gas::Gas;
 use crate::integrator::{Ahead, Event, Hybrid, Slope};
 use crate::load::Load;
-use crate::network::{Network, Nodes, PortFlow, Surroundings};
+use crate::network::{Network, Nodes};
 use crate::number::{Number, Pair};
 use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
@@ -227,68 +228,6 @@ impl Assembly {
         true
     }
 
-    fn find_port_directions(&mut self, t: f64, x: &StateVector) {
-        // The direction decides only the temperature, so the second solution has the right signs.
-        for _ in 0..2 {
-            let nodes = self.nodes(t, x);
-            self.ports.follow(&nodes);
-            self.solved = None;
-        }
-    }
-
-    fn air(&self, x: &StateVector) -> Air<Pair> {
-        self.air_in(self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]).volume, x)
-    }
-
-    /// The same in volumes of m^3.
-    #[inline(always)]
-    fn air_in(&self, volumes: Pair, x: &StateVector) -> Air<Pair> {
-        let both = |slots: [usize; 2]| Pair::new(slots.map(|i| x[i]));
-        Air::of_state(&self.parts.gas, both(slot::MASS), both(slot::EXNER), volumes)
-    }
-
-    /// The flows at a state; solved once for each.
-    fn nodes(&mut self, t: f64, x: &StateVector) -> Nodes {
-        self.nodes_of(t, x, &self.air(x))
-    }
-
-    /// The same for the air that a state tells of.
-    fn nodes_of(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
-        match &self.solved {
-            Some((at, solved, nodes)) if *at == t && solved == x => *nodes,
-            _ => self.solve(t, x, air),
-        }
-    }
-
-    fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
-        let openings = self.parts.valve.openings(self.spool(t, x));
-        let conductances = self.restrictions.at(openings, self.lands.open);
-        let stations = self.ends_at_valve(x, air);
-        let around = Surroundings::new(conductances, stations, &self.ports.directions);
-        let nodes = self.parts.network.solve_at(t, &around);
-        self.solved = Some((t, *x, nodes));
-        nodes
-    }
-
-    /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;
-    /// the supply likewise.
-    #[inline(always)]
-    fn ends_at_valve(&mut self, x: &StateVector, air: &Air<Pair>) -> Station<Pair> {
-        let mut stations = air.station();
-        if let Some(lag) = &self.parts.lag {
-            let [supply, one, two] = slot::RATIO.map(|i| x[i]);
-            self.parts.network.set_supply(lag.supply.exner * self.parts.gas.exner_ratio(supply));
-            stations.exner *= self.parts.gas.exner_ratio(Pair::new([one, two]));
-        }
-        Station { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }
-    }
-
-    /// What is told of the ports, told of the chambers that they are joined to, and the other way about.
-    #[inline(always)]
-    fn joined(&self, each: Pair) -> Pair {
-        if self.parts.faults.now.swapped_tubes { Pair::new([each.lane(1), each.lane(0)]) } else { each }
-    }
-
     fn applied_to_load(&self, x: &StateVector) -> f64 {
         let [p1, p2] = slot::EXNER.map(|i| self.parts.gas.pressure(x[i]));
         self.applied_of(self.parts.actuator.force(p1, p2), x)
@@ -310,30 +249,6 @@ impl Assembly {
             friction_force: self.parts.load.friction.force(self.load_contact, applied),
             acceleration: self.parts.load.acceleration(applied, self.load_contact),
         }
-    }
-
-    /// The flows into the chambers through their ports, kg/s.
-    ///
-    /// Looking leaves no trace: the network goes on from where the integrator left it.
-    pub fn port_flows(&mut self, t: f64, x: &StateVector) -> Pair {
-        let left = (self.parts.network.clone(), self.solved);
-        if let Some((at, ..)) = &mut self.solved
-            && self.parts.operator.stands(t)
-        {
-            *at = t;
-        }
-        // A row is no trial step: where the flows are hard to find, they are searched for.
-        self.parts.network.expect_jump();
-        let nodes = self.nodes(t, x);
-        (self.parts.network, self.solved) = left;
-        self.joined(nodes.port_flow())
-    }
-
-    /// The same where the masses of the air have these slopes, kg/s.
-    pub fn port_flows_of(&self, masses: Pair, air: &Air<Pair>) -> Pair {
-        let (leaks, _) = self.parts.actuator.leak(&self.parts.gas, air).entering();
-        let (holes, _) = self.through_holes(air);
-        masses - leaks - holes
     }
 }
 
@@ -369,26 +284,6 @@ impl Assembly {
             }
         }
         slope
-    }
-
-    /// The temperatures that the air in the tubes carries into or out of the chambers: that of the air from
-    /// the valve when charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
-    #[inline(always)]
-    fn carried(&self, nodes: &Nodes, air: &Air<Pair>) -> Pair {
-        let charging = PortFlow::charging(&self.ports.directions);
-        self.joined(Pair::choose(charging, nodes.carried, self.joined(air.temperature)))
-    }
-
-    /// The flows into the chambers through holes, and the temperatures that they carry.
-    #[inline(always)]
-    fn through_holes(&self, air: &Air<Pair>) -> (Pair, Pair) {
-        let areas = self.parts.faults.now.leak_areas;
-        if areas == [0.0; 2] {
-            return (Pair::ZERO, air.temperature);
-        }
-        let (gas, outside) = (&self.parts.gas, self.parts.network.exhaust());
-        let [one, two] = [0, 1].map(|i| through_hole(gas, areas[i], &air.lane(i).station(), outside));
-        (Pair::new([one.0, two.0]), Pair::new([one.1, two.1]))
     }
 
     /// A mode of the load or an entry of the profile ends: the continuous command jumps, or its rate does.

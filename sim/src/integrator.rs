@@ -290,7 +290,6 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     }
 
     /// Makes a step that is left before its end as exact inside as it is there; tells whether that is new.
-    #[inline(never)]
     fn refine(&mut self, system: &mut impl Hybrid<N, G, F>, segment: &mut Segment<N>) -> bool {
         let new = !segment.refined;
         if new {

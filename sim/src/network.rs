@@ -23,7 +23,8 @@
 //! pressure difference has an infinite slope. Newton's
 //! method on (w_n, s, e) a node, bordered by the flow in the supply tube; it starts from the last
 //! solution. Where it does not converge, nested brackets do: the net flow into a node falls with its
-//! pressure, so they cannot fail (EQUATIONS section 3).
+//! pressure, so they cannot fail (EQUATIONS section 3) as long as the speeds of
+//! approach come to rest.
 
 mod brackets;
 mod course;

@@ -1,8 +1,7 @@
 //! The instructions that the simulator needs for a run, counted by valgrind, and the table of docs/speed.md that holds
 //! them.
 //!
-//! They repeat to the last few on one machine, and to a fraction of a per cent on all with the pinned compiler; another
-//! processor family has others, and is told so.
+//! They repeat to the last few on one machine; another processor family has others, and is told so.
 
 use std::process::Command;
 

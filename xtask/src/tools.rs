@@ -6,18 +6,20 @@ use anyhow::{Result, bail};
 
 use crate::cargo::run;
 
-/// A program, and the package that brings it.
+/// A program, which a package of its name brings.
 pub struct Tool {
     /// Its name.
     pub program: &'static str,
-    package: &'static str,
+    /// How it is installed.
+    how: &'static str,
 }
 
 /// The emulator.
-pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
+pub const QEMU: Tool =
+    Tool { program: "qemu-system-arm", how: "apt-get install qemu-system-arm, brew install qemu, ..." };
 
 /// The counter of instructions.
-pub const VALGRIND: Tool = Tool { program: "valgrind", package: "valgrind" };
+pub const VALGRIND: Tool = Tool { program: "valgrind", how: "apt-get install valgrind, ..." };
 
 impl Tool {
     /// Makes sure that it is there; installs it where apt-get is and may.
@@ -25,16 +27,16 @@ impl Tool {
     /// # Errors
     /// When it's missing and can't be installed, with what to do.
     pub fn ensure(&self) -> Result<()> {
-        let Tool { program, package } = self;
+        let Tool { program, how } = self;
         if answers(program, "--version") {
             return Ok(());
         }
         if !answers("apt-get", "--version") || !is_root() {
-            bail!("{program} is not found, and the tests need it: install it (apt-get install {package})");
+            bail!("{program} is not found, and the tests need it: install it ({how})");
         }
-        println!("installing {program}: apt-get install {package}");
+        println!("installing {program}: apt-get install {program}");
         run(Command::new("apt-get").arg("update"))?;
-        run(Command::new("apt-get").args(["install", "--yes", "--no-install-recommends", package]))
+        run(Command::new("apt-get").args(["install", "--yes", "--no-install-recommends", program]))
     }
 }
 

@@ -71,7 +71,6 @@ pub(super) struct Slopes<const N: usize> {
 
 impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     /// What a step from the present state needs, whatever its size.
-    #[inline(never)]
     pub(super) fn slopes(&mut self, system: &mut impl Hybrid<N, G, F>, slope: [f64; N]) -> Slopes<N> {
         let mut jacobian = [[0.0; N]; N];
         for j in 0..N {
@@ -93,7 +92,6 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         part * self.scale[state].max(self.x[state].abs())
     }
 
-    #[inline(never)]
     pub(super) fn implicit_trial(
         &mut self,
         system: &mut impl Hybrid<N, G, F>,

@@ -55,7 +55,6 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
         [by_state, by_flow].into_iter().flatten().min_by(|(_, one), (_, other)| one.total_cmp(other))
     }
 
-    #[inline(never)]
     fn first_flow_guard(
         &self,
         system: &mut impl Hybrid<N, G, F>,

@@ -74,7 +74,7 @@ struct Fineness {
     columns: usize,
 }
 
-/// Of servo-b's cells 30 % are left out at this, of the flows of B_closed_damped 2 % (21.11.2026).
+/// Of servo-b's cells 30 % are left out at this.
 const FINENESS: Fineness = Fineness { grading: Grading { part: 0.06, knee: 2.0, widest: 0.3 }, columns: 56 };
 
 /// A table of a rig's flow nodes.
@@ -244,8 +244,8 @@ struct Guess {
 }
 
 impl<const O: usize> Grid<O> {
-    /// A guess corrected by the slopes of the table, where the other node takes what `other` says, and whether a
-    /// further correction would be no more than the allowed error.
+    /// A guess corrected by the slopes of the table, and by how much; `joined`: each node is the other's other one,
+    /// else that takes what is asked for.
     #[inline(always)]
     fn corrected(&self, asked: &Asked, guess: &Guess, joined: bool) -> (Guess, Change) {
         let one = pair(1.0);

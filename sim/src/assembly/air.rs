@@ -1,0 +1,120 @@
+//! The air of a drive in a state: what is in its chambers, what flows into them, and what it carries.
+//!
+//! Ports are told of the valve's side and chambers of the cylinder's; tubes that are swapped join each port to the
+//! other chamber.
+
+use super::{Assembly, StateVector, slot};
+use crate::air::{Air, Station};
+use crate::faults::through_hole;
+use crate::network::{Nodes, PortFlow, Surroundings};
+use crate::number::{Number, Pair};
+
+impl Assembly {
+    /// The directions that the flows in the ports have now.
+    pub(super) fn find_port_directions(&mut self, t: f64, x: &StateVector) {
+        // The direction decides only the temperature, so the second solution has the right signs.
+        for _ in 0..2 {
+            let nodes = self.nodes(t, x);
+            self.ports.follow(&nodes);
+            self.solved = None;
+        }
+    }
+
+    /// The air in both chambers.
+    pub(super) fn air(&self, x: &StateVector) -> Air<Pair> {
+        self.air_in(self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]).volume, x)
+    }
+
+    /// The same in volumes of m^3.
+    #[inline(always)]
+    pub(super) fn air_in(&self, volumes: Pair, x: &StateVector) -> Air<Pair> {
+        let both = |slots: [usize; 2]| Pair::new(slots.map(|i| x[i]));
+        Air::of_state(&self.parts.gas, both(slot::MASS), both(slot::EXNER), volumes)
+    }
+
+    /// The flows at a state; solved once for each.
+    pub(super) fn nodes(&mut self, t: f64, x: &StateVector) -> Nodes {
+        self.nodes_of(t, x, &self.air(x))
+    }
+
+    /// The same for the air that a state tells of.
+    pub(super) fn nodes_of(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
+        match &self.solved {
+            Some((at, solved, nodes)) if *at == t && solved == x => *nodes,
+            _ => self.solve(t, x, air),
+        }
+    }
+
+    fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
+        let openings = self.parts.valve.openings(self.spool(t, x));
+        let conductances = self.restrictions.at(openings, self.lands.open);
+        let stations = self.ends_at_valve(x, air);
+        let around = Surroundings::new(conductances, stations, &self.ports.directions);
+        let nodes = self.parts.network.solve_at(t, &around);
+        self.solved = Some((t, *x, nodes));
+        nodes
+    }
+
+    /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;
+    /// the supply likewise.
+    #[inline(always)]
+    pub(super) fn ends_at_valve(&mut self, x: &StateVector, air: &Air<Pair>) -> Station<Pair> {
+        let mut stations = air.station();
+        if let Some(lag) = &self.parts.lag {
+            let [supply, one, two] = slot::RATIO.map(|i| x[i]);
+            self.parts.network.set_supply(lag.supply.exner * self.parts.gas.exner_ratio(supply));
+            stations.exner *= self.parts.gas.exner_ratio(Pair::new([one, two]));
+        }
+        Station { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }
+    }
+
+    /// What is told of the ports, told of the chambers that they are joined to, and the other way about.
+    #[inline(always)]
+    pub(super) fn joined(&self, each: Pair) -> Pair {
+        if self.parts.faults.now.swapped_tubes { Pair::new([each.lane(1), each.lane(0)]) } else { each }
+    }
+
+    /// The flows into the chambers through their ports, kg/s.
+    ///
+    /// Looking leaves no trace: the network goes on from where the integrator left it.
+    pub fn port_flows(&mut self, t: f64, x: &StateVector) -> Pair {
+        let left = (self.parts.network.clone(), self.solved);
+        if let Some((at, ..)) = &mut self.solved
+            && self.parts.operator.stands(t)
+        {
+            *at = t;
+        }
+        // A row is no trial step: where the flows are hard to find, they are searched for.
+        self.parts.network.expect_jump();
+        let nodes = self.nodes(t, x);
+        (self.parts.network, self.solved) = left;
+        self.joined(nodes.port_flow())
+    }
+
+    /// The same where the masses of the air have these slopes, kg/s.
+    pub fn port_flows_of(&self, masses: Pair, air: &Air<Pair>) -> Pair {
+        let (leaks, _) = self.parts.actuator.leak(&self.parts.gas, air).entering();
+        let (holes, _) = self.through_holes(air);
+        masses - leaks - holes
+    }
+
+    /// The temperatures that the air in the tubes carries into or out of the chambers: that of the air from
+    /// the valve when charging (the tube is adiabatic, EQUATIONS section 3), else the chamber's.
+    #[inline(always)]
+    pub(super) fn carried(&self, nodes: &Nodes, air: &Air<Pair>) -> Pair {
+        let charging = PortFlow::charging(&self.ports.directions);
+        self.joined(Pair::choose(charging, nodes.carried, self.joined(air.temperature)))
+    }
+
+    /// The flows into the chambers through holes, and the temperatures that they carry.
+    #[inline(always)]
+    pub(super) fn through_holes(&self, air: &Air<Pair>) -> (Pair, Pair) {
+        let areas = self.parts.faults.now.leak_areas;
+        if areas == [0.0; 2] {
+            return (Pair::ZERO, air.temperature);
+        }
+        let (gas, outside) = (&self.parts.gas, self.parts.network.exhaust());
+        let [one, two] = [0, 1].map(|i| through_hole(gas, areas[i], &air.lane(i).station(), outside));
+        (Pair::new([one.0, two.0]), Pair::new([one.1, two.1]))
+    }
+}
