@@ -355,6 +355,10 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
                 system.derivative(self.t, &self.x)
             }
         };
+        // No step is short enough for a slope that is no number.
+        if !slope.iter().all(|rate| rate.is_finite()) {
+            return Err(IntegrationError::NotANumber { at_s: self.t });
+        }
         let (Taken { mut segment, x, end_slope, .. }, end) = self.accepted(system, slope, limit)?;
         self.work.steps += 1;
         match self.first_event(system, &mut segment, end, &x) {

@@ -148,6 +148,8 @@ pub struct NetworkWork {
     pub iterations: u64,
     /// Solutions by nested brackets, where Newton did not converge.
     pub bracketed: u64,
+    /// Passes of these over the speeds of approach.
+    pub passes: u64,
     /// Solutions from the table.
     pub tabulated: u64,
 }
@@ -344,13 +346,13 @@ impl Network {
         Nodes { carried, ..self.nodes }
     }
 
-    /// Nested brackets, sharpened by Newton's method; false where they leave no numbers.
+    /// Nested brackets, sharpened by Newton's method; false where they find nothing.
     fn by_search(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
         self.work.bracketed += 1;
-        self.by_brackets(around);
+        let rests = self.by_brackets(around);
         // What the brackets found is the answer where Newton's method fails again.
-        let found = self.by_newton(around) || self.nodes.are_finite();
+        let found = self.by_newton(around) || (rests && self.nodes.are_finite());
         if !found {
             self.nodes = last;
         }

@@ -217,6 +217,15 @@ fn a_state_that_stops_being_a_number_is_said_with_its_time() {
     assert!(matches!(error, IntegrationError::NotANumber { at_s } if (at_s - 0.5).abs() < 1e-6), "{error}");
 }
 
+/// Where a first slope is no number the others are none, however short the step.
+#[test]
+fn a_slope_that_is_no_number_ends_a_run_at_once() {
+    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [0.0]);
+    integrator.t = 1.0;
+    let error = integrator.run_to(&mut Smooth(broken), 2.0, 2.0).expect_err("not a number");
+    assert_eq!((error, integrator.work.evaluations), (IntegrationError::NotANumber { at_s: 1.0 }, 1));
+}
+
 /// A rotation so fast that its steps come to nothing, though each one succeeds.
 fn whirl(_: f64, x: &[f64; 2]) -> [f64; 2] {
     [1e9 * x[1], -1e9 * x[0]]

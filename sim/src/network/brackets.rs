@@ -36,9 +36,14 @@ impl Network {
     ///
     /// Where a solution has just come to its end a speed creeps past the place, ten thousand passes long. So a
     /// factor that is slow reaches farther and farther, until it turns.
-    pub(super) fn by_brackets(&mut self, around: &Surroundings) {
+    ///
+    /// Behind tubes that let next to nothing pass, air comes at the speed of sound or not at all, each the
+    /// consequence of the other: false where the speeds go round and round (Brent, BIT 20, 1980) or find no rest.
+    pub(super) fn by_brackets(&mut self, around: &Surroundings) -> bool {
         let mut places = [[Creep::AT_REST; 3]; 2];
+        let mut landmark = factors(&places);
         for pass in 0..MOST_PASSES {
+            self.work.passes += 1;
             let approaches = places.map(|node| node.map(|place| place.approach));
             let nodes = self.balanced(around, &approaches);
             self.nodes = Nodes::of(&nodes);
@@ -49,9 +54,17 @@ impl Network {
                 }
             }
             if largest < if pass < PATIENCE { UNCHANGED } else { NEAR } {
-                return;
+                return true;
+            }
+            let here = factors(&places);
+            if here.iter().zip(&landmark).all(|(here, there)| (here - there).abs() < UNCHANGED) {
+                break;
+            }
+            if pass.is_power_of_two() {
+                landmark = here;
             }
         }
+        false
     }
 
     /// How air approaches supply land, exhaust land and port of node `i` at its present flows.
@@ -174,6 +187,11 @@ impl Network {
         let most = self.more_than_choked(&self.laws.port, bore / coldest, highest);
         bracketed_root(excess, [(-most, excess(-most)), (most, excess(most))], 1e-17)
     }
+}
+
+/// Where the factors are.
+fn factors(places: &[[Creep; 3]; 2]) -> [f64; 6] {
+    std::array::from_fn(|i| factor(&places.as_flattened()[i].approach))
 }
 
 /// An approach on its way to where it belongs.

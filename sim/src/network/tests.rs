@@ -56,7 +56,7 @@ fn newton_and_brackets_agree_everywhere() {
                         if n.port_flow() >= 0.0 { PortFlow::Charging } else { PortFlow::Discharging }
                     });
                 }
-                brackets.by_brackets(&Surroundings::new(valve, Station::both(&chambers), &ports));
+                assert!(brackets.by_brackets(&Surroundings::new(valve, Station::both(&chambers), &ports)));
                 for (a, b) in newton.nodes.each().iter().zip(&brackets.nodes.each()) {
                     let what =
                         format!("tube {tube}, approach {approach}, x {spool}, P {p1} {p2}: {a:?} {b:?}");
@@ -81,6 +81,18 @@ fn the_blocked_port_pressure_at_null_is_0_81_of_the_supply() {
         if flow.port_flow() > 0.0 { low = middle } else { high = middle }
     }
     assert!((low - 475.6e3).abs() < 100.0, "{low}");
+}
+
+/// Once such a search took seven seconds, its half-way point was the answer, and the next instant had its own.
+#[test]
+fn a_search_whose_speeds_of_approach_go_round_and_round_ends_soon_and_finds_nothing() {
+    let (gas, network) = network_with(true, true);
+    let tube = Tube::empirical(&gas, 0.99, 1e-5);
+    let mut network = Network { supply_tube: tube, cylinder_tube: tube, ..network };
+    let valve = thesis_valve().conductances(&gas, -0.1e-3);
+    let nodes = network.solve(&valve, &chambers(&gas, 300e3, 300e3), &[PortFlow::Charging; 2]);
+    assert!(nodes.iter().all(|node| !node.is_finite()), "{nodes:?}");
+    assert!(network.work.passes < 40, "{:?}", network.work);
 }
 
 /// Once a trial step with an absurd state spoilt every solution after it.
