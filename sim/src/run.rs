@@ -72,14 +72,11 @@ pub fn run_watched(
 
     let period = u64::from(rig.period_us().get());
     let row_period = rig.optional_number("test.trace_period_s").and_then(whole_microseconds);
-    let mut rows = Rows {
-        period_us: row_period.unwrap_or(period),
-        next_us: 0,
-        end_us: rig.microseconds("test.duration_s"),
-        rows: Vec::new(),
-    };
+    let (row_period, end_us) = (row_period.unwrap_or(period), rig.microseconds("test.duration_s"));
+    let rows = Vec::with_capacity(room_for(end_us / row_period));
+    let mut rows = Rows { period_us: row_period, next_us: 0, end_us, rows };
     let mut plant = Plant::new(rig, accuracy, 0);
-    let mut observations = Vec::new();
+    let mut observations = Vec::with_capacity(room_for(u64::from(rig.last_sample())));
     let mut fault = None;
     let mut target = None;
     let mut bug = PositiveGain::of(rig, &config);
@@ -115,6 +112,11 @@ pub fn run_watched(
         }
     }
     Ok(Run { rows: rows.rows, observations, fault, work: plant.work() })
+}
+
+/// Room for entries 0 to `last`, as far as it is wise to take it beforehand.
+fn room_for(last: u64) -> usize {
+    last.min(1 << 14) as usize + 1
 }
 
 /// Gives a continuous controller its target where it changes, and tells its command, rounded to counts;
