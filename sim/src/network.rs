@@ -162,8 +162,9 @@ const FLOW_ERROR: f64 = 1e-15;
 /// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
 const MOST_FAILURES: u32 = 3;
 
-/// So many solutions in a row that were found, of two steps, make good for failures before them.
-const CALM: u32 = 12;
+/// So many solutions in a row that were found, of ten steps, make good for failures before them. Two steps would not
+/// do: they are ever shorter in front of the place where a solution ends.
+const CALM: u32 = 60;
 
 impl Network {
     /// A network at rest between a supply and an exhaust. `port_area` (m^2) makes flows approach

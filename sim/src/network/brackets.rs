@@ -8,15 +8,15 @@ use crate::root::bracketed_root;
 use crate::valve::Conductances;
 
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.
-const MOST_PASSES: u32 = 300;
+const MOST_PASSES: u32 = 400;
 
-/// Change of a factor that is none; after [`PATIENCE`] passes a solution that is nearly two in one is near enough.
+/// Change of a factor that is none; ten times as much after every [`PATIENCE`] passes more: a solution that is
+/// nearly two in one is come to ever more slowly, and near enough in the end.
 const UNCHANGED: f64 = 1e-12;
-const NEAR: f64 = 1e-9;
-const PATIENCE: u32 = 60;
+const PATIENCE: u32 = 50;
 
 /// A pass that leaves more than this part of the change of the one before is slow.
-const SLOW: f64 = 0.9;
+const SLOW: f64 = 0.7;
 
 /// The farthest that a slow factor reaches in one pass.
 const FARTHEST: f64 = 1e-3;
@@ -41,7 +41,7 @@ impl Network {
     /// consequence of the other: false where the speeds go round and round (Brent, BIT 20, 1980) or find no rest.
     pub(super) fn by_brackets(&mut self, around: &Surroundings) -> bool {
         let mut places = [[Creep::AT_REST; 3]; 2];
-        let mut landmark = factors(&places);
+        let mut landmark = places;
         for pass in 0..MOST_PASSES {
             self.work.passes += 1;
             let approaches = places.map(|node| node.map(|place| place.approach));
@@ -53,15 +53,15 @@ impl Network {
                     largest = largest.max(place.follow(found));
                 }
             }
-            if largest < if pass < PATIENCE { UNCHANGED } else { NEAR } {
+            if largest < UNCHANGED * 10_f64.powi((pass / PATIENCE) as i32) {
                 return true;
             }
-            let here = factors(&places);
-            if here.iter().zip(&landmark).all(|(here, there)| (here - there).abs() < UNCHANGED) {
+            let mut both = places.as_flattened().iter().zip(landmark.as_flattened());
+            if both.all(|(here, there)| here.is_where(there)) {
                 break;
             }
             if pass.is_power_of_two() {
-                landmark = here;
+                landmark = places;
             }
         }
         false
@@ -189,11 +189,6 @@ impl Network {
     }
 }
 
-/// Where the factors are.
-fn factors(places: &[[Creep; 3]; 2]) -> [f64; 6] {
-    std::array::from_fn(|i| factor(&places.as_flattened()[i].approach))
-}
-
 /// An approach on its way to where it belongs.
 #[derive(Clone, Copy)]
 struct Creep {
@@ -206,6 +201,12 @@ struct Creep {
 impl Creep {
     const AT_REST: Creep = Creep { approach: None, last: 0.0, reach: 1.0 };
 
+    /// Whether it is where another one is, and goes on from there as that did.
+    fn is_where(&self, there: &Creep) -> bool {
+        let apart = factor(&self.approach) - factor(&there.approach);
+        apart.abs() < UNCHANGED && self.reach == there.reach
+    }
+
     /// Moves on towards what a pass has found; tells how far it was from there.
     fn follow(&mut self, found: MaybeApproach) -> f64 {
         let rise = factor(&found) - factor(&self.approach);
@@ -214,7 +215,7 @@ impl Creep {
         } else if self.last != 0.0 && rise.abs() > SLOW * self.last.abs() {
             2.0 * self.reach
         } else {
-            1.0
+            (0.5 * self.reach).max(1.0)
         };
         let farthest = FARTHEST.max(rise.abs());
         let step = (self.reach * rise).clamp(-farthest, farthest);
