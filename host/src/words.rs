@@ -59,7 +59,7 @@ pub(crate) fn fault_meaning(code: u8) -> &'static str {
         Some(Fault::PositionOutside) => "the position left the stroke by more than the margin",
         Some(Fault::EncoderStep) => "the encoder moved further in one sample than the drive can",
         Some(Fault::LateSample) => "a sample came too late",
-        Some(Fault::HostSilent) => "the host was silent for too long while a move ran",
+        Some(Fault::HostSilent) => "the host was silent for too long while a move or a homing run was on",
         Some(Fault::CommandWhileDisarmed) => "a run was asked for while the drive was disarmed",
         Some(Fault::SensorRange) => "a pressure sensor reads what no pressure is: it is open, or shorted",
         Some(Fault::NoMotion) => {

@@ -185,7 +185,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     fn watch_host(&mut self, board: &impl Board) {
         let (Some(now), Some(heard)) = (board.host_clock_ms(), self.host_heard_ms) else { return };
         let limit = u64::from(self.config().timing.host_silence_ms);
-        if limit > 0 && now.saturating_sub(heard) > limit && self.state.supervisor.mode() == Mode::Running {
+        if limit > 0 && now.saturating_sub(heard) > limit && self.state.supervisor.moves() {
             self.state.supervisor.trip(Fault::HostSilent);
         }
     }

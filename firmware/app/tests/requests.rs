@@ -275,6 +275,22 @@ fn a_silent_host_trips_a_running_move_and_nothing_else() {
     assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent));
 }
 
+/// Once a homing run went on to its end though the program that had asked for it was killed.
+#[test]
+fn a_silent_host_trips_a_homing_run() {
+    let mut bench = Bench::default();
+    bench.board.host_clock_ms = Some(1000);
+    bench.done(RequestBody::Arm);
+    bench.done(RequestBody::Home);
+    bench.board.host_clock_ms = Some(1500);
+    bench.samples(1);
+    assert_eq!(bench.mode(), Mode::Homing);
+    bench.board.host_clock_ms = Some(1501);
+    bench.samples(1);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent));
+    assert_eq!(bench.board.driven.last(), Some(&Command::OFF));
+}
+
 #[test]
 fn the_sample_period_is_measured_by_the_board() {
     let mut bench = Bench::referenced();

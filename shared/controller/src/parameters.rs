@@ -136,7 +136,7 @@ pub static TABLE: [Parameter; 54] = [
     scalar!(POSITION_MAX_COUNTS, "position_max_counts", "counts", -COUNT_MAX, COUNT_MAX, 25_145, "", "Above it the supervisor trips."),
     scalar!(ENCODER_STEP_COUNTS, "encoder_step_counts", "counts", 1, COUNT_MAX, 540, "", "A longer step in one sample trips the supervisor."),
     scalar!(LATE_SAMPLE_US, "late_sample_us", "us", 1, 100_000, 100, "", "A sample later than this trips the supervisor."),
-    scalar!(HOST_SILENCE_MS, "host_silence_ms", "ms", 0, HOUR_MS, 500, "", "Silence of the host that trips a running move; 0: off."),
+    scalar!(HOST_SILENCE_MS, "host_silence_ms", "ms", 0, HOUR_MS, 500, "", "Silence of the host that trips a running move or homing run; 0: off."),
     scalar!(NULL_CODE, "null_code", "", 0, CODE_MAX, 2048, "", "Code of the converter at which the valve is at its null."),
     scalar!(OUTPUT_INVERTED, "output_inverted", "", 0, 1, 0, "", "1: a larger code retracts."),
     scalar!(ENCODER_INVERTED, "encoder_inverted", "", 0, 1, 0, "", "1: the encoder counts down when the rod extends."),

@@ -50,7 +50,7 @@ pub enum Fault {
     EncoderStep = 3,
     /// A sample came later than allowed, or not at all.
     LateSample = 4,
-    /// The host was silent for too long while a move ran.
+    /// The host was silent for too long while a move or a homing run was on.
     HostSilent = 5,
     /// A run was asked for while the drive was disarmed.
     CommandWhileDisarmed = 6,
@@ -181,6 +181,12 @@ impl Supervisor {
     #[must_use]
     pub fn drives(&self) -> bool {
         matches!(self.mode, Mode::Armed | Mode::Running | Mode::Done | Mode::Homing)
+    }
+
+    /// Whether the cylinder is on its way somewhere.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        matches!(self.mode, Mode::Running | Mode::Homing)
     }
 
     /// Enables the drive with the valve at null; leaves the fault mode.
