@@ -5,6 +5,7 @@ mod demo;
 mod device;
 mod eval;
 mod identify;
+mod interrupts;
 mod ladder;
 mod merge;
 mod monitor;

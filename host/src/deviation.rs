@@ -37,6 +37,8 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
         .iter()
         .zip(&reference.channels[channel])
         .filter_map(|(&time, &value)| Some((value, other.at(channel, time)?)))
+        // What one of them does not know is in neither.
+        .filter(|(value, other)| value.is_finite() && other.is_finite())
         .collect();
     if pairs.is_empty() {
         return None;

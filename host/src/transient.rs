@@ -78,6 +78,7 @@ impl Transient {
         let pressure = [file.number("pressure_scale_pa")? / 1e3, file.number("pressure_offset_pa")? / 1e3];
         let spool = [file.number("spool_scale_mm")?, file.number("spool_offset_mm")?];
         let open_loop = file.number("param.open_loop")? != 0.0;
+        let stepper = file.number("param.stepper")? != 0.0;
         let scaled = |raw: i16, [scale, offset]: [f64; 2]| f64::from(raw) * scale + offset;
         let channel = |of: &dyn Fn(&pneudrive_protocol::RecordedSample) -> f64| {
             file.samples.iter().map(|(_, sample)| of(sample)).collect::<Vec<f64>>()
@@ -93,7 +94,8 @@ impl Transient {
                 channel(&|s| f64::from(s.position) * mm),
                 channel(&|s| scaled(s.pressure_1, pressure)),
                 channel(&|s| scaled(s.pressure_2, pressure)),
-                channel(&|s| scaled(s.spool, spool)),
+                // SPLLOC counts steps: how long they are, and where the spool really is, nobody has measured.
+                channel(&|s| if stepper { f64::NAN } else { scaled(s.spool, spool) }),
                 channel(&|s| f64::from(s.command)),
                 channel(&|s| f64::from(s.error)),
             ],

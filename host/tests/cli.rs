@@ -344,6 +344,21 @@ fn a_virtual_rig_on_a_pty_is_talked_to_by_its_name() {
     assert!(said.starts_with("mode        disarmed\n"), "{line}{said}");
 }
 
+/// Once its steps were taken for the counts of a sensor: -1.25 mm, for every stepper rig.
+#[test]
+fn the_spool_of_a_stepper_is_not_compared_as_if_a_sensor_had_measured_it() {
+    let (folder, rig) = (folder(), virtual_rig("servo-a-tuned"));
+    let port = rig.port();
+    ok(folder.path(), &format!("run servo-a-tuned --config --port {port}"));
+    ok(folder.path(), &format!("record --port {port}"));
+    ok(folder.path(), "simulate servo-a-tuned --out sim --no-report");
+    let said = ok(folder.path(), "overlay TARGET01.DAT sim");
+    assert!(
+        said.contains("\npressure 2 ") && said.contains("\ncommand ") && !said.contains("\nspool "),
+        "{said}"
+    );
+}
+
 /// Ctrl-C is how a run without an end ends: the drive is disarmed, the file is whole, nothing has failed.
 #[cfg(unix)]
 #[test]

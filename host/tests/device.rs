@@ -3,8 +3,10 @@
 mod program;
 
 use std::fs;
+#[cfg(unix)]
+use std::process::{Command, Stdio};
 
-use program::{folder, transcript, virtual_rig};
+use program::{folder, transcript, unhurried_rig, virtual_rig};
 
 #[test]
 fn an_axis_that_is_homed_counts_from_its_stop() {
@@ -22,6 +24,26 @@ fn an_axis_that_is_homed_counts_from_its_stop() {
     let faults = device("faults");
     assert!(faults.starts_with("reset    1 ") && faults.contains(" command-while-disarmed "), "{faults}");
     assert_eq!(faults.lines().count(), 2, "one event and the exit code: {faults}");
+}
+
+/// Once Ctrl-C ended the program, and the cylinder went on to its stop.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_a_homing_run() {
+    let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
+    let device = |what: &str| format!("device --port {} {what}", rig.port());
+    transcript(folder.path(), &device("arm"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+    command.args(device("home").split_whitespace()).stderr(Stdio::piped());
+    let program = command.spawn().expect("the program runs");
+    let homes = |_| transcript(folder.path(), &device("status")).starts_with("mode        homing\n");
+    assert!((0..500).any(homes));
+    let interrupt = format!("kill -INT {}", program.id());
+    assert!(Command::new("sh").args(["-c", &interrupt]).status().expect("a shell").success());
+    let output = program.wait_with_output().expect("it was started");
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(said.contains("the homing run was stopped, as you asked"), "{said}");
+    assert!(transcript(folder.path(), &device("status")).starts_with("mode        fault stop: "));
 }
 
 #[test]

@@ -2,11 +2,13 @@
 
 mod config;
 
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
 use pneudrive_protocol::{ConfigState, HISTOGRAM_BINS, Mode, Motion, Spread, Status, UNTIL_STOPPED};
 
+use super::interrupts::Interrupts;
 use crate::cli::{Device, DeviceAction};
 use crate::client::Client;
 use crate::words;
@@ -82,10 +84,15 @@ fn provenance(state: &ConfigState) -> String {
     if changed { format!("{source}, changed since") } else { source }
 }
 
-/// Homes the axis and waits for the end.
+/// Homes the axis and waits for the end. Ctrl-C stops it.
 fn home(client: &mut Client) -> Result<()> {
+    let interrupts = Interrupts::watch();
     client.home()?;
     while client.motion()?.homing {
+        if interrupts.seen().load(Ordering::Relaxed) {
+            client.stop()?;
+            bail!("the homing run was stopped, as you asked; `pneudrive device arm` leaves the fault");
+        }
         std::thread::sleep(Duration::from_millis(20));
     }
     let status = client.status()?;

@@ -1,8 +1,6 @@
 //! `pneudrive run`.
 
 use std::path::Path;
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -11,6 +9,7 @@ use pneudrive_controller::parameters::{id, lookup};
 use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
 use pneudrive_sim::Rig;
 
+use super::interrupts::Interrupts;
 use super::streaming::Streaming;
 use super::{Progress, load_rig, tell_lacking};
 use crate::cli::Run;
@@ -126,46 +125,6 @@ fn wait_for_null(client: &mut Client, rig: &Rig) -> Result<()> {
         std::thread::sleep(Duration::from_millis(10));
     }
     Ok(())
-}
-
-/// Ctrl-C while the drive is armed or running: the rig is stopped, not left alone. At other times the
-/// program ends as usual.
-struct Interrupts;
-
-static SEEN: AtomicBool = AtomicBool::new(false);
-static WATCHED: AtomicBool = AtomicBool::new(false);
-
-/// Exit code of a program that Ctrl-C has ended.
-const INTERRUPTED: i32 = 130;
-
-impl Interrupts {
-    fn watch() -> Interrupts {
-        static INSTALLED: Once = Once::new();
-        INSTALLED.call_once(|| {
-            let handler = || {
-                if WATCHED.load(Ordering::Relaxed) {
-                    SEEN.store(true, Ordering::Relaxed);
-                } else {
-                    std::process::exit(INTERRUPTED);
-                }
-            };
-            if ctrlc::set_handler(handler).is_err() {
-                eprintln!("note: Ctrl-C will not stop the rig; use `pneudrive device stop`");
-            }
-        });
-        WATCHED.store(true, Ordering::Relaxed);
-        Interrupts
-    }
-
-    fn seen(&self) -> &AtomicBool {
-        &SEEN
-    }
-}
-
-impl Drop for Interrupts {
-    fn drop(&mut self) {
-        WATCHED.store(false, Ordering::Relaxed);
-    }
 }
 
 /// Says how much of a long test the recorder will hold.

@@ -46,7 +46,16 @@ pub fn virtual_rig(name: &str) -> Background {
 
 /// The same, at this door.
 pub fn virtual_rig_at(name: &str, door: &str) -> Background {
+    background(name, door, Pace { fast: true, live: false })
+}
+
+/// A rig whose moves take their time.
+pub fn unhurried_rig(name: &str) -> Background {
+    background(name, "tcp:127.0.0.1:0", Pace { fast: false, live: false })
+}
+
+fn background(name: &str, door: &str, pace: Pace) -> Background {
     let rig = Rig::builtin(name).expect("a built-in rig");
-    let rig = VirtualRig::new(rig, 0, Pace { fast: true, live: false }).expect("a rig");
+    let rig = VirtualRig::new(rig, 0, pace).expect("a rig");
     Background::start(rig, Door::open(door).expect("a port"))
 }

@@ -1,0 +1,46 @@
+//! Ctrl-C while a cylinder may move.
+
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Ctrl-C while the drive is armed or running: the rig is stopped, not left alone. At other times the
+/// program ends as usual.
+pub(super) struct Interrupts;
+
+static SEEN: AtomicBool = AtomicBool::new(false);
+static WATCHED: AtomicBool = AtomicBool::new(false);
+
+/// Exit code of a program that Ctrl-C has ended.
+const INTERRUPTED: i32 = 130;
+
+impl Interrupts {
+    /// From now on until this is dropped.
+    pub fn watch() -> Interrupts {
+        static INSTALLED: Once = Once::new();
+        INSTALLED.call_once(|| {
+            let handler = || {
+                if WATCHED.load(Ordering::Relaxed) {
+                    SEEN.store(true, Ordering::Relaxed);
+                } else {
+                    std::process::exit(INTERRUPTED);
+                }
+            };
+            if ctrlc::set_handler(handler).is_err() {
+                eprintln!("note: Ctrl-C will not stop the rig; use `pneudrive device stop`");
+            }
+        });
+        WATCHED.store(true, Ordering::Relaxed);
+        Interrupts
+    }
+
+    /// Whether Ctrl-C was pressed.
+    pub fn seen(&self) -> &AtomicBool {
+        &SEEN
+    }
+}
+
+impl Drop for Interrupts {
+    fn drop(&mut self) {
+        WATCHED.store(false, Ordering::Relaxed);
+    }
+}
