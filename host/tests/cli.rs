@@ -359,6 +359,18 @@ fn the_spool_of_a_stepper_is_not_compared_as_if_a_sensor_had_measured_it() {
     );
 }
 
+/// Once the rig had forgotten its record before the file was tried.
+#[test]
+fn a_stream_that_cannot_be_written_leaves_the_last_record_on_the_rig() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let port = rig.port();
+    ok(folder.path(), &format!("run servo-b-tuned --port {port}"));
+    let said = transcript(folder.path(), &format!("run servo-b-tuned --port {port} --stream none/run.csv"));
+    assert!(said.contains("cannot make none/run.csv") && said.ends_with("= 1"), "{said}");
+    ok(folder.path(), &format!("record --port {port}"));
+    assert!(folder.path().join("TARGET01.DAT").exists());
+}
+
 /// Ctrl-C is how a run without an end ends: the drive is disarmed, the file is whole, nothing has failed.
 #[cfg(unix)]
 #[test]

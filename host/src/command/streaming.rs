@@ -1,8 +1,9 @@
 //! `pneudrive run --stream`: the run goes to a file while it is on.
 
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::StreamedSample;
 
@@ -22,7 +23,9 @@ impl Streaming {
         if path.exists() {
             bail!("{} is there already; name another file", path.display());
         }
-        Ok(())
+        // The rig forgets its last record when a run is prepared: not for a file that cannot be made.
+        File::create_new(path).with_context(|| format!("cannot make {}", path.display()))?;
+        fs::remove_file(path).with_context(|| path.display().to_string())
     }
 
     /// Has the rig stream the run that will be started.

@@ -12,6 +12,9 @@ use pneudrive_controller::sequencer::MAX_MOVES;
 /// for n = 1.4. Close to 1 the solution is nearly double, and is not found reliably.
 pub(super) const MOST_DISCHARGE: f64 = 0.9;
 
+/// Rows of a trace that are kept in memory, 200 bytes each.
+const MOST_ROWS: f64 = 1e7;
+
 /// The largest part of a dead volume that may be lost to the stop's giving way, at rest.
 const MOST_TAKEN_UP: f64 = 0.5;
 
@@ -20,6 +23,7 @@ impl Reader<'_> {
     pub(super) fn check(&mut self, rig: &Rig) {
         self.check_pressures(rig);
         self.check_timing(rig);
+        self.check_rows(rig);
         self.check_geometry(rig);
         self.check_friction(rig);
         self.check_sensors(rig);
@@ -65,6 +69,17 @@ impl Reader<'_> {
                 );
                 self.problem_at_key(key, message);
             }
+        }
+    }
+
+    fn check_rows(&mut self, rig: &Rig) {
+        let Some(period) = rig.optional_number("test.trace_period_s") else { return };
+        let rows = rig.number("test.duration_s") / period;
+        if rows > MOST_ROWS {
+            let message = format!(
+                "makes {rows:.0} rows in test.duration_s; {MOST_ROWS:.0} at most fit: take a longer period or a shorter test"
+            );
+            self.problem_at_key("test.trace_period_s", message);
         }
     }
 

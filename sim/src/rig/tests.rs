@@ -121,6 +121,7 @@ fn what_does_not_go_together_is_refused_at_its_key() {
             "rig.toml:2: controller.delay_s: must be below controller.period_s",
         ),
         ("[controller]\nperiod_s = 0.00130005\n", "must be a whole number of microseconds"),
+        ("[test]\nduration_s = 3600\ntrace_period_s = 1e-6\n", "makes 3600000000 rows in test.duration_s; 10000000"),
         ("[exhaust]\npressure_pa = 700000\n", "must be below supply.pressure_pa"),
         ("[valve]\ndischarge_supply = 1\n", "must not be above 0.9 with upstream_mach"),
         (
