@@ -33,9 +33,20 @@
 /// to stop, let alone to panic as `println!` does.
 macro_rules! say {
     ($($argument:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($argument)*);
+        $crate::say_line(format_args!($($argument)*));
     }};
+}
+
+/// A line on standard output. A reader that has gone is no error; a disk that is full ends the program.
+pub(crate) fn say_line(line: std::fmt::Arguments<'_>) {
+    use std::io::{ErrorKind, Write as _};
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("error: cannot write to standard output: {error}");
+            std::process::exit(1);
+        }
+        _ => {}
+    }
 }
 
 pub mod alignment;

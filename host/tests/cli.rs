@@ -359,6 +359,28 @@ fn the_spool_of_a_stepper_is_not_compared_as_if_a_sensor_had_measured_it() {
     );
 }
 
+/// Once the page of another run stayed beside the new trace.
+#[test]
+fn a_run_without_a_page_takes_the_page_of_the_run_before_away() {
+    let folder = folder();
+    ok(folder.path(), "simulate servo-a --out out");
+    assert!(folder.path().join("out/report.html").exists());
+    ok(folder.path(), "simulate servo-c --out out --no-report");
+    assert!(!folder.path().join("out/report.html").exists());
+}
+
+/// Once a rig file that was cut by a full disk came with exit code 0.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_cannot_be_written_is_an_error() {
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("a full device");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+    let output = command.args(["rig", "show", "servo-b"]).stdout(full).output().expect("it runs");
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(said.starts_with("error: cannot write to standard output"), "{said}");
+    assert_eq!(output.status.code(), Some(1));
+}
+
 /// Once the rig had forgotten its record before the file was tried.
 #[test]
 fn a_stream_that_cannot_be_written_leaves_the_last_record_on_the_rig() {

@@ -28,14 +28,19 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     run_folder::write(&arguments.out, &rig, accuracy, &run)?;
     let summary = summary(&rig, &run);
     say!("{summary}, in {:.1} ms", 1e3 * took.as_secs_f64());
+    let page_path = arguments.out.join("report.html");
     if arguments.no_report {
+        // One from before would be of another run.
+        if page_path.exists() {
+            std::fs::remove_file(&page_path).with_context(|| page_path.display().to_string())?;
+        }
         say!("{}: trace.csv, run.json", arguments.out.display());
         return Ok(());
     }
     let transient = Transient::of_run("simulated", &StoredRun::of(&rig, &run));
     let title = format!("{}, simulated", rig.name());
     let page = report::page(&title, vec![summary], &[transient], Vec::new());
-    page.write(&arguments.out.join("report.html"))?;
+    page.write(&page_path)?;
     say!("{}: trace.csv, run.json, report.html", arguments.out.display());
     Ok(())
 }

@@ -31,7 +31,9 @@ impl Problem {
     #[must_use]
     pub fn of_syntax(source: &str, text: &str, error: &toml_edit::TomlError) -> Problem {
         let end = error.span().map_or(text.len(), |span| span.start.min(text.len()));
+        let twice = error.message().contains("duplicate key");
         let (line, message) = match open_bracket(&text[..end]) {
+            _ if twice => (line_at(text, end), "it is given twice; put all of it in one place".to_owned()),
             Some(line) => (line, "a bracket is opened here and not closed".to_owned()),
             None => (
                 line_at(text, end),

@@ -84,6 +84,7 @@ fn a_missing_bracket_is_found_at_its_line_and_key() {
             "rig.toml:2: test.moves: a bracket",
         ),
         ("[load]\nmass_kg = 2\n\n[test\nduration_s = 3\n", "rig.toml:4: [test]: a bracket is opened"),
+        ("[load]\nmass_kg = 2\n[load]\nviscous_n_s_per_m = 2\n", "rig.toml:3: [load]: it is given twice"),
         ("[load]\nmass_kg 2\n", "rig.toml:2: [load]: this is not TOML"),
         ("[load]\nmass_kg = 2\nviscous_n_s_per_m = = 3\n", "rig.toml:3: load.viscous_n_s_per_m: this is not"),
     ] {
@@ -121,7 +122,10 @@ fn what_does_not_go_together_is_refused_at_its_key() {
             "rig.toml:2: controller.delay_s: must be below controller.period_s",
         ),
         ("[controller]\nperiod_s = 0.00130005\n", "must be a whole number of microseconds"),
-        ("[test]\nduration_s = 3600\ntrace_period_s = 1e-6\n", "makes 3600000000 rows in test.duration_s; 10000000"),
+        (
+            "[test]\nduration_s = 3600\ntrace_period_s = 1e-6\n",
+            "makes 3600000000 rows in test.duration_s; 10000000",
+        ),
         ("[exhaust]\npressure_pa = 700000\n", "must be below supply.pressure_pa"),
         ("[valve]\ndischarge_supply = 1\n", "must not be above 0.9 with upstream_mach"),
         (
