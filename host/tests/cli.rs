@@ -7,7 +7,7 @@ use std::process::Command;
 
 use pneudrive::target::TargetFile;
 
-use program::{exists, folder, ok, transcript, virtual_rig};
+use program::{exists, folder, ok, transcript, unhurried_rig, virtual_rig};
 
 #[test]
 fn the_demo_does_the_whole_job_and_numbers_its_records() {
@@ -357,6 +357,18 @@ fn the_spool_of_a_stepper_is_not_compared_as_if_a_sensor_had_measured_it() {
         said.contains("\npressure 2 ") && said.contains("\ncommand ") && !said.contains("\nspool "),
         "{said}"
     );
+}
+
+/// Once `run` started as soon as it had armed, and nothing was there from before.
+#[test]
+fn a_run_is_started_once_what_it_wants_from_before_is_recorded() {
+    let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
+    let port = rig.port();
+    let test = "--set test.pre_trigger=60 --set test.duration_s=0.2 --set test.moves=[[0.0,8200]]";
+    ok(folder.path(), &format!("run servo-b-tuned --port {port} {test}"));
+    ok(folder.path(), &format!("record --port {port}"));
+    let text = std::fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("a record");
+    assert!(text.contains("\n# pre_trigger = 60\n"), "{text:.1500}");
 }
 
 /// Once the page of another run stayed beside the new trace.

@@ -1,7 +1,8 @@
 //! `pneudrive run`.
 
 use std::path::Path;
-use std::time::Duration;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::Parameters;
@@ -92,7 +93,8 @@ pub(super) fn run_test(
     };
     let interrupts = Interrupts::watch();
     client.arm()?;
-    if let Err(error) = wait_for_null(client, rig).and_then(|()| client.start()) {
+    let ready = wait_for_null(client, rig).and_then(|()| wait_for_samples_before(rig, &interrupts));
+    if let Err(error) = ready.and_then(|()| client.start()) {
         client.disarm()?;
         stream.map_or(Ok(()), |stream| stream.end(client))?;
         return Err(error);
@@ -114,6 +116,20 @@ pub(super) fn run_test(
     // The file is ended first, whatever became of the run.
     let ended = stream.map_or(Ok(()), |stream| stream.end(client));
     followed.and(ended)
+}
+
+/// The armed rig records what the test wants from before its start.
+fn wait_for_samples_before(rig: &Rig, interrupts: &Interrupts) -> Result<()> {
+    let samples = rig.integer("test.pre_trigger") * rig.integer("test.decimation").max(1);
+    let period = Duration::from_micros(rig.period_us().get().into());
+    let begin = Instant::now();
+    while begin.elapsed() < period.saturating_mul(samples as u32) {
+        if interrupts.seen().load(Ordering::Relaxed) {
+            bail!("stopped before the start, as you asked");
+        }
+        std::thread::sleep(period.max(Duration::from_millis(5)));
+    }
+    Ok(())
 }
 
 /// The spool of a stepper valve walks to mid-travel one step a sample; a start before that is refused.
