@@ -251,7 +251,8 @@ pub enum DeviceAction {
     Info,
     /// How the rig is
     Status,
-    /// Enable the drive, valve at null; the only way out of a fault
+    /// Enable the drive, valve at null; the only way out of a fault. The rig gives up its last record: fetch
+    /// it first (`pneudrive record`)
     Arm,
     /// Disable the drive
     Disarm,

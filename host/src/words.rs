@@ -78,7 +78,8 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
     match refused {
         Refused::NotNow(code) => match Refusal::from_code(*code) {
             Some(Refusal::NotArmed) => {
-                "the drive is not armed; arm it first (`pneudrive device arm`)".to_owned()
+                "the drive is not armed; arm it first (`pneudrive device arm`). To ask a disarmed drive for a move trips it"
+                    .to_owned()
             }
             Some(Refusal::Running) => {
                 "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()

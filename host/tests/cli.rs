@@ -403,6 +403,10 @@ fn a_stream_that_cannot_be_written_leaves_the_last_record_on_the_rig() {
     assert!(said.contains("cannot make none/run.csv") && said.ends_with("= 1"), "{said}");
     ok(folder.path(), &format!("record --port {port}"));
     assert!(folder.path().join("TARGET01.DAT").exists());
+    ok(folder.path(), &format!("device --port {port} disarm"));
+    ok(folder.path(), &format!("device --port {port} arm"));
+    let said = transcript(folder.path(), &format!("record --port {port}"));
+    assert!(said.contains("is armed: it has no record until a run has made one"), "{said}");
 }
 
 /// Ctrl-C is how a run without an end ends: the drive is disarmed, the file is whole, nothing has failed.

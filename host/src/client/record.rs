@@ -219,7 +219,10 @@ impl Client {
             (head, complete) = self.ask_record_info()?;
         }
         if !complete {
-            bail!("{} is still recording; wait for the end of the run", self.name);
+            match self.status()?.mode {
+                Mode::Armed => bail!("{} is armed: it has no record until a run has made one", self.name),
+                _ => bail!("{} is still recording; wait for the end of the run", self.name),
+            }
         }
         if head.samples == 0 {
             bail!("{}: {}", self.name, words::refusal(&Refused::NoRecord));
