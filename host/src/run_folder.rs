@@ -111,6 +111,7 @@ fn describe(rig: &Rig, accuracy: Accuracy, run: &Run) -> serde_json::Value {
         "method": format!("{:?}", accuracy.method),
         "tolerance": accuracy.tolerance,
         "samples": run.observations.len(),
+        "rows": run.rows.len(),
         "table": rig.table_quality().map(|table| json!({
             "largest_error": table.error,
             "left_out": table.left_out,
@@ -212,6 +213,14 @@ impl StoredRun {
         let windows = [window(WINDOWS[0])?, window(WINDOWS[1])?];
         if columns[0].is_empty() {
             bail!("{} has no samples", folder.display());
+        }
+        // Runs of older programs do not tell.
+        if let Some(rows) = description["rows"].as_u64().filter(|rows| *rows != columns[0].len() as u64) {
+            bail!(
+                "{} has {} of the {rows} rows of its run: it was cut",
+                trace_path.display(),
+                columns[0].len()
+            );
         }
         Ok(StoredRun { rig, mm_per_count, open_loop, windows, columns })
     }

@@ -371,6 +371,19 @@ fn a_run_is_started_once_what_it_wants_from_before_is_recorded() {
     assert!(text.contains("\n# pre_trigger = 60\n"), "{text:.1500}");
 }
 
+/// Once half a trace was evaluated as if it were the whole.
+#[test]
+fn a_trace_that_was_cut_at_the_end_of_a_line_is_refused() {
+    let folder = folder();
+    ok(folder.path(), "simulate servo-a --out out --no-report");
+    let path = folder.path().join("out/trace.csv");
+    let text = std::fs::read_to_string(&path).expect("written");
+    let part: String = text.lines().take(500).map(|line| format!("{line}\n")).collect();
+    std::fs::write(&path, part).expect("written");
+    let said = transcript(folder.path(), "eval out");
+    assert!(said.contains("trace.csv has 499 of the 2385 rows of its run: it was cut"), "{said}");
+}
+
 /// Once the page of another run stayed beside the new trace.
 #[test]
 fn a_run_without_a_page_takes_the_page_of_the_run_before_away() {
