@@ -29,15 +29,15 @@
 //! | [`page`] | notes, tables and graphs in one file |
 //! | [`report`] | the page of transients |
 
-/// Prints a line. A reader that has gone, as in `pneudrive rig show servo-b | head -3`, is no reason
-/// to stop, let alone to panic as `println!` does.
+/// Prints a line by [`say_line`].
 macro_rules! say {
     ($($argument:tt)*) => {{
         $crate::say_line(format_args!($($argument)*));
     }};
 }
 
-/// A line on standard output. A reader that has gone is no error; a disk that is full ends the program.
+/// A line on standard output. A reader that has gone, as in `pneudrive rig show servo-b | head -3`, is no reason to
+/// stop, let alone to panic as `println!` does; a disk that is full ends the program.
 pub(crate) fn say_line(line: std::fmt::Arguments<'_>) {
     use std::io::{ErrorKind, Write as _};
     match writeln!(std::io::stdout(), "{line}") {

@@ -78,7 +78,8 @@ impl Transient {
         let pressure = [file.number("pressure_scale_pa")? / 1e3, file.number("pressure_offset_pa")? / 1e3];
         let spool = [file.number("spool_scale_mm")?, file.number("spool_offset_mm")?];
         let open_loop = file.number("param.open_loop")? != 0.0;
-        let stepper = file.number("param.stepper")? != 0.0;
+        // The first firmware knows of none.
+        let stepper = file.get("param.stepper").is_some_and(|value| value != "0");
         let scaled = |raw: i16, [scale, offset]: [f64; 2]| f64::from(raw) * scale + offset;
         let channel = |of: &dyn Fn(&pneudrive_protocol::RecordedSample) -> f64| {
             file.samples.iter().map(|(_, sample)| of(sample)).collect::<Vec<f64>>()

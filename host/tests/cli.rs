@@ -359,6 +359,21 @@ fn the_spool_of_a_stepper_is_not_compared_as_if_a_sensor_had_measured_it() {
     );
 }
 
+/// The first firmware has no parameter `stepper`, and no line of it in its records.
+#[test]
+fn a_record_of_a_rig_that_knows_of_no_steppers_has_the_spool_of_its_sensor() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    ok(folder.path(), &format!("run servo-b-tuned --port {}", rig.port()));
+    ok(folder.path(), &format!("record --port {}", rig.port()));
+    let path = folder.path().join("TARGET01.DAT");
+    let text = std::fs::read_to_string(&path).expect("a record");
+    let older = text.replace("# param.stepper = 0\n", "");
+    assert_ne!(older, text);
+    std::fs::write(&path, older).expect("written");
+    ok(folder.path(), "simulate servo-b-tuned --out sim --no-report");
+    assert!(ok(folder.path(), "overlay TARGET01.DAT sim").contains("\nspool "));
+}
+
 /// Once `run` started as soon as it had armed, and nothing was there from before.
 #[test]
 fn a_run_is_started_once_what_it_wants_from_before_is_recorded() {

@@ -1,10 +1,9 @@
-//! Ctrl-C while a cylinder may move.
+//! Ctrl-C while a cylinder may move: the rig is stopped, not left alone.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Ctrl-C while the drive is armed or running: the rig is stopped, not left alone. At other times the
-/// program ends as usual.
+/// As long as there is one, Ctrl-C is noted for whoever follows the drive. At other times it ends the program.
 pub(super) struct Interrupts;
 
 static SEEN: AtomicBool = AtomicBool::new(false);

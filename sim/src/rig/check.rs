@@ -12,7 +12,7 @@ use pneudrive_controller::sequencer::MAX_MOVES;
 /// for n = 1.4. Close to 1 the solution is nearly double, and is not found reliably.
 pub(super) const MOST_DISCHARGE: f64 = 0.9;
 
-/// Rows of a trace that are kept in memory, 200 bytes each.
+/// Rows of a trace, which are kept in memory, 160 bytes each.
 const MOST_ROWS: f64 = 1e7;
 
 /// The largest part of a dead volume that may be lost to the stop's giving way, at rest.

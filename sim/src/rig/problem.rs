@@ -31,14 +31,14 @@ impl Problem {
     #[must_use]
     pub fn of_syntax(source: &str, text: &str, error: &toml_edit::TomlError) -> Problem {
         let end = error.span().map_or(text.len(), |span| span.start.min(text.len()));
-        let twice = error.message().contains("duplicate key");
-        let (line, message) = match open_bracket(&text[..end]) {
-            _ if twice => (line_at(text, end), "it is given twice; put all of it in one place".to_owned()),
-            Some(line) => (line, "a bracket is opened here and not closed".to_owned()),
-            None => (
-                line_at(text, end),
-                format!("this is not TOML: {}", error.message().lines().collect::<Vec<_>>().join("; ")),
-            ),
+        let here = line_at(text, end);
+        let (line, message) = if error.message().contains("duplicate key") {
+            (here, "it is given twice; put all of it in one place".to_owned())
+        } else if let Some(line) = open_bracket(&text[..end]) {
+            (line, "a bracket is opened here and not closed".to_owned())
+        } else {
+            let told = error.message().lines().collect::<Vec<_>>().join("; ");
+            (here, format!("this is not TOML: {told}"))
         };
         Problem { source: source.to_owned(), line: Some(line), key: nearest_key(text, line), message }
     }
