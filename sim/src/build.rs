@@ -141,9 +141,11 @@ fn flow_force(rig: &Rig) -> FlowForce {
 }
 
 fn continuous(rig: &Rig) -> Option<ContinuousLaw> {
-    let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
     let pulse = rig.number("encoder.mm_per_count") * 1e-3;
-    (rig.word("controller.model") == "continuous").then(|| ContinuousLaw::new(&config, pulse))
+    (rig.word("controller.model") == "continuous").then(|| {
+        let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
+        ContinuousLaw::new(&config, pulse)
+    })
 }
 
 fn lag(rig: &Rig, gas: &Gas) -> Option<Lag> {

@@ -184,6 +184,8 @@ pub struct Integrator<const N: usize, const G: usize, const F: usize> {
     guards: Option<[f64; G]>,
     /// The step that led to t.
     segment: Option<Segment<N>>,
+    /// The state that was asked for last, as long as it is what it was.
+    read: Option<(f64, [f64; N])>,
     /// What happens at t, if it has not been taken yet.
     pending: Option<Event>,
     /// The step size that the error asks for.
@@ -214,6 +216,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             slope: None,
             guards: None,
             segment: None,
+            read: None,
             pending: None,
             wanted: 1e-5,
             wanted_otherwise: 1e-5,
@@ -228,11 +231,18 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
 
     /// The state at `t`, which must lie in the last step of [`Integrator::run_to`].
     #[must_use]
-    pub fn state(&self, t: f64) -> [f64; N] {
-        match &self.segment {
+    pub fn state(&mut self, t: f64) -> [f64; N] {
+        if let Some((at, x)) = self.read
+            && at == t
+        {
+            return x;
+        }
+        let x = match &self.segment {
             Some(segment) if t < self.t => segment.at(t),
             _ => self.x,
-        }
+        };
+        self.read = Some((t, x));
+        x
     }
 
     /// The slope of one state at `t`, as in [`Integrator::state`]; None where it may have jumped.
@@ -307,6 +317,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             std::mem::swap(&mut self.wanted, &mut self.wanted_otherwise);
         }
         self.segment = None;
+        self.read = None;
         self.guards = None;
         self.pace = Pace::default();
         if slope == Slope::Lost {
@@ -376,6 +387,7 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             }
         }
         self.segment = Some(segment);
+        self.read = None;
         Ok(())
     }
 

@@ -173,6 +173,7 @@ impl Plant {
 
     /// The command of a continuous controller at the present sample, counts.
     pub fn continuous_command(&mut self) -> Option<f64> {
+        self.assembly.parts.continuous.as_ref()?;
         let x = self.integrator.state(self.sample_time_of(self.k));
         self.assembly.follow(&x)
     }

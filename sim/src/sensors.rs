@@ -36,7 +36,8 @@ impl Converter {
     #[must_use]
     pub fn raw(&self, x: f64, noise: f64) -> i16 {
         let counts = (x - self.min) / (self.max - self.min) * self.full_scale();
-        (counts + 0.5 + noise).floor().clamp(0.0, self.full_scale()) as i16
+        // What is not negative is rounded down by the cast.
+        (counts + 0.5 + noise).clamp(0.0, self.full_scale()) as i16
     }
 }
 
@@ -102,7 +103,10 @@ impl Sensors {
 /// The encoder's count at a position, both in the same unit.
 #[must_use]
 pub fn count(position: f64, pulse: f64) -> i32 {
-    (position / pulse + 1e-9).floor() as i32
+    let pulses = position / pulse + 1e-9;
+    // Towards zero, and from there down.
+    let whole = pulses as i32;
+    whole.saturating_sub(i32::from(f64::from(whole) > pulses))
 }
 
 #[cfg(test)]

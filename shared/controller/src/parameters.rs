@@ -195,7 +195,10 @@ pub enum SetError {
 /// The line of the table that an id belongs to.
 #[must_use]
 pub fn lookup(id: u16) -> Option<&'static Parameter> {
-    TABLE.iter().find(|p| id.checked_sub(p.id).is_some_and(|entry| entry < p.len))
+    match place(id) {
+        Place::Scalar(index) => TABLE.get(index).filter(|parameter| parameter.id == id),
+        Place::Profile(index) => TABLE.last().filter(|profile| index < usize::from(profile.len)),
+    }
 }
 
 /// The line of the table with a name.

@@ -12,8 +12,10 @@ use crate::number::{Number, Pair};
 impl Assembly {
     /// The directions that the flows in the ports have now.
     pub(super) fn find_port_directions(&mut self, t: f64, x: &StateVector) {
-        // The direction decides only the temperature, so the second solution has the right signs.
-        for _ in 0..2 {
+        let nodes = self.nodes(t, x);
+        if self.ports.follow(&nodes) {
+            // The direction decides only the temperature, so the second solution has the right signs.
+            self.solved = None;
             let nodes = self.nodes(t, x);
             self.ports.follow(&nodes);
             self.solved = None;

@@ -27,12 +27,13 @@ impl Ports {
         Ports { directions: [PortFlow::Charging; 2], turned_at: [f64::NEG_INFINITY; 2], resting: [false; 2] }
     }
 
-    /// The directions that flows have.
-    pub fn follow(&mut self, nodes: &Nodes) {
-        self.directions = nodes.port_flow().to_array().map(|flow| match flow >= 0.0 {
+    /// The directions that flows have; tells whether one is new.
+    pub fn follow(&mut self, nodes: &Nodes) -> bool {
+        let directions = nodes.port_flow().to_array().map(|flow| match flow >= 0.0 {
             true => PortFlow::Charging,
             false => PortFlow::Discharging,
         });
+        std::mem::replace(&mut self.directions, directions) != directions
     }
 
     /// Negative where a flow goes against its port's direction.
