@@ -83,6 +83,7 @@ pub fn run_watched(
     let last = rig.last_sample();
     for k in 0..=u64::from(last) {
         sample(&config, &sequence, &mut state, &plant.sample());
+        let mut command = output(&config, &mut state);
         let mut seen = *state.observation();
         if let Mode::Fault(kind) = state.supervisor.mode() {
             fault = fault.or(Some((kind, seen.index)));
@@ -99,7 +100,6 @@ pub fn run_watched(
         }
         progress(seen.index, last);
         // A row at an instant with an output shows the state after it.
-        let mut command = output(&config, &mut state);
         if let Some(bug) = &mut bug {
             command = bug.output(&seen, command);
         }
