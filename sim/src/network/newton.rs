@@ -18,6 +18,9 @@ const OPEN_PORT: f64 = 1e-6;
 /// kg/s: a flow whose correction is smaller is found.
 const SMALLEST: f64 = 1e-12;
 
+/// A node's w whose correction is more than this part of it is not found.
+const ARRIVED: f64 = 0.01;
+
 /// kg/s: less than this is no flow at all.
 const NO_FLOW: f64 = 1e-20;
 
@@ -121,9 +124,9 @@ impl Network {
             fixed[2] + change * per_total[2],
         ];
         nodes.temperature = mixture.after::<AT_REST>(supply, exhaust, change);
-        // A pressure that is held back has not arrived, whatever the flows say.
+        // A pressure that still moves has not arrived, whatever the flows say: between shut lands they say nothing.
+        let arrives = (pair(ARRIVED) * nodes.exner).at_least(exner.abs());
         let half = pair(0.5) * nodes.exner;
-        let arrives = half.at_least(exner.abs());
         nodes.exner = (nodes.exner + exner).larger(half).smaller(pair(2.0) * nodes.exner);
         nodes.supply += supply;
         nodes.exhaust += exhaust;
