@@ -3,7 +3,7 @@
 use super::*;
 use crate::valve::thesis_valve;
 
-fn network_with(tube: bool, approach: bool) -> (Gas, Network) {
+pub(super) fn network_with(tube: bool, approach: bool) -> (Gas, Network) {
     let gas = Gas::new(1.4, 286.76);
     let station = |pressure| Station { exner: gas.exner(pressure), temperature: 294.0 };
     let tube = if tube { Tube::empirical(&gas, 0.4, 0.00465) } else { Tube::none() };
@@ -26,7 +26,7 @@ fn network(tube: bool) -> (Gas, Network) {
     network_with(tube, false)
 }
 
-fn chambers(gas: &Gas, p1: f64, p2: f64) -> [Station; 2] {
+pub(super) fn chambers(gas: &Gas, p1: f64, p2: f64) -> [Station; 2] {
     [p1, p2].map(|p| Station { exner: gas.exner(p), temperature: 294.0 })
 }
 

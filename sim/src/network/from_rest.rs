@@ -1,0 +1,109 @@
+//! The solution that air at rest comes to as it begins to move.
+//!
+//! Of air that is at rest in front of each restriction there is one solution, wherever it is begun from. With the
+//! speeds of approach there may be several. They are let in little by little,
+//!
+//! ```text
+//! f = 1 + (n-1)/2 a M^2,   a = 0, 1/8, 2/8 ... 1
+//! ```
+//!
+//! and the solution is followed, as long as it does not leap: then it has come to its end, and another one was met.
+
+use super::Network;
+use super::course::Course;
+use super::nodes::{Nodes, Surroundings};
+
+/// Parts in which the squared speeds are let in.
+const PARTS: u32 = 8;
+
+/// A solution does not change its flows by more than this part of them at once.
+const LEAP: f64 = 0.25;
+
+impl Network {
+    /// Finds it; false where it cannot be followed, or where air is at rest anyway.
+    pub(super) fn from_rest(&mut self, around: &Surroundings) -> bool {
+        if self.mach == 0.0 {
+            return false;
+        }
+        let (whole, course) = (self.mach, self.course);
+        self.course = Course::UNKNOWN;
+        let found = (0..=PARTS).all(|part| {
+            let before = self.nodes;
+            self.mach = whole * f64::from(part) / f64::from(PARTS);
+            self.by_newton(around) && (part == 0 || is_near(&before, &self.nodes))
+        });
+        (self.mach, self.course) = (whole, course);
+        if found {
+            self.course.note(&self.nodes);
+        }
+        found
+    }
+}
+
+/// Whether the flows are nearly what they were.
+fn is_near(before: &Nodes, now: &Nodes) -> bool {
+    let changes = (now.supply - before.supply).abs() + (now.exhaust - before.exhaust).abs();
+    let sizes = now.supply.abs() + now.exhaust.abs();
+    changes.reduce_add() <= LEAP * sizes.reduce_add()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::PortFlow;
+    use crate::network::tests::{chambers, network_with};
+    use crate::tubing::Tube;
+    use crate::valve::{Valve, thesis_valve};
+
+    const PORTS: [[PortFlow; 2]; 4] = [
+        [PortFlow::Charging, PortFlow::Charging],
+        [PortFlow::Charging, PortFlow::Discharging],
+        [PortFlow::Discharging, PortFlow::Charging],
+        [PortFlow::Discharging, PortFlow::Discharging],
+    ];
+
+    /// Whether the directions of the ports are those of the flows: else a node may have no inflow, and any
+    /// temperature.
+    fn fits(network: &Network, around: &Surroundings) -> bool {
+        let goes = |i: usize| match around.port(i) {
+            PortFlow::Charging => 0.0,
+            PortFlow::Discharging => -0.0_f64,
+        };
+        let each = network.nodes.each();
+        (0..2).all(|i| each[i].port_flow().is_sign_negative() == goes(i).is_sign_negative())
+    }
+
+    /// Narrow and wide lands, tubes that let next to nothing pass and such that let all: where the solution can be
+    /// followed it is that of the brackets, and where it cannot these are asked.
+    #[test]
+    fn what_air_at_rest_comes_to_is_what_the_brackets_find() {
+        let (mut followed, mut all) = (0, 0);
+        for (drop, discharge) in [(0.0, 1.5), (0.1, 0.3), (0.4, 0.8), (0.4, 1.0), (0.9, 1.0), (0.99, 0.8)] {
+            let (gas, network) = network_with(true, true);
+            let tube = Tube::empirical(&gas, drop, 0.00465);
+            let network = Network { supply_tube: tube, cylinder_tube: tube, ..network };
+            let valve = Valve { discharge_supply: discharge, discharge_exhaust: discharge, ..thesis_valve() };
+            for spool in [-0.9e-3, -1e-6, 0.0, 0.1e-3, 0.3e-3] {
+                for (p1, p2) in [(110e3, 580e3), (325e3, 400e3), (588e3, 102e3), (20e3, 300e3)] {
+                    for ports in PORTS {
+                        let chambers = crate::air::Station::both(&chambers(&gas, p1, p2));
+                        let around = Surroundings::new(valve.conductances(&gas, spool), chambers, &ports);
+                        let (mut one, mut other) = (network.clone(), network.clone());
+                        let found = one.from_rest(&around);
+                        if !(other.by_brackets(&around) && fits(&other, &around)) {
+                            continue;
+                        }
+                        (followed, all) = (followed + u32::from(found), all + 1);
+                        for (one, other) in one.nodes.each().iter().zip(&other.nodes.each()).filter(|_| found)
+                        {
+                            let apart = (one.supply_flow - other.supply_flow).abs()
+                                + (one.exhaust_flow - other.exhaust_flow).abs();
+                            assert!(apart < 1e-8, "{drop} {discharge} {spool} {p1} {p2}: {one:?} {other:?}");
+                        }
+                    }
+                }
+            }
+        }
+        assert!(all > 100 && followed > all / 2 && followed < all, "{followed} of {all}");
+    }
+}
