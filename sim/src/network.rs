@@ -22,12 +22,13 @@
 //! tube: their pressure is a stagnation pressure already. The unknowns are the flows: m|m| is smooth through zero, where a
 //! pressure difference has an infinite slope. Newton's
 //! method on (w_n, s, e) a node, bordered by the flow in the supply tube; it starts from the last
-//! solution. Where it does not converge, nested brackets do: the net flow into a node falls with its
-//! pressure, so they cannot fail (EQUATIONS section 3) as long as the speeds of
+//! solution, the first one from air at rest. Where it does not converge, nested brackets do: the net flow into a node
+//! falls with its pressure, so they cannot fail (EQUATIONS section 3) as long as the speeds of
 //! approach come to rest.
 
 mod brackets;
 mod course;
+mod from_rest;
 mod newton;
 mod nodes;
 mod rest;
@@ -347,9 +348,13 @@ impl Network {
         Nodes { carried, ..self.nodes }
     }
 
-    /// Nested brackets, sharpened by Newton's method; false where they find nothing.
+    /// The solution that air at rest comes to as it begins to move. Where it cannot be followed there: nested
+    /// brackets, sharpened by Newton's method; false where they find nothing.
     fn by_search(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
+        if self.from_rest(around) {
+            return true;
+        }
         self.work.bracketed += 1;
         let rests = self.by_brackets(around);
         // What the brackets found is the answer where Newton's method fails again.

@@ -68,10 +68,10 @@ pub struct Plant {
 
 /// Allowed error of a flow over the tolerance, kg/s: in a step of half a millisecond a tenth of what the mass in
 /// a small chamber may be off.
-const FLOW: f64 = 0.1;
+const FLOW: f64 = 0.3;
 
 /// kg/s: flows are solved to this at any tolerance, so that their noise looks like no motion.
-const MOST_FLOW_ERROR: f64 = 1e-10;
+const MOST_FLOW_ERROR: f64 = 3e-10;
 
 /// What can be measured at one instant, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
