@@ -37,6 +37,8 @@ use ports::Ports;
 
 /// Number of states.
 pub(crate) const STATES: usize = 11;
+/// Those of load and air come first: they move alone where the spool is foreseen and tubes do not lag.
+pub(crate) const CORE: usize = 6;
 /// Guards read from the state: stiction and stops of the load, the entry of the gain profile, the edges of
 /// the lands, then those of the operator.
 pub(crate) const GUARDS: usize = LOAD_GUARDS + operator::GUARDS;
@@ -345,6 +347,10 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         if self.parts.network.sharpen(sharp) {
             self.solved = None;
         }
+    }
+
+    fn core_alone(&self) -> bool {
+        self.parts.operator.is_foreseen() && self.parts.lag.is_none()
     }
 
     fn swings(&self) -> bool {

@@ -63,6 +63,10 @@ pub trait Hybrid<const N: usize, const G: usize, const F: usize> {
     fn swings(&self) -> bool {
         false
     }
+    /// Whether no state but the first ones, the core of the system, moves in the present modes.
+    fn core_alone(&self) -> bool {
+        false
+    }
     /// Changes modes (and state, where a velocity becomes zero) at an event; tells what that makes of dx/dt.
     fn cross(&mut self, event: Event, t: f64, x: &mut [f64; N]) -> Slope;
 }
@@ -168,9 +172,9 @@ const MOST_STEPS: u64 = 200_000;
 /// s.
 const STRETCH: f64 = 1e-3;
 
-/// The state of an integration.
+/// The state of an integration. While all states but the first CORE rest, explicit steps leave the others alone.
 #[derive(Clone, Debug)]
-pub struct Integrator<const N: usize, const G: usize, const F: usize> {
+pub struct Integrator<const N: usize, const G: usize, const F: usize, const CORE: usize = N> {
     tableau: &'static Tableau,
     /// Allowed error of a step, in each state's scale.
     tolerance: f64,
@@ -202,11 +206,19 @@ pub struct Integrator<const N: usize, const G: usize, const F: usize> {
     pub work: Work,
 }
 
-impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
+impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F, N> {
     /// An integration from `x` at t = 0. A step's error may be `tolerance` times the larger of a
     /// state and its `scale`.
     #[must_use]
     pub fn new(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
+        Integrator::with_core(method, tolerance, scale, x)
+    }
+}
+
+impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrator<N, G, F, CORE> {
+    /// The same of a system of which at times the first CORE states move alone.
+    #[must_use]
+    pub fn with_core(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
         Integrator {
             tableau: tableau::of(method),
             tolerance,
@@ -415,7 +427,8 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
             let end = if limited { limit } else { self.t + h };
             let trial = match &slopes {
                 Some(slopes) => self.implicit_trial(system, slope, slopes, h),
-                None => self.explicit_trial(system, slope, h),
+                None if system.core_alone() => self.explicit_trial::<CORE>(system, slope, h),
+                None => self.explicit_trial::<N>(system, slope, h),
             };
             let error = trial.error;
             if !error.is_finite() {
@@ -445,15 +458,15 @@ impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
     /// A step cut short says nothing of how far a method might go.
     fn note_step(&mut self, taken: &Taken<N>, limited: bool) {
         if !limited {
-            let moved = std::array::from_fn(|i| taken.x[i] - self.x[i]);
+            let moved: [f64; N] = std::array::from_fn(|i| taken.x[i] - self.x[i]);
             self.stiffness.note(taken.stiffness, self.error_norm(&moved, &taken.x));
         }
     }
 
     /// The largest error of a state over what is allowed.
-    fn error_norm(&self, error: &[f64; N], x: &[f64; N]) -> f64 {
+    fn error_norm<const M: usize>(&self, error: &[f64; M], x: &[f64; N]) -> f64 {
         let (mut largest, mut sum) = (0.0_f64, 0.0);
-        for i in 0..N {
+        for i in 0..M {
             let ratio = error[i].abs() / self.scale[i].max(x[i].abs());
             largest = largest.max(ratio);
             sum += ratio;

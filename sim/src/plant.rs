@@ -6,7 +6,7 @@
 
 use pneudrive_controller::{Command, Sample};
 
-use crate::assembly::{Assembly, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, slot};
+use crate::assembly::{Assembly, CORE, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, slot};
 use crate::build;
 use crate::faults::SensorFaults;
 use crate::integrator::{Hybrid, IntegrationError, Integrator, Method, Work};
@@ -50,7 +50,7 @@ impl Accuracy {
 #[derive(Clone, Debug)]
 pub struct Plant {
     assembly: Assembly,
-    integrator: Integrator<STATES, GUARDS, FLOW_GUARDS>,
+    integrator: Integrator<STATES, GUARDS, FLOW_GUARDS, CORE>,
     sensors: Sensors,
     sensor_faults: SensorFaults,
     period_us: u64,
@@ -122,7 +122,7 @@ impl Plant {
         let assembly = Assembly::new(parts, &x);
         Plant {
             assembly,
-            integrator: Integrator::new(accuracy.method, accuracy.tolerance, SCALE, x),
+            integrator: Integrator::with_core(accuracy.method, accuracy.tolerance, SCALE, x),
             sensors: Sensors::new(rig, seed),
             sensor_faults: SensorFaults::new(&rig.fault_events()),
             period_us: u64::from(rig.period_us().get()),

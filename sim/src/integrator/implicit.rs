@@ -69,7 +69,7 @@ pub(super) struct Slopes<const N: usize> {
     by_time: [f64; N],
 }
 
-impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
+impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrator<N, G, F, CORE> {
     /// What a step from the present state needs, whatever its size.
     pub(super) fn slopes(&mut self, system: &mut impl Hybrid<N, G, F>, slope: [f64; N]) -> Slopes<N> {
         let mut jacobian = [[0.0; N]; N];

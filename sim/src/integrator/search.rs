@@ -23,7 +23,7 @@ impl Span {
     }
 }
 
-impl<const N: usize, const G: usize, const F: usize> Integrator<N, G, F> {
+impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrator<N, G, F, CORE> {
     /// The first guard in a step from the present state to `x` at `end` that becomes negative, and when.
     pub(super) fn first_event(
         &mut self,
