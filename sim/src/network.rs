@@ -352,7 +352,7 @@ impl Network {
     /// brackets, sharpened by Newton's method; false where they find nothing.
     fn by_search(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
-        if self.from_rest(around) {
+        if self.come_from_rest(around) {
             return true;
         }
         self.work.bracketed += 1;

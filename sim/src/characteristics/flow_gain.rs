@@ -5,13 +5,16 @@
 //! other family: one pressure at the supply port, several at port 1.
 
 use super::bench::ValveBench;
-use super::{Characteristic, Graph, SUPPLY_FAMILY_PA, Series, Unfit, evenly};
+use super::{Characteristic, Figure, Graph, SUPPLY_FAMILY_PA, Series, Unfit, evenly};
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "flow of a port over the spool, by supply pressure (7.1.1.1, Fig. 7.4)";
 
 /// Pressure at the supply port in Fig. 7.4, Pa.
 pub const FIG_7_4_SUPPLY_PA: f64 = 317e3;
+
+/// As far on either side of the null the gain is taken, in parts of the travel: nearer the clearance bends the curve.
+const ABOUT_NULL: f64 = 0.05;
 
 /// Pressures at port 1 for the second family, Pa.
 const FIG_7_4_PORT_PA: [f64; 4] = [110e3, 170e3, 230e3, 290e3];
@@ -37,6 +40,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         )
     });
     Ok(Characteristic {
+        figures: SUPPLY_FAMILY_PA.iter().flat_map(|above| figures(rig, exhaust + above, exhaust + above / 2.0)).collect(),
         notes: vec![
             "Pressures are absolute and hold right at the valve's ports. Above: the back pressure at port 1 is half-way between supply and exhaust. Below: Fig. 7.4, one supply pressure and several back pressures.".to_owned(),
         ],
@@ -47,6 +51,20 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         ],
         ..Characteristic::default()
     })
+}
+
+/// How steep the flow is about the null, and how large with the valve wide open.
+fn figures(rig: &Rig, supply_pa: f64, port_pa: f64) -> [Figure; 2] {
+    let [travel, null] = ["valve.spool_travel_mm", "valve.null_offset_mm"].map(|key| rig.number(key));
+    let mut bench = ValveBench::new(rig, supply_pa);
+    let mut flow = |spool_mm: f64| 1e3 * bench.nodes(spool_mm * 1e-3, [port_pa; 2])[0].port_flow();
+    let beside = ABOUT_NULL * travel;
+    let gain = (flow(null + beside) - flow(null - beside)) / (2.0 * beside);
+    let named = |what: &str| format!("{what}, Ps = {:.1} kPa", supply_pa / 1e3);
+    [
+        Figure { name: named("flow gain about the null"), value: gain, unit: "g/s/mm" },
+        Figure { name: named("flow wide open"), value: flow(travel), unit: "g/s" },
+    ]
 }
 
 fn curve(rig: &Rig, name: String, supply_pa: f64, port_pa: f64) -> Series {
@@ -90,6 +108,20 @@ mod tests {
         let [half, full] = [0.5e-3, 1e-3].map(|spool| port_flow(&rig, 0, spool, 589e3, 101.3e3));
         assert!(full < 0.8 * 11.880e-3, "{full}");
         assert!(full / half < 1.1, "saturation: {half} {full}");
+    }
+
+    /// Between alike lands and with half of the pressure behind the port, the flow is odd about the null.
+    #[test]
+    fn the_figures_are_those_of_the_curves() {
+        let found = measure(&rig(&[])).expect("a valve");
+        assert_eq!(found.figures.len(), 2 * SUPPLY_FAMILY_PA.len());
+        for (figures, series) in found.figures.chunks(2).zip(&found.graphs[0].series) {
+            let [gain, most] = [figures[0].value, figures[1].value];
+            assert!((most / series.y[160] - 1.0).abs() < 1e-6, "{most}");
+            // The curve has a place every 0.0125 mm, the middle one at the null.
+            let slope = (series.y[84] - series.y[76]) / (series.x[84] - series.x[76]);
+            assert!(gain > 0.0 && (gain / slope - 1.0).abs() < 1e-6, "{gain} {slope}");
+        }
     }
 
     #[test]

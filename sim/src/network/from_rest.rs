@@ -21,7 +21,7 @@ const LEAP: f64 = 0.25;
 
 impl Network {
     /// Finds it; false where it cannot be followed, or where air is at rest anyway.
-    pub(super) fn from_rest(&mut self, around: &Surroundings) -> bool {
+    pub(super) fn come_from_rest(&mut self, around: &Surroundings) -> bool {
         if self.mach == 0.0 {
             return false;
         }
@@ -89,7 +89,7 @@ mod tests {
                         let chambers = crate::air::Station::both(&chambers(&gas, p1, p2));
                         let around = Surroundings::new(valve.conductances(&gas, spool), chambers, &ports);
                         let (mut one, mut other) = (network.clone(), network.clone());
-                        let found = one.from_rest(&around);
+                        let found = one.come_from_rest(&around);
                         if !(other.by_brackets(&around) && fits(&other, &around)) {
                             continue;
                         }
