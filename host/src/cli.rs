@@ -3,6 +3,7 @@
 mod experiments;
 mod transients;
 
+use std::num::NonZeroU16;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -216,8 +217,11 @@ fn door(text: &str) -> Result<String, String> {
 fn port(text: &str) -> Result<String, String> {
     let address = text.strip_prefix("tcp:").map(|address| address.trim_start_matches('/'));
     match address {
-        Some(address) if address.contains(':') => Ok(format!("tcp://{address}")),
-        Some(_) => Err("the port number is missing; write tcp://HOST:PORT".to_owned()),
+        Some(address) => match address.rsplit_once(':') {
+            Some((_, number)) if number.parse::<NonZeroU16>().is_ok() => Ok(format!("tcp://{address}")),
+            Some((_, number)) => Err(format!("{number:?} is not a port number, 1 to 65535")),
+            None => Err("the port number is missing; write tcp://HOST:PORT".to_owned()),
+        },
         None if text.is_empty() || text == "pty:" => {
             Err("the name is empty; write pty:PATH or a device".to_owned())
         }
@@ -287,8 +291,8 @@ pub enum ConfigAction {
     Set {
         /// Its name; an entry of the gain profile is named like `gain_profile[3]`
         name: String,
-        /// The new value
-        value: i32,
+        /// The new value, a whole number
+        value: String,
     },
     /// Write all parameters to a file, a line each
     Export {

@@ -22,6 +22,8 @@ mod sweep;
 mod tune;
 mod virtual_rig;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::time::Duration;
 
@@ -74,8 +76,21 @@ fn rig_text(rig: &str) -> Result<(String, String)> {
             names.join(", ")
         );
     }
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {rig}"))?;
+    let text = text_of(path).with_context(|| format!("cannot read {rig}"))?;
     Ok((rig.to_owned(), text))
+}
+
+/// Bytes: no rig file has more.
+const LONGEST_RIG: u64 = 1 << 20;
+
+/// The text of a file, or of a pipe, as far as a rig may go.
+fn text_of(path: &Path) -> Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(LONGEST_RIG + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LONGEST_RIG {
+        bail!("it is longer than {LONGEST_RIG} bytes, and no rig file");
+    }
+    Ok(text)
 }
 
 /// A rig with its settings applied.

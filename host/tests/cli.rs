@@ -53,6 +53,8 @@ fn wrong_use_ends_with_2_and_a_no_of_the_data_with_1() {
         ("replay", 2),
         ("device --port tcp://127.0.0.1:1 info", 1),
         ("device --port tcp://127.0.0.1 info", 2),
+        ("device --port tcp://127.0.0.1:99999 info", 2),
+        ("eval run --from nan", 2),
         ("virtual servo-b --listen udp:3", 2),
         ("simulate servo-b --out . --set load.mass_kg", 2),
         ("virtual servo-b --listen pty --set controller.model=continuous", 1),
@@ -94,6 +96,13 @@ fn rig_check_names_file_line_and_key() {
         fs::write(folder.path().join(name), text).expect("written");
         assert_eq!(transcript(folder.path(), &format!("rig check {name}")), expected);
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_rig_without_an_end_is_refused() {
+    let said = transcript(folder().path(), "rig check /dev/zero");
+    assert!(said.contains("cannot read /dev/zero: it is longer than 1048576 bytes"), "{said}");
 }
 
 #[test]

@@ -75,6 +75,15 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     let said = device("config import wrong.txt");
     assert!(said.contains("wrong.txt: line 2: there is no parameter speed"), "{said}");
     assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
+
+    let whole = fs::read_to_string(folder.path().join("parameters.txt")).expect("exported");
+    fs::write(folder.path().join("cut.txt"), &whole[..whole.find("velocity_gain").expect("a line")])
+        .expect("written");
+    let said = device("config import cut.txt");
+    assert!(said.contains("cut.txt: not all of the 54 parameters are there"), "{said}");
+    assert!(device("config set gain_profile 1,2,3").contains("gain_profile is a list: name an entry"));
+    assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));
+    assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
 }
 
 #[test]

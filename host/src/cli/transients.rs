@@ -10,11 +10,16 @@ use super::{Integration, RigChoice};
 #[derive(Debug, Args)]
 pub struct Stretch {
     /// Leave out what is before, s from the start of the test
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub from: Option<f64>,
     /// Leave out what is after, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub to: Option<f64>,
+}
+
+fn instant(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number of seconds".to_owned())?;
+    if seconds.is_nan() { Err("not a number of seconds".to_owned()) } else { Ok(seconds) }
 }
 
 /// Arguments of `eval`.

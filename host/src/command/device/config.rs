@@ -1,5 +1,7 @@
 //! `pneudrive device config`.
 
+use std::collections::BTreeMap;
+
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{Parameter, TABLE, by_name};
@@ -32,7 +34,8 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
         }
         ConfigAction::Set { name, value } => {
             let (parameter, entry) = parameter_of(name)?;
-            client.set_parameters(parameter.id + entry, &[*value])?;
+            let value = whole_number(value)?;
+            client.set_parameters(parameter.id + entry, &[value])?;
             say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
             Ok(())
         }
@@ -43,7 +46,10 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
             Ok(())
         }
         ConfigAction::Import { from } => {
-            let (name, parameters) = importable(from)?;
+            let (name, Named { parameters, unnamed }) = importable(from)?;
+            if !unnamed.is_empty() {
+                eprintln!("note: {from} does not name {}; they are as by default", few(&unnamed));
+            }
             let left_out = client.import_parameters(&parameters)?;
             if !left_out.is_empty() {
                 eprintln!("note: its firmware has no {}; they are as by default", few(&left_out));
@@ -66,50 +72,82 @@ fn read(client: &mut Client) -> Result<Parameters> {
     Ok(parameters.values)
 }
 
-/// All parameters, `name = value` a line.
+/// What the first line of an exported file has before the number of its parameters.
+const HEAD: &str = "# The controller's ";
+
+/// All parameters, `name = value` a line. The first line tells how many, so that a file that was cut is not taken.
 fn exported(parameters: &Parameters) -> String {
     let line = |parameter: &Parameter| {
         let value = parameter_text(parameters, parameter.id, parameter.len);
         format!("{} = {value}\n", parameter.name)
     };
-    let head = "# The controller's parameters; `pneudrive device config import` takes them over.\n";
-    std::iter::once(head.to_owned()).chain(TABLE.iter().map(line)).collect()
+    let count = TABLE.len();
+    let head = format!("{HEAD}{count} parameters; `pneudrive device config import` takes them over.\n");
+    std::iter::once(head).chain(TABLE.iter().map(line)).collect()
+}
+
+/// Parameters that a file names, and the names of those that it does not: these are as by default.
+#[derive(Debug, PartialEq)]
+struct Named {
+    parameters: Parameters,
+    unnamed: Vec<&'static str>,
 }
 
 /// Name and parameters of a rig or of an exported file.
-fn importable(from: &str) -> Result<(String, Parameters)> {
+fn importable(from: &str) -> Result<(String, Named)> {
     let (source, text) = rig_text(from)?;
     match parse_exported(&text) {
-        Some(parameters) => Ok((source.clone(), parameters.with_context(|| source)?)),
-        None => load_rig(from, &[]).map(|rig| (rig.name().to_owned(), rig.parameters())),
+        Some(named) => Ok((source.clone(), named.with_context(|| source)?)),
+        None => load_rig(from, &[])
+            .map(|rig| (rig.name().to_owned(), Named { parameters: rig.parameters(), unnamed: Vec::new() })),
     }
 }
 
 /// The parameters in an exported file; None for another kind of file: its first line names none.
-fn parse_exported(text: &str) -> Option<Result<Parameters>> {
+fn parse_exported(text: &str) -> Option<Result<Named>> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, line)| is_content(line)).collect();
-    let (_, first) = lines.first()?;
-    by_name(first.split_once('=')?.0.trim())?;
+    let Some(told) = told_count(text) else {
+        let (_, first) = lines.first()?;
+        by_name(first.split_once('=')?.0.trim())?;
+        return Some(parse_lines(&lines));
+    };
+    Some(parse_lines(&lines).and_then(|named| {
+        let found = TABLE.len() - named.unnamed.len();
+        if found < told || !text.ends_with('\n') {
+            bail!("not all of the {told} parameters are there that its first line tells of: the file has been cut, export it again");
+        }
+        Ok(named)
+    }))
+}
+
+/// How many parameters the first line tells of.
+fn told_count(text: &str) -> Option<usize> {
+    text.strip_prefix(HEAD)?.split_once(' ')?.0.parse().ok()
+}
+
+fn parse_lines(lines: &[(usize, &str)]) -> Result<Named> {
     let mut parameters = Parameters::default();
-    Some(
-        lines
-            .iter()
-            .try_for_each(|(number, line)| {
-                take_line(&mut parameters, line).with_context(|| format!("line {}", number + 1))
-            })
-            .map(|()| parameters),
-    )
+    let mut seen: BTreeMap<&'static str, usize> = BTreeMap::new();
+    for (index, line) in lines {
+        let number = index + 1;
+        let name = take_line(&mut parameters, line).with_context(|| format!("line {number}"))?;
+        if let Some(before) = seen.insert(name, number) {
+            bail!("line {number}: {name} has been given already, in line {before}");
+        }
+    }
+    let names = TABLE.iter().map(|parameter| parameter.name);
+    Ok(Named { parameters, unnamed: names.filter(|name| !seen.contains_key(name)).collect() })
 }
 
 fn is_content(line: &str) -> bool {
     !line.trim().is_empty() && !line.trim_start().starts_with('#')
 }
 
-/// Takes over `name = value`, or `name = value,value` for a list, whose last entry repeats.
-fn take_line(parameters: &mut Parameters, line: &str) -> Result<()> {
+/// Takes over `name = value`, or `name = value,value` for a list, whose last entry repeats; tells the name.
+fn take_line(parameters: &mut Parameters, line: &str) -> Result<&'static str> {
     let (name, text) = line.split_once('=').ok_or_else(|| anyhow!("{line:?} is not name = value"))?;
     let parameter = by_name(name.trim()).ok_or_else(|| anyhow!("there is no parameter {}", name.trim()))?;
-    let values: Vec<i32> = text.split(',').map(|value| value.trim().parse()).collect::<Result<_, _>>()?;
+    let values: Vec<i32> = text.split(',').map(|value| whole_number(value.trim())).collect::<Result<_>>()?;
     let last = values.last().copied().unwrap_or(0);
     if values.len() > usize::from(parameter.len) {
         bail!("{} has {} entries, not {}", parameter.name, parameter.len, values.len());
@@ -120,7 +158,11 @@ fn take_line(parameters: &mut Parameters, line: &str) -> Result<()> {
             anyhow!("{} = {value} is out of range: {} to {}", parameter.name, parameter.min, parameter.max)
         })?;
     }
-    Ok(())
+    Ok(parameter.name)
+}
+
+fn whole_number(text: &str) -> Result<i32> {
+    text.parse().map_err(|_| anyhow!("{text:?} is not a whole number of up to 32 bits"))
 }
 
 /// A parameter and the entry meant, from `name` or `name[entry]`.
@@ -157,7 +199,31 @@ mod tests {
         assert!(
             text.contains("\nvelocity_gain = 2000\n") && text.contains("\ngain_profile = 8192,6144,4096,99,")
         );
-        assert_eq!(parse_exported(&text).expect("exported").expect("whole"), parameters);
+        assert_eq!(
+            parse_exported(&text).expect("exported").expect("whole"),
+            Named { parameters, unnamed: vec![] }
+        );
+    }
+
+    #[test]
+    fn a_file_that_was_cut_is_refused_wherever_that_was() {
+        let text = exported(&Parameters::default());
+        for end in text.find(" parameters").expect("a count") + 1..text.len() {
+            let error = parse_exported(&text[..end]).expect("exported").expect_err("cut");
+            let inside_a_line = format!("{error:#}").starts_with("line ");
+            assert!(
+                inside_a_line || error.to_string().contains("of the 54 parameters are there"),
+                "{error:#}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_file_of_a_few_parameters_leaves_the_others_as_by_default_and_tells_them() {
+        let Named { parameters, unnamed } =
+            parse_exported("scale = 512\n").expect("exported").expect("right");
+        assert_eq!(parameters.get(id::SCALE), Some(512));
+        assert!(unnamed.len() == TABLE.len() - 1 && !unnamed.contains(&"scale"), "{unnamed:?}");
     }
 
     #[test]
@@ -167,7 +233,8 @@ mod tests {
             ("# a comment\nperiod_us = 50\n", "period_us = 50 is out of range: 100 to 100000"),
             ("period_us = 1,2\n", "period_us has 1 entries, not 2"),
             ("period_us = 1300\nscale\n", "is not name = value"),
-            ("period_us = x\n", "invalid digit"),
+            ("period_us = x\n", "\"x\" is not a whole number"),
+            ("scale = 1\n\nscale = 2\n", "line 3: scale has been given already, in line 1"),
         ] {
             let error = parse_exported(text).expect("exported").expect_err("wrong");
             assert!(
