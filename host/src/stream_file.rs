@@ -3,20 +3,23 @@
 //! Text, LF, as a TARGET file: lines `# key = value`, the header, a line of integers a sample. What has come is
 //! in the file at once, so a program that is killed leaves all of it. Where samples are missing, a line
 //! `# gap = 3 samples before index 120` stands; at the end the file says how many there are and how many
-//! are missing.
+//! are missing. It is read where a TARGET file is ([`crate::target::TargetFile`]).
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
-use pneudrive_protocol::StreamedSample;
+use anyhow::{Context, Result, bail};
+use pneudrive_protocol::{RecordedSample, StreamedSample};
 
 use crate::client::{Info, RigParameters};
-use crate::target::{COLUMNS, data_line, described, header_text};
+use crate::target::{COLUMNS, data_line, described, header_text, sample_of};
 
 /// First line's value.
-const FORMAT: &str = "pneudrive-stream 1";
+pub(crate) const FORMAT: &str = "pneudrive-stream 1";
+
+/// More samples than this do not go into the memory of a small machine.
+const MOST_SAMPLES: usize = 10_000_000;
 
 /// A file that a run is streamed to.
 #[derive(Debug)]
@@ -107,9 +110,72 @@ impl<W: Write> StreamFile<W> {
     }
 }
 
+/// The samples in the numbered lines behind the header. A program that was killed has left no end, and maybe a
+/// part of a line: then the text does not end with a line.
+///
+/// # Errors
+/// With the line of what is wrong, or when there are fewer samples than the end says.
+pub(crate) fn samples<'a>(
+    lines: impl Iterator<Item = (usize, &'a str)>,
+    ends_with_a_line: bool,
+) -> Result<Vec<(i32, RecordedSample)>> {
+    let mut lines = lines.peekable();
+    let mut samples: Vec<(i32, RecordedSample)> = Vec::new();
+    while let Some((number, line)) = lines.next() {
+        if lines.peek().is_none() && !ends_with_a_line {
+            break;
+        }
+        if let Some(stated) = line.strip_prefix("# samples = ") {
+            if stated.trim_end() != samples.len().to_string() {
+                bail!("line {}: {stated} samples should be before it, and {} are", number + 1, samples.len());
+            }
+        } else if !line.starts_with("# ") {
+            let sample = sample_of(number, line)?;
+            if let Some((before, _)) = samples.last().filter(|(before, _)| *before >= sample.0) {
+                bail!("line {}: sample {} comes after sample {before}", number + 1, sample.0);
+            }
+            if samples.len() == MOST_SAMPLES {
+                bail!(
+                    "it has more than {MOST_SAMPLES} samples; cut it in parts, or stream every Nth with --every"
+                );
+            }
+            samples.push(sample);
+        }
+    }
+    Ok(samples)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const LINES: &str = "0,1,2,3,4,5,6\n2,1,2,3,4,5,6\n# gap = 1 samples before index 6\n6,1,2,3,4,5,6\n";
+
+    fn read(text: &str) -> Result<Vec<i32>> {
+        let samples = samples(text.lines().enumerate(), text.ends_with('\n'))?;
+        Ok(samples.iter().map(|(index, _)| *index).collect())
+    }
+
+    #[test]
+    fn a_stream_is_read_with_its_gaps_and_without_its_end() {
+        let whole = format!("{LINES}# samples = 3\n# missing = 1\n");
+        for text in [whole.as_str(), LINES, &format!("{LINES}8,1,2,3,4,5"), &format!("{LINES}8,1,2,3,4,5,6")]
+        {
+            assert_eq!(read(text).expect("a stream"), [0, 2, 6], "{text}");
+        }
+    }
+
+    #[test]
+    fn what_a_stream_cannot_hold_is_refused_by_its_line() {
+        for (end, expected) in [
+            ("# samples = 4\n", "line 5: 4 samples should be before it, and 3 are"),
+            ("6,1,2,3,4,5,6\n", "line 5: sample 6 comes after sample 6"),
+            ("8,1,2\n", "line 5: expected seven whole numbers"),
+        ] {
+            let error = read(&format!("{LINES}{end}")).expect_err("refused").to_string();
+            assert!(error.starts_with(expected), "{error}");
+        }
+    }
 
     #[test]
     fn gaps_are_marked_where_they_are_and_counted() {

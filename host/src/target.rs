@@ -14,6 +14,7 @@ use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::RecordedSample;
 
 use crate::client::{Info, Record, RecordHead, RigParameters};
+use crate::stream_file;
 
 /// First line's value.
 const FORMAT: &str = "pneudrive-target 1";
@@ -22,7 +23,7 @@ const FORMAT: &str = "pneudrive-target 1";
 pub(crate) const COLUMNS: &str =
     "index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw";
 
-/// A TARGET file.
+/// A TARGET file, or what has been streamed of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetFile {
     /// The `# key = value` lines, in order.
@@ -106,18 +107,26 @@ impl TargetFile {
             file.header.push((key.to_owned(), value.to_owned()));
         }
         match file.get("format") {
-            Some(FORMAT) => {}
-            Some(other) => bail!("its format is {other:?}; this program reads {FORMAT:?}"),
+            Some(FORMAT) => {
+                file.samples = lines.map(|(number, line)| sample_of(number, line)).collect::<Result<_>>()?;
+                file.check_crc()?;
+            }
+            Some(stream_file::FORMAT) => file.samples = stream_file::samples(lines, text.ends_with('\n'))?,
+            Some(other) => {
+                bail!("its format is {other:?}; this program reads {FORMAT:?} and {:?}", stream_file::FORMAT)
+            }
             None => bail!("it is no TARGET file: its header has no `# format = {FORMAT}`"),
         }
-        for (number, line) in lines {
-            let sample = sample_of(line).ok_or_else(|| {
-                anyhow!("line {}: expected seven whole numbers, found {line:?}", number + 1)
-            })?;
-            file.samples.push(sample);
-        }
-        file.check_crc()?;
         Ok(file)
+    }
+
+    /// The sample period that the board has measured, us; of a stream, which has no measured one, that asked for.
+    ///
+    /// # Errors
+    /// When the header does not have it.
+    pub fn period_us(&self) -> Result<f64> {
+        let streamed = self.get("format") == Some(stream_file::FORMAT);
+        self.positive(if streamed { "sample_period_us" } else { "measured_period_us" })
     }
 
     fn check_crc(&self) -> Result<()> {
@@ -240,7 +249,12 @@ pub(crate) fn data_line(index: i64, s: &RecordedSample) -> String {
     format!("{index},{position},{pressure_1},{pressure_2},{command},{error},{spool}\n")
 }
 
-fn sample_of(line: &str) -> Option<(i32, RecordedSample)> {
+/// The sample of a line, whose number counts from 0.
+pub(crate) fn sample_of(number: usize, line: &str) -> Result<(i32, RecordedSample)> {
+    fields(line).ok_or_else(|| anyhow!("line {}: expected seven whole numbers, found {line:?}", number + 1))
+}
+
+fn fields(line: &str) -> Option<(i32, RecordedSample)> {
     let mut fields = line.split(',');
     let mut next = || fields.next();
     let index = next()?.parse().ok()?;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::estimator::MAX_WINDOW_SAMPLES;
+use pneudrive_protocol::RecordedSample;
 
 use crate::run_folder::StoredRun;
 use crate::target::TargetFile;
@@ -49,10 +50,12 @@ pub struct Transient {
     pub windows: [u8; 2],
     /// Air that flows into the chambers, kg/s; None of a record, which has no flows.
     pub inflow_kg_s: Option<Vec<f64>>,
+    /// Times before and after each place where samples are missing, s.
+    pub gaps: Vec<[f64; 2]>,
 }
 
 impl Transient {
-    /// A TARGET file or a run folder, by what it is.
+    /// A TARGET file, a streamed run or a run folder, by what it is.
     ///
     /// # Errors
     /// When it is neither, or damaged.
@@ -73,7 +76,7 @@ impl Transient {
     /// # Errors
     /// When a scale is missing.
     pub fn of_target(name: &str, file: &TargetFile) -> Result<Transient> {
-        let period = file.positive("measured_period_us")? / 1e6;
+        let period = file.period_us()? / 1e6;
         let mm = file.positive("mm_per_count")?;
         let pressure = [file.number("pressure_scale_pa")? / 1e3, file.number("pressure_offset_pa")? / 1e3];
         let spool = [file.number("spool_scale_mm")?, file.number("spool_offset_mm")?];
@@ -81,7 +84,7 @@ impl Transient {
         // The first firmware knows of none.
         let stepper = file.get("param.stepper").is_some_and(|value| value != "0");
         let scaled = |raw: i16, [scale, offset]: [f64; 2]| f64::from(raw) * scale + offset;
-        let channel = |of: &dyn Fn(&pneudrive_protocol::RecordedSample) -> f64| {
+        let channel = |of: &dyn Fn(&RecordedSample) -> f64| {
             file.samples.iter().map(|(_, sample)| of(sample)).collect::<Vec<f64>>()
         };
         Ok(Transient {
@@ -107,6 +110,7 @@ impl Transient {
                 window(file, "param.acceleration_window_samples")?,
             ],
             inflow_kg_s: None,
+            gaps: gaps(file, period),
         })
     }
 
@@ -134,6 +138,7 @@ impl Transient {
             mm_per_count: run.mm_per_count,
             windows: run.windows,
             inflow_kg_s: Some(flows.map(inflow).collect()),
+            gaps: Vec::new(),
         }
     }
 
@@ -165,6 +170,12 @@ impl Transient {
             mm_per_count: self.mm_per_count,
             windows: self.windows,
             inflow_kg_s: self.inflow_kg_s.as_ref().map(|flow| flow[first..end].to_vec()),
+            gaps: self
+                .gaps
+                .iter()
+                .copied()
+                .filter(|[before, after]| *before >= from && *after <= to)
+                .collect(),
         }
     }
 
@@ -180,6 +191,14 @@ impl Transient {
         let (t0, v0) = (*self.time.get(after.checked_sub(1)?)?, *values.get(after - 1)?);
         Some(v0 + (v1 - v0) * (time - t0) / (t1 - t0))
     }
+}
+
+/// Where more than the samples between every Nth are missing.
+fn gaps(file: &TargetFile, period_s: f64) -> Vec<[f64; 2]> {
+    let every = file.number("decimation").unwrap_or(1.0);
+    let times = |pair: &[(i32, RecordedSample)]| [pair[0].0, pair[1].0].map(f64::from);
+    let pairs = file.samples.windows(2).map(times);
+    pairs.filter(|[before, after]| after - before > every).map(|pair| pair.map(|k| k * period_s)).collect()
 }
 
 /// A window of the controller, samples, from a header.

@@ -166,3 +166,35 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     let never = longer.replace("--for 1s", "--for 900d");
     assert!(transcript(folder.path(), &never).contains("! error: --for: at 1300 us a sample, 65 days can"));
 }
+
+#[test]
+fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let said = |arguments: &str| transcript(folder.path(), arguments);
+    let port = rig.port();
+    let run = format!("run servo-b-tuned --config --set test.duration_s=0.4 --port {port} --stream run.txt");
+    assert!(said(&run).contains("run.txt: 308 samples, none missing"));
+    assert!(said("replay run.txt").contains("308 samples"), "{}", said("replay run.txt"));
+    ok(folder.path(), &format!("record --port {port}"));
+    let [streamed, recorded] = ["run.txt", "TARGET01.DAT"].map(|file| {
+        ok(folder.path(), &format!("eval {file} --csv {file}.csv"));
+        fs::read_to_string(folder.path().join(format!("{file}.csv"))).expect("written")
+    });
+    let positions = |csv: &str| -> Vec<String> {
+        csv.lines().map(|line| line.split(',').nth(2).unwrap_or_default().to_owned()).collect()
+    };
+    assert_eq!(positions(&streamed), positions(&recorded));
+    let said_of_both = said("overlay TARGET01.DAT run.txt");
+    assert!(said_of_both.ends_with("= 0") && said_of_both.contains("deviation of run.txt"), "{said_of_both}");
+
+    let text = fs::read_to_string(folder.path().join("run.txt")).expect("written");
+    let at = text.find("\n100,").expect("a sample") + 1;
+    let line = text[at..].find('\n').expect("an end") + 1;
+    let gap = format!("{}# gap = 1 samples before index 101\n{}", &text[..at], &text[at + line..]);
+    let gap = gap.replace("# samples = 308\n# missing = 0", "# samples = 307\n# missing = 1");
+    fs::write(folder.path().join("gap.txt"), gap).expect("written");
+    let refused = said("eval gap.txt");
+    assert!(refused.contains("gap.txt: samples are missing between 0.1287 s and 0.1313 s"), "{refused}");
+    assert!(said("eval gap.txt --from 0.14").ends_with("= 0"));
+    assert!(said("replay gap.txt").ends_with("= 1"));
+}

@@ -25,7 +25,7 @@ fn instant(text: &str) -> Result<f64, String> {
 /// Arguments of `eval`.
 #[derive(Debug, Args)]
 pub struct Eval {
-    /// A TARGET file or a run folder
+    /// A TARGET file, a run that was streamed, or a run folder
     pub file: PathBuf,
     /// The stretch to evaluate.
     #[command(flatten)]
@@ -52,7 +52,7 @@ fn positive(text: &str) -> Result<f64, String> {
 /// Arguments of `spectrum`.
 #[derive(Debug, Args)]
 pub struct Spectrum {
-    /// A TARGET file or a run folder
+    /// A TARGET file, a run that was streamed, or a run folder
     pub file: PathBuf,
     /// The channel
     #[arg(value_enum)]
@@ -114,9 +114,9 @@ pub enum Window {
 /// Arguments of `overlay`.
 #[derive(Debug, Args)]
 pub struct Overlay {
-    /// What the others are held against: a TARGET file or a run folder
+    /// What the others are held against: a TARGET file, a run that was streamed, or a run folder
     pub reference: PathBuf,
-    /// TARGET files and run folders
+    /// TARGET files, runs that were streamed, and run folders
     #[arg(required = true)]
     pub others: Vec<PathBuf>,
     /// How their times are made one

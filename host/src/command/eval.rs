@@ -46,7 +46,7 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     Ok(())
 }
 
-/// What lies in a stretch of a transient.
+/// What lies in a stretch of a transient, without a gap.
 ///
 /// # Errors
 /// When nothing does.
@@ -61,6 +61,12 @@ pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transie
             ),
             _ => bail!("{} has no samples", transient.name),
         }
+    }
+    if let Some([before, after]) = part.gaps.first() {
+        bail!(
+            "{}: samples are missing between {before:.4} s and {after:.4} s; choose a stretch without a gap by --from and --to",
+            part.name
+        );
     }
     Ok(part)
 }

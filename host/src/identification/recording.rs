@@ -161,8 +161,7 @@ impl Recording {
             // SPLLOC: what was asked for, not what was measured.
             channels[3].taken.clear();
         }
-        let timing =
-            timing(file.positive("measured_period_us")?, parameter(id::PERIOD_US), parameter(id::DELAY_US))?;
+        let timing = timing(file.period_us()?, parameter(id::PERIOD_US), parameter(id::DELAY_US))?;
         let commands = recorded.iter().map(|sample| command(sample, stepper)).collect();
         let start = [0, 1, 2].map(|c| channels[c].offset + channels[c].measured[0] * channels[c].scale);
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
