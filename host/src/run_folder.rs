@@ -89,9 +89,11 @@ pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
     let partial = PathBuf::from(format!("{}.partial", path.display()));
     let written =
         File::create(&partial).and_then(|mut file| pieces.iter().try_for_each(|piece| file.write_all(piece)));
-    written
-        .and_then(|()| fs::rename(&partial, path))
-        .with_context(|| format!("cannot write {}", path.display()))
+    let placed = written.and_then(|()| fs::rename(&partial, path));
+    if placed.is_err() {
+        let _ = fs::remove_file(&partial);
+    }
+    placed.with_context(|| format!("cannot write {}", path.display()))
 }
 
 fn describe(rig: &Rig, accuracy: Accuracy, run: &Run) -> serde_json::Value {
@@ -266,4 +268,19 @@ fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
         }
     }
     Ok(columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_cannot_be_placed_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir_all(folder.path().join("page.html/inside")).expect("a folder in its place");
+        let error = put(&folder.path().join("page.html"), "text").expect_err("a folder is there");
+        assert!(error.to_string().starts_with("cannot write "), "{error}");
+        let left = fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(left, 1, "the folder alone");
+    }
 }

@@ -162,8 +162,8 @@ impl TargetFile {
             file.write_all(self.to_text().as_bytes())?;
             file.sync_all()
         };
-        write().with_context(|| format!("cannot write {}", partial.display()))?;
-        let placed = place(&partial, folder);
+        let written = write().with_context(|| format!("cannot write {}", partial.display()));
+        let placed = written.and_then(|()| place(&partial, folder));
         let _ = fs::remove_file(&partial);
         placed
     }
