@@ -197,4 +197,10 @@ fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
     assert!(refused.contains("gap.txt: samples are missing between 0.1287 s and 0.1313 s"), "{refused}");
     assert!(said("eval gap.txt --from 0.14").ends_with("= 0"));
     assert!(said("replay gap.txt").ends_with("= 1"));
+
+    let head = text.find("\n0,").expect("a sample") + 1;
+    let many: String = (0..250_001).map(|k| format!("{k},8192,1332,1638,0,0,2047\n")).collect();
+    fs::write(folder.path().join("long.txt"), text[..head].to_owned() + &many).expect("written");
+    assert!(said("eval long.txt").contains("long.txt has 250001 samples there"));
+    assert!(said("eval long.txt --from 10 --to 11").ends_with("= 0"));
 }

@@ -46,10 +46,13 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     Ok(())
 }
 
+/// Samples: a page of them has 100 MB.
+const MOST_ON_A_PAGE: usize = 250_000;
+
 /// What lies in a stretch of a transient, without a gap.
 ///
 /// # Errors
-/// When nothing does.
+/// When nothing does, or more than a page holds.
 pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transient> {
     let (from, to) = (stretch.from.unwrap_or(f64::NEG_INFINITY), stretch.to.unwrap_or(f64::INFINITY));
     let part = transient.between(from, to);
@@ -61,6 +64,13 @@ pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transie
             ),
             _ => bail!("{} has no samples", transient.name),
         }
+    }
+    if part.time.len() > MOST_ON_A_PAGE {
+        bail!(
+            "{} has {} samples there, and a page that can be opened {MOST_ON_A_PAGE} at most; choose a stretch by --from and --to",
+            part.name,
+            part.time.len()
+        );
     }
     if let Some([before, after]) = part.gaps.first() {
         bail!(
