@@ -94,7 +94,8 @@ impl Operator {
         }
     }
 
-    /// Whether position and guards depend on the time alone until the next event.
+    /// Whether position and guards depend on the time alone until the next event. Then the integrator's states of the
+    /// spool rest: [`Operator::derivative`] is zero.
     #[must_use]
     pub fn is_foreseen(&self) -> bool {
         match self {

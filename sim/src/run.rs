@@ -99,13 +99,13 @@ pub fn run_watched(
             break;
         }
         progress(seen.index, last);
-        // A row at an instant with an output shows the state after it.
         if let Some(bug) = &mut bug {
             command = bug.output(&seen, command);
         }
         if target.is_none() {
             plant.command(command);
         }
+        // A row at an instant with an output shows the state after it.
         rows.catch_up(&mut plant, &seen, (k + 1) * period)?;
         if k < u64::from(last) {
             plant.next_sample()?;

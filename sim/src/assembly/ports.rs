@@ -11,7 +11,7 @@ use crate::number::Number;
 /// s.
 const MOMENT: f64 = 1e-6;
 
-/// kg/s: a thousand times the tolerance of the network.
+/// kg/s: three times what a flow of a run may be off at most.
 const RESTING_FLOW: f64 = 1e-9;
 
 /// The directions in both ports, valve's side.

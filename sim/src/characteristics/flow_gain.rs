@@ -13,7 +13,8 @@ pub(super) const ABOUT: &str = "flow of a port over the spool, by supply pressur
 /// Pressure at the supply port in Fig. 7.4, Pa.
 pub const FIG_7_4_SUPPLY_PA: f64 = 317e3;
 
-/// As far on either side of the null the gain is taken, in parts of the travel: nearer the clearance bends the curve.
+/// The gain is taken this far to either side of the null, as a part of the travel; nearer, the clearance bends the
+/// curve.
 const ABOUT_NULL: f64 = 0.05;
 
 /// Pressures at port 1 for the second family, Pa.

@@ -1,5 +1,5 @@
 //! The network by nested brackets, which cannot fail: the flow of the supply tube outside, each node
-//! inside it, its port innermost. Slow, and used only where Newton's method has no start or gets lost.
+//! inside it, its port innermost. Slow, and used only where Newton's method gets lost, on the way from air at rest as well.
 //! Only the speeds of approach, which are given to the brackets and found again pass by pass, may not come to rest.
 
 use super::restriction::{Approach, MaybeApproach, Place, factor};
