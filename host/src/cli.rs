@@ -204,6 +204,11 @@ pub struct Virtual {
     pub seed: u64,
 }
 
+/// The value of a parameter.
+pub(crate) fn whole_number(text: &str) -> Result<i32, String> {
+    text.parse().map_err(|_| format!("{text:?} is not a whole number of up to 32 bits"))
+}
+
 /// Where a virtual rig can listen.
 fn door(text: &str) -> Result<String, String> {
     match text.strip_prefix("tcp:") {
@@ -291,8 +296,9 @@ pub enum ConfigAction {
     Set {
         /// Its name; an entry of the gain profile is named like `gain_profile[3]`
         name: String,
-        /// The new value, a whole number
-        value: String,
+        /// The new value
+        #[arg(value_parser = whole_number)]
+        value: i32,
     },
     /// Write all parameters to a file, a line each
     Export {
@@ -395,6 +401,6 @@ fn interval(text: &str) -> Result<f64, String> {
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
 pub struct Replay {
-    /// A TARGET file that was recorded with test.decimation=1
+    /// A TARGET file that was recorded with test.decimation=1, or a run that was streamed with --every 1
     pub file: PathBuf,
 }

@@ -80,8 +80,9 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     fs::write(folder.path().join("cut.txt"), &whole[..whole.find("velocity_gain").expect("a line")])
         .expect("written");
     let said = device("config import cut.txt");
-    assert!(said.contains("cut.txt: not all of the 54 parameters are there"), "{said}");
-    assert!(device("config set gain_profile 1,2,3").contains("gain_profile is a list: name an entry"));
+    assert!(said.contains("cut.txt: its first line tells of 54 parameters, and 6 are there"), "{said}");
+    fs::write(folder.path().join("nothing.txt"), "").expect("written");
+    assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
     assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));
     assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
 }

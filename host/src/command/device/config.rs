@@ -2,13 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{Parameter, TABLE, by_name};
+use pneudrive_sim::Rig;
 
-use crate::cli::ConfigAction;
+use crate::cli::{ConfigAction, whole_number};
 use crate::client::Client;
-use crate::command::{few, load_rig, rig_text, tell_lacking};
+use crate::command::{few, rig_text, tell_lacking};
+use crate::run_folder::put;
 use crate::target::parameter_text;
 
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
@@ -34,14 +36,12 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
         }
         ConfigAction::Set { name, value } => {
             let (parameter, entry) = parameter_of(name)?;
-            let value = whole_number(value)?;
-            client.set_parameters(parameter.id + entry, &[value])?;
+            client.set_parameters(parameter.id + entry, &[*value])?;
             say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
             Ok(())
         }
         ConfigAction::Export { file } => {
-            std::fs::write(file, exported(&read(client)?))
-                .with_context(|| format!("cannot write {}", file.display()))?;
+            put(file, &exported(&read(client)?))?;
             say!("{}: the controller's parameters", file.display());
             Ok(())
         }
@@ -93,14 +93,18 @@ struct Named {
     unnamed: Vec<&'static str>,
 }
 
-/// Name and parameters of a rig or of an exported file.
+/// Name and parameters of a rig or of an exported file. The source is read once: it may be a pipe.
 fn importable(from: &str) -> Result<(String, Named)> {
     let (source, text) = rig_text(from)?;
-    match parse_exported(&text) {
-        Some(named) => Ok((source.clone(), named.with_context(|| source)?)),
-        None => load_rig(from, &[])
-            .map(|rig| (rig.name().to_owned(), Named { parameters: rig.parameters(), unnamed: Vec::new() })),
+    if let Some(named) = parse_exported(&text) {
+        return Ok((source.clone(), named.with_context(|| source)?));
     }
+    // As a rig it would be servo-drive B of the thesis.
+    if !text.lines().any(is_content) {
+        bail!("{source} is empty: it names no parameter, and no key of a rig");
+    }
+    let rig = Rig::read_with(&source, &text, &[])?;
+    Ok((rig.name().to_owned(), Named { parameters: rig.parameters(), unnamed: Vec::new() }))
 }
 
 /// The parameters in an exported file; None for another kind of file: its first line names none.
@@ -113,8 +117,11 @@ fn parse_exported(text: &str) -> Option<Result<Named>> {
     };
     Some(parse_lines(&lines).and_then(|named| {
         let found = TABLE.len() - named.unnamed.len();
-        if found < told || !text.ends_with('\n') {
-            bail!("not all of the {told} parameters are there that its first line tells of: the file has been cut, export it again");
+        if found < told {
+            bail!("its first line tells of {told} parameters, and {found} are there: the file has been cut, export it again");
+        }
+        if !text.ends_with('\n') {
+            bail!("its last line has no end: the file may have been cut there; export it again, or end the line");
         }
         Ok(named)
     }))
@@ -147,7 +154,11 @@ fn is_content(line: &str) -> bool {
 fn take_line(parameters: &mut Parameters, line: &str) -> Result<&'static str> {
     let (name, text) = line.split_once('=').ok_or_else(|| anyhow!("{line:?} is not name = value"))?;
     let parameter = by_name(name.trim()).ok_or_else(|| anyhow!("there is no parameter {}", name.trim()))?;
-    let values: Vec<i32> = text.split(',').map(|value| whole_number(value.trim())).collect::<Result<_>>()?;
+    let values: Vec<i32> = text
+        .split(',')
+        .map(|value| whole_number(value.trim()))
+        .collect::<Result<_, _>>()
+        .map_err(Error::msg)?;
     let last = values.last().copied().unwrap_or(0);
     if values.len() > usize::from(parameter.len) {
         bail!("{} has {} entries, not {}", parameter.name, parameter.len, values.len());
@@ -159,10 +170,6 @@ fn take_line(parameters: &mut Parameters, line: &str) -> Result<&'static str> {
         })?;
     }
     Ok(parameter.name)
-}
-
-fn whole_number(text: &str) -> Result<i32> {
-    text.parse().map_err(|_| anyhow!("{text:?} is not a whole number of up to 32 bits"))
 }
 
 /// A parameter and the entry meant, from `name` or `name[entry]`.
@@ -208,13 +215,13 @@ mod tests {
     #[test]
     fn a_file_that_was_cut_is_refused_wherever_that_was() {
         let text = exported(&Parameters::default());
-        for end in text.find(" parameters").expect("a count") + 1..text.len() {
-            let error = parse_exported(&text[..end]).expect("exported").expect_err("cut");
-            let inside_a_line = format!("{error:#}").starts_with("line ");
-            assert!(
-                inside_a_line || error.to_string().contains("of the 54 parameters are there"),
-                "{error:#}"
-            );
+        let folder = tempfile::tempdir().expect("a folder");
+        let cut = folder.path().join("cut.txt");
+        for end in 0..text.len() {
+            std::fs::write(&cut, &text[..end]).expect("written");
+            let error = format!("{:#}", importable(&cut.display().to_string()).expect_err("cut"));
+            let reasons = ["is empty", "54 parameters, and ", "its last line has no end", "line "];
+            assert!(reasons.iter().any(|reason| error.contains(reason)), "{end}: {error}");
         }
     }
 
