@@ -122,7 +122,7 @@ pub struct Replay {
 pub enum ReplayError {
     /// Samples are missing.
     #[error(
-        "its decimation is {0}: the controller ran on samples that are not in the file; record the run again with test.decimation=1"
+        "its decimation is {0}: the controller ran on samples that are not in the file; record the run again with test.decimation=1, or stream it with --every 1"
     )]
     Decimation(String),
     /// A line of the header is not there or not readable.
@@ -174,7 +174,7 @@ pub enum ReplayError {
     NoSetpoint(i32),
     /// The setpoint changes more often than a test has moves.
     #[error(
-        "the setpoint changes at sample {0} for the 65th time, and a test has 64 moves at most; the file is not one run"
+        "the setpoint changes at sample {0} for the 65th time, and a test has 64 moves at most; moves that come again (test.repeat_every_s) are not known in a file, so cut it to fewer"
     )]
     TooManyMoves(i32),
     /// The controller would not have run this.

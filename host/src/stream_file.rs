@@ -3,13 +3,13 @@
 //! Text, LF, as a TARGET file: lines `# key = value`, the header, a line of integers a sample. What has come is
 //! in the file at once, so a program that is killed leaves all of it. Where samples are missing, a line
 //! `# gap = 3 samples before index 120` stands; at the end the file says how many there are and how many
-//! are missing. It is read where a TARGET file is ([`crate::target::TargetFile`]).
+//! are missing. [`crate::target::TargetFile`] reads it.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use pneudrive_protocol::{RecordedSample, StreamedSample};
 
 use crate::client::{Info, RigParameters};
@@ -130,7 +130,7 @@ pub(crate) fn samples<'a>(
                 bail!("line {}: {stated} samples should be before it, and {} are", number + 1, samples.len());
             }
         } else if !line.starts_with("# ") {
-            let sample = sample_of(number, line)?;
+            let sample = sample_of(number, line).map_err(|error| too_late(line).unwrap_or(error))?;
             if let Some((before, _)) = samples.last().filter(|(before, _)| *before >= sample.0) {
                 bail!("line {}: sample {} comes after sample {before}", number + 1, sample.0);
             }
@@ -143,6 +143,14 @@ pub(crate) fn samples<'a>(
         }
     }
     Ok(samples)
+}
+
+/// What is wrong with a sample whose index is beyond what a reader counts to: 32 days at 1.3 ms.
+fn too_late(line: &str) -> Option<Error> {
+    let index: u32 = line.split(',').next()?.parse().ok()?;
+    let most = i32::MAX;
+    (index > most as u32)
+        .then(|| anyhow!("sample {index} is beyond the last that is read, {most}; cut the file there"))
 }
 
 #[cfg(test)]
@@ -171,6 +179,7 @@ mod tests {
             ("# samples = 4\n", "line 5: 4 samples should be before it, and 3 are"),
             ("6,1,2,3,4,5,6\n", "line 5: sample 6 comes after sample 6"),
             ("8,1,2\n", "line 5: expected seven whole numbers"),
+            ("2147483648,1,2,3,4,5,6\n", "sample 2147483648 is beyond the last that is read, 2147483647"),
         ] {
             let error = read(&format!("{LINES}{end}")).expect_err("refused").to_string();
             assert!(error.starts_with(expected), "{error}");

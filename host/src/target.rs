@@ -125,8 +125,13 @@ impl TargetFile {
     /// # Errors
     /// When the header does not have it.
     pub fn period_us(&self) -> Result<f64> {
-        let streamed = self.get("format") == Some(stream_file::FORMAT);
-        self.positive(if streamed { "sample_period_us" } else { "measured_period_us" })
+        self.positive(if self.is_streamed() { "sample_period_us" } else { "measured_period_us" })
+    }
+
+    /// Whether it was streamed, and not downloaded.
+    #[must_use]
+    pub fn is_streamed(&self) -> bool {
+        self.get("format") == Some(stream_file::FORMAT)
     }
 
     fn check_crc(&self) -> Result<()> {

@@ -58,7 +58,7 @@ impl Transient {
     /// A TARGET file, a streamed run or a run folder, by what it is.
     ///
     /// # Errors
-    /// When it is neither, or damaged.
+    /// When it is none of them, or damaged.
     pub fn read(path: &Path) -> Result<Transient> {
         if path.file_name().is_some_and(|name| name == "trace.csv" || name == "run.json") {
             bail!("{} is a part of a run; give its folder", path.display());
@@ -71,7 +71,8 @@ impl Transient {
         }
     }
 
-    /// A recorded transient by the scales in its header, on the time base that the board measured.
+    /// A recorded or streamed transient by the scales in its header, on the time base that the board measured; of a
+    /// stream on the one asked for.
     ///
     /// # Errors
     /// When a scale is missing.
@@ -177,6 +178,11 @@ impl Transient {
                 .filter(|[before, after]| *before >= from && *after <= to)
                 .collect(),
         }
+    }
+
+    /// Moves it in time, s.
+    pub fn shift(&mut self, by: f64) {
+        self.time.iter_mut().chain(self.gaps.as_flattened_mut()).for_each(|time| *time += by);
     }
 
     /// A channel at `time`, on the straight line between its neighbours; None outside the transient.

@@ -271,7 +271,7 @@ fn a_record_is_replayed_and_the_sample_where_it_parts_is_shown() {
     assert_eq!(
         transcript(folder.path(), "replay thin.dat"),
         "! error: thin.dat: its decimation is 2: the controller ran on samples that are not in the file; record \
-         the run again with test.decimation=1\n= 1"
+         the run again with test.decimation=1, or stream it with --every 1\n= 1"
     );
     let newer = text.replace("# crc32", "# param.jerk_limit = 4\n# crc32");
     fs::write(folder.path().join("newer.dat"), newer).expect("written");

@@ -174,7 +174,9 @@ fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
     let port = rig.port();
     let run = format!("run servo-b-tuned --config --set test.duration_s=0.4 --port {port} --stream run.txt");
     assert!(said(&run).contains("run.txt: 308 samples, none missing"));
-    assert!(said("replay run.txt").contains("308 samples"), "{}", said("replay run.txt"));
+    let replayed = said("replay run.txt");
+    assert!(replayed.starts_with("run.txt: 308 samples, every command as recorded\n"), "{replayed}");
+    assert!(replayed.ends_with("= 0"), "{replayed}");
     ok(folder.path(), &format!("record --port {port}"));
     let [streamed, recorded] = ["run.txt", "TARGET01.DAT"].map(|file| {
         ok(folder.path(), &format!("eval {file} --csv {file}.csv"));
@@ -196,6 +198,8 @@ fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
     let refused = said("eval gap.txt");
     assert!(refused.contains("gap.txt: samples are missing between 0.1287 s and 0.1313 s"), "{refused}");
     assert!(said("eval gap.txt --from 0.14").ends_with("= 0"));
+    assert!(said("overlay TARGET01.DAT gap.txt").contains("gap.txt: samples are missing between"));
+    assert!(said("overlay TARGET01.DAT gap.txt --from 0.14").ends_with("= 0"));
     assert!(said("replay gap.txt").ends_with("= 1"));
 
     let head = text.find("\n0,").expect("a sample") + 1;

@@ -147,7 +147,7 @@ pub struct Identify {
     /// The rig file to start from.
     #[command(flatten)]
     pub rig: RigChoice,
-    /// TARGET files that were recorded with test.decimation=1
+    /// TARGET files that were recorded with test.decimation=1, or runs that were streamed with --every 1
     #[arg(required_unless_present_any = ["plan", "tubing"], conflicts_with_all = ["plan", "tubing"], value_name = "TARGET")]
     pub targets: Vec<PathBuf>,
     /// Only the regression line of a pressure drop: a CSV table with flow_g_s (or flow_kg_s) and ratio, the pressure at

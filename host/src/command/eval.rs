@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::{Error, Result, anyhow, bail};
 
 use super::load_rig;
 use crate::cli::{Eval, Stretch};
@@ -65,6 +65,15 @@ pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transie
             _ => bail!("{} has no samples", transient.name),
         }
     }
+    goes_on_a_page(&part)?;
+    match part.gaps.first() {
+        Some(gap) => Err(missing(&part, gap)),
+        None => Ok(part),
+    }
+}
+
+/// Whether a page of it could be opened.
+pub(super) fn goes_on_a_page(part: &Transient) -> Result<()> {
     if part.time.len() > MOST_ON_A_PAGE {
         bail!(
             "{} has {} samples there, and a page that can be opened {MOST_ON_A_PAGE} at most; choose a stretch by --from and --to",
@@ -72,13 +81,15 @@ pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transie
             part.time.len()
         );
     }
-    if let Some([before, after]) = part.gaps.first() {
-        bail!(
-            "{}: samples are missing between {before:.4} s and {after:.4} s; choose a stretch without a gap by --from and --to",
-            part.name
-        );
-    }
-    Ok(part)
+    Ok(())
+}
+
+/// What is wrong with a gap.
+pub(super) fn missing(transient: &Transient, [before, after]: &[f64; 2]) -> Error {
+    anyhow!(
+        "{}: samples are missing between {before:.4} s and {after:.4} s; choose a stretch without a gap by --from and --to",
+        transient.name
+    )
 }
 
 fn notes(transient: &Transient, chambers: bool) -> Vec<String> {

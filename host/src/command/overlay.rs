@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 
-use super::eval::stretch;
+use super::eval::{goes_on_a_page, missing, stretch};
 use crate::alignment::{best_shift, first_move};
 use crate::cli::{Align, Overlay};
 use crate::deviation::{deviations, table};
@@ -19,9 +19,11 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
         let mut other = Transient::read(path)?;
         let shift = shift(arguments.align, &transients[0], &other)?;
         if shift != 0.0 {
-            other.time.iter_mut().for_each(|time| *time += shift);
+            other.shift(shift);
             notes.push(format!("{} is shifted by {:.3} ms.", other.name, 1e3 * shift));
         }
+        goes_on_a_page(&other)?;
+        is_whole_during(&other, &transients[0])?;
         transients.push(other);
     }
     for note in &notes {
@@ -32,6 +34,15 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     report::page(&title, notes, &transients, tables).write(&arguments.out)?;
     say!("{}", arguments.out.display());
     Ok(())
+}
+
+/// Whether no sample is missing of `other` as long as the reference lasts: across a gap there is nothing to compare.
+fn is_whole_during(other: &Transient, reference: &Transient) -> Result<()> {
+    let [from, to] = [reference.time.first(), reference.time.last()].map(|time| time.copied().unwrap_or(0.0));
+    match other.gaps.iter().find(|[before, after]| *after > from && *before < to) {
+        Some(gap) => Err(missing(other, gap)),
+        None => Ok(()),
+    }
 }
 
 /// How far `other` has to be shifted, s.

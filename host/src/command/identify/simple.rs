@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use pneudrive_sim::Rig;
 
 use crate::identification::figures::Figure;
@@ -27,6 +27,9 @@ pub(super) fn timer(paths: &[PathBuf]) -> Result<()> {
     let mut rows = Vec::new();
     for path in paths {
         let file = TargetFile::read(path)?;
+        if file.is_streamed() {
+            bail!("{}: a stream does not tell the period that was measured; take a record", path.display());
+        }
         let period = |key: &str| file.positive(key).with_context(|| path.display().to_string());
         let (asked, measured) = (period("sample_period_us")?, period("measured_period_us")?);
         let off = 1e6 * (measured / asked - 1.0);
