@@ -111,7 +111,6 @@ mod tests {
         assert!(full / half < 1.1, "saturation: {half} {full}");
     }
 
-    /// Between alike lands and with half of the pressure behind the port, the flow is odd about the null.
     #[test]
     fn the_figures_are_those_of_the_curves() {
         let found = measure(&rig(&[])).expect("a valve");
