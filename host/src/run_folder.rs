@@ -81,14 +81,18 @@ pub fn put(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
     put_pieces(path, &[content.as_ref()])
 }
 
-/// The same of a file that is made of several pieces.
+/// The same of a file that is made of several pieces. A device or a pipe is written to, not replaced.
 ///
 /// # Errors
 /// When it cannot be written.
 pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
+    let write = |mut file: File| pieces.iter().try_for_each(|piece| file.write_all(piece));
+    if fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        let written = File::options().write(true).open(path).and_then(write);
+        return written.with_context(|| format!("cannot write {}", path.display()));
+    }
     let partial = PathBuf::from(format!("{}.partial", path.display()));
-    let written =
-        File::create(&partial).and_then(|mut file| pieces.iter().try_for_each(|piece| file.write_all(piece)));
+    let written = File::create(&partial).and_then(write);
     let placed = written.and_then(|()| fs::rename(&partial, path));
     if placed.is_err() {
         let _ = fs::remove_file(&partial);
@@ -273,6 +277,22 @@ fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_written_to_and_not_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+        assert!(made.success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read_to_string(pipe)
+        });
+        put(&pipe, "text").expect("written");
+        assert_eq!(reader.join().expect("a reader").expect("text"), "text");
+        assert!(!fs::metadata(&pipe).expect("there").is_file());
+    }
 
     #[test]
     fn a_file_that_cannot_be_placed_leaves_nothing_behind() {
