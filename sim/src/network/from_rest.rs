@@ -69,12 +69,8 @@ mod tests {
     /// Whether the directions of the ports are those of the flows: else a node may have no inflow, and any
     /// temperature.
     fn fits(network: &Network, around: &Surroundings) -> bool {
-        let goes = |i: usize| match around.port(i) {
-            PortFlow::Charging => 0.0,
-            PortFlow::Discharging => -0.0_f64,
-        };
         let each = network.nodes.each();
-        (0..2).all(|i| each[i].port_flow().is_sign_negative() == goes(i).is_sign_negative())
+        (0..2).all(|i| (each[i].port_flow() >= 0.0) == (around.port(i) == PortFlow::Charging))
     }
 
     /// Narrow and wide lands, tubes that let next to nothing pass and such that let all: where the solution can be
