@@ -118,11 +118,6 @@ fn describe(rig: &Rig, accuracy: Accuracy, run: &Run) -> serde_json::Value {
         "tolerance": accuracy.tolerance,
         "samples": run.observations.len(),
         "rows": run.rows.len(),
-        "table": rig.table_quality().map(|table| json!({
-            "largest_error": table.error,
-            "left_out": table.left_out,
-            "solutions": work.network.tabulated,
-        })),
         "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
         "work": {
             "steps": work.integrator.steps,

@@ -73,24 +73,12 @@ fn case(name: &str) -> Rig {
     Rig::read(name, &text).expect("a valid case")
 }
 
-/// The same with its flows from a table.
-fn tabulated(name: &str) -> Rig {
-    let path = format!("{}/tests/cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(path).expect("a case in the repository");
-    Rig::read_with(name, &text, &["valve.table=true".to_owned()]).expect("a valid case")
-}
-
 fn runs(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("run");
     group.sample_size(10);
     let built_in = BUILTIN.iter().map(|(name, _)| (*name, Rig::builtin(name).expect("a built-in rig")));
     let cases = CASES.map(|name| (name, case(name)));
-    let with_tables = [
-        ("A_open_quarter with a table", tabulated("A_open_quarter")),
-        ("B_open_dither with a table", tabulated("B_open_dither")),
-        ("B_closed_damped with a table", tabulated("B_closed_damped")),
-    ];
-    for (name, rig) in built_in.chain(cases).chain(with_tables) {
+    for (name, rig) in built_in.chain(cases) {
         group.bench_function(name, |bencher| {
             bencher.iter(|| run(&rig, Accuracy::of(&rig)).expect("a transient"));
         });
@@ -98,12 +86,5 @@ fn runs(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The table of the flows is built when a rig is read.
-fn table(criterion: &mut Criterion) {
-    criterion.bench_function("flow table", |bencher| {
-        bencher.iter(|| black_box(tabulated("B_closed_damped")));
-    });
-}
-
-criterion_group!(benches, flow_nodes, right_hand_side, table, runs);
+criterion_group!(benches, flow_nodes, right_hand_side, runs);
 criterion_main!(benches);

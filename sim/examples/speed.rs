@@ -63,12 +63,6 @@ fn main() {
     for (case, tolerance) in LOOSEST {
         runs.push(Timed::new(case, &[], None));
         runs.push(Timed::new(case, &[], Some(tolerance)));
-        // Tubes that lag are not in a table.
-        if case != "A_open_taulag" {
-            let table = Timed::new(case, &["valve.table=true"], None);
-            runs.push(Timed::new(case, &[], Some(table.accuracy.tolerance)));
-            runs.push(table);
-        }
     }
     for _ in 0..ROUNDS {
         runs.iter_mut().for_each(Timed::take);

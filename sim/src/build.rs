@@ -38,7 +38,7 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         load: load(rig),
         operator: operator(rig),
         supply_pressure: rig.number("supply.pressure_pa"),
-        network: network(rig, gas).with_table(rig.flow_table()),
+        network: network(rig, gas),
         flow_force: flow_force(rig),
         lag: lag(rig, &gas),
         continuous: continuous(rig),

@@ -33,11 +33,6 @@ mod newton;
 mod nodes;
 mod rest;
 mod restriction;
-pub(crate) mod table;
-
-pub use table::Quality as TableQuality;
-
-use std::sync::Arc;
 
 use crate::air::Station;
 use crate::flow_law::FlowLaw;
@@ -47,7 +42,6 @@ use crate::tubing::Tube;
 use crate::valve::{Conductances, Valve};
 use course::Course;
 pub(crate) use nodes::{Nodes, Surroundings};
-use table::Table;
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,10 +119,6 @@ pub struct Network {
     /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
     far: bool,
     course: Course,
-    /// The flows tabulated, if they are, with the last of them and where they are going.
-    table: Option<Arc<Table>>,
-    tabulated: Nodes,
-    table_course: Course,
     /// Allowed error of a flow, kg/s.
     flow_error: f64,
     /// Whether flows are solved to rounding instead.
@@ -151,8 +141,6 @@ pub struct NetworkWork {
     pub bracketed: u64,
     /// Passes of these over the speeds of approach.
     pub passes: u64,
-    /// Solutions from the table.
-    pub tabulated: u64,
 }
 
 /// Allowed error of a flow, kg/s, unless told otherwise.
@@ -200,9 +188,6 @@ impl Network {
             started: false,
             far: true,
             course: Course::UNKNOWN,
-            table: None,
-            tabulated: Nodes::alike(node),
-            table_course: Course::UNKNOWN,
             flow_error: FLOW_ERROR,
             sharp: false,
             failures: 0,
@@ -223,11 +208,6 @@ impl Network {
         Network { flow_error, ..self }
     }
 
-    /// The same with the flows of a valve from a table.
-    pub(crate) fn with_table(self, table: Option<Arc<Table>>) -> Network {
-        Network { table, ..self }
-    }
-
     /// Has flows solved to rounding from now on, or no more; tells whether that is new.
     pub fn sharpen(&mut self, sharp: bool) -> bool {
         std::mem::replace(&mut self.sharp, sharp) != sharp
@@ -236,7 +216,6 @@ impl Network {
     /// The flows jump: what they were says nothing of the next ones.
     pub fn jump(&mut self) {
         self.course = Course::UNKNOWN;
-        self.table_course = Course::UNKNOWN;
         self.expect_jump();
     }
 
@@ -310,16 +289,6 @@ impl Network {
         if !around.are_in_order() {
             return Nodes::NOT_NUMBERS;
         }
-        if let Some(table) = self.table.take() {
-            let found = self.by_table(&table, around);
-            self.table = Some(table);
-            if let Some(found) = found {
-                self.work.tabulated += 1;
-                return found;
-            }
-            // The last solution was the table's, not this one's.
-            self.far = true;
-        }
         // Of air that is at rest in front of each restriction there is one solution, wherever it is begun from.
         let has_start = self.started || self.mach == 0.0;
         if !(has_start && self.by_newton(around)) {
@@ -336,10 +305,6 @@ impl Network {
         self.found += 1;
         if self.found >= CALM {
             self.failures = 0;
-        }
-        if self.table.is_some() {
-            self.tabulated = self.nodes;
-            self.table_course.note(&self.tabulated);
         }
         let carried = match around.valve.port {
             Some(_) => self.nodes.temperature,

@@ -35,11 +35,10 @@ impl Default for Accuracy {
 
 impl Accuracy {
     /// What the drive of a rig needs for that. A spool that a stepper places does not shake, and no position
-    /// depends on the last nanometres of its motion. Flows from a table are off by more than any of it.
+    /// depends on the last nanometres of its motion.
     #[must_use]
     pub fn of(rig: &Rig) -> Accuracy {
         match rig.word("operator.model") {
-            _ if rig.switch("valve.table") => Accuracy { tolerance: 1e-5, ..Accuracy::default() },
             "stepper" => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
             _ => Accuracy::default(),
         }

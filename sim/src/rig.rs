@@ -14,7 +14,6 @@ mod problem;
 mod read;
 mod schedule;
 mod spread;
-mod tabulated;
 
 pub use builtin::{BUILTIN, builtin};
 pub use events::Fields;
@@ -24,7 +23,6 @@ pub use read::{nearest, value_of_setting};
 pub use spread::{SpreadError, unit_interval};
 
 use keys::{Default, KEYS, Key, Kind};
-use tabulated::Tabulated;
 
 /// The value of a key.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,14 +52,13 @@ pub struct Rig {
     values: Vec<Option<Value>>,
     /// Which keys the file or the command line has set.
     set: Vec<bool>,
-    table: Option<Tabulated>,
 }
 
 impl Rig {
     /// The empty file: servo-drive B as the thesis's Appendix VII has it.
     fn defaults() -> Rig {
         let values = KEYS.iter().map(|key| default_value(&key.default)).collect();
-        Rig { values, set: vec![false; KEYS.len()], table: None }
+        Rig { values, set: vec![false; KEYS.len()] }
     }
 
     fn index(path: &str) -> usize {

@@ -85,15 +85,6 @@ impl Tube {
         matches!(self.0, Model::None)
     }
 
-    /// A tube whose drop at twice the flow is that of this one; None for kinds that have none.
-    pub(crate) fn halved(&self) -> Option<Tube> {
-        match self.0 {
-            Model::None => Some(*self),
-            Model::Empirical { decay } => Some(Tube(Model::Empirical { decay: 0.5 * decay })),
-            Model::Analytical(_) | Model::Connector(_) => None,
-        }
-    }
-
     /// The regression line of the thesis: the pressure falls by the fraction `drop_slope` (below 1)
     /// at `reference_flow_kg_s`.
     #[must_use]

@@ -56,15 +56,6 @@ pub(crate) struct Conductances<N = f64> {
 }
 
 impl Conductances<Pair> {
-    /// The same around both nodes.
-    pub fn alike(one: &Conductances) -> Conductances<Pair> {
-        Conductances {
-            supply: Pair::splat(one.supply),
-            exhaust: Pair::splat(one.exhaust),
-            port: one.port.map(Pair::splat),
-        }
-    }
-
     /// Those of node `i`.
     pub fn lane(&self, i: usize) -> Conductances {
         Conductances {

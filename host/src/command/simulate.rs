@@ -54,17 +54,8 @@ pub(super) fn summary(rig: &Rig, run: &Run) -> String {
             words::fault_meaning(fault.code())
         )
     });
-    let table = rig.table_quality().map_or(String::new(), |table| {
-        format!(
-            "; {} of {} flows from a table with an error of 0.1 % at most ({:.3} % in its {} measured cells)",
-            run.work.network.tabulated,
-            run.work.network.solutions,
-            100.0 * table.error,
-            table.cells
-        )
-    });
     format!(
-        "{}: {} samples of {} us, {} steps of the integrator{table}{fault}",
+        "{}: {} samples of {} us, {} steps of the integrator{fault}",
         rig.name(),
         run.observations.len(),
         rig.period_us(),

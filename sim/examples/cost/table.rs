@@ -11,24 +11,14 @@ const CASES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cases");
 const BEGIN: &str = "|---|---|---|---|---|---|---|---|\n";
 const END: &str = "<!-- end -->";
 
-/// At the end of a name: the same with the flows of its nodes from a table.
-const TABLE: &str = "+table";
-
-/// Cases that are run with a table as well.
-const TABULATED: [&str; 4] = ["A_closed", "B_closed_damped", "B_open_dither", "C_open"];
-
 /// A built-in rig, or a reference case.
 pub fn rig(name: &str) -> Result<Rig, String> {
-    let (case, settings) = match name.strip_suffix(TABLE) {
-        Some(case) => (case, vec!["valve.table=true".to_owned()]),
-        None => (name, Vec::new()),
-    };
-    let text = match builtin(case) {
+    let text = match builtin(name) {
         Some(text) => text.to_owned(),
-        None => std::fs::read_to_string(format!("{CASES}/{case}.toml"))
-            .map_err(|_| format!("{case} is neither a built-in rig nor a reference case"))?,
+        None => std::fs::read_to_string(format!("{CASES}/{name}.toml"))
+            .map_err(|_| format!("{name} is neither a built-in rig nor a reference case"))?,
     };
-    Rig::read_with(name, &text, &settings).map_err(|problems| problems.to_string())
+    Rig::read(name, &text).map_err(|problems| problems.to_string())
 }
 
 /// The row of a rig.
@@ -51,7 +41,6 @@ pub fn rows() -> Result<String, String> {
         files.filter_map(|file| Some(file.strip_suffix(".toml")?.to_owned())).collect();
     cases.sort();
     names.extend(cases);
-    names.extend(TABULATED.map(|case| format!("{case}{TABLE}")));
     names.iter().map(|name| rig(name).map(|rig| row(name, &rig))).collect()
 }
 

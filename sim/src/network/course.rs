@@ -72,7 +72,6 @@ impl Network {
     #[inline]
     pub(crate) fn solve_at(&mut self, t: f64, around: &Surroundings) -> Nodes {
         self.course.now = t;
-        self.table_course.now = t;
         self.solve_among(around)
     }
 }

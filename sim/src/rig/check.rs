@@ -31,6 +31,7 @@ impl Reader<'_> {
         self.check_start(rig);
         self.check_faults(rig);
         self.check_flow(rig);
+        self.check_table(rig);
         self.check_dead_volumes(rig);
         self.check_controller(rig);
     }
@@ -69,6 +70,14 @@ impl Reader<'_> {
                 );
                 self.problem_at_key(key, message);
             }
+        }
+    }
+
+    /// Earlier versions could read the flows of the nodes from a table.
+    fn check_table(&mut self, rig: &Rig) {
+        if rig.switch("valve.table") {
+            let message = "flows are no longer read from a table, which was slower than solving them: leave the key out";
+            self.problem_at_key("valve.table", message.to_owned());
         }
     }
 

@@ -324,7 +324,7 @@ pub static KEYS: &[Key] = &[
     choice("valve.discharge_model", &[("constant", true), ("perry", true)], "L(17)", "How the coefficient of discharge depends on the pressure ratio."),
     number("valve.land_length_m", 0.01, 0.0, 1.0, "C(70)", "Length of the lands, for flow forces."),
     switch("valve.upstream_mach", true, "C(54)", "Whether the approach velocity at the ports counts; false sets every upstream Mach number to zero."),
-    switch("valve.table", false, "", "Whether the flows of the nodes come from a table that is built from them beforehand; its error is measured, and where it is more than 0.05 % they do not."),
+    switch("valve.table", false, "", "Of former versions: flows from a table. Only false is accepted."),
     number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null."),
     key("valve.sonic_conductance_m3_per_s_pa", Kind::Number { min: 1e-12, max: 1e-6 }, Default::Absent("the data sheet's; needed by iso-6358"), "", "Sonic conductance at full opening.").of(&["iso-6358"]),
     key("valve.critical_ratio", Kind::Number { min: 0.0, max: 0.9 }, Default::Absent("the data sheet's; needed by iso-6358"), "", "Critical pressure ratio.").of(&["iso-6358"]),

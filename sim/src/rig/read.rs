@@ -41,9 +41,6 @@ impl Rig {
         if reader.problems.is_empty() {
             reader.check(&rig);
         }
-        if reader.problems.is_empty() {
-            reader.tabulate(&mut rig);
-        }
         if reader.problems.is_empty() { Ok(rig) } else { Err(Problems(reader.problems)) }
     }
 }
@@ -66,12 +63,9 @@ impl Rig {
     }
 
     /// The rig, if all that must hold between its keys does; `source` is for messages.
-    pub(super) fn checked(mut self, source: &str) -> Result<Rig, Problems> {
+    pub(super) fn checked(self, source: &str) -> Result<Rig, Problems> {
         let mut reader = Reader { source, text: "", lines: vec![None; KEYS.len()], problems: Vec::new() };
         reader.check(&self);
-        if reader.problems.is_empty() {
-            reader.tabulate(&mut self);
-        }
         if reader.problems.is_empty() { Ok(self) } else { Err(Problems(reader.problems)) }
     }
 }

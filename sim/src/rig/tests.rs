@@ -156,32 +156,7 @@ fn what_does_not_go_together_is_refused_at_its_key() {
         ("[controller]\ngain_profile = []\n", "must have 1 to 256 entries, has 0"),
         ("[controller]\nvelocity_gain = 1.5\n", "must be a whole number, not a float"),
         ("[[load]]\nmass_kg = 1\n", "write [load], not [[load]]"),
-        ("[valve]\ntable = true\n", "valve.upstream_mach: valve.table = true: a table has air at rest"),
-        (
-            "[valve]\ntable = true\nmodel = \"single-restriction\"\n",
-            "write \"flow-node\", or valve.table = false",
-        ),
-        (
-            "[valve]\ntable = true\nupstream_mach = false\nflow_force = \"analytical\"\n",
-            "a table does not know the pressures in the nodes",
-        ),
-        (
-            "[valve]\ntable = true\nupstream_mach = false\nspool_diameter_mm = 10\n",
-            "a table needs a clearance",
-        ),
-        (
-            "[valve]\ntable = true\nupstream_mach = false\nunderlap_mm = 1.0\n",
-            "a table needs the edges of the lands within the spool's travel",
-        ),
-        ("[valve]\ntable = true\nupstream_mach = false\n[tubing]\nlag_s = 0.01\n", "write lag_s = 0"),
-        (
-            "[valve]\ntable = true\nupstream_mach = false\n[tubing]\nmodel = \"analytical\"\n",
-            "a table has empirical tubes or none",
-        ),
-        (
-            "[valve]\ntable = true\nupstream_mach = false\n[[faults.event]]\nkind = \"supply-dip\"\nat_s = 1.0\n",
-            "leave the supply-dip out",
-        ),
+        ("[valve]\ntable = true\n", "valve.table: flows are no longer read from a table"),
     ] {
         let message = only_problem(text);
         assert!(message.contains(expected), "{text:?}: {message}");
@@ -346,14 +321,4 @@ fn without_a_spread_nothing_is_drawn() {
     for (key, value) in nominal.entries().filter(|(key, _)| key.path != "sensors.noise_counts") {
         assert_eq!(same.value(key.path), Some(value), "{}", key.path);
     }
-}
-
-#[test]
-fn a_rig_keeps_its_table_of_flows_as_long_as_it_is_that_of_its_valve() {
-    let rig = read("[valve]\ntable = true\nupstream_mach = false\n");
-    let table = |rig: &Rig| rig.flow_table().expect("a table");
-    let heavier = rig.with_numbers(&[("load.mass_kg", 2.0)]).expect("a valid rig");
-    assert!(std::sync::Arc::ptr_eq(&table(&rig), &table(&heavier)));
-    let colder = rig.with_numbers(&[("supply.temperature_k", 280.0)]).expect("a valid rig");
-    assert!(!std::sync::Arc::ptr_eq(&table(&rig), &table(&colder)));
 }
