@@ -19,7 +19,7 @@ mod ports;
 pub(crate) use lag::Lag;
 
 use crate::actuator::Actuator;
-use crate::air::Air;
+use crate::air::{Air, Station};
 use crate::continuous::ContinuousLaw;
 use crate::faults::Schedule;
 use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
@@ -182,7 +182,7 @@ impl Assembly {
         }
         let nodes = self.nodes(t, x);
         let ends = self.ends_at_valve(x, &self.air(x));
-        let behind = self.parts.network.exner_behind_ports(&nodes, &ends);
+        let behind = self.parts.network.exner_behind_ports(&nodes, &ends, &self.ports.directions);
         let each = nodes.each();
         let spool = self.spool(t, x);
         let pressure = |exner| self.parts.gas.pressure(exner);
@@ -280,7 +280,9 @@ impl Assembly {
         slope[slot::POSITION] = x[slot::VELOCITY];
         slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
         if let Some(lag) = &self.parts.lag {
-            let rates = lag.derivative(gas, x, nodes.supply.reduce_add(), &air.station(), flows);
+            let in_tubes = Station { temperature: carried, ..air.station() };
+            let returning = self.parts.network.returning_temperature(&nodes);
+            let rates = lag.derivative(gas, x, (nodes.supply.reduce_add(), returning), (&in_tubes, flows));
             for (place, rate) in slot::RATIO.into_iter().zip(rates) {
                 slope[place] = rate;
             }

@@ -15,7 +15,7 @@ use crate::gas::Gas;
 use crate::iso6358::Iso6358;
 use crate::leakage::Leakage;
 use crate::load::Load;
-use crate::network::{Laws, Network};
+use crate::network::{Laws, Network, Vessels};
 use crate::operator::Operator;
 use crate::operator::empirical::{Empirical, EmpiricalParameters};
 use crate::operator::on_off::OnOff;
@@ -53,28 +53,39 @@ pub(crate) fn equilibrium_pressure_1(rig: &Rig) -> f64 {
     actuator(rig).balancing_pressure_1(rig.number("test.pressure_2_pa"), -standing)
 }
 
+/// Whether the speed of the air in front of a restriction counts: where there are flow nodes. Lands alone have the
+/// conventional flows of 6.39 to 6.46, without Mach numbers.
+pub(crate) fn speed_counts(rig: &Rig) -> bool {
+    rig.switch("valve.upstream_mach") && valve(rig).has_node
+}
+
 /// Whether the speed in the ports gives more pressure back behind a wide land than the tube from the
 /// supply loses on the way: then the flow has no steady value near the supply's pressure.
 ///
 /// A land of area A gives back 1 - (A_p / (C_d A))^2 of the dynamic pressure R T m^2 / (2 A_p^2 P). Told
 /// by the slopes over the flow where the lands' clearance alone is fed. A supply without a tube is at
-/// rest, and so is what a lagged tube has brought.
+/// rest.
 pub(crate) fn speed_outweighs_supply_tube(rig: &Rig) -> bool {
-    let (gas, valve) = (gas(rig), valve(rig));
-    let (tube, supply) = (tubes(rig, &gas).0, station(rig, &gas, "supply"));
-    let passes = |area: f64| valve.discharge_supply * area;
-    let wide = passes(valve.edge_area(valve.travel - valve.lap)) / valve.port_area();
-    let passes_at_once = tube.is_none() || lag(rig, &gas).is_some();
-    if !rig.switch("valve.upstream_mach") || passes_at_once || wide <= 1.0 {
-        return false;
+    let valve = valve(rig);
+    let width = valve.discharge_supply * valve.edge_area(valve.travel - valve.lap) / valve.port_area();
+    width > 1.0 && (1.0 - 1.0 / (width * width)) * speed_recovery(rig, &gas(rig), &valve) > 1.0
+}
+
+/// Pressure that the speed in a port gives back behind an infinitely wide land over what the tube from the supply
+/// loses, both as slopes over the flow, where the lands' clearance alone is fed. 0 where no speed counts.
+fn speed_recovery(rig: &Rig, gas: &Gas, valve: &Valve) -> f64 {
+    let (tube, supply) = (tubes(rig, gas).0, station(rig, gas, "supply"));
+    if !speed_counts(rig) || tube.is_none() {
+        return 0.0;
     }
     let pressure = gas.pressure(supply.exner);
     let choked = gas.flow_constant() / supply.temperature * gas.flow_function(supply.exner, 0.0).value;
-    let flow = passes(valve.edge_area(-1.0)).max(1e-3 * valve.port_area()) * choked.sqrt();
+    let leak = (valve.discharge_supply * valve.edge_area(-1.0)).max(1e-3 * valve.port_area());
+    let flow = leak * choked.sqrt();
     let far = tube.far_end(&supply, flow);
     let lost = -far.by_flow / (gas.exner_exponent() * far.exner);
     let density_of_flow = gas.gas_constant * supply.temperature / (valve.port_area() * pressure).powi(2);
-    lost < (1.0 - 1.0 / (wide * wide)) * density_of_flow * flow
+    density_of_flow * flow / lost
 }
 
 /// The larger part of its dead volume that a piston takes up as it rests on its stop under the highest
@@ -151,7 +162,10 @@ fn continuous(rig: &Rig) -> Option<ContinuousLaw> {
 fn lag(rig: &Rig, gas: &Gas) -> Option<Lag> {
     let time = rig.number("tubing.lag_s");
     let (supply_tube, cylinder_tube) = tubes(rig, gas);
-    (time > 0.0).then_some(Lag { time, supply: station(rig, gas, "supply"), supply_tube, cylinder_tube })
+    (time > 0.0).then(|| {
+        let recovery = speed_recovery(rig, gas, &valve(rig));
+        Lag { time, supply: station(rig, gas, "supply"), supply_tube, cylinder_tube, recovery }
+    })
 }
 
 /// Supply or exhaust.
@@ -188,7 +202,7 @@ pub(crate) fn network(rig: &Rig, gas: Gas) -> Network {
         Some(_) => (Tube::none(), Tube::none()),
         None => tubes(rig, &gas),
     };
-    let port_area = rig.switch("valve.upstream_mach").then(|| valve(rig).port_area());
+    let port_area = speed_counts(rig).then(|| valve(rig).port_area());
     let law = land_law(rig);
     let laws = Laws { land: law, port: law };
     let network = Network::new(
@@ -200,7 +214,13 @@ pub(crate) fn network(rig: &Rig, gas: Gas) -> Network {
         laws,
         port_area,
     );
-    if supply_tube.is_none() { network.from_reservoir() } else { network }
+    network.beside(vessels(rig, &gas))
+}
+
+/// Which ends no tube joins to the valve. A lagged tube is one.
+fn vessels(rig: &Rig, gas: &Gas) -> Vessels {
+    let (supply, cylinder) = tubes(rig, gas);
+    Vessels { supply: supply.is_none(), chambers: cylinder.is_none() }
 }
 
 /// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no

@@ -18,8 +18,12 @@
 //! M^2 = min(1, R T m^2 / (n A_p^2 P^2)),   w -> w f,  T -> T f,   f = 1 + (n-1)/2 M^2
 //! ```
 //!
-//! The air in a node stands still, and so does that of the surroundings and of a supply without a
-//! tube: their pressure is a stagnation pressure already. The unknowns are the flows: m|m| is smooth through zero, where a
+//! The air in a node stands still, and so does that of a vessel right at the valve: the surroundings, and supply
+//! and chambers that no tube joins to it. Their pressure is a stagnation pressure already. Air that charges a
+//! tube has the temperature T_n of the node it comes from, air that leaves a chamber that of the chamber (6.58,
+//! VIII.14; EQUATIONS section 12).
+//!
+//! The unknowns are the flows: m|m| is smooth through zero, where a
 //! pressure difference has an infinite slope. Newton's
 //! method on (w_n, s, e) a node, bordered by the flow in the supply tube; it starts from the last
 //! solution, the first one from air at rest. Where it does not converge, nested brackets do: the net flow into a node
@@ -37,8 +41,8 @@ mod restriction;
 use crate::air::Station;
 use crate::flow_law::FlowLaw;
 use crate::gas::Gas;
-use crate::number::Pair;
-use crate::tubing::Tube;
+use crate::number::{Number, Pair};
+use crate::tubing::{FarEnd, Tube};
 use crate::valve::{Conductances, Valve};
 use course::Course;
 pub(crate) use nodes::{Nodes, Surroundings};
@@ -91,6 +95,32 @@ impl Node {
     }
 }
 
+/// Which ends of the network are vessels right at the valve: no tube brings their air to it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Vessels {
+    /// The supply.
+    pub supply: bool,
+    /// Both chambers.
+    pub chambers: bool,
+}
+
+/// The part of a lagged tube's drop that follows the flow at once.
+#[derive(Clone, Copy, Debug)]
+struct Following {
+    source: Station,
+    tube: Tube,
+    part: f64,
+}
+
+impl Following {
+    /// The valve's end, for the w that the rest has come to.
+    fn far_end(&self, lagged: f64, temperature: f64, total: f64) -> FarEnd {
+        let settled = self.tube.far_end(&Station { temperature, ..self.source }, total);
+        let exner = lagged * libm::pow(settled.exner / lagged, self.part);
+        FarEnd { exner, by_flow: self.part * exner * settled.by_flow / settled.exner, by_temperature: 0.0 }
+    }
+}
+
 /// The laws of flow of lands and ports.
 #[derive(Clone, Copy, Debug)]
 pub struct Laws {
@@ -109,8 +139,12 @@ pub struct Network {
     supply_tube: Tube,
     cylinder_tube: Tube,
     laws: Laws,
-    /// Whether the supply is a reservoir right at the valve, whose air is at rest.
-    reservoir: bool,
+    /// Which ends are vessels right at the valve, whose air is at rest.
+    vessels: Vessels,
+    /// What of a lagged supply tube follows the flow at once.
+    following: Option<Following>,
+    /// Stagnation temperature of the air that goes back through the supply tube, K.
+    returning: f64,
     /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
     mach: f64,
     nodes: Nodes,
@@ -151,6 +185,12 @@ const FLOW_ERROR: f64 = 1e-15;
 /// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
 const MOST_FAILURES: u32 = 3;
 
+/// The temperature of what goes back through the supply tube depends on the flows and they a little on it.
+const MAX_RETURNING_PASSES: u32 = 20;
+
+/// Relative change of that temperature that is none: of the flow, half of it.
+const SAME_TEMPERATURE: f64 = 1e-9;
+
 /// So many solutions in a row that were found, of ten steps, make good for failures before them. Two steps would not
 /// do: they are ever shorter in front of the place where a solution ends.
 const CALM: u32 = 60;
@@ -182,7 +222,9 @@ impl Network {
             supply_tube,
             cylinder_tube,
             laws,
-            reservoir: false,
+            vessels: Vessels::default(),
+            following: None,
+            returning: supply.temperature,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
             nodes: Nodes::alike(node),
             started: false,
@@ -196,10 +238,11 @@ impl Network {
         }
     }
 
-    /// The same with the supply's air at rest in front of the lands: no tube brings it there.
+    /// The same with the air at rest in front of the valve at these ends: no tube brings it there.
     #[must_use]
-    pub fn from_reservoir(self) -> Network {
-        Network { reservoir: true, ..self }
+    pub fn beside(self, vessels: Vessels) -> Network {
+        let mach = if vessels.supply && vessels.chambers { 0.0 } else { self.mach };
+        Network { vessels, mach, ..self }
     }
 
     /// The same with flows to an error of so many kg/s.
@@ -253,12 +296,36 @@ impl Network {
 
     /// w in front of the supply's lands, behind its tube.
     pub(crate) fn exner_at_lands(&self, nodes: &Nodes) -> f64 {
-        self.supply_tube.far_end(&self.supply, nodes.supply.reduce_add()).exner
+        self.supply_end(nodes.supply.reduce_add()).exner
     }
 
-    /// w at the far side of the ports, for the chambers that they are joined to.
-    pub(crate) fn exner_behind_ports(&self, nodes: &Nodes, chambers: &Station<Pair>) -> Pair {
-        self.cylinder_tube.far_end(chambers, -nodes.port_flow()).exner
+    /// w at the far side of the ports, for the chambers that they are joined to and the directions of the air in
+    /// them.
+    pub(crate) fn exner_behind_ports(
+        &self,
+        nodes: &Nodes,
+        chambers: &Station<Pair>,
+        ports: &[PortFlow; 2],
+    ) -> Pair {
+        let charging = PortFlow::charging(ports);
+        let temperature = Pair::choose(charging, nodes.carried, chambers.temperature);
+        self.cylinder_tube.far_end(&Station { temperature, ..*chambers }, -nodes.port_flow()).exner
+    }
+
+    /// The valve's end of the supply tube, for a flow (kg/s) from the supply.
+    #[inline(always)]
+    fn supply_end(&self, total: f64) -> FarEnd {
+        let temperature = if total < 0.0 { self.returning } else { self.supply.temperature };
+        match &self.following {
+            None => self.supply_tube.far_end(&Station { temperature, ..self.supply }, total),
+            Some(following) => following.far_end(self.supply.exner, temperature, total),
+        }
+    }
+
+    /// Has a part of the drop in the lagged supply tube follow the flow at once: the exponent `part` of what the
+    /// tube makes of the supply, where the rest has come to the known pressure.
+    pub(crate) fn let_supply_follow(&mut self, source: Station, tube: Tube, part: f64) {
+        self.following = (part > 0.0).then_some(Following { source, tube, part });
     }
 
     /// The flows through a valve with its spool at a place (m) into two chambers.
@@ -283,8 +350,33 @@ impl Network {
         self.solve_among(&Surroundings::new(*valve, Station::both(chambers), ports)).each()
     }
 
-    /// The nodes among what surrounds them.
+    /// The nodes among what surrounds them. Air that goes back through the supply tube has their temperature.
     fn solve_among(&mut self, around: &Surroundings) -> Nodes {
+        let mut nodes = self.solve_at_returning(around);
+        if self.supply_tube.feels_temperature() {
+            for _ in 0..MAX_RETURNING_PASSES {
+                let returning = self.returning_temperature(&nodes);
+                if (returning - self.returning).abs() <= SAME_TEMPERATURE * self.returning {
+                    break;
+                }
+                self.returning = returning;
+                nodes = self.solve_at_returning(around);
+            }
+        }
+        nodes
+    }
+
+    /// Stagnation temperature of the air that the nodes give back to the supply tube, K.
+    pub(crate) fn returning_temperature(&self, nodes: &Nodes) -> f64 {
+        if nodes.supply.reduce_add() >= 0.0 {
+            return self.returning;
+        }
+        let each = nodes.each().map(|node| (-node.supply_flow, node.temperature));
+        mean_of_inflows(&each).unwrap_or(self.returning)
+    }
+
+    /// The nodes with a temperature given of what goes back through the supply tube.
+    fn solve_at_returning(&mut self, around: &Surroundings) -> Nodes {
         self.work.solutions += 1;
         if !around.are_in_order() {
             return Nodes::NOT_NUMBERS;
@@ -332,12 +424,14 @@ impl Network {
 
     /// What ports without a node before them take: the air from the land that feeds each.
     fn carried(&self) -> Pair {
-        let (supply, exhaust) = (self.supply.temperature, self.exhaust.temperature);
-        let each = self.nodes.each().map(|node| {
-            let from_lands = [(node.supply_flow, supply), (node.exhaust_flow, exhaust)];
-            mean_of_inflows(&from_lands).unwrap_or(node.temperature)
-        });
-        Pair::new(each)
+        Pair::new(self.nodes.each().map(|node| self.carried_by(&node)))
+    }
+
+    /// The same at one of them, K.
+    fn carried_by(&self, node: &Node) -> f64 {
+        let from_lands =
+            [(node.supply_flow, self.supply.temperature), (node.exhaust_flow, self.exhaust.temperature)];
+        mean_of_inflows(&from_lands).unwrap_or(node.temperature)
     }
 }
 
@@ -352,6 +446,8 @@ fn mean_of_inflows(inflows: &[(f64, f64)]) -> Option<f64> {
     (mass > 0.0).then(|| heat / mass)
 }
 
+#[cfg(test)]
+mod air_in_tubes_tests;
 #[cfg(test)]
 mod appendix_tests;
 #[cfg(test)]

@@ -51,11 +51,13 @@ enum Model {
     Connector(Connector),
 }
 
-/// Exner pressure at the far end of a tube, and its slope over the flow.
+/// Exner pressure at the far end of a tube, and its slopes over the flow and over the temperature of the air in
+/// the tube.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FarEnd<N = f64> {
     pub exner: N,
     pub by_flow: N,
+    pub by_temperature: N,
 }
 
 /// Exner pressure at the far end over that at the known end.
@@ -83,6 +85,11 @@ impl Tube {
     /// Whether both ends have the same pressure, whatever flows.
     pub(crate) fn is_none(&self) -> bool {
         matches!(self.0, Model::None)
+    }
+
+    /// Whether the drop depends on the temperature of the air in the tube.
+    pub(crate) fn feels_temperature(&self) -> bool {
+        matches!(self.0, Model::Analytical(_) | Model::Connector(_))
     }
 
     /// The regression line of the thesis: the pressure falls by the fraction `drop_slope` (below 1)
@@ -114,16 +121,16 @@ impl Tube {
         Tube(Model::Connector(Connector::new(*gas, discharge, diameter_m)))
     }
 
-    /// The far end, for a flow (kg/s) from the known end to the far end. The temperature at the known
-    /// end counts for both directions.
+    /// The far end, for a flow (kg/s) from the known end to the far end. `known` has the pressure at the known
+    /// end and the stagnation temperature of the air in the tube: that of the place the air comes from.
     #[inline(always)]
     pub(crate) fn far_end<N: Number>(&self, known: &Station<N>, flow: N) -> FarEnd<N> {
         match &self.0 {
-            Model::None => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
+            Model::None => FarEnd { exner: known.exner, by_flow: N::from(0.0), by_temperature: N::from(0.0) },
             Model::Empirical { decay } => {
                 let decay = N::from(*decay);
                 let exner = known.exner * (decay * flow).exponential();
-                FarEnd { exner, by_flow: decay * exner }
+                FarEnd { exner, by_flow: decay * exner, by_temperature: N::from(0.0) }
             }
             Model::Analytical(pipe) => one_by_one(known, flow, |known, flow| pipe.ratio(known, flow)),
             Model::Connector(connector) => {
@@ -136,15 +143,15 @@ impl Tube {
 /// The far ends of tubes whose equations have to be asked how large things are.
 #[inline]
 fn one_by_one<N: Number>(known: &Station<N>, flow: N, ratio: impl Fn(&Station, f64) -> Ratio) -> FarEnd<N> {
-    let mut slopes = [0.0; 2];
+    let (mut by_flow, mut by_temperature) = ([0.0; 2], [0.0; 2]);
     let exner = N::of(|i| {
         let (known, flow) =
             (Station { exner: known.exner.lane(i), temperature: known.temperature.lane(i) }, flow.lane(i));
-        let far = ratio(&known, flow).far_end(known.exner, flow);
-        slopes[i] = far.by_flow;
+        let far = ratio(&known, flow).far_end(&known, flow);
+        (by_flow[i], by_temperature[i]) = (far.by_flow, far.by_temperature);
         far.exner
     });
-    FarEnd { exner, by_flow: N::of(|i| slopes[i]) }
+    FarEnd { exner, by_flow: N::of(|i| by_flow[i]), by_temperature: N::of(|i| by_temperature[i]) }
 }
 
 impl Ratio {
@@ -158,11 +165,12 @@ impl Ratio {
         Ratio { value: 0.25 * value / fall, elasticity: -(1.0 + excess) / excess }
     }
 
-    fn far_end(self, known_exner: f64, flow: f64) -> FarEnd {
-        let exner = known_exner * self.value;
+    fn far_end(self, known: &Station, flow: f64) -> FarEnd {
+        let exner = known.exner * self.value;
         // The drop goes with m|m|: flat at no flow.
         let by_flow = if flow == 0.0 { 0.0 } else { exner * self.elasticity / flow };
-        FarEnd { exner, by_flow }
+        // Flow and temperature enter as m^2 T.
+        FarEnd { exner, by_flow, by_temperature: 0.5 * exner * self.elasticity / known.temperature }
     }
 }
 

@@ -119,6 +119,11 @@ impl Valve {
         [x - self.lap, -x - self.lap]
     }
 
+    /// C_d A of the wider land to the supply, over the area of a port.
+    pub(crate) fn widest_supply_land(&self, openings: [f64; 2]) -> f64 {
+        self.discharge_supply * self.edge_area(openings[0].max(openings[1])) / self.port_area()
+    }
+
     /// A_p, m^2.
     #[must_use]
     pub fn port_area(&self) -> f64 {

@@ -100,6 +100,11 @@ fn single_restriction_valve() {
 }
 
 #[test]
+fn connectors_in_place_of_tubes() {
+    agrees("A_open_multinode", f64::INFINITY, 1e-6, 10.0);
+}
+
+#[test]
 fn tubes_that_lag_behind_the_flow() {
     agrees("A_open_taulag", f64::INFINITY, 1e-7, 1.0);
 }

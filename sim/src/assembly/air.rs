@@ -51,6 +51,10 @@ impl Assembly {
         let openings = self.parts.valve.openings(self.spool(t, x));
         let conductances = self.restrictions.at(openings, self.lands.open);
         let stations = self.ends_at_valve(x, air);
+        if let Some(lag) = self.parts.lag.as_ref().filter(|lag| lag.recovery > 0.0) {
+            let width = self.parts.valve.widest_supply_land(openings);
+            self.parts.network.let_supply_follow(lag.supply, lag.supply_tube, lag.at_once(width));
+        }
         let around = Surroundings::new(conductances, stations, &self.ports.directions);
         let nodes = self.parts.network.solve_at(t, &around);
         self.solved = Some((t, *x, nodes));

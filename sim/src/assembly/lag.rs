@@ -6,6 +6,19 @@
 //! ```
 //!
 //! To the network they are no tubes, and the pressures behind them are states.
+//!
+//! One part of the supply tube cannot lag. Behind a land wider than its port the speed of the air gives pressure
+//! back at once (6.54), so that with a given pressure in front of it the flow near rest has no unique value, and
+//! with a lag however short it would jump to and fro. As much of the drop follows the flow at once as outweighs
+//! that:
+//!
+//! ```text
+//! P_sv = P_s ratio^(1-a) settled^a,   a = 1.5 G (1 - (A_p/(C_d A))^2),   0 where C_d A <= A_p
+//! ```
+//!
+//! G is what the speed of the leakage gives back behind an infinitely wide land over what the tube loses, both as
+//! slopes over the flow; larger flows are limited by their port more than their speed helps them. As the lag goes to
+//! zero, P_sv goes to what the tube without lag has.
 
 use super::{StateVector, slot};
 use crate::air::Station;
@@ -21,20 +34,31 @@ pub(crate) struct Lag {
     pub supply: Station,
     pub supply_tube: Tube,
     pub cylinder_tube: Tube,
+    /// G; 0 without upstream Mach numbers.
+    pub recovery: f64,
 }
 
+/// How much more of the drop follows at once than must.
+const MARGIN: f64 = 1.5;
+
 impl Lag {
-    /// Rates of the three ratios, for the flow from the supply (kg/s), the chambers and the flows into them.
+    /// a, for the largest C_d A of a supply land over A_p.
+    pub fn at_once(&self, width: f64) -> f64 {
+        (MARGIN * self.recovery * (1.0 - 1.0 / (width * width))).clamp(0.0, 1.0)
+    }
+
+    /// Rates of the three ratios, for the flow from the supply (kg/s) with the temperature (K) of what goes back
+    /// to it, and for the flows into the chambers: their pressures, with the temperatures of the air in the tubes.
     #[inline(always)]
     pub fn derivative(
         &self,
         gas: &Gas,
         x: &StateVector,
-        total: f64,
-        chambers: &Station<Pair>,
-        flows: Pair,
+        (total, returning): (f64, f64),
+        (chambers, flows): (&Station<Pair>, Pair),
     ) -> [f64; 3] {
-        let supply = settled_ratio(gas, &self.supply_tube, &self.supply, total);
+        let temperature = if total < 0.0 { returning } else { self.supply.temperature };
+        let supply = settled_ratio(gas, &self.supply_tube, &Station { temperature, ..self.supply }, total);
         let cylinders = settled_ratio(gas, &self.cylinder_tube, chambers, -flows);
         let settled = [supply, cylinders.lane(0), cylinders.lane(1)];
         std::array::from_fn(|i| (settled[i] - x[slot::RATIO[i]]) / self.time)

@@ -25,7 +25,7 @@ pub(super) struct ValveBench {
 impl ValveBench {
     /// The valve of a rig under a pressure (Pa) at its supply port.
     pub fn new(rig: &Rig, supply_pa: f64) -> ValveBench {
-        ValveBench::with_approach(rig, supply_pa, rig.switch("valve.upstream_mach"))
+        ValveBench::with_approach(rig, supply_pa, build::speed_counts(rig))
     }
 
     /// The same, with or without the speed at which air approaches.

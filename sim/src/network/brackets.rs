@@ -21,6 +21,10 @@ const SLOW: f64 = 0.7;
 /// The farthest that a slow factor reaches in one pass.
 const FARTHEST: f64 = 1e-3;
 
+/// Passes over the temperature of what charges a port without a bore: that of one land's air after the first, as a
+/// rule.
+const TEMPERATURE_PASSES: u32 = 4;
+
 /// What surrounds one node, for given speeds of approach.
 struct NodeSide<'a> {
     valve: Conductances,
@@ -71,9 +75,9 @@ impl Network {
     pub(super) fn approaches(&self, i: usize, around: &Surroundings) -> [MaybeApproach; 3] {
         let node = &self.nodes.each()[i];
         let supply = Station { exner: self.exner_at_lands(&self.nodes), ..self.supply };
-        let here = node.station();
-        let far = self.port_station(&here, &around.chambers.lane(i), around.port(i), node.port_flow());
-        [self.supply_approach(&supply, node.supply_flow), None, self.approach(&far, -node.port_flow())]
+        let chamber = around.chambers.lane(i);
+        let far = self.port_station(node.temperature, &chamber, around.port(i), node.port_flow());
+        [self.supply_approach(&supply, node.supply_flow), None, self.port_approach(&far, -node.port_flow())]
     }
 
     /// The nodes at the flow in the supply tube at which both take just that much.
@@ -91,7 +95,7 @@ impl Network {
             |side: &NodeSide| self.more_than_choked(&self.laws.land, side.valve.supply / coldest, highest);
         let most: f64 = sides.iter().map(choked).sum();
         let nodes_at = |total: f64| {
-            let at_valve = self.supply_tube.far_end(&self.supply, total).exner;
+            let at_valve = self.supply_end(total).exner;
             sides.each_ref().map(|side| self.node_by_brackets(side, at_valve))
         };
         let excess = |total: f64| {
@@ -121,8 +125,18 @@ impl Network {
     /// The same without a bore: the flow decides the node's pressure by the tube.
     fn open_node_by_brackets(&self, side: &NodeSide, at_valve: f64) -> Node {
         let node_for = |m: f64| {
-            let exner = self.far_of_cylinder(&side.chamber, m);
-            self.node_at(exner, side, at_valve, |_| m)
+            // Air that charges the cylinder has the temperature of what the lands let in at that pressure.
+            let node_with = |charging: f64| {
+                let far = self.port_station(charging, &side.chamber, side.port, m);
+                self.node_at(far.exner, side, at_valve, |_| m)
+            };
+            let mut node = node_with(self.supply.temperature);
+            if self.cylinder_tube.feels_temperature() {
+                for _ in 0..TEMPERATURE_PASSES {
+                    node = node_with(self.carried_by(&node));
+                }
+            }
+            node
         };
         let excess = |m: f64| node_for(m).port_flow() - m;
         let highest = at_valve.max(self.exhaust.exner).max(side.chamber.exner);
@@ -179,7 +193,7 @@ impl Network {
     fn port_flow_at(&self, node: &Node, side: &NodeSide, bore: f64) -> f64 {
         let here = node.station();
         let excess = |m: f64| {
-            let far = self.port_station(&here, &side.chamber, side.port, m);
+            let far = self.port_station(here.temperature, &side.chamber, side.port, m);
             m * m.abs() + self.port(bore, &Place::of(&far), &side.approaches[2], here.exner).value
         };
         let highest = node.exner.max(side.chamber.exner);

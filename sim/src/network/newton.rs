@@ -64,7 +64,7 @@ impl Network {
         for _ in 0..slopes.most_iterations() {
             self.work.iterations += 1;
             let total = nodes.supply.reduce_add();
-            let at_valve = self.supply_tube.far_end(&self.supply, total);
+            let at_valve = self.supply_end(total);
             let balance = self.balance::<AT_REST>(&nodes, around, &at_valve, slopes);
             let corrections = balance.corrections::<AT_REST>();
             // The change of the total is the sum of its parts, which depend on it.
@@ -159,16 +159,15 @@ impl Network {
         let exhaust = self.exhausts();
         let supply = Station { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
         let supply_approach = if AT_REST { None } else { self.supply_approach(&supply, s) };
-        // At the temperature of the chamber.
-        let far_end = self.cylinder_tube.far_end(&around.chambers, -m);
+        let from_supply_tube = (&supply_approach, pair(at_valve.by_flow));
+        let in_tubes = self.air_in_tubes(nodes, around, from_supply_tube);
+        let known = Station { temperature: in_tubes.temperature, ..around.chambers };
+        let far_end = self.cylinder_tube.far_end(&known, -m);
         let far = Station { exner: far_end.exner, ..around.chambers };
-        let far_approach = if AT_REST { None } else { self.approach(&far, -m) };
+        let far_approach = if AT_REST { None } else { self.port_approach(&far, -m) };
         let by_back = far_end.by_flow;
         let mixture = match around.valve.port {
-            Some(_) => {
-                let by_total = pair(at_valve.by_flow);
-                self.mixture(nodes, around, (&supply_approach, by_total), (&far_approach, by_back))
-            }
+            Some(_) => self.mixture(nodes, around, from_supply_tube, (&far_approach, by_back)),
             // Without a node the exhaust land takes the cylinder's air (6.40).
             None => Mixture::of(around.chambers.temperature),
         };
@@ -196,10 +195,12 @@ impl Network {
         let supply_by_total = if AT_REST { pushed } else { s_t + pushed };
         let Some(bore) = around.valve.port else {
             let by_flow = pair(-OPEN_PORT) * by_back;
+            let [w_s, w_e, w_t] =
+                in_tubes.slopes.map(|slope| pair(OPEN_PORT) * far_end.by_temperature * slope);
             return Balance {
                 residual: [supply_line.0, exhaust_line.0, pair(OPEN_PORT) * (far.exner - nodes.exner)],
-                rows: [supply_row, exhaust_row, [pair(-OPEN_PORT), by_flow, by_flow]],
-                by_total: [supply_by_total, e_t, pair(0.0)],
+                rows: [supply_row, exhaust_row, [pair(-OPEN_PORT), by_flow + w_s, by_flow + w_e]],
+                by_total: [supply_by_total, e_t, w_t],
                 mixture,
             };
         };
@@ -213,11 +214,43 @@ impl Network {
             Slopes::Secant => Pair::of(|i| square_slope(slopes, m.lane(i), -back.value.lane(i))),
         };
         let by_flow = size - back.by_flow - back.by_place * by_back;
+        let mut port_row = [back.by_node, by_flow + p_s, by_flow + p_e];
+        let mut port_by_total = p_t;
+        if self.cylinder_tube.feels_temperature() {
+            let [w_s, w_e, w_t] = in_tubes.slopes.map(|slope| back.by_place * far_end.by_temperature * slope);
+            (port_row[1], port_row[2]) = (port_row[1] + w_s, port_row[2] + w_e);
+            port_by_total += w_t;
+        }
         Balance {
             residual: [supply_line.0, exhaust_line.0, m * m.abs() + back.value],
-            rows: [supply_row, exhaust_row, [back.by_node, by_flow + p_s, by_flow + p_e]],
-            by_total: [supply_by_total, e_t, p_t],
+            rows: [supply_row, exhaust_row, port_row],
+            by_total: [supply_by_total, e_t, port_by_total],
             mixture,
+        }
+    }
+
+    /// The air in the cylinders' tubes: what the node mixes when it charges, else the chamber's. Of no interest to
+    /// tubes whose drop does not depend on it.
+    #[inline(always)]
+    fn air_in_tubes(
+        &self,
+        nodes: &Nodes,
+        around: &Surroundings,
+        supply: (&MaybeApproach<Pair>, Pair),
+    ) -> Mixture {
+        let of_chambers = Mixture::of(around.chambers.temperature);
+        if !self.cylinder_tube.feels_temperature() {
+            return of_chambers;
+        }
+        // Without a node the approach to the lands leaves the temperature alone (6.40).
+        let supply = if around.valve.port.is_some() { supply } else { (&None, pair(0.0)) };
+        let charging = self.mixture(nodes, around, supply, (&None, pair(0.0)));
+        let choose = |mixed: Pair, own: Pair| Pair::choose(around.charging, mixed, own);
+        let slopes = std::array::from_fn(|i| choose(charging.slopes[i], pair(0.0)));
+        Mixture {
+            temperature: choose(charging.temperature, of_chambers.temperature),
+            per_temperature: choose(charging.per_temperature, of_chambers.per_temperature),
+            slopes,
         }
     }
 

@@ -72,7 +72,13 @@ impl Network {
     /// How the supply's air approaches a land.
     #[inline(always)]
     pub(super) fn supply_approach<N: Number>(&self, supply: &Station<N>, flow: N) -> MaybeApproach<N> {
-        if self.reservoir { None } else { self.approach(supply, flow) }
+        if self.vessels.supply { None } else { self.approach(supply, flow) }
+    }
+
+    /// How the air of a cylinder approaches its port.
+    #[inline(always)]
+    pub(super) fn port_approach<N: Number>(&self, far: &Station<N>, flow: N) -> MaybeApproach<N> {
+        if self.vessels.chambers { None } else { self.approach(far, flow) }
     }
 
     /// The flow through a restriction from a place, whose air approaches as told, into a node, where air stands
@@ -142,19 +148,15 @@ impl Network {
         self.restriction(&self.laws.port, conductance, far, approach, &near)
     }
 
-    /// w at the valve's end of a cylinder's tube for a flow `m` into the cylinder.
-    pub(super) fn far_of_cylinder(&self, chamber: &Station, m: f64) -> f64 {
-        self.cylinder_tube.far_end(chamber, -m).exner
-    }
-
-    /// The far end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the air
-    /// in the port.
-    pub(super) fn port_station(&self, node: &Station, chamber: &Station, port: PortFlow, m: f64) -> Station {
+    /// The valve's end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the air
+    /// in port and tube; `charging` is that of the air that comes from the valve, K.
+    pub(super) fn port_station(&self, charging: f64, chamber: &Station, port: PortFlow, m: f64) -> Station {
         let temperature = match port {
-            PortFlow::Charging => node.temperature,
+            PortFlow::Charging => charging,
             PortFlow::Discharging => chamber.temperature,
         };
-        Station { exner: self.far_of_cylinder(chamber, m), temperature }
+        let known = Station { temperature, ..*chamber };
+        Station { exner: self.cylinder_tube.far_end(&known, -m).exner, temperature }
     }
 
     /// A flow that a restriction cannot reach, at whatever Mach number it is approached: a bracket's

@@ -64,7 +64,7 @@ impl Reader<'_> {
         let why = "air must flow from the supply to the exhaust";
         self.check_order(rig, "exhaust.pressure_pa", "supply.pressure_pa", true, why);
         for key in ["valve.discharge_supply", "valve.discharge_exhaust"] {
-            if rig.switch("valve.upstream_mach") && rig.number(key) > MOST_DISCHARGE {
+            if crate::build::speed_counts(rig) && rig.number(key) > MOST_DISCHARGE {
                 let message = format!(
                     "must not be above {MOST_DISCHARGE} with upstream_mach: a port that loses nothing has no steady flow"
                 );

@@ -323,7 +323,7 @@ pub static KEYS: &[Key] = &[
     number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built(),
     choice("valve.discharge_model", &[("constant", true), ("perry", true)], "L(17)", "How the coefficient of discharge depends on the pressure ratio."),
     number("valve.land_length_m", 0.01, 0.0, 1.0, "C(70)", "Length of the lands, for flow forces."),
-    switch("valve.upstream_mach", true, "C(54)", "Whether the approach velocity at the ports counts; false sets every upstream Mach number to zero."),
+    switch("valve.upstream_mach", true, "C(54)", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(&["flow-node", "multiple-flow-node"]),
     switch("valve.table", false, "", "Of former versions: flows from a table. Only false is accepted."),
     number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null."),
     key("valve.sonic_conductance_m3_per_s_pa", Kind::Number { min: 1e-12, max: 1e-6 }, Default::Absent("the data sheet's; needed by iso-6358"), "", "Sonic conductance at full opening.").of(&["iso-6358"]),

@@ -1,12 +1,16 @@
 //! Adiabatic flow with friction in a pipe (6.6.2; Appendix VIII with EQUATIONS section 4).
 //!
 //! ```text
-//! M      = mdot/(A P) sqrt(R T/n)                                          (VIII.3, VIII.14)
+//! M^2 (1 + (n-1)/2 M^2) = (mdot/(A P))^2 R T_0/n                           (VIII.3, VIII.14)
 //! 4fL*/D = (1-M^2)/(n M^2) + (n+1)/(2n) ln[(n+1)M^2/(2+(n-1)M^2)]          (VIII.2)
 //! P/P*   = (1/M) sqrt[(n+1)/(2+(n-1)M^2)]                                  (VIII.1)
 //! 4fL*_far/D = 4fL*_known/D - 4fL/D   known end upstream                   (VIII.6)
 //! 4fL*_far/D = 4fL*_known/D + 4fL/D   known end downstream                 (VIII.16)
 //! ```
+//!
+//! The line is adiabatic, so that T_0, the stagnation temperature of the air, is the same all along it: that of
+//! the place the air comes from (EQUATIONS section 12). The static temperature, which VIII.3 and VIII.14 have, is
+//! T = T_0/(1 + (n-1)/2 M^2).
 //!
 //! In y = (n+1)M^2/(2+(n-1)M^2), the square of the speed over the critical speed, VIII.2 becomes
 //! 4fL*/D = (n+1)/(2n) (1/y - 1 + ln y). With y at the known end and x = y/y_far - 1, VIII.6, VIII.16
@@ -15,16 +19,15 @@
 //! ```text
 //! x - y ln(1+x) = -+ y a,   a = 2n/(n+1) 4fL/D
 //! P_far/P = (1 + x - c y) / ((1 - c y) sqrt(1+x)),   c = (n-1)/(n+1)
-//! d ln(P_far/P)/d ln mdot = x [(1+cy)(2+x-(1+c)y) - (1-cy)(1-y)] / ((1+x-cy)(1+x-y))
+//! d ln(P_far/P)/d ln mdot = x [(1+cy)(2+x-(1+c)y) - (1-cy)(1-y)] / ((1+cy)(1+x-cy)(1+x-y))
 //! ```
 //!
 //! which hold without loss from no flow (y = 0, x = -+ y a) to M = 1 (y = 1, or 1 + x = y at the far
-//! end). The slope over mdot is at the known end's pressure and temperature; it follows from
-//! dx (1+x-y)/(1+x) = dy (ln(1+x) -+ a).
+//! end). The slope over mdot is at the known end's pressure and T_0; it follows from
+//! dx (1+x-y)/(1+x) = dy (ln(1+x) -+ a) and d ln y/d ln mdot = 2 (1-cy)/(1+cy).
 //!
 //! A known downstream end with M > 1 is choked: its pressure is raised until M = 1, so that the far
-//! pressure is in proportion to the flow. The slope has a kink there, from 2n/(n+1) to 1 over
-//! P_far/mdot.
+//! pressure is in proportion to the flow, with the slope that it has at M = 1.
 
 use super::{Ratio, STEEPEST};
 use crate::air::Station;
@@ -43,11 +46,11 @@ pub(super) struct Pipe {
     gas: Gas,
     /// a = 2n/(n+1) 4fL/D.
     friction: f64,
-    /// R / (n A^2): makes T m^2 / P^2 a squared Mach number.
+    /// R / (n A^2): makes T_0 m^2 / P^2 the F = M^2 (1 + (n-1)/2 M^2).
     mach: f64,
     /// c = (n-1)/(n+1).
     c: f64,
-    /// Known upstream: M^2 and Exner ratio where the far pressure falls as steeply as it may.
+    /// Known upstream: F and Exner ratio where the far pressure falls as steeply as it may.
     steepest: (f64, f64),
 }
 
@@ -69,32 +72,36 @@ impl Pipe {
 
     pub(super) fn ratio(&self, known: &Station, flow: f64) -> Ratio {
         let flux = flow / self.gas.pressure(known.exner);
-        let mach_squared = self.mach * known.temperature * flux * flux;
-        if flow > 0.0 { self.known_upstream(mach_squared) } else { self.known_downstream(mach_squared) }
+        let flux_squared = self.mach * known.temperature * flux * flux;
+        if flow > 0.0 { self.known_upstream(flux_squared) } else { self.known_downstream(flux_squared) }
     }
 
-    fn known_upstream(&self, mach_squared: f64) -> Ratio {
+    /// For F at the known end.
+    fn known_upstream(&self, flux_squared: f64) -> Ratio {
         let (steepest, value) = self.steepest;
-        if mach_squared >= steepest {
-            return Ratio::beyond_choking(value, (mach_squared / steepest).sqrt() - 1.0);
+        if flux_squared >= steepest {
+            return Ratio::beyond_choking(value, (flux_squared / steepest).sqrt() - 1.0);
         }
-        let y = self.critical_speed(mach_squared);
+        let y = self.critical_speed(flux_squared);
         self.exner_ratio(y, shift(y, -self.friction))
     }
 
-    fn known_downstream(&self, mach_squared: f64) -> Ratio {
-        if mach_squared <= 1.0 {
-            let y = self.critical_speed(mach_squared);
+    fn known_downstream(&self, flux_squared: f64) -> Ratio {
+        let sonic = 0.5 * (self.gas.heat_capacity_ratio + 1.0);
+        if flux_squared <= sonic {
+            let y = self.critical_speed(flux_squared);
             return self.exner_ratio(y, shift(y, self.friction));
         }
         let exponent = self.gas.exner_exponent();
         let at_sonic = self.exner_ratio(1.0, shift(1.0, self.friction)).value;
-        Ratio { value: at_sonic * libm::pow(mach_squared, 0.5 * exponent), elasticity: exponent }
+        let raised = libm::pow(flux_squared / sonic, 0.5 * exponent);
+        Ratio { value: at_sonic * raised, elasticity: exponent }
     }
 
-    /// y of M^2.
-    fn critical_speed(&self, mach_squared: f64) -> f64 {
+    /// y of F, by way of M^2.
+    fn critical_speed(&self, flux_squared: f64) -> f64 {
         let n = self.gas.heat_capacity_ratio;
+        let mach_squared = 2.0 * flux_squared / (1.0 + (1.0 + 2.0 * (n - 1.0) * flux_squared).sqrt());
         (n + 1.0) * mach_squared / (2.0 + (n - 1.0) * mach_squared)
     }
 
@@ -106,7 +113,7 @@ impl Pipe {
         let exponent = self.gas.exner_exponent();
         Ratio {
             value: libm::pow(pressure, exponent),
-            elasticity: exponent * x * slope / ((r - cy) * (r - y)),
+            elasticity: exponent * x * slope / ((1.0 + cy) * (r - cy) * (r - y)),
         }
     }
 
@@ -124,7 +131,8 @@ impl Pipe {
         let ln_z = bracketed_root(excess, [(near, excess(near)), (far, excess(far))], 1e-9);
         let (y, ratio) = at(ln_z);
         let n = self.gas.heat_capacity_ratio;
-        (2.0 * y / (n + 1.0 - (n - 1.0) * y), ratio.value)
+        let mach_squared = 2.0 * y / (n + 1.0 - (n - 1.0) * y);
+        (mach_squared * (1.0 + 0.5 * (n - 1.0) * mach_squared), ratio.value)
     }
 }
 

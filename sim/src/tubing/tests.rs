@@ -42,7 +42,17 @@ fn area() -> f64 {
     std::f64::consts::FRAC_PI_4 * BORE * BORE
 }
 
-/// VIII.3 for the flow.
+/// T_0 of air with a static temperature.
+fn stagnation(n: f64, mach: f64, temperature: f64) -> f64 {
+    temperature * (1.0 + 0.5 * (n - 1.0) * mach * mach)
+}
+
+/// A pressure, and the stagnation temperature of air that passes it at a Mach number and a static temperature.
+fn passing(gas: &Gas, n: f64, mach: f64, pressure: f64, temperature: f64) -> Station {
+    station(gas, pressure, stagnation(n, mach, temperature))
+}
+
+/// VIII.3 for the flow, of air with a static temperature.
 fn flow_at(n: f64, mach: f64, pressure: f64, temperature: f64) -> f64 {
     mach * area() * pressure / (AIR * temperature / n).sqrt()
 }
@@ -104,23 +114,27 @@ fn pressures_along_a_pipe_are_those_of_the_fanno_table() {
         for &(lower_mach, lower_span, lower) in &table[i + 1..] {
             let tube = pipe(&gas, upper_span - lower_span);
             let (p, t) = (400e3, 294.0);
-            let known = station(&gas, p, t);
+            let known = |mach| passing(&gas, 1.4, mach, p, t);
             let what = format!("M {upper_mach} to {lower_mach}");
             if lower_mach < 1.0 {
-                let downstream = far_pressure(&gas, &tube, &known, flow_at(1.4, upper_mach, p, t));
+                let downstream =
+                    far_pressure(&gas, &tube, &known(upper_mach), flow_at(1.4, upper_mach, p, t));
                 assert!((downstream / p * upper / lower - 1.0).abs() < 1e-5, "{what}: {downstream}");
             }
-            let upstream = far_pressure(&gas, &tube, &known, -flow_at(1.4, lower_mach, p, t));
+            let upstream = far_pressure(&gas, &tube, &known(lower_mach), -flow_at(1.4, lower_mach, p, t));
             assert!((upstream / p * lower / upper - 1.0).abs() < 1e-5, "{what}: {upstream}");
         }
     }
 }
 
-/// EQUATIONS section 4: L = 1 m, f = 0.005, 4 mm, 317 kPa and 294 K at the inlet give 0.552 at 4.65 g/s.
+/// EQUATIONS section 4: L = 1 m, f = 0.005, 4 mm, 317 kPa and a static temperature of 294 K at the inlet give 0.552
+/// at 4.65 g/s.
 #[test]
 fn a_metre_of_tube_loses_0_448_of_the_pressure_at_the_reference_flow_of_the_thesis() {
     let gas = Gas::new(1.4, AIR);
-    let far = far_pressure(&gas, &thesis_pipe(&gas), &station(&gas, 317e3, 294.0), 0.00465);
+    let mach = 0.00465 / flow_at(1.4, 1.0, 317e3, 294.0);
+    let inlet = passing(&gas, 1.4, mach, 317e3, 294.0);
+    let far = far_pressure(&gas, &thesis_pipe(&gas), &inlet, 0.00465);
     assert!((far / 317e3 - 0.552).abs() < 5e-4, "{}", far / 317e3);
 }
 
@@ -129,11 +143,11 @@ fn a_metre_of_tube_loses_0_448_of_the_pressure_at_the_reference_flow_of_the_thes
 fn the_far_pressure_is_that_of_the_printed_equations() {
     for n in [1.4, 1.3, 1.667] {
         let gas = Gas::new(n, AIR);
-        let known = station(&gas, 400e3, 294.0);
         for span in [1e-3, 0.05, 1.0, 5.0, 200.0] {
             let tube = pipe(&gas, span);
             for mach in [1e-3, 0.01, 0.1, 0.2, 0.3, 0.5, 0.8, 0.95, 1.0] {
                 let critical = span_to_critical(n, mach);
+                let known = passing(&gas, n, mach, 400e3, 294.0);
                 let flow = flow_at(n, mach, 400e3, 294.0);
                 for (span, flow) in [(-span, flow), (span, -flow)] {
                     // Up to the steepest fall.
@@ -150,23 +164,26 @@ fn the_far_pressure_is_that_of_the_printed_equations() {
     }
 }
 
-/// The flow there and back finds the pressure again; the temperature follows from the energy,
-/// T (1 + (n-1)/2 M^2) being constant.
+/// One adiabatic line has one stagnation temperature (EQUATIONS section 12): walked forward again from the far end,
+/// whichever end is known, it comes to the pressure that it began with.
 #[test]
-fn forward_then_backward_through_a_pipe_gives_the_pressure_back() {
+fn a_pipe_walked_forward_again_gives_the_pressure_back() {
     for n in [1.4, 1.3] {
         let gas = Gas::new(n, AIR);
-        let tube = thesis_pipe(&gas);
-        let (p, t) = (317e3, 294.0);
-        for mach in [1e-8, 1e-4, 0.05, 0.15, 0.2, 0.23] {
-            let flow = flow_at(n, mach, p, t);
-            let far = far_pressure(&gas, &tube, &station(&gas, p, t), flow);
-            // u^2/(2 cp) + T = T0 with u = flow R T/(A P).
-            let total = t * (1.0 + 0.5 * (n - 1.0) * mach * mach);
-            let k = (flow * AIR / (area() * far)).powi(2) * (n - 1.0) / (2.0 * n * AIR);
-            let far_t = 2.0 * total / (1.0 + (1.0 + 4.0 * k * total).sqrt());
-            let back = far_pressure(&gas, &tube, &station(&gas, far, far_t), -flow);
-            assert!((back / p - 1.0).abs() < 1e-12, "{n} {mach}: {back}");
+        for (length, t0) in [(1.0, 294.0), (0.05, 250.0), (20.0, 350.0)] {
+            let tube = Tube::analytical(&gas, length, BORE, 0.005);
+            for flow in [1e-9, 1e-6, 1e-4, 5e-4, 1e-3] {
+                let chamber = station(&gas, 317e3, t0);
+                let upstream = far_pressure(&gas, &tube, &chamber, -flow);
+                let back = far_pressure(&gas, &tube, &station(&gas, upstream, t0), flow);
+                assert!(
+                    upstream > 317e3 * (1.0 - 1e-14) && (back / 317e3 - 1.0).abs() < 1e-9,
+                    "{n} {length} {flow}: {back}"
+                );
+                let downstream = far_pressure(&gas, &tube, &chamber, flow);
+                let back = far_pressure(&gas, &tube, &station(&gas, downstream, t0), -flow);
+                assert!((back / 317e3 - 1.0).abs() < 1e-9, "{n} {length} {flow}: {back}");
+            }
         }
     }
 }
@@ -218,7 +235,8 @@ fn whatever_is_behind_a_choked_tube_the_flow_is_the_choking_flow_to_half_a_perce
         for span in [1e-3, 0.1, 5.0, 100.0] {
             let mach = mach_of_span(n, span);
             let critical = 589e3 / over_critical(n, mach);
-            cases.push((pipe(&gas, span), flow_at(n, mach, 589e3, 294.0), critical));
+            let temperature = 294.0 / stagnation(n, mach, 1.0);
+            cases.push((pipe(&gas, span), flow_at(n, mach, 589e3, temperature), critical));
         }
         let most = gas.flow_constant() / 294.0 * gas.flow_function(known.exner, 0.0).value;
         let critical = 589e3 * (2.0 / (n + 1.0)).powf(n / (n - 1.0));
@@ -241,7 +259,7 @@ fn a_known_downstream_end_is_sonic_at_most() {
     for n in [1.4, 1.3] {
         let gas = Gas::new(n, AIR);
         let tube = thesis_pipe(&gas);
-        let sonic = flow_at(n, 1.0, 101.3e3, 294.0);
+        let sonic = flow_at(n, 1.0, 101.3e3, 294.0 / stagnation(n, 1.0, 1.0));
         for times in [1.0 + 1e-12, 1.5, 4.0] {
             let got = far_pressure(&gas, &tube, &station(&gas, 101.3e3, 294.0), -times * sonic);
             let raised = station(&gas, times * 101.3e3, 294.0);
@@ -277,7 +295,7 @@ fn at_a_small_flow_the_drop_is_that_of_fanning() {
     let gas = Gas::new(1.4, AIR);
     let (p, t) = (317e3, 294.0);
     let flow = flow_at(1.4, 1e-3, p, t);
-    let far = far_pressure(&gas, &thesis_pipe(&gas), &station(&gas, p, t), flow);
+    let far = far_pressure(&gas, &thesis_pipe(&gas), &passing(&gas, 1.4, 1e-3, p, t), flow);
     let fanning = 0.5 * 1.4 * p * 1e-6 * 5.0;
     assert!(((p - far) / fanning - 1.0).abs() < 1e-4, "{} {fanning}", p - far);
 }
@@ -301,7 +319,7 @@ fn the_far_pressure_falls_with_the_flow_and_stays_positive() {
 
 /// Central differences, with a step small beside the steepest fall.
 #[test]
-fn slopes_are_those_of_the_pressure() {
+fn slopes_over_flow_and_temperature_are_those_of_the_pressure() {
     for n in [1.4, 1.3] {
         let gas = Gas::new(n, AIR);
         let known = station(&gas, 317e3, 294.0);
@@ -313,6 +331,11 @@ fn slopes_are_those_of_the_pressure() {
                 let got = tube.far_end(&known, flow).by_flow;
                 let scale = got.abs() + at(flow) / flow.abs() * 1e-3;
                 assert!((got - central).abs() < 1e-3 * scale, "{name} {flow}: {got} {central}");
+                let of = |temperature| tube.far_end(&Station { temperature, ..known }, flow);
+                let central = (of(294.0 + 1e-4).exner - of(294.0 - 1e-4).exner) / 2e-4;
+                let got = of(294.0).by_temperature;
+                let scale = got.abs() + at(flow) / 294.0 * 1e-3;
+                assert!((got - central).abs() < 1e-3 * scale, "{name} {flow} over T: {got} {central}");
             }
         }
     }
