@@ -180,7 +180,7 @@ impl Assembly {
         if self.parts.flow_force == FlowForce::None {
             return 0.0;
         }
-        let nodes = self.nodes(t, x);
+        let nodes = self.nodes_found(t, x);
         let ends = self.ends_at_valve(x, &self.air(x));
         let behind = self.parts.network.exner_behind_ports(&nodes, &ends, &self.ports.directions);
         let each = nodes.each();
@@ -341,7 +341,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     }
 
     fn flow_guards(&mut self, t: f64, x: &StateVector) -> [f64; FLOW_GUARDS] {
-        let nodes = self.nodes(t, x);
+        let nodes = self.nodes_found(t, x);
         self.ports.guards(&nodes)
     }
 
@@ -349,6 +349,10 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         if self.parts.network.sharpen(sharp) {
             self.solved = None;
         }
+    }
+
+    fn try_step(&mut self, h: f64) {
+        self.parts.network.try_step(h);
     }
 
     fn core_alone(&self) -> bool {

@@ -6,7 +6,7 @@
 use pneudrive_controller::Command;
 
 use crate::integrator::IntegrationError;
-use crate::plant::{Accuracy, Plant, seconds};
+use crate::plant::{Accuracy, Plant};
 use crate::rig::Rig;
 
 /// Sample period and delay of the output after the sample, whole microseconds.
@@ -42,9 +42,8 @@ pub fn follow(
 ) -> Result<Vec<Reading>, IntegrationError> {
     let mut plant = Plant::new(rig, accuracy, 0).with_timing(timing.period_us, timing.delay_us);
     let mut readings = Vec::with_capacity(commands.len());
-    for (k, &command) in (0u64..).zip(commands) {
-        let seen = plant.look(seconds(k * timing.period_us))?;
-        readings.push(Reading { position: seen.position, pressures: seen.pressures, spool: seen.spool });
+    for &command in commands {
+        readings.push(plant.reading());
         plant.command(command);
         plant.next_sample()?;
     }

@@ -55,6 +55,8 @@ pub trait Hybrid<const N: usize, const G: usize, const F: usize> {
     /// Differences of derivatives are about to be taken, or no more: they ask for all the digits that
     /// there are.
     fn sharpen(&mut self, _sharp: bool) {}
+    /// A step of `h` seconds is about to be tried: an error of dx/dt counts `h` times.
+    fn try_step(&mut self, _h: f64) {}
     /// What is known of the time after `t`.
     fn ahead(&mut self, t: f64, _x: &[f64; N]) -> Ahead {
         Ahead { until: self.next_instant(t), event: Some(Event::Instant) }.within(t + self.longest_step())
@@ -425,6 +427,7 @@ impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrat
                 self.wanted
             };
             let end = if limited { limit } else { self.t + h };
+            system.try_step(h);
             let trial = match &slopes {
                 Some(slopes) => self.implicit_trial(system, slope, slopes, h),
                 None if system.core_alone() => self.explicit_trial::<CORE>(system, slope, h),

@@ -22,6 +22,7 @@
 //! | [`positive_gain`] | the historical bug of the gain routine, for repetition |
 //! | [`characteristics`] | the thesis's component tests, on these very parts |
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
+//! | [`decision`] | whether a transient is decided, or the error of its integration chose it |
 //! | [`run`](mod@run), [`trace`] | the real controller on the plant, and what came out |
 //!
 //! Everything is SI after loading. Transcendental functions come from `libm`, or from sums and products
@@ -33,6 +34,7 @@ mod assembly;
 pub mod build;
 pub mod characteristics;
 pub mod continuous;
+pub mod decision;
 pub mod discharge;
 pub mod dither;
 pub mod faults;
@@ -60,6 +62,7 @@ pub mod trace;
 pub mod tubing;
 pub mod valve;
 
+pub use decision::{Decision, decide};
 pub use follow::follow;
 pub use integrator::{IntegrationError, Method};
 pub use plant::{Accuracy, Plant};

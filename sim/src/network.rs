@@ -117,7 +117,7 @@ impl Following {
     fn far_end(&self, lagged: f64, temperature: f64, total: f64) -> FarEnd {
         let settled = self.tube.far_end(&Station { temperature, ..self.source }, total);
         let exner = lagged * libm::pow(settled.exner / lagged, self.part);
-        FarEnd { exner, by_flow: self.part * exner * settled.by_flow / settled.exner, by_temperature: 0.0 }
+        FarEnd { exner, by_flow: self.part * exner * settled.by_flow / settled.exner }
     }
 }
 
@@ -153,8 +153,10 @@ pub struct Network {
     /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
     far: bool,
     course: Course,
-    /// Allowed error of a flow, kg/s.
+    /// Allowed error of a flow, kg/s, in the present step and in one no longer than `short_step` (s).
     flow_error: f64,
+    short_error: f64,
+    short_step: f64,
     /// Whether flows are solved to rounding instead.
     sharp: bool,
     /// Solutions that were not found, and those found since, until these are [`CALM`].
@@ -231,6 +233,8 @@ impl Network {
             far: true,
             course: Course::UNKNOWN,
             flow_error: FLOW_ERROR,
+            short_error: FLOW_ERROR,
+            short_step: f64::INFINITY,
             sharp: false,
             failures: 0,
             found: 0,
@@ -248,7 +252,19 @@ impl Network {
     /// The same with flows to an error of so many kg/s.
     #[must_use]
     pub fn to_within(self, flow_error: f64) -> Network {
-        Network { flow_error, ..self }
+        Network { flow_error, short_error: flow_error, ..self }
+    }
+
+    /// The same with that error in steps of `short_step` seconds, and as much less in longer ones: it is mass that
+    /// counts.
+    #[must_use]
+    pub fn by_steps_of(self, short_step: f64) -> Network {
+        Network { short_step, ..self }
+    }
+
+    /// A step of `h` seconds is about to be tried.
+    pub fn try_step(&mut self, h: f64) {
+        self.flow_error = self.short_error * (self.short_step / h).min(1.0);
     }
 
     /// Has flows solved to rounding from now on, or no more; tells whether that is new.
@@ -350,18 +366,27 @@ impl Network {
         self.solve_among(&Surroundings::new(*valve, Station::both(chambers), ports)).each()
     }
 
-    /// The nodes among what surrounds them. Air that goes back through the supply tube has their temperature.
+    /// The nodes among what surrounds them.
+    #[inline]
     fn solve_among(&mut self, around: &Surroundings) -> Nodes {
-        let mut nodes = self.solve_at_returning(around);
         if self.supply_tube.feels_temperature() {
-            for _ in 0..MAX_RETURNING_PASSES {
-                let returning = self.returning_temperature(&nodes);
-                if (returning - self.returning).abs() <= SAME_TEMPERATURE * self.returning {
-                    break;
-                }
-                self.returning = returning;
-                nodes = self.solve_at_returning(around);
+            self.solve_returning(around)
+        } else {
+            self.solve_once(around)
+        }
+    }
+
+    /// The same where air that goes back through the supply tube is felt there: it has the temperature of the nodes.
+    #[inline(never)]
+    fn solve_returning(&mut self, around: &Surroundings) -> Nodes {
+        let mut nodes = self.solve_once(around);
+        for _ in 0..MAX_RETURNING_PASSES {
+            let returning = self.returning_temperature(&nodes);
+            if (returning - self.returning).abs() <= SAME_TEMPERATURE * self.returning {
+                break;
             }
+            self.returning = returning;
+            nodes = self.solve_once(around);
         }
         nodes
     }
@@ -376,7 +401,7 @@ impl Network {
     }
 
     /// The nodes with a temperature given of what goes back through the supply tube.
-    fn solve_at_returning(&mut self, around: &Surroundings) -> Nodes {
+    fn solve_once(&mut self, around: &Surroundings) -> Nodes {
         self.work.solutions += 1;
         if !around.are_in_order() {
             return Nodes::NOT_NUMBERS;

@@ -9,6 +9,7 @@ use pneudrive_controller::{Command, Sample};
 use crate::assembly::{Assembly, CORE, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, slot};
 use crate::build;
 use crate::faults::SensorFaults;
+use crate::follow::Reading;
 use crate::integrator::{Hybrid, IntegrationError, Integrator, Method, Work};
 use crate::network::NetworkWork;
 use crate::number::Pair;
@@ -26,18 +27,28 @@ pub struct Accuracy {
 }
 
 impl Default for Accuracy {
-    /// For any drive: repeats the reference transients to a tenth of their tolerances, over the whole run
-    /// (docs/agreement.md).
+    /// For a plant under given commands: repeats the reference transients to a tenth of their tolerances, over the
+    /// whole run (docs/agreement.md).
     fn default() -> Self {
         Accuracy { method: Method::DormandPrince, tolerance: 1e-9 }
     }
 }
 
 impl Accuracy {
-    /// What the drive of a rig needs for that. A spool that a stepper places does not shake, and no position
-    /// depends on the last nanometres of its motion.
+    /// What a run of a rig needs. In a closed loop a count that flips makes another transient, so that it is
+    /// integrated until that is rare (see [`crate::decision`]).
     #[must_use]
     pub fn of(rig: &Rig) -> Accuracy {
+        match rig.word("controller.loop") {
+            "closed" => Accuracy { tolerance: 1e-11, ..Accuracy::default() },
+            _ => Accuracy::of_draw(rig),
+        }
+    }
+
+    /// What a run needs that is one of many draws: another transient of the same drive is as good. A spool that a
+    /// stepper places does not shake, and no position depends on the last nanometres of its motion.
+    #[must_use]
+    pub fn of_draw(rig: &Rig) -> Accuracy {
         match rig.word("operator.model") {
             "stepper" => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
             _ => Accuracy::default(),
@@ -71,6 +82,12 @@ const FLOW: f64 = 0.3;
 
 /// kg/s: flows are solved to this at any tolerance, so that their noise looks like no motion.
 const MOST_FLOW_ERROR: f64 = 3e-10;
+
+/// s: in longer steps the flows are found as much more exactly.
+const SHORT_STEP: f64 = 0.5e-3;
+
+/// At this tolerance and above, what the error of a flow makes of the air in a long step is less than anyone asks for.
+const LOOSE: f64 = 1e-9;
 
 /// What can be measured at one instant, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +135,9 @@ impl Plant {
     pub fn new(rig: &Rig, accuracy: Accuracy, seed: u64) -> Plant {
         let (mut parts, x) = build::drive(rig);
         parts.network = parts.network.to_within((FLOW * accuracy.tolerance).min(MOST_FLOW_ERROR));
+        if accuracy.tolerance < LOOSE {
+            parts.network = parts.network.by_steps_of(SHORT_STEP);
+        }
         let assembly = Assembly::new(parts, &x);
         Plant {
             assembly,
@@ -140,12 +160,26 @@ impl Plant {
         self
     }
 
-    /// The sensors at the present sample instant.
-    pub fn sample(&mut self) -> Sample {
+    /// What the sensors are given at the present sample instant.
+    pub fn reading(&mut self) -> Reading {
         let t = self.sample_time_of(self.k);
         let x = self.integrator.state(t);
-        let pressures = slot::EXNER.map(|i| self.assembly.parts.gas.pressure(x[i]));
-        let sample = self.sensors.read(x[slot::POSITION], pressures, self.assembly.spool(t, &x));
+        Reading {
+            position: x[slot::POSITION],
+            pressures: slot::EXNER.map(|i| self.assembly.parts.gas.pressure(x[i])),
+            spool: self.assembly.spool(t, &x),
+        }
+    }
+
+    /// The sensors at the present sample instant.
+    pub fn sample(&mut self) -> Sample {
+        let reading = self.reading();
+        self.sample_of(&reading)
+    }
+
+    /// What the sensors make of a reading at the present sample instant.
+    pub fn sample_of(&mut self, reading: &Reading) -> Sample {
+        let sample = self.sensors.read(reading.position, reading.pressures, reading.spool);
         self.sensor_faults.spoil(self.k * self.period_us, sample)
     }
 

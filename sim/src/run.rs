@@ -1,7 +1,8 @@
 //! One run: the real controller on the simulated plant, as fast as it goes.
 
-use pneudrive_controller::{Config, Fault, Mode, Observation, State, output, sample};
+use pneudrive_controller::{Command, Config, Fault, Mode, Observation, State, output, sample};
 
+use crate::follow::Reading;
 use crate::integrator::IntegrationError;
 use crate::plant::{Accuracy, Plant, PlantWork, seconds};
 use crate::positive_gain::PositiveGain;
@@ -15,6 +16,10 @@ pub struct Run {
     pub rows: Vec<Row>,
     /// What the controller made of each sample: the integers that every rung must repeat.
     pub observations: Vec<Observation>,
+    /// What the sensors were given at each sample.
+    pub readings: Vec<Reading>,
+    /// What was driven from each sample's output on.
+    pub commands: Vec<Command>,
     /// The fault that ended the control, if one did, and the sample at which it tripped.
     pub fault: Option<(Fault, u32)>,
     /// What it has cost.
@@ -76,13 +81,17 @@ pub fn run_watched(
     let rows = Vec::with_capacity(room_for(end_us / row_period));
     let mut rows = Rows { period_us: row_period, next_us: 0, end_us, rows };
     let mut plant = Plant::new(rig, accuracy, 0);
-    let mut observations = Vec::with_capacity(room_for(u64::from(rig.last_sample())));
+    let samples = room_for(u64::from(rig.last_sample()));
+    let mut observations = Vec::with_capacity(samples);
+    let (mut readings, mut commands) = (Vec::with_capacity(samples), Vec::with_capacity(samples));
     let mut fault = None;
     let mut target = None;
     let mut bug = PositiveGain::of(rig, &config);
     let last = rig.last_sample();
     for k in 0..=u64::from(last) {
-        sample(&config, &sequence, &mut state, &plant.sample());
+        let reading = plant.reading();
+        readings.push(reading);
+        sample(&config, &sequence, &mut state, &plant.sample_of(&reading));
         let mut command = output(&config, &mut state);
         let mut seen = *state.observation();
         if let Mode::Fault(kind) = state.supervisor.mode() {
@@ -102,6 +111,7 @@ pub fn run_watched(
         if let Some(bug) = &mut bug {
             command = bug.output(&seen, command);
         }
+        commands.push(command);
         if target.is_none() {
             plant.command(command);
         }
@@ -111,7 +121,7 @@ pub fn run_watched(
             plant.next_sample()?;
         }
     }
-    Ok(Run { rows: rows.rows, observations, fault, work: plant.work() })
+    Ok(Run { rows: rows.rows, observations, readings, commands, fault, work: plant.work() })
 }
 
 /// Room for entries 0 to `last`, as far as it is wise to take it beforehand.

@@ -13,6 +13,7 @@ use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+use crate::follow::Reading;
 use crate::rig::Rig;
 use crate::rig::unit_interval;
 
@@ -30,6 +31,17 @@ pub struct Converter {
 impl Converter {
     fn full_scale(&self) -> f64 {
         f64::from((1u32 << self.bits) - 1)
+    }
+
+    /// How far `x` is from where its raw value changes, with `noise` counts on it.
+    fn distance(&self, x: f64, noise: f64) -> f64 {
+        let per_count = (self.max - self.min) / self.full_scale();
+        let counts = (x - self.min) / per_count + 0.5 + noise;
+        let place = counts.clamp(1.0, self.full_scale()) - counts;
+        let between = counts - counts.floor();
+        // Beyond an end nothing changes until the first or last step.
+        let steps = if place == 0.0 { between.min(1.0 - between) } else { place.abs() };
+        steps * per_count
     }
 
     /// The raw value of `x` with `noise` counts on it.
@@ -90,6 +102,17 @@ impl Sensors {
         }
     }
 
+    /// How far position (m) and pressures (Pa) are from where their readings change, with the noise that
+    /// [`Sensors::read`] would have drawn.
+    pub(crate) fn distances(&mut self, of: &Reading) -> [f64; 3] {
+        let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
+        [
+            distance_to_count(of.position, self.pulse),
+            self.pressure.distance(of.pressures[0], noise[0]),
+            self.pressure.distance(of.pressures[1], noise[1]),
+        ]
+    }
+
     /// A normal draw (Box and Muller) of the noise's size; nothing is drawn without noise.
     fn noise(&mut self) -> f64 {
         if self.noise_counts == 0.0 {
@@ -98,6 +121,13 @@ impl Sensors {
         let (radius, angle) = (1.0 - unit_interval(&mut self.random), unit_interval(&mut self.random));
         self.noise_counts * (-2.0 * libm::log(radius)).sqrt() * libm::cos(2.0 * PI * angle)
     }
+}
+
+/// How far a position is from where its count changes, in its unit.
+fn distance_to_count(position: f64, pulse: f64) -> f64 {
+    let pulses = position / pulse + 1e-9;
+    let between = pulses - pulses.floor();
+    between.min(1.0 - between) * pulse
 }
 
 /// The encoder's count at a position, both in the same unit.

@@ -51,13 +51,19 @@ enum Model {
     Connector(Connector),
 }
 
-/// Exner pressure at the far end of a tube, and its slopes over the flow and over the temperature of the air in
-/// the tube.
+/// Exner pressure at the far end of a tube, and its slope over the flow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FarEnd<N = f64> {
     pub exner: N,
     pub by_flow: N,
-    pub by_temperature: N,
+}
+
+impl<N: Number> FarEnd<N> {
+    /// The slope over the temperature of the air in a tube that feels it: flow and temperature enter as m^2 T.
+    #[inline(always)]
+    pub fn by_temperature(&self, flow: N, temperature: N) -> N {
+        N::from(0.5) * self.by_flow * flow / temperature
+    }
 }
 
 /// Exner pressure at the far end over that at the known end.
@@ -126,11 +132,11 @@ impl Tube {
     #[inline(always)]
     pub(crate) fn far_end<N: Number>(&self, known: &Station<N>, flow: N) -> FarEnd<N> {
         match &self.0 {
-            Model::None => FarEnd { exner: known.exner, by_flow: N::from(0.0), by_temperature: N::from(0.0) },
+            Model::None => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
             Model::Empirical { decay } => {
                 let decay = N::from(*decay);
                 let exner = known.exner * (decay * flow).exponential();
-                FarEnd { exner, by_flow: decay * exner, by_temperature: N::from(0.0) }
+                FarEnd { exner, by_flow: decay * exner }
             }
             Model::Analytical(pipe) => one_by_one(known, flow, |known, flow| pipe.ratio(known, flow)),
             Model::Connector(connector) => {
@@ -143,15 +149,15 @@ impl Tube {
 /// The far ends of tubes whose equations have to be asked how large things are.
 #[inline]
 fn one_by_one<N: Number>(known: &Station<N>, flow: N, ratio: impl Fn(&Station, f64) -> Ratio) -> FarEnd<N> {
-    let (mut by_flow, mut by_temperature) = ([0.0; 2], [0.0; 2]);
+    let mut slopes = [0.0; 2];
     let exner = N::of(|i| {
         let (known, flow) =
             (Station { exner: known.exner.lane(i), temperature: known.temperature.lane(i) }, flow.lane(i));
-        let far = ratio(&known, flow).far_end(&known, flow);
-        (by_flow[i], by_temperature[i]) = (far.by_flow, far.by_temperature);
+        let far = ratio(&known, flow).far_end(known.exner, flow);
+        slopes[i] = far.by_flow;
         far.exner
     });
-    FarEnd { exner, by_flow: N::of(|i| by_flow[i]), by_temperature: N::of(|i| by_temperature[i]) }
+    FarEnd { exner, by_flow: N::of(|i| slopes[i]) }
 }
 
 impl Ratio {
@@ -165,12 +171,11 @@ impl Ratio {
         Ratio { value: 0.25 * value / fall, elasticity: -(1.0 + excess) / excess }
     }
 
-    fn far_end(self, known: &Station, flow: f64) -> FarEnd {
-        let exner = known.exner * self.value;
+    fn far_end(self, known_exner: f64, flow: f64) -> FarEnd {
+        let exner = known_exner * self.value;
         // The drop goes with m|m|: flat at no flow.
         let by_flow = if flow == 0.0 { 0.0 } else { exner * self.elasticity / flow };
-        // Flow and temperature enter as m^2 T.
-        FarEnd { exner, by_flow, by_temperature: 0.5 * exner * self.elasticity / known.temperature }
+        FarEnd { exner, by_flow }
     }
 }
 

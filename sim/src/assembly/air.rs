@@ -47,6 +47,17 @@ impl Assembly {
         }
     }
 
+    /// The same where the answer decides about an event: what the followed solution does not give is searched for.
+    pub(super) fn nodes_found(&mut self, t: f64, x: &StateVector) -> Nodes {
+        let nodes = self.nodes(t, x);
+        if nodes.are_finite() {
+            return nodes;
+        }
+        self.solved = None;
+        self.parts.network.expect_jump();
+        self.nodes(t, x)
+    }
+
     fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
         let openings = self.parts.valve.openings(self.spool(t, x));
         let conductances = self.restrictions.at(openings, self.lands.open);

@@ -47,15 +47,21 @@ impl Network {
     /// Newton's method from `nodes`; None where it does not converge.
     pub(super) fn newton(&mut self, around: &Surroundings, nodes: Nodes, slopes: Slopes) -> Option<Nodes> {
         let nodes = self.begun(around, nodes);
+        let plain = self.following.is_none()
+            && !self.supply_tube.feels_temperature()
+            && !self.cylinder_tube.feels_temperature();
         match slopes {
-            Slopes::Tangent if self.mach == 0.0 => self.iterate::<true>(around, nodes, Slopes::Tangent),
-            _ => self.iterate::<false>(around, nodes, slopes),
+            Slopes::Tangent if self.mach == 0.0 && plain => self.iterate::<true, true>(around, nodes, slopes),
+            Slopes::Tangent if self.mach == 0.0 => self.iterate::<true, false>(around, nodes, slopes),
+            _ if plain => self.iterate::<false, true>(around, nodes, slopes),
+            _ => self.iterate::<false, false>(around, nodes, slopes),
         }
     }
 
-    /// `AT_REST`: no air has a speed in front of a restriction.
-    #[inline(always)]
-    fn iterate<const AT_REST: bool>(
+    /// `AT_REST`: no air has a speed in front of a restriction. `PLAIN`: no tube's drop depends on the temperature of
+    /// its air, and nothing of a lagged one follows at once.
+    #[inline(never)]
+    fn iterate<const AT_REST: bool, const PLAIN: bool>(
         &mut self,
         around: &Surroundings,
         mut nodes: Nodes,
@@ -64,8 +70,9 @@ impl Network {
         for _ in 0..slopes.most_iterations() {
             self.work.iterations += 1;
             let total = nodes.supply.reduce_add();
-            let at_valve = self.supply_end(total);
-            let balance = self.balance::<AT_REST>(&nodes, around, &at_valve, slopes);
+            let at_valve =
+                if PLAIN { self.supply_tube.far_end(&self.supply, total) } else { self.supply_end(total) };
+            let balance = self.balance::<AT_REST, PLAIN>(&nodes, around, &at_valve, slopes);
             let corrections = balance.corrections::<AT_REST>();
             // The change of the total is the sum of its parts, which depend on it.
             let [[_, fixed, _], [_, per_total, _]] = &corrections;
@@ -148,7 +155,7 @@ impl Network {
     }
 
     #[inline(always)]
-    fn balance<const AT_REST: bool>(
+    fn balance<const AT_REST: bool, const PLAIN: bool>(
         &self,
         nodes: &Nodes,
         around: &Surroundings,
@@ -160,9 +167,16 @@ impl Network {
         let supply = Station { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
         let supply_approach = if AT_REST { None } else { self.supply_approach(&supply, s) };
         let from_supply_tube = (&supply_approach, pair(at_valve.by_flow));
-        let in_tubes = self.air_in_tubes(nodes, around, from_supply_tube);
-        let known = Station { temperature: in_tubes.temperature, ..around.chambers };
+        let in_tubes = if PLAIN { None } else { self.air_in_tubes(nodes, around, from_supply_tube) };
+        let known = match &in_tubes {
+            Some(air) => Station { temperature: air.temperature, ..around.chambers },
+            None => around.chambers,
+        };
         let far_end = self.cylinder_tube.far_end(&known, -m);
+        let by_warmth = in_tubes.map(|air| {
+            let by_temperature = far_end.by_temperature(-m, air.temperature);
+            air.slopes.map(|slope| by_temperature * slope)
+        });
         let far = Station { exner: far_end.exner, ..around.chambers };
         let far_approach = if AT_REST { None } else { self.port_approach(&far, -m) };
         let by_back = far_end.by_flow;
@@ -196,7 +210,7 @@ impl Network {
         let Some(bore) = around.valve.port else {
             let by_flow = pair(-OPEN_PORT) * by_back;
             let [w_s, w_e, w_t] =
-                in_tubes.slopes.map(|slope| pair(OPEN_PORT) * far_end.by_temperature * slope);
+                by_warmth.map_or([pair(0.0); 3], |by_warmth| by_warmth.map(|slope| pair(OPEN_PORT) * slope));
             return Balance {
                 residual: [supply_line.0, exhaust_line.0, pair(OPEN_PORT) * (far.exner - nodes.exner)],
                 rows: [supply_row, exhaust_row, [pair(-OPEN_PORT), by_flow + w_s, by_flow + w_e]],
@@ -216,10 +230,10 @@ impl Network {
         let by_flow = size - back.by_flow - back.by_place * by_back;
         let mut port_row = [back.by_node, by_flow + p_s, by_flow + p_e];
         let mut port_by_total = p_t;
-        if self.cylinder_tube.feels_temperature() {
-            let [w_s, w_e, w_t] = in_tubes.slopes.map(|slope| back.by_place * far_end.by_temperature * slope);
-            (port_row[1], port_row[2]) = (port_row[1] + w_s, port_row[2] + w_e);
-            port_by_total += w_t;
+        if let Some([w_s, w_e, w_t]) = by_warmth {
+            port_row[1] += back.by_place * w_s;
+            port_row[2] += back.by_place * w_e;
+            port_by_total += back.by_place * w_t;
         }
         Balance {
             residual: [supply_line.0, exhaust_line.0, m * m.abs() + back.value],
@@ -229,29 +243,28 @@ impl Network {
         }
     }
 
-    /// The air in the cylinders' tubes: what the node mixes when it charges, else the chamber's. Of no interest to
-    /// tubes whose drop does not depend on it.
+    /// The air in the cylinders' tubes, if their drop depends on it: what the node mixes when it charges, else the
+    /// chamber's.
     #[inline(always)]
     fn air_in_tubes(
         &self,
         nodes: &Nodes,
         around: &Surroundings,
         supply: (&MaybeApproach<Pair>, Pair),
-    ) -> Mixture {
-        let of_chambers = Mixture::of(around.chambers.temperature);
+    ) -> Option<Mixture> {
         if !self.cylinder_tube.feels_temperature() {
-            return of_chambers;
+            return None;
         }
         // Without a node the approach to the lands leaves the temperature alone (6.40).
         let supply = if around.valve.port.is_some() { supply } else { (&None, pair(0.0)) };
         let charging = self.mixture(nodes, around, supply, (&None, pair(0.0)));
+        let of_chambers = Mixture::of(around.chambers.temperature);
         let choose = |mixed: Pair, own: Pair| Pair::choose(around.charging, mixed, own);
-        let slopes = std::array::from_fn(|i| choose(charging.slopes[i], pair(0.0)));
-        Mixture {
+        Some(Mixture {
             temperature: choose(charging.temperature, of_chambers.temperature),
             per_temperature: choose(charging.per_temperature, of_chambers.per_temperature),
-            slopes,
-        }
+            slopes: charging.slopes.map(|slope| choose(slope, pair(0.0))),
+        })
     }
 
     /// Residuals of lands whose pressures give the signed squares `value`, and their slopes over the flow.
