@@ -14,6 +14,7 @@
 //! | [`target`] | TARGETxx.DAT: read, write, number |
 //! | [`stream_file`] | a run as it is streamed to disk |
 //! | [`run_folder`] | trace.csv and run.json: read, write |
+//! | [`ensemble`], [`band`] | a run with its neighbours, and what they cover |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`alignment`] | two transients on one time |
@@ -50,6 +51,7 @@ pub(crate) fn say_line(line: std::fmt::Arguments<'_>) {
 }
 
 pub mod alignment;
+pub mod band;
 #[cfg(unix)]
 pub mod board_plant;
 pub mod cli;
@@ -59,6 +61,7 @@ pub mod deviation;
 pub mod download;
 #[cfg(unix)]
 pub mod emulated_board;
+pub mod ensemble;
 pub mod evaluation;
 pub mod identification;
 pub mod kept_flash;

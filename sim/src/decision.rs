@@ -59,6 +59,10 @@ pub struct Edge {
 }
 
 impl Decision {
+    /// Of a run that no other integration can be compared with.
+    pub const UNKNOWN: Decision =
+        Decision { closest_edge: None, error_m: f64::INFINITY, undecided_from_s: Some(0.0) };
+
     /// Whether the exact transient is this one.
     #[must_use]
     pub fn is_decided(&self) -> bool {

@@ -91,8 +91,8 @@ const DIGITS: usize = 12;
 /// Below this the exponent is written, not the zeros.
 const SMALLEST_EXPONENT: i32 = -4;
 
-/// Appends a number to [`DIGITS`] digits, without zeros that say nothing.
-fn push_number(text: &mut String, value: f64) {
+/// Appends a number with twelve significant digits, without zeros that say nothing.
+pub fn push_number(text: &mut String, value: f64) {
     const WHOLE: f64 = 1e9;
     if value.abs() < WHOLE && value == value.trunc() {
         write!(text, "{}", value as i64).expect("writing to a string");

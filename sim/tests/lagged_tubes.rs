@@ -49,3 +49,21 @@ fn lags_of_the_thesis_run_through_full_openings_without_a_search_for_flows_at_ev
         assert!(run.work.network.bracketed < steps / 100, "{lag_s} s: {:?}", run.work);
     }
 }
+
+/// At the outlet of a vessel the air is at rest, of the supply and of the chambers alike.
+#[test]
+fn without_tubes_no_air_has_a_speed_in_front_of_the_valve() {
+    let opened = |approach: bool| {
+        let settings = [
+            "controller.loop=open".to_owned(),
+            "test.moves=[[0.0, 0], [0.1, 40], [0.5, -40]]".to_owned(),
+            "test.duration_s=0.9".to_owned(),
+            "tubing.model=none".to_owned(),
+            format!("valve.upstream_mach={approach}"),
+        ];
+        let text = pneudrive_sim::rig::builtin("servo-a").expect("a built-in rig");
+        let rig = Rig::read_with("servo-a", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
+        run(&rig, Accuracy::of(&rig)).expect("a transient")
+    };
+    assert_eq!(apart(&opened(false), &opened(true)), 0.0);
+}

@@ -39,7 +39,6 @@ fn companions(key: &Key) -> Vec<String> {
         "actuator.leakage_coefficient" => vec!["actuator.leakage=laminar"],
         "actuator.passage_resistance" | "actuator.passage_clearance_m" => vec!["actuator.leakage=adiabatic"],
         "valve.spool_rod_diameter_mm" | "valve.land_length_m" => vec!["valve.flow_force=analytical"],
-        "tubing.lag_s" => vec!["valve.upstream_mach=false"],
         _ => Vec::new(),
     };
     if key.models.contains(&"iso-6358") {

@@ -65,7 +65,7 @@ impl Trial {
         let settings: Vec<String> =
             self.settings.iter().chain(gains).cloned().chain(variant.settings(&self.rig)).collect();
         let rig = Rig::read_with(&self.source.0, &self.source.1, &settings).map_err(|all| all.to_string())?;
-        let run = run(&rig, Accuracy::of(&rig)).map_err(|error| error.to_string())?;
+        let run = run(&rig, Accuracy::of_draw(&rig)).map_err(|error| error.to_string())?;
         if let Some((fault, k)) = run.fault {
             return Err(format!("{} at sample {k}", fault_name(fault)));
         }
