@@ -12,6 +12,8 @@ pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch,
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::ensemble::Spacing;
+
 /// Servo-pneumatic drives: simulate, run, record, compare.
 #[derive(Debug, Parser)]
 #[command(version, about, arg_required_else_help = true, after_help = "Start with: pneudrive demo")]
@@ -90,8 +92,8 @@ pub struct Integration {
     /// Method of integration
     #[arg(long, value_enum, default_value_t = MethodName::DormandPrince)]
     pub method: MethodName,
-    /// Allowed error of a step, relative to what counts as large in each state [default: what the drive needs, 1e-9
-    /// or with a stepper 3e-8]
+    /// Allowed error of a step, relative to what counts as large in each state [default: what the drive needs: 1e-11 in
+    /// closed loop, else 1e-9, or 3e-8 with a stepper]
     #[arg(long, value_name = "X", value_parser = tolerance)]
     pub tolerance: Option<f64>,
 }
@@ -179,6 +181,34 @@ pub struct Simulate {
     /// How to integrate.
     #[command(flatten)]
     pub integration: Integration,
+    /// Its neighbours.
+    #[command(flatten)]
+    pub neighbours: Neighbours,
+}
+
+/// Runs beside the nominal one.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Neighbours {
+    /// Runs in all: the rig as it is, and neighbours whose mass and starting position differ by next to nothing; figures
+    /// are ranges over all of them. 1: the rig as it is alone
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub ensemble: u16,
+    /// How far away the neighbours are: relative change of the mass, and of the starting position over the stroke
+    #[arg(long, value_name = "X", default_value_t = 1e-5, value_parser = change)]
+    pub change: f64,
+}
+
+fn change(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (1e-12..=0.1).contains(&value) { Ok(value) } else { Err("must be between 1e-12 and 0.1".to_owned()) }
+}
+
+impl Neighbours {
+    /// What the library takes.
+    #[must_use]
+    pub fn spacing(&self) -> Spacing {
+        Spacing { runs: usize::from(self.ensemble), relative: self.change }
+    }
 }
 
 /// Arguments of `virtual`.

@@ -22,6 +22,17 @@ pub struct Deviation {
     pub largest: f64,
     /// Root of the mean square as a fraction of the reference's range; NaN for a constant channel.
     pub fraction_of_range: f64,
+    /// What of it the neighbours of a simulated run explain; None without them.
+    pub within_band: Option<WithinBand>,
+}
+
+/// A deviation beside the band of a simulated run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WithinBand {
+    /// Fraction of the samples of the other transient that lie in the band.
+    pub inside: f64,
+    /// Root of the mean square of the distance to the band, 0 inside.
+    pub beyond: f64,
 }
 
 /// The deviations of `other` from `reference`, channel by channel, at the reference's instants that
@@ -29,6 +40,23 @@ pub struct Deviation {
 #[must_use]
 pub fn deviations(reference: &Transient, other: &Transient) -> Vec<Deviation> {
     (1..CHANNELS.len()).filter_map(|channel| deviation(reference, other, channel)).collect()
+}
+
+/// How far `measured` is from the band of `run`, over the instants of `measured` that both cover.
+fn within_band(run: &Transient, measured: &Transient, channel: usize) -> Option<WithinBand> {
+    let samples = measured.time.iter().zip(&measured.channels[channel]);
+    let distances: Vec<f64> = samples
+        .filter_map(|(&time, &value)| {
+            let [low, high] = run.band_at(channel, time)?;
+            (value.is_finite() && low.is_finite() && high.is_finite())
+                .then(|| (low - value).max(value - high).max(0.0))
+        })
+        .collect();
+    let count = distances.len() as f64;
+    (count > 0.0).then(|| WithinBand {
+        inside: distances.iter().filter(|distance| **distance == 0.0).count() as f64 / count,
+        beyond: (distances.iter().map(|distance| distance * distance).sum::<f64>() / count).sqrt(),
+    })
 }
 
 fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option<Deviation> {
@@ -60,6 +88,8 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
         mean_square,
         largest: differences().map(f64::abs).fold(0.0, f64::max),
         fraction_of_range: if range > 0.0 { mean_square.sqrt() / range } else { f64::NAN },
+        within_band: within_band(other, reference, channel)
+            .or_else(|| within_band(reference, other, channel)),
     })
 }
 
@@ -67,11 +97,26 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
 #[must_use]
 pub fn table(heading: &str, deviations: &[Deviation]) -> Table {
     let columns = ["channel", "unit", "mean", "std deviation", "mean square", "largest", "rms / range"];
+    let banded = deviations.iter().any(|deviation| deviation.within_band.is_some());
+    let of_band = if banded { &["inside band", "rms beyond it"][..] } else { &[] };
     Table {
         heading: heading.to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: deviations.iter().map(cells).collect(),
+        columns: columns.iter().chain(of_band).map(|&name| name.to_owned()).collect(),
+        rows: deviations
+            .iter()
+            .map(|deviation| {
+                let of_band = banded.then(|| band_cells(deviation.within_band)).into_iter().flatten();
+                cells(deviation).into_iter().chain(of_band).collect()
+            })
+            .collect(),
     }
+}
+
+fn band_cells(within: Option<WithinBand>) -> [String; 2] {
+    within.map_or_else(
+        || ["-", "-"].map(str::to_owned),
+        |within| [format!("{:.0} %", 100.0 * within.inside), number(within.beyond)],
+    )
 }
 
 fn cells(deviation: &Deviation) -> Vec<String> {

@@ -38,19 +38,28 @@ impl Default for Spacing {
     }
 }
 
-/// A run and what its neighbours add.
+/// A run, and what is known of how far it can be trusted.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// The run of the rig as it is.
+    pub run: Run,
+    /// How exactly it was integrated.
+    pub accuracy: Accuracy,
+    /// Whether it is decided.
+    pub decision: Decision,
+    /// What it and its neighbours cover; None of a run alone.
+    pub band: Option<Band>,
+    /// How many neighbours it has, and how far away.
+    pub spacing: Spacing,
+}
+
+/// A run and what was measured of it and of its neighbours.
 #[derive(Clone, Debug)]
 pub struct Ensemble<T> {
-    /// The run of the rig as it is.
-    pub nominal: Run,
-    /// Whether that is decided.
-    pub decision: Decision,
+    /// The nominal run.
+    pub nominal: Judged,
     /// What was measured of each run, the nominal one first.
     pub measured: Vec<T>,
-    /// What all runs cover; None of a run alone.
-    pub band: Option<Band>,
-    /// What it was made with.
-    pub spacing: Spacing,
 }
 
 /// What one thread does.
@@ -124,13 +133,14 @@ pub fn run_ensemble<T: Send>(
         }
     }
     let band = band.into_inner().expect("no thread panics with it");
-    Ok(Ensemble {
-        nominal,
+    let nominal = Judged {
+        run: nominal,
+        accuracy,
         decision: decision.expect("it is one of the jobs"),
-        measured,
         band: (!others.is_empty()).then_some(band),
         spacing,
-    })
+    };
+    Ok(Ensemble { nominal, measured })
 }
 
 enum Done<T> {
@@ -174,11 +184,11 @@ mod tests {
         let found = run_ensemble(&rig, accuracy, Spacing::default(), end, |done, all| told.push((done, all)));
         let found = found.expect("runs");
         let alone = run(&rig, accuracy).expect("a run");
-        assert_eq!(found.nominal.rows.len(), alone.rows.len());
-        assert!(found.nominal.rows.iter().zip(&alone.rows).all(|(a, b)| a.values() == b.values()));
+        assert_eq!(found.nominal.run.rows.len(), alone.rows.len());
+        assert!(found.nominal.run.rows.iter().zip(&alone.rows).all(|(a, b)| a.values() == b.values()));
         assert_eq!(found.measured.len(), 8);
         assert_eq!(found.measured[0], end(&rig, &alone));
-        let band = found.band.expect("a band");
+        let band = found.nominal.band.expect("a band");
         let [low, high] = band.channel("position_m");
         assert!((low[low.len() - 1]..=high[high.len() - 1]).contains(&found.measured[0]));
         assert!(told.is_sorted() && told.last().is_some_and(|(done, all)| done == all), "{:?}", told.last());
@@ -189,7 +199,7 @@ mod tests {
         let rig = rig();
         let spacing = Spacing { runs: 1, ..Spacing::default() };
         let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {}).expect("a run");
-        assert!(found.band.is_none() && found.measured.len() == 1);
-        assert!(found.decision.closest_edge.is_some());
+        assert!(found.nominal.band.is_none() && found.measured.len() == 1);
+        assert!(found.nominal.decision.closest_edge.is_some());
     }
 }

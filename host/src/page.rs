@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 use anyhow::{Context, Result};
 use plotly::Plot;
 
-pub use figure::{COLOURS, Curve, Figure, Look, Panel};
+pub use figure::{COLOURS, Curve, Figure, Look, Panel, Shade};
 
 use crate::run_folder;
 

@@ -1,8 +1,8 @@
 //! The page of transients: position with setpoint, both pressures together, spool, command, error, over
 //! one axis of time.
 
-use crate::page::{Curve, Figure, Look, Page, Panel, Table};
-use crate::transient::Transient;
+use crate::page::{Curve, Figure, Look, Page, Panel, Shade, Table};
+use crate::transient::{COMMAND, Transient};
 
 /// One row of graphs: title with unit, and the channels in it with their legends.
 const GRAPHS: [(&str, &[(usize, &str)]); 5] = [
@@ -38,7 +38,29 @@ pub fn panels(transients: &[Transient]) -> Vec<Panel> {
             .map(|(number, transient, channel, label)| curve(transient, number, channel, label))
             .collect()
     };
-    GRAPHS.iter().map(|(title, channels)| Panel::new(title, curves(channels))).collect()
+    let bands = |channels: &[(usize, &str)]| {
+        let all = transients.iter().enumerate().flat_map(|(number, transient)| {
+            channels.iter().filter_map(move |&(channel, _)| shade(transient, number, channel))
+        });
+        all.collect()
+    };
+    GRAPHS
+        .iter()
+        .map(|(title, channels)| Panel { bands: bands(channels), ..Panel::new(title, curves(channels)) })
+        .collect()
+}
+
+/// What a simulated run and its neighbours cover.
+fn shade(transient: &Transient, number: usize, channel: usize) -> Option<Shade> {
+    let band = transient.band.as_ref()?;
+    (!band.low[channel].is_empty()).then(|| Shade {
+        name: format!("{} and its neighbours", transient.name),
+        x: transient.time.clone(),
+        low: band.low[channel].clone(),
+        high: band.high[channel].clone(),
+        colour: COLOURS[number % COLOURS.len()][channel],
+        steps: channel == COMMAND,
+    })
 }
 
 fn curve(transient: &Transient, number: usize, channel: usize, label: &str) -> Curve {

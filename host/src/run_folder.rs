@@ -1,4 +1,4 @@
-//! The folder of a simulated run: trace.csv and run.json.
+//! The folder of a simulated run: trace.csv and run.json, and band.csv where the run has neighbours.
 
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -8,9 +8,11 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_sim::rig::{Fields, Value};
 use pneudrive_sim::trace::{COLUMNS, to_csv};
-use pneudrive_sim::{Accuracy, Rig, Run};
+use pneudrive_sim::{Decision, Rig, Run};
 use serde_json::{Map, json};
 
+use crate::band::{self, Band};
+use crate::ensemble::Judged;
 use crate::transient::{WHOLE_WINDOW, whole_window};
 use crate::words;
 
@@ -23,11 +25,11 @@ const OPEN: &str = "open";
 /// Keys of the windows over which the controller forms velocity and acceleration.
 const WINDOWS: [&str; 2] = ["controller.velocity_window_samples", "controller.acceleration_window_samples"];
 
-/// Writes trace.csv and run.json of a run into a folder.
+/// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder.
 ///
 /// # Errors
 /// When the folder cannot be written to, or holds a run.json that is not ours.
-pub fn write(folder: &Path, rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<()> {
+pub fn write(folder: &Path, rig: &Rig, judged: &Judged) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let json_path = folder.join("run.json");
     if json_path.exists() && read_json(&json_path).is_err() {
@@ -35,8 +37,17 @@ pub fn write(folder: &Path, rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<
     }
     let trace_path = folder.join("trace.csv");
     refuse_foreign(&trace_path, &COLUMNS.join(","))?;
-    put(&trace_path, &to_csv(&run.rows))?;
-    let text = serde_json::to_string_pretty(&describe(rig, accuracy, run))?;
+    let band_path = folder.join("band.csv");
+    refuse_foreign(&band_path, &band::header())?;
+    put(&trace_path, &to_csv(&judged.run.rows))?;
+    match &judged.band {
+        Some(band) => put(&band_path, &band.to_csv())?,
+        // One from before would be of another run.
+        None if band_path.exists() => fs::remove_file(&band_path)
+            .with_context(|| format!("cannot remove {}, which is of another run", band_path.display()))?,
+        None => {}
+    }
+    let text = serde_json::to_string_pretty(&describe(rig, judged))?;
     put(&json_path, &(text + "\n"))
 }
 
@@ -100,7 +111,8 @@ pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
     placed.with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn describe(rig: &Rig, accuracy: Accuracy, run: &Run) -> serde_json::Value {
+fn describe(rig: &Rig, judged: &Judged) -> serde_json::Value {
+    let (run, accuracy) = (&judged.run, judged.accuracy);
     let keys: Map<String, serde_json::Value> =
         rig.entries().map(|(key, value)| (key.path.to_owned(), json_of(value))).collect();
     let parameters = rig.parameters();
@@ -118,6 +130,14 @@ fn describe(rig: &Rig, accuracy: Accuracy, run: &Run) -> serde_json::Value {
         "tolerance": accuracy.tolerance,
         "samples": run.observations.len(),
         "rows": run.rows.len(),
+        "decided": judged.decision.is_decided(),
+        "undecided_from_s": judged.decision.undecided_from_s,
+        "closest_edge": closest_edge(&judged.decision),
+        "position_error_m": judged.decision.error_m,
+        "ensemble": judged.band.as_ref().map(|_| json!({
+            "runs": judged.spacing.runs,
+            "relative_change": judged.spacing.relative,
+        })),
         "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
         "work": {
             "steps": work.integrator.steps,
@@ -131,6 +151,10 @@ fn describe(rig: &Rig, accuracy: Accuracy, run: &Run) -> serde_json::Value {
         "controller": controller,
         "keys": keys,
     })
+}
+
+fn closest_edge(decision: &Decision) -> Option<serde_json::Value> {
+    decision.closest_edge.map(|edge| json!({ "distance_m": edge.distance_m, "at_s": edge.at_s }))
 }
 
 fn json_of(value: &Value) -> serde_json::Value {
@@ -161,6 +185,8 @@ pub struct StoredRun {
     pub open_loop: bool,
     /// Windows of the controller's velocity and acceleration, samples.
     pub windows: [u8; 2],
+    /// What it and its neighbours cover, if it has some.
+    pub band: Option<Band>,
     columns: Vec<Vec<f64>>,
 }
 
@@ -179,8 +205,15 @@ impl StoredRun {
             mm_per_count: rig.number("encoder.mm_per_count"),
             open_loop: rig.word("controller.loop") == OPEN,
             windows: WINDOWS.map(|key| rig.integer(key) as u8),
+            band: None,
             columns,
         }
+    }
+
+    /// The same with its band.
+    #[must_use]
+    pub fn of_judged(rig: &Rig, judged: &Judged) -> StoredRun {
+        StoredRun { band: judged.band.clone(), ..StoredRun::of(rig, &judged.run) }
     }
 
     /// Reads a run folder.
@@ -223,7 +256,13 @@ impl StoredRun {
                 columns[0].len()
             );
         }
-        Ok(StoredRun { rig, mm_per_count, open_loop, windows, columns })
+        let band_path = folder.join("band.csv");
+        let has_band = !description["ensemble"].is_null() && band_path.exists();
+        let band = has_band.then(|| Band::read(&band_path)).transpose()?;
+        if band.as_ref().is_some_and(|band| band.time_s != columns[0]) {
+            bail!("{}: band.csv and trace.csv are of two runs", folder.display());
+        }
+        Ok(StoredRun { rig, mm_per_count, open_loop, windows, band, columns })
     }
 
     /// A column of the trace by its name.

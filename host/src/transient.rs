@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail};
 use pneudrive_controller::estimator::MAX_WINDOW_SAMPLES;
 use pneudrive_protocol::RecordedSample;
 
+use crate::band::Band;
 use crate::run_folder::StoredRun;
 use crate::target::TargetFile;
 
@@ -52,7 +53,49 @@ pub struct Transient {
     pub inflow_kg_s: Option<Vec<f64>>,
     /// Times before and after each place where samples are missing, s.
     pub gaps: Vec<[f64; 2]>,
+    /// What a simulated run and its neighbours cover, if it has some.
+    pub band: Option<ChannelBand>,
 }
+
+/// Lowest and highest values of each channel of [`CHANNELS`], at the instants of its transient; none of the setpoint.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChannelBand {
+    /// Lowest.
+    pub low: [Vec<f64>; CHANNELS.len()],
+    /// Highest.
+    pub high: [Vec<f64>; CHANNELS.len()],
+}
+
+impl ChannelBand {
+    fn of(band: &Band) -> ChannelBand {
+        let scaled = |name: &str, factor: f64| {
+            band.channel(name).map(|values| values.iter().map(|value| value * factor).collect::<Vec<f64>>())
+        };
+        let [mut low, mut high]: [[Vec<f64>; CHANNELS.len()]; 2] = Default::default();
+        for (channel, name, factor) in BANDS {
+            [low[channel], high[channel]] = scaled(name, factor);
+        }
+        ChannelBand { low, high }
+    }
+
+    /// What lies between two places.
+    fn between(&self, first: usize, end: usize) -> ChannelBand {
+        let part = |channels: &[Vec<f64>; CHANNELS.len()]| {
+            channels.each_ref().map(|values| values.get(first..end).unwrap_or_default().to_vec())
+        };
+        ChannelBand { low: part(&self.low), high: part(&self.high) }
+    }
+}
+
+/// Channels that have a band, with their columns in band.csv and what turns these into the channel's unit.
+const BANDS: [(usize, &str, f64); 6] = [
+    (POSITION, "position_m", 1e3),
+    (PRESSURES[0], "pressure_1_pa", 1e-3),
+    (PRESSURES[1], "pressure_2_pa", 1e-3),
+    (SPOOL, "spool_mm", 1.0),
+    (COMMAND, "command_counts", 1.0),
+    (ERROR, "error_counts", 1.0),
+];
 
 impl Transient {
     /// A TARGET file, a streamed run or a run folder, by what it is.
@@ -112,6 +155,7 @@ impl Transient {
             ],
             inflow_kg_s: None,
             gaps: gaps(file, period),
+            band: None,
         })
     }
 
@@ -140,6 +184,7 @@ impl Transient {
             windows: run.windows,
             inflow_kg_s: Some(flows.map(inflow).collect()),
             gaps: Vec::new(),
+            band: run.band.as_ref().map(ChannelBand::of),
         }
     }
 
@@ -177,6 +222,7 @@ impl Transient {
                 .copied()
                 .filter(|[before, after]| *before >= from && *after <= to)
                 .collect(),
+            band: self.band.as_ref().map(|band| band.between(first, end)),
         }
     }
 
@@ -188,7 +234,17 @@ impl Transient {
     /// A channel at `time`, on the straight line between its neighbours; None outside the transient.
     #[must_use]
     pub fn at(&self, channel: usize, time: f64) -> Option<f64> {
-        let values = &self.channels[channel];
+        self.interpolated(&self.channels[channel], time)
+    }
+
+    /// Lowest and highest value of a channel at `time` over a run and its neighbours; None without a band.
+    #[must_use]
+    pub fn band_at(&self, channel: usize, time: f64) -> Option<[f64; 2]> {
+        let band = self.band.as_ref()?;
+        Some([self.interpolated(&band.low[channel], time)?, self.interpolated(&band.high[channel], time)?])
+    }
+
+    fn interpolated(&self, values: &[f64], time: f64) -> Option<f64> {
         let after = self.time.partition_point(|&t| t < time);
         let (t1, v1) = (*self.time.get(after)?, *values.get(after)?);
         if t1 == time {

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use pneudrive_controller::{Fault, Refusal};
 use pneudrive_protocol::{CURRENT_VERSION, Refused};
+use pneudrive_sim::Decision;
 
 /// The protocol version of a rig, and what comes of it if it is not that of this program.
 pub(crate) fn protocol(version: u16) -> String {
@@ -26,6 +27,38 @@ pub(crate) fn protocol(version: u16) -> String {
                 "version {version}; this program speaks {CURRENT_VERSION}: the firmware is older and has no {lacks}; flash a newer one for that"
             )
         }
+    }
+}
+
+/// Whether a run is decided, and what that rests on.
+pub(crate) fn decision(decision: &Decision) -> String {
+    let error = length(decision.error_m);
+    let edge = decision.closest_edge.map(|edge| {
+        format!(
+            "; the closest sampled position to another count was {} away at {:.4} s",
+            length(edge.distance_m),
+            edge.at_s
+        )
+    });
+    let edge = edge.unwrap_or_default();
+    match decision.undecided_from_s {
+        None => format!("decided: positions are off by {error} at most, as estimated{edge}"),
+        Some(_) if decision.error_m.is_infinite() => {
+            "undecided: no other tolerance runs to compare with; write another --tolerance".to_owned()
+        }
+        Some(since) => format!(
+            "undecided from {since:.4} s on: the exact transient may be another one there; positions are off by {error} at most, as estimated{edge}; a smaller --tolerance may decide it"
+        ),
+    }
+}
+
+/// A small length in the unit that suits it.
+fn length(metres: f64) -> String {
+    match metres.abs() {
+        size if size >= 1e-3 => format!("{:.3} mm", 1e3 * metres),
+        size if size >= 1e-6 => format!("{:.2} um", 1e6 * metres),
+        size if size >= 1e-9 => format!("{:.1} nm", 1e9 * metres),
+        _ => format!("{:.2} nm", 1e9 * metres),
     }
 }
 

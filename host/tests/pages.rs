@@ -77,16 +77,17 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
     ] {
         ok(folder.path(), arguments);
     }
-    // 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once.
+    // 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once. The neighbours of a run shade six of
+    // them between two edges each.
     for (name, graphs, curves) in [
-        ("run/report.html", 5, 7),
-        ("eval.html", 7, 9),
-        ("overlay.html", 5, 13),
+        ("run/report.html", 5, 7 + 12),
+        ("eval.html", 7, 9 + 12),
+        ("overlay.html", 5, 13 + 24),
         ("spectrum.html", 1, 1),
         ("flow-gain.html", 2, 9),
         ("pressure-drop.html", 1, 3),
         ("impulse.html", 5, 7),
-        ("ladder.html", 4, 39),
+        ("ladder.html", 4, 31),
         ("tune.html", 5, 11),
     ] {
         let seen = open(browser, profile.path(), &folder.path().join(name));

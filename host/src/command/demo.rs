@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use pneudrive_sim::{Accuracy, Rig, run};
+use pneudrive_sim::{Accuracy, Rig};
 
 use super::overlay::overlay;
 use super::record::record;
@@ -11,6 +11,7 @@ use super::run::run_test;
 use super::{load_rig, simulate};
 use crate::cli::Demo;
 use crate::client::Client;
+use crate::ensemble::{Spacing, run_ensemble};
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::target::TargetFile;
@@ -49,14 +50,17 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let (target_path, target) = recorded?;
 
     say!("4. the same test, simulated from the rig file");
-    let run = run(&model, Accuracy::of(&model))?;
-    run_folder::write(&arguments.out, &model, Accuracy::of(&model), &run)?;
-    say!("   {}", simulate::summary(&model, &run));
+    let ensemble = run_ensemble(&model, Accuracy::of(&model), Spacing::default(), |_, _| (), |_, _| {})?;
+    let judged = ensemble.nominal;
+    run_folder::write(&arguments.out, &model, &judged)?;
+    for note in simulate::notes(&model, &judged) {
+        say!("   {note}");
+    }
 
     say!("5. both on the same graphs\n");
     let name = target_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let transients =
-        [Transient::of_target(&name, &target)?, Transient::of_run("simulated", &StoredRun::of(&model, &run))];
+    let simulated = Transient::of_run("simulated", &StoredRun::of_judged(&model, &judged));
+    let transients = [Transient::of_target(&name, &target)?, simulated];
     let tables = overlay(&transients)?;
     let notes = vec![
         format!(

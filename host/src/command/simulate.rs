@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use pneudrive_sim::{Rig, Run, run_watched};
+use pneudrive_sim::{Rig, Run};
 
 use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
+use crate::ensemble::{Judged, Spacing, run_ensemble};
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::transient::Transient;
@@ -21,32 +22,47 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let accuracy = accuracy(&arguments.integration, &rig);
     let mut progress = Progress::new("simulating");
     let begin = Instant::now();
-    let run = run_watched(&rig, accuracy, |done, all| progress.at(u64::from(done), u64::from(all)));
+    let spacing = arguments.neighbours.spacing();
+    let ensemble = run_ensemble(&rig, accuracy, spacing, |_, _| (), |done, all| progress.at(done, all));
     let took = begin.elapsed();
     progress.done();
-    let run = run.with_context(|| format!("{} cannot be simulated", rig.name()))?;
-    run_folder::write(&arguments.out, &rig, accuracy, &run)?;
-    let summary = summary(&rig, &run);
-    say!("{summary}, in {:.1} ms", 1e3 * took.as_secs_f64());
+    let judged = ensemble?.nominal;
+    run_folder::write(&arguments.out, &rig, &judged)?;
+    let notes = notes(&rig, &judged);
+    say!("{}, in {:.1} ms", notes[0], 1e3 * took.as_secs_f64());
+    notes[1..].iter().for_each(|note| say!("{note}"));
+    let written = if judged.band.is_some() { "trace.csv, band.csv, run.json" } else { "trace.csv, run.json" };
     let page_path = arguments.out.join("report.html");
     if arguments.no_report {
         // One from before would be of another run.
         if page_path.exists() {
             std::fs::remove_file(&page_path).with_context(|| page_path.display().to_string())?;
         }
-        say!("{}: trace.csv, run.json", arguments.out.display());
+        say!("{}: {written}", arguments.out.display());
         return Ok(());
     }
-    let transient = Transient::of_run("simulated", &StoredRun::of(&rig, &run));
+    let transient = Transient::of_run("simulated", &StoredRun::of_judged(&rig, &judged));
     let title = format!("{}, simulated", rig.name());
-    let page = report::page(&title, vec![summary], &[transient], Vec::new());
+    let page = report::page(&title, notes, &[transient], Vec::new());
     page.write(&page_path)?;
-    say!("{}: trace.csv, run.json, report.html", arguments.out.display());
+    say!("{}: {written}, report.html", arguments.out.display());
     Ok(())
 }
 
+/// A line about a run, one that tells whether it is decided, and one about its neighbours.
+pub(super) fn notes(rig: &Rig, judged: &Judged) -> Vec<String> {
+    let neighbours = judged.band.as_ref().map(|_| {
+        let Spacing { runs, relative } = judged.spacing;
+        format!(
+            "{} neighbours whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
+            runs - 1
+        )
+    });
+    [summary(rig, &judged.run), words::decision(&judged.decision)].into_iter().chain(neighbours).collect()
+}
+
 /// One line about a run.
-pub(super) fn summary(rig: &Rig, run: &Run) -> String {
+fn summary(rig: &Rig, run: &Run) -> String {
     let fault = run.fault.map_or(String::new(), |(fault, k)| {
         format!(
             "; tripped at sample {k}: {} ({})",

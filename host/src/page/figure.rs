@@ -1,6 +1,6 @@
 //! Graphs above each other over one axis, so that zooming one zooms all.
 
-use plotly::common::{Anchor, DashType, Font, Line, LineShape, Marker, Mode, Orientation};
+use plotly::common::{Anchor, DashType, Fill, Font, HoverInfo, Line, LineShape, Marker, Mode, Orientation};
 use plotly::layout::{Axis, AxisType, HoverMode, Legend, Margin};
 use plotly::{Layout, Plot, Scatter};
 
@@ -52,6 +52,51 @@ pub struct Panel {
     pub logarithmic: bool,
     /// What is drawn.
     pub curves: Vec<Curve>,
+    /// What is shaded behind the curves.
+    pub bands: Vec<Shade>,
+}
+
+/// A shaded area between two curves over the same axis.
+#[derive(Clone, Debug, Default)]
+pub struct Shade {
+    /// For the legend.
+    pub name: String,
+    /// Along the shared axis.
+    pub x: Vec<f64>,
+    /// Its lower edge, as many as x.
+    pub low: Vec<f64>,
+    /// Its upper edge.
+    pub high: Vec<f64>,
+    /// Such as `#1f4e9c`: of the curve that it belongs to.
+    pub colour: &'static str,
+    /// Whether each value holds until the next one.
+    pub steps: bool,
+}
+
+/// How much of a shade's colour is seen.
+const OPACITY: u8 = 0x38;
+
+impl Shade {
+    /// The lower edge, and the upper one that is filled down to it.
+    fn traces(&self, row: usize, in_legend: bool) -> [Box<dyn plotly::Trace>; 2] {
+        let shape = if self.steps { LineShape::Hv } else { LineShape::Linear };
+        let edge = |values: &[f64]| {
+            let values: Vec<Option<f64>> =
+                values.iter().map(|value| value.is_finite().then_some(*value)).collect();
+            Scatter::new(self.x.clone(), values)
+                .mode(Mode::Lines)
+                .line(Line::new().width(0.0).shape(shape.clone()).color(self.colour))
+                .name(&self.name)
+                .legend_group(&self.name)
+                .hover_info(HoverInfo::Skip)
+                .y_axis(axis_name(row))
+        };
+        let filled = format!("{}{OPACITY:02x}", self.colour);
+        [
+            edge(&self.low).show_legend(false),
+            edge(&self.high).show_legend(in_legend).fill(Fill::ToNextY).fill_color(filled),
+        ]
+    }
 }
 
 /// How a curve is drawn.
@@ -127,7 +172,7 @@ impl Panel {
     /// Curves on a linear axis.
     #[must_use]
     pub fn new(title: &str, curves: Vec<Curve>) -> Panel {
-        Panel { title: title.to_owned(), logarithmic: false, curves }
+        Panel { title: title.to_owned(), curves, ..Panel::default() }
     }
 }
 
@@ -147,6 +192,11 @@ impl Figure {
     pub(super) fn plot(&self) -> Plot {
         let mut plot = Plot::new();
         for (row, panel) in self.panels.iter().enumerate() {
+            for (place, band) in panel.bands.iter().enumerate() {
+                let above = self.panels[..row].iter().flat_map(|panel| &panel.bands);
+                let told = above.chain(&panel.bands[..place]).any(|other| other.name == band.name);
+                band.traces(row, !told).into_iter().for_each(|trace| plot.add_trace(trace));
+            }
             for (place, curve) in panel.curves.iter().enumerate() {
                 let above = self.panels[..row].iter().flat_map(|panel| &panel.curves);
                 let mut before = above.chain(&panel.curves[..place]);
