@@ -4,15 +4,15 @@
 //! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
 //! the right-hand side and solutions of the flows, times of this machine beside them.
 
-use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
-use pneudrive_sim::{Accuracy, Rig, Run, run};
+use pneudrive_sim::{Accuracy, Decision, Rig, run};
 
 use crate::deviation::{Deviation, deviations};
+use crate::ensemble::{Judged, Spacing, run_ensemble};
 use crate::page::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
-use crate::parallel;
+use crate::range::stated;
 use crate::run_folder::StoredRun;
 use crate::transient::{CHANNELS, POSITION, PRESSURES, Transient};
 
@@ -84,10 +84,13 @@ pub struct Rung {
     pub flow_iterations: f64,
     /// Shortest time of a run.
     pub time: Duration,
-    /// What it differs by from the reference.
-    pub deviations: Vec<Deviation>,
+    /// What it differs by from the reference: the nominal run first, then each neighbour from the same neighbour of the
+    /// reference.
+    pub deviations: Vec<Vec<Deviation>>,
     /// The transient.
     pub transient: Transient,
+    /// Whether it is decided.
+    pub decision: Decision,
 }
 
 /// What is run on a rung.
@@ -98,43 +101,68 @@ struct Plan {
     rig: Rig,
 }
 
-/// The rungs of a rig: the reference first, then the file's own models, then each other model of each component.
-/// `progress` is given rungs done and in all.
+/// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
+/// with its neighbours. `progress` is given rungs done and in all.
 ///
 /// # Errors
 /// When a rung cannot be simulated.
 pub fn climb(
     source: &(String, String),
     settings: &[String],
+    spacing: Spacing,
     mut progress: impl FnMut(usize, usize),
 ) -> Result<Vec<Rung>> {
     let plans = plans(source, settings)?;
-    // One at a time: what else runs would be in the times.
-    let runs = parallel::map(&plans, NonZeroUsize::MIN, timed, |done| progress(done, plans.len()));
-    let runs: Vec<(Run, Duration)> = runs.into_iter().collect::<Result<_>>()?;
-    let transient = |plan: &Plan, run: &Run| {
+    let mut runs = Vec::with_capacity(plans.len());
+    for plan in &plans {
+        runs.push(Climbed::of(plan, spacing)?);
+        progress(runs.len(), plans.len());
+    }
+    let references = runs[0].transients.clone();
+    let mut rungs: Vec<Rung> =
+        plans.iter().zip(runs).map(|(plan, climbed)| climbed.rung(plan, &references)).collect();
+    // What the neighbours alone make of a transient: a difference of a model that is no larger says nothing.
+    rungs[0].deviations = references.iter().map(|other| deviations(&references[0], other)).collect();
+    Ok(rungs)
+}
+
+/// A rung that has been run.
+struct Climbed {
+    nominal: Judged,
+    time: Duration,
+    /// The nominal one and its neighbours'.
+    transients: Vec<Transient>,
+}
+
+impl Climbed {
+    fn of(plan: &Plan, spacing: Spacing) -> Result<Climbed> {
         let name = if plan.component.is_empty() {
             plan.model.to_owned()
         } else {
             format!("{}: {}", plan.component, plan.model)
         };
-        Transient::of_run(&name, &StoredRun::of(&plan.rig, run))
-    };
-    let reference = transient(&plans[0], &runs[0].0);
-    let rung = |(plan, (run, time)): (&Plan, &(Run, Duration))| {
+        // Alone, as what else runs would be in its time.
+        let time = timed(plan)?;
+        let transient = |rig: &Rig, run: &_| Transient::of_run(&name, &StoredRun::of(rig, run));
+        let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
+        Ok(Climbed { nominal: ensemble.nominal, time, transients: ensemble.measured })
+    }
+
+    fn rung(mut self, plan: &Plan, references: &[Transient]) -> Rung {
+        let run = &self.nominal.run;
         let samples = run.observations.len().max(1) as f64;
-        let transient = transient(plan, run);
+        let pairs = references.iter().zip(&self.transients);
         Rung {
             component: plan.component,
             model: plan.model,
             evaluations: run.work.integrator.evaluations as f64 / samples,
             flow_iterations: run.work.network.iterations as f64 / samples,
-            time: *time,
-            deviations: deviations(&reference, &transient),
-            transient,
+            time: self.time,
+            deviations: pairs.map(|(reference, transient)| deviations(reference, transient)).collect(),
+            decision: self.nominal.decision,
+            transient: self.transients.swap_remove(0),
         }
-    };
-    Ok(plans.iter().zip(&runs).map(rung).collect())
+    }
 }
 
 fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
@@ -183,16 +211,16 @@ fn applies(rig: &Rig, keys: &[&str]) -> bool {
     })
 }
 
-fn timed(plan: &Plan) -> Result<(Run, Duration)> {
-    let once = || {
+/// The shortest time of the nominal run.
+fn timed(plan: &Plan) -> Result<Duration> {
+    let once = |_| {
         let begun = Instant::now();
-        let run = run(&plan.rig, Accuracy::of(&plan.rig))
+        run(&plan.rig, Accuracy::of(&plan.rig))
             .map_err(|error| anyhow!("{} {}: {error}", plan.component, plan.model))?;
-        Ok::<_, anyhow::Error>((run, begun.elapsed()))
+        Ok::<_, anyhow::Error>(begun.elapsed())
     };
-    let (run, first) = once()?;
-    let others = (1..TIMES).map(|_| once().map(|(_, time)| time)).collect::<Result<Vec<_>>>()?;
-    Ok((run, others.into_iter().fold(first, Duration::min)))
+    let times = (0..TIMES).map(once).collect::<Result<Vec<_>>>()?;
+    Ok(times.into_iter().fold(Duration::MAX, Duration::min))
 }
 
 /// The page.
@@ -221,6 +249,7 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
         title: format!("{name}: the ladder of fidelity"),
         notes: vec![
             "The reference has every model in its most complete form that the rig file has figures for. On each rung one component has another model; its transient is compared with that of the reference. In closed loop a difference of the position is what the controller leaves of it; --set controller.loop=open with moves as commands shows the bare one.".to_owned(),
+            "In brackets: the range over neighbours of both, whose mass and starting position differ by next to nothing. The first row tells how far the neighbours of the reference are from it: a difference of that size says nothing of a model.".to_owned(),
             format!("Evaluations and iterations are counted and the same everywhere; times are the shortest of {TIMES} runs on the machine that made this page, as a part of the reference's."),
         ],
         tables: vec![table(rungs)],
@@ -233,12 +262,15 @@ fn place(rung: &Rung) -> Curve {
     Curve { look: Look::Points, ..Curve::new(&rung.transient.name, x, vec![largest(rung, POSITION)]) }
 }
 
-fn of(rung: &Rung, channel: usize) -> Option<&Deviation> {
-    rung.deviations.iter().find(|deviation| deviation.channel == CHANNELS[channel].0)
+/// A figure of the deviation of a channel, in each run of the ensemble.
+fn figures(rung: &Rung, channel: usize, figure: impl Fn(&Deviation) -> f64) -> Vec<Option<f64>> {
+    let of =
+        |found: &Vec<Deviation>| found.iter().find(|one| one.channel == CHANNELS[channel].0).map(&figure);
+    rung.deviations.iter().map(of).collect()
 }
 
 fn largest(rung: &Rung, channel: usize) -> f64 {
-    of(rung, channel).map_or(f64::NAN, |deviation| deviation.largest)
+    figures(rung, channel, |one| one.largest).first().copied().flatten().unwrap_or(f64::NAN)
 }
 
 /// The rungs in figures.
@@ -254,9 +286,12 @@ pub fn table(rungs: &[Rung]) -> Table {
         "largest, mm",
         "P1 rms, kPa",
         "P2 rms, kPa",
+        "decided",
     ];
     let all = rungs[0].time.as_secs_f64();
-    let rms = |rung: &Rung, channel: usize| of(rung, channel).map_or(f64::NAN, |one| one.mean_square.sqrt());
+    let rms = |rung: &Rung, channel: usize, decimals: usize| {
+        stated(&figures(rung, channel, |one| one.mean_square.sqrt()), decimals)
+    };
     let row = |rung: &Rung| {
         vec![
             if rung.component.is_empty() { "all".to_owned() } else { rung.component.to_owned() },
@@ -264,10 +299,11 @@ pub fn table(rungs: &[Rung]) -> Table {
             format!("{:.1}", rung.evaluations),
             format!("{:.1}", rung.flow_iterations),
             format!("{:.0}", 100.0 * rung.time.as_secs_f64() / all),
-            format!("{:.4}", rms(rung, POSITION)),
-            format!("{:.4}", largest(rung, POSITION)),
-            format!("{:.3}", rms(rung, PRESSURES[0])),
-            format!("{:.3}", rms(rung, PRESSURES[1])),
+            rms(rung, POSITION, 4),
+            stated(&figures(rung, POSITION, |one| one.largest), 4),
+            rms(rung, PRESSURES[0], 3),
+            rms(rung, PRESSURES[1], 3),
+            if rung.decision.is_decided() { "yes" } else { "no" }.to_owned(),
         ]
     };
     Table {
@@ -308,8 +344,10 @@ mod tests {
     #[test]
     fn an_operator_without_its_spool_costs_less_and_every_other_model_changes_something() {
         let settings = ["test.duration_s=0.4".to_owned()];
-        let rungs = climb(&source("servo-b-tuned"), &settings, |_, _| {}).expect("runs");
+        let spacing = Spacing { runs: 2, ..Spacing::default() };
+        let rungs = climb(&source("servo-b-tuned"), &settings, spacing, |_, _| {}).expect("runs");
         assert_eq!(largest(&rungs[0], POSITION), 0.0, "the reference is itself");
+        assert!(rungs[0].deviations.len() == 2 && rungs[0].decision.is_decided());
         let empirical = rungs.iter().find(|rung| rung.component == "operator").expect("a rung");
         assert!(empirical.evaluations < rungs[0].evaluations / 2.0, "{:.1}", empirical.evaluations);
         for rung in rungs[1..].iter() {

@@ -14,7 +14,7 @@
 //! | [`target`] | TARGETxx.DAT: read, write, number |
 //! | [`stream_file`] | a run as it is streamed to disk |
 //! | [`run_folder`] | trace.csv and run.json: read, write |
-//! | [`ensemble`], [`band`] | a run with its neighbours, and what they cover |
+//! | [`ensemble`], [`band`], [`range`] | a run with its neighbours, what they cover, and figures as ranges over them |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`alignment`] | two transients on one time |
@@ -73,6 +73,7 @@ pub mod part_file;
 mod plant_server;
 pub mod port;
 pub mod punctuality;
+pub mod range;
 pub mod replay;
 pub mod report;
 pub mod rig_text;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use pneudrive_sim::characteristics::CURVES;
 
-use super::{RigChoice, percent};
+use super::{Neighbours, RigChoice, percent};
 use crate::study::STUDIES;
 use crate::sweep::execution::Shard;
 use crate::sweep::metric::FIGURES;
@@ -130,6 +130,9 @@ pub struct Ladder {
     /// Where to leave ladder.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Its neighbours.
+    #[command(flatten)]
+    pub neighbours: Neighbours,
 }
 
 /// Arguments of `tune`.

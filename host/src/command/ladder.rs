@@ -14,7 +14,9 @@ pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     refuse_foreign(&place, GENERATOR)?;
     let source = rig_text(&arguments.rig.rig)?;
     let mut progress = Progress::of("climbing", "models");
-    let rungs = climb(&source, &arguments.rig.settings, |done, all| progress.at(done as u64, all as u64))?;
+    let spacing = arguments.neighbours.spacing();
+    let rungs =
+        climb(&source, &arguments.rig.settings, spacing, |done, all| progress.at(done as u64, all as u64))?;
     progress.done();
     page(&source.0, &rungs).write(&place)?;
     let table = table(&rungs);
