@@ -29,6 +29,39 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
     table[name] = item;
 }
 
+/// The text of a rig file with these values, by path, as run.json has them.
+///
+/// # Errors
+/// When a value is none that a rig file can have.
+pub fn of_keys(keys: &serde_json::Map<String, serde_json::Value>) -> Result<String> {
+    let mut document = DocumentMut::new();
+    // Top-level keys stand before all tables.
+    let (of_tables, of_top): (Vec<_>, Vec<_>) = keys.iter().partition(|(path, _)| path.contains('.'));
+    for (path, value) in of_top.into_iter().chain(of_tables) {
+        let value =
+            toml_of(value).with_context(|| format!("{path} is {value}, which no rig file can have"))?;
+        put(&mut document, path, Item::Value(value));
+    }
+    Ok(document.to_string())
+}
+
+fn toml_of(value: &serde_json::Value) -> Option<Value> {
+    Some(match value {
+        serde_json::Value::Bool(on) => (*on).into(),
+        serde_json::Value::Number(number) => match number.as_i64() {
+            Some(whole) => whole.into(),
+            None => number.as_f64()?.into(),
+        },
+        serde_json::Value::String(text) => text.as_str().into(),
+        serde_json::Value::Array(list) => Value::Array(list.iter().map(toml_of).collect::<Option<_>>()?),
+        serde_json::Value::Object(fields) => {
+            let fields = fields.iter().map(|(name, value)| Some((name.clone(), toml_of(value)?)));
+            Value::InlineTable(fields.collect::<Option<_>>()?)
+        }
+        serde_json::Value::Null => return None,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

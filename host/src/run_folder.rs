@@ -8,11 +8,12 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_sim::rig::{Fields, Value};
 use pneudrive_sim::trace::{COLUMNS, to_csv};
-use pneudrive_sim::{Decision, Rig, Run};
+use pneudrive_sim::{Accuracy, Decision, Method, Rig, Run};
 use serde_json::{Map, json};
 
 use crate::band::{self, Band};
-use crate::ensemble::Judged;
+use crate::ensemble::{Judged, Spacing};
+use crate::rig_text;
 use crate::transient::{WHOLE_WINDOW, whole_window};
 use crate::words;
 
@@ -187,6 +188,8 @@ pub struct StoredRun {
     pub windows: [u8; 2],
     /// What it and its neighbours cover, if it has some.
     pub band: Option<Band>,
+    /// How its neighbours were chosen, and how exactly it was integrated; None of a run without neighbours.
+    pub spacing: Option<(Spacing, Accuracy)>,
     columns: Vec<Vec<f64>>,
 }
 
@@ -206,6 +209,7 @@ impl StoredRun {
             open_loop: rig.word("controller.loop") == OPEN,
             windows: WINDOWS.map(|key| rig.integer(key) as u8),
             band: None,
+            spacing: None,
             columns,
         }
     }
@@ -213,7 +217,8 @@ impl StoredRun {
     /// The same with its band.
     #[must_use]
     pub fn of_judged(rig: &Rig, judged: &Judged) -> StoredRun {
-        StoredRun { band: judged.band.clone(), ..StoredRun::of(rig, &judged.run) }
+        let spacing = judged.band.as_ref().map(|_| (judged.spacing, judged.accuracy));
+        StoredRun { band: judged.band.clone(), spacing, ..StoredRun::of(rig, &judged.run) }
     }
 
     /// Reads a run folder.
@@ -262,7 +267,15 @@ impl StoredRun {
         if band.as_ref().is_some_and(|band| band.time_s != columns[0]) {
             bail!("{}: band.csv and trace.csv are of two runs", folder.display());
         }
-        Ok(StoredRun { rig, mm_per_count, open_loop, windows, band, columns })
+        Ok(StoredRun {
+            rig,
+            mm_per_count,
+            open_loop,
+            windows,
+            band,
+            spacing: spacing_of(&description),
+            columns,
+        })
     }
 
     /// A column of the trace by its name.
@@ -274,6 +287,28 @@ impl StoredRun {
         let index = COLUMNS.iter().position(|column| *column == name);
         &self.columns[index.unwrap_or_else(|| panic!("trace.csv has no column {name}"))]
     }
+}
+
+/// The rig of a run folder, with every value that it was run with.
+///
+/// # Errors
+/// When run.json cannot be read, or this program does not take its values any more.
+pub fn rig_of(folder: &Path) -> Result<Rig> {
+    let path = folder.join("run.json");
+    let description = read_json(&path)?;
+    let keys = description["keys"].as_object().with_context(|| format!("{} has no keys", path.display()))?;
+    let name = description["rig"].as_str().unwrap_or("run");
+    Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
+}
+
+fn spacing_of(description: &serde_json::Value) -> Option<(Spacing, Accuracy)> {
+    let spacing = Spacing {
+        runs: usize::try_from(description["ensemble"]["runs"].as_u64()?).ok()?,
+        relative: description["ensemble"]["relative_change"].as_f64()?,
+    };
+    let methods = [Method::DormandPrince, Method::Merson];
+    let method = methods.into_iter().find(|method| description["method"] == format!("{method:?}"))?;
+    Some((spacing, Accuracy { method, tolerance: description["tolerance"].as_f64()? }))
 }
 
 fn read_json(path: &Path) -> Result<serde_json::Value> {
@@ -311,6 +346,8 @@ fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ensemble::run_ensemble;
+    use pneudrive_sim::rig::BUILTIN;
 
     #[cfg(unix)]
     #[test]
@@ -326,6 +363,26 @@ mod tests {
         put(&pipe, "text").expect("written");
         assert_eq!(reader.join().expect("a reader").expect("text"), "text");
         assert!(!fs::metadata(&pipe).expect("there").is_file());
+    }
+
+    #[test]
+    fn the_rig_of_a_run_folder_is_the_rig_that_was_run() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let fault = "\n[[faults.event]]\nkind = \"supply-dip\"\nat_s = 0.01\npressure_pa = 4e5\n";
+        let with_fault = Rig::read("dips", fault).unwrap_or_else(|problems| panic!("{problems}"));
+        let built_in = BUILTIN.iter().map(|(name, _)| Rig::builtin(name).expect("a built-in rig"));
+        for rig in built_in.chain([with_fault]) {
+            let rig = rig.with_numbers(&[("test.duration_s", 0.03)]).unwrap_or(rig);
+            let spacing = Spacing { runs: 2, ..Spacing::default() };
+            let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {});
+            write(folder.path(), &rig, &ensemble.expect("runs").nominal).expect("written");
+            let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));
+            for (key, value) in rig.entries() {
+                assert_eq!(read.value(key.path), Some(value), "{}: {}", rig.name(), key.path);
+            }
+            let stored = StoredRun::read(folder.path()).expect("a run folder");
+            assert_eq!(stored.spacing, Some((spacing, Accuracy::of(&rig))));
+        }
     }
 
     #[test]
