@@ -66,13 +66,21 @@ pub enum Verdict {
     Agrees,
     /// It does not.
     Differs,
-    /// What to compare with is not to be had.
+    /// What to compare with is not to be had, or the runs do not show it.
     Open,
 }
 
 impl Finding {
     fn new(agrees: bool, shows: String) -> Finding {
         Finding { shows, verdict: if agrees { Verdict::Agrees } else { Verdict::Differs } }
+    }
+
+    /// The same where the runs may be too short to show it: `agrees` is None then.
+    fn decided(agrees: Option<bool>, shows: String) -> Finding {
+        match agrees {
+            Some(agrees) => Finding::new(agrees, shows),
+            None => Finding { shows: shows + "; the runs do not decide it", verdict: Verdict::Open },
+        }
     }
 
     /// The thesis compares with a graph that the scan has lost.

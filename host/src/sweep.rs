@@ -124,6 +124,7 @@ impl Sweep {
         let mut digest = CRC.digest();
         let about = (&self.rig_source.text, &self.settings, self.tolerance, self.settled_mm, self.draws);
         digest.update(format!("{about:?}{}", env!("CARGO_PKG_VERSION")).as_bytes());
+        digest.update(format!("{}", metric::REVISION).as_bytes());
         digest.update(format!("{:?}", self.axes).as_bytes());
         for metric in &self.metrics {
             digest.update(format!("{:?}", (&metric.name, metric.figure.name, metric.which)).as_bytes());

@@ -211,3 +211,32 @@ fn the_example_runs_and_has_a_best_point() {
     assert!(said.contains("the best point (least settling_s)") && said.contains("velocity_gain"), "{said}");
     assert!(!said.contains("failed") && !said.contains("fault"), "{said}");
 }
+
+/// A run that ends while the drive still moves shows no overshoot, no settling and no limit cycle: none of them may
+/// be taken for 0.
+#[test]
+fn what_a_move_does_not_show_is_an_empty_cell_and_keeps_no_constraint() {
+    let text = r#"
+rig = "servo-b-tuned"
+[set]
+test.moves = [[0.0, 8192], [0.3, 13171]]
+[vary]
+test.duration_s = [0.42, 2.3]
+[metrics]
+limit_cycle_mm = { figure = "limit_cycle_mm", move = 2 }
+limit_cycle_hz = { figure = "limit_cycle_hz", move = 2 }
+limit_cycle_swing_mm = { figure = "limit_cycle_swing_mm", move = 2 }
+overshoot_mm = { figure = "overshoot_mm", move = 2 }
+settling_s = { figure = "settling_s", move = 2 }
+steady_error_mm = { figure = "steady_error_mm", move = 2 }
+[constraints]
+limit_cycle_mm = { max = 0.0 }
+"#;
+    let folder = folder_with(text);
+    let said = ok(folder.path(), "sweep s.toml");
+    assert!(said.contains("2 points, 1 allowed."), "{said}");
+    let csv = written(folder.path(), "s/sweep.csv");
+    let [cut, whole] = [1, 2].map(|line| csv.lines().nth(line).expect("a point"));
+    assert_eq!(cut, "0,0.42,,,,,,,,", "{csv}");
+    assert!(whole.starts_with("1,2.3,0.0,0.0,0.0,"), "{csv}");
+}

@@ -7,7 +7,7 @@ use anyhow::{Error, Result, anyhow, bail};
 
 use super::load_rig;
 use crate::cli::{Eval, Stretch};
-use crate::evaluation::{Chambers, Motion, moves, table};
+use crate::evaluation::{Chambers, Motion, moves, remarks, table};
 use crate::page::{Curve, Figure, GENERATOR, Page, Panel};
 use crate::report;
 use crate::run_folder::{put, refuse_foreign};
@@ -30,14 +30,16 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     let chambers = rig.as_ref().map(Chambers::of);
     let moves = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
     let table = table(&moves, arguments.tolerance);
+    let remarks = remarks(&moves);
     say!("{}\n{}", table.heading, table.to_text());
+    remarks.iter().for_each(|remark| say!("{remark}"));
     if let Some(path) = &arguments.csv {
         write_csv(path, &transient, &motion)?;
         say!("{}", path.display());
     }
     let page = Page {
         title: format!("{}, evaluated", transient.name),
-        notes: notes(&transient, chambers.is_some()),
+        notes: notes(&transient, chambers.is_some()).into_iter().chain(remarks).collect(),
         tables: vec![table],
         figures: vec![Figure::over_time(panels(&transient, &motion))],
     };

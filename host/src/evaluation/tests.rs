@@ -1,5 +1,5 @@
 use super::*;
-use crate::transient::CHANNELS;
+use crate::transient::{CHANNELS, POSITION};
 
 const PERIOD: f64 = 0.001;
 
@@ -32,7 +32,7 @@ fn the_rise_and_settling_times_of_a_lag_are_those_of_its_closed_form() {
     near(step.settling_s, 0.1 * 1200f64.ln(), 0.1 * 0.25);
     near(step.overshoot_mm, 0.0, 0.0);
     near(step.steady_error_mm, 0.01, 0.011);
-    assert_eq!(step.limit_cycle, None);
+    assert!(matches!(step.limit_cycle, LimitCycle::None { .. }), "{:?}", step.limit_cycle);
     // The estimator's window of 5 ms sees the mean speed of the first 5 ms.
     near(Some(step.top_speed_mm_s), 600.0 * (1.0 - 0.05f64.exp().recip()) / 0.05, 3.0);
 }
@@ -41,8 +41,8 @@ fn the_rise_and_settling_times_of_a_lag_are_those_of_its_closed_form() {
 fn an_oscillation_that_goes_on_is_a_limit_cycle_with_its_overshoot() {
     let swing = |t: f64| 100.0 + 2.0 * (std::f64::consts::TAU * 7.0 * t).sin() - 60.0 * (-t / 0.02).exp();
     let [step] = &evaluated(&transient(|_| 100.0, swing, 3000))[..] else { panic!("one move") };
-    let cycle = step.limit_cycle.expect("it swings");
-    near(Some(cycle.amplitude_mm), 2.0, 0.01);
+    let LimitCycle::Sustained(cycle) = step.limit_cycle else { panic!("it swings: {:?}", step.limit_cycle) };
+    near(Some(cycle.swing_mm), 4.0, 0.02);
     near(Some(cycle.frequency_hz), 7.0, 0.05);
     near(step.overshoot_mm, 2.0, 0.02);
     assert_eq!(step.settling_s, None, "it never stays within the tolerance");
@@ -52,7 +52,7 @@ fn an_oscillation_that_goes_on_is_a_limit_cycle_with_its_overshoot() {
 fn a_drive_that_stands_on_the_edge_of_a_count_has_no_limit_cycle() {
     let edge = |t: f64| 100.0 + 0.01 * ((t * 500.0).floor() % 3.0 - 1.0);
     let [step] = &evaluated(&transient(|_| 100.0, edge, 1000))[..] else { panic!("one move") };
-    assert_eq!(step.limit_cycle, None);
+    assert!(matches!(step.limit_cycle, LimitCycle::None { .. }), "{:?}", step.limit_cycle);
     assert_eq!(step.settling_s, Some(0.0));
 }
 
@@ -90,4 +90,71 @@ fn samples_from_before_the_start_belong_to_no_move() {
     assert_eq!(evaluated(&early)[0].start_s.abs(), 0.0);
     early.time.iter_mut().for_each(|time| *time -= 9.0);
     assert!(evaluated(&early).is_empty());
+}
+
+#[test]
+fn the_rise_is_told_between_samples() {
+    // 1 mm/ms from 0.1 ms on: 6 mm and 54 mm are passed between two samples each.
+    let ramp = transient(|_| 100.0, |t| 40.0 + (1e3 * t - 0.1).clamp(0.0, 60.0), 1000);
+    near(evaluated(&ramp)[0].rise_s, 0.048, 2e-5);
+}
+
+#[test]
+fn a_hold_has_no_rise_and_no_overshoot_and_a_short_step_no_rise() {
+    for from in [100.0, 100.006, 99.98] {
+        let hold = transient(|_| 100.0, |t| if t > 0.5 { 100.4 } else { from }, 1000);
+        let [hold] = &evaluated(&hold)[..] else { panic!("one move") };
+        assert_eq!((hold.rise_s, hold.overshoot_mm), (None, None), "from {from}");
+    }
+    let short = transient(|_| 100.0, |t| if t > 0.2 { 100.02 } else { 99.93 }, 1000);
+    let [short] = &evaluated(&short)[..] else { panic!("one move") };
+    assert_eq!(short.rise_s, None, "a tenth of 7 counts is none");
+    near(short.overshoot_mm, 0.02, 0.01);
+}
+
+#[test]
+fn a_drive_that_passes_its_setpoint_as_the_record_ends_has_not_settled_and_shows_no_error() {
+    let passing = transient(|_| 100.0, |t| 40.0 + 60.0 * t, 1001);
+    let [step] = &evaluated(&passing)[..] else { panic!("one move") };
+    assert_eq!((step.overshoot_mm, step.settling_s, step.steady_error_mm), (None, None, None));
+    near(step.mean_error_mm, 7.5, 0.1);
+    near(Some(step.range_mm), 15.0, 0.1);
+    near(step.rise_s, 0.8, 2e-3);
+}
+
+/// Settled is what stays there for the last quarter of its move.
+#[test]
+fn a_drive_that_is_there_only_at_the_end_is_not_known_to_have_settled() {
+    let arrives = |at: f64| transient(|_| 100.0, move |t| if t < at { 40.0 } else { 100.0 }, 1000);
+    near(evaluated(&arrives(0.7))[0].settling_s, 0.7, 1.5 * PERIOD);
+    assert_eq!(evaluated(&arrives(0.8))[0].settling_s, None);
+}
+
+#[test]
+fn the_steady_error_of_a_limit_cycle_is_that_of_its_whole_cycles() {
+    // 3.6 cycles in the last quarter: their mean there is off by where it is cut.
+    let swing = |t: f64| 99.5 + 2.0 * (std::f64::consts::TAU * 4.8 * t).sin() - 59.5 * (-t / 0.02).exp();
+    let [step] = &evaluated(&transient(|_| 100.0, swing, 3000))[..] else { panic!("one move") };
+    near(step.steady_error_mm, 0.505, 0.02);
+}
+
+#[test]
+fn the_table_and_its_doubts_tell_rest_limit_cycle_and_neither() {
+    let swing = |t: f64| 2.0 * (std::f64::consts::TAU * 7.0 * t).sin();
+    let setpoint = |t: f64| 40.0 + 60.0 * (t / 2.0).floor();
+    let position = |t: f64| match t {
+        t if t < 2.0 => 40.0,
+        t if t < 4.0 => 100.0 + swing(t),
+        t => 160.0 + 3.0 * (t - 4.0),
+    };
+    let moves = evaluated(&transient(setpoint, position, 6000));
+    let cells: Vec<String> = table(&moves, 0.05).rows.iter().map(|row| row[9].clone()).collect();
+    assert_eq!(cells, ["none", "3.991 (3.990 to 4.000)", "not decidable"]);
+    assert_eq!(
+        remarks(&moves),
+        [
+            "Move 3: whether it ends in a limit cycle is not decidable; it still moves at the end.",
+            "No limit cycle means that the drive stands still within 0.025 mm, for the last 2.00 s at least."
+        ]
+    );
 }

@@ -4,7 +4,7 @@ use pneudrive_sim::{Rig, Run};
 
 use super::Variant;
 use crate::deviation::deviations;
-use crate::evaluation::{LimitCycle, Motion, Move, moves};
+use crate::evaluation::{LimitCycle, Motion, Move, Oscillation, moves};
 use crate::run_folder::StoredRun;
 use crate::transient::{COMMAND, POSITION, SETPOINT, Transient};
 
@@ -48,36 +48,68 @@ impl Outcome {
         self.moves.last().expect("a run has a move")
     }
 
-    /// The largest limit cycle of a move, if there is one.
-    pub(super) fn vibration(&self) -> Option<LimitCycle> {
-        let cycles = self.moves.iter().filter_map(|one| one.limit_cycle);
-        cycles.max_by(|a, b| a.amplitude_mm.total_cmp(&b.amplitude_mm))
+    /// Its limit cycle: the largest that a move shows, or else the worst of its long moves.
+    pub(super) fn vibration(&self) -> LimitCycle {
+        let shown = self.moves.iter().map(|one| one.limit_cycle);
+        let shown = shown.filter(|one| matches!(one, LimitCycle::Sustained(_)));
+        let long = || self.long_moves().map(|one| one.limit_cycle).reduce(LimitCycle::or_worse);
+        shown.reduce(LimitCycle::or_worse).or_else(long).unwrap_or(self.last().limit_cycle)
     }
 
-    /// Its amplitude, mm; 0 of a drive that stands.
-    pub(super) fn amplitude_mm(&self) -> f64 {
-        self.vibration().map_or(0.0, |cycle| cycle.amplitude_mm)
+    /// The moves that last half as long as the longest at least: no impulse, and no hold before the first step.
+    fn long_moves(&self) -> impl Iterator<Item = &Move> {
+        let end_s = self.transient.time.last().copied().unwrap_or(0.0);
+        let ends = self.moves.iter().skip(1).map(|one| one.start_s).chain([end_s]);
+        let lengths: Vec<f64> = self.moves.iter().zip(ends).map(|(one, end)| end - one.start_s).collect();
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        self.moves.iter().zip(lengths).filter(move |(_, length)| *length >= 0.5 * longest).map(|(one, _)| one)
+    }
+
+    /// Whether it vibrates; None if its runs do not show it.
+    pub(super) fn vibrates(&self) -> Option<bool> {
+        Some(self.amplitude_mm()? > 0.0)
+    }
+
+    /// Half of its swing, mm; 0 of a drive that comes to rest, None if its runs do not show it.
+    pub(super) fn amplitude_mm(&self) -> Option<f64> {
+        Some(self.vibration().swing_mm()? / 2.0)
     }
 
     /// Whether it comes to rest, in words.
     pub(super) fn rest(&self) -> String {
+        let name = self.variant.name;
         match self.vibration() {
-            Some(LimitCycle { amplitude_mm, frequency_hz }) => {
-                format!("{}: vibrates by {amplitude_mm:.1} mm at {frequency_hz:.1} Hz", self.variant.name)
+            LimitCycle::Sustained(Oscillation { swing_mm, frequency_hz, .. }) => {
+                format!("{name}: vibrates by {:.1} mm at {frequency_hz:.1} Hz", swing_mm / 2.0)
             }
-            None => format!("{}: comes to rest", self.variant.name),
+            LimitCycle::None { .. } => format!("{name}: comes to rest"),
+            LimitCycle::Undecided(doubt) => format!("{name}: whether it vibrates is not decidable; {doubt}"),
         }
     }
 
-    /// The largest overshoot of a move, mm.
-    pub(super) fn overshoot_mm(&self) -> f64 {
-        self.asked().iter().filter_map(|one| one.overshoot_mm).fold(0.0, f64::max)
+    /// The largest overshoot of a move, mm; None if a move does not show it.
+    pub(super) fn overshoot_mm(&self) -> Option<f64> {
+        self.asked().iter().map(|one| one.overshoot_mm).reduce(|a, b| Some(a?.max(b?))).flatten()
     }
 
-    /// Mean of the errors at rest without their signs, mm, over some of its moves.
-    pub(super) fn error_mm(moves: &[Move]) -> f64 {
-        let errors: Vec<f64> = moves.iter().filter_map(|one| one.steady_error_mm).map(f64::abs).collect();
-        errors.iter().sum::<f64>() / errors.len().max(1) as f64
+    /// Mean rise time of its moves, s; None if a move does not show it.
+    pub(super) fn rise_s(&self) -> Option<f64> {
+        let rises: Option<Vec<f64>> = self.asked().iter().map(|one| one.rise_s).collect();
+        rises.and_then(|rises| mean(&rises))
+    }
+
+    /// Mean of the steady errors without their signs, mm, over some of its moves; None if one of them does not
+    /// show it.
+    pub(super) fn error_mm(moves: &[Move]) -> Option<f64> {
+        let errors: Option<Vec<f64>> = moves.iter().map(|one| Some(one.steady_error_mm?.abs())).collect();
+        errors.and_then(|errors| mean(&errors))
+    }
+
+    /// Mean of the errors without their signs, mm, over the last quarters of some moves, whether the drive stands
+    /// there or not.
+    pub(super) fn mean_error_mm(moves: &[Move]) -> Option<f64> {
+        let errors: Option<Vec<f64>> = moves.iter().map(|one| Some(one.mean_error_mm?.abs())).collect();
+        errors.and_then(|errors| mean(&errors))
     }
 
     /// Mean of a channel over the last quarter of the last move.
@@ -128,6 +160,15 @@ impl Outcome {
     }
 }
 
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// A figure in words.
+pub(super) fn said(value: Option<f64>, decimals: usize, unit: &str) -> String {
+    value.map_or_else(|| "nothing that is decidable".to_owned(), |value| format!("{value:.decimals$} {unit}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,8 +214,8 @@ mod tests {
     #[test]
     fn a_drive_that_stands_has_no_amplitude_and_its_channels_settle() {
         let outcome = outcome();
-        assert_eq!((outcome.amplitude_mm(), outcome.settled(POSITION)), (0.0, 100.0));
+        assert_eq!((outcome.amplitude_mm(), outcome.settled(POSITION)), (Some(0.0), 100.0));
         assert_eq!(outcome.rest(), "straight: comes to rest");
-        assert_eq!(Outcome::error_mm(outcome.asked()), 0.0);
+        assert_eq!(Outcome::error_mm(outcome.asked()), Some(0.0));
     }
 }

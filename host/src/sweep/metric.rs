@@ -1,6 +1,6 @@
 //! Which figure of which move is collected.
 
-use crate::evaluation::Move;
+use crate::evaluation::{LimitCycle, Move};
 
 /// A figure of a move (see [`crate::evaluation`]).
 #[derive(Debug)]
@@ -13,24 +13,42 @@ pub struct Figure {
     of: fn(&Move) -> Option<f64>,
 }
 
+/// Another number each time a figure is computed in another way: rows from before are then of another sweep.
+pub(super) const REVISION: u32 = 2;
+
 /// All of them.
-pub const FIGURES: [Figure; 10] = [
+pub const FIGURES: [Figure; 11] = [
     figure("rise_s", "from 10 % to 90 % of the way", |one| one.rise_s),
     figure("overshoot_mm", "how far it goes beyond the setpoint", |one| one.overshoot_mm),
     figure("overshoot_percent", "the same, of the way", |one| {
         Some(100.0 * one.overshoot_mm? / (one.to_mm? - one.from_mm).abs())
     }),
-    figure("settling_s", "until it stays within settled_mm of the setpoint", |one| one.settling_s),
-    figure("steady_error_mm", "mean error of the last quarter", |one| one.steady_error_mm),
+    figure(
+        "settling_s",
+        "until it stays within settled_mm of the setpoint, for the last quarter at least",
+        |one| one.settling_s,
+    ),
+    figure(
+        "steady_error_mm",
+        "mean error of the last quarter, if it stands still or limit-cycles there",
+        |one| one.steady_error_mm,
+    ),
     figure("end_mm", "where it ends", |one| Some(one.end_mm)),
-    figure("limit_cycle_mm", "half its swing in the last quarter; 0 if it stands", |one| {
-        Some(one.limit_cycle.map_or(0.0, |cycle| cycle.amplitude_mm))
+    figure("limit_cycle_mm", "half its swing from peak to peak; 0 at rest, empty if not decidable", |one| {
+        Some(one.limit_cycle.swing_mm()? / 2.0)
     }),
-    figure("limit_cycle_hz", "how often it swings; 0 if it stands", |one| {
-        Some(one.limit_cycle.map_or(0.0, |cycle| cycle.frequency_hz))
+    figure("limit_cycle_hz", "how often it swings; 0 at rest, empty if not decidable", |one| {
+        match one.limit_cycle {
+            LimitCycle::None { .. } => Some(0.0),
+            LimitCycle::Sustained(seen) => Some(seen.frequency_hz),
+            LimitCycle::Undecided(_) => None,
+        }
     }),
     figure("top_speed_mm_s", "the largest velocity", |one| Some(one.top_speed_mm_s)),
     figure("air_l", "air let into the chambers, litres (ANR)", |one| one.air_l),
+    figure("limit_cycle_swing_mm", "its swing from peak to peak; 0 at rest, empty if not decidable", |one| {
+        one.limit_cycle.swing_mm()
+    }),
 ];
 
 const fn figure(name: &'static str, meaning: &'static str, of: fn(&Move) -> Option<f64>) -> Figure {
@@ -88,7 +106,7 @@ impl Metric {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::LimitCycle;
+    use crate::evaluation::{Doubt, Oscillation};
 
     /// A hold, a step that settles and one back that does not.
     fn moves() -> [Move; 3] {
@@ -101,19 +119,35 @@ mod tests {
             overshoot_mm: Some(0.6),
             settling_s: Some(0.5),
             steady_error_mm: Some(0.01),
-            limit_cycle: None,
+            mean_error_mm: Some(0.01),
+            range_mm: 0.0,
+            limit_cycle: LimitCycle::None { below_mm: 0.03, for_s: 0.5 },
             top_speed_mm_s: 500.0,
             air_l: Some(1.0),
         };
-        let hold = Move { from_mm: 0.001, to_mm: Some(0.0), rise_s: None, air_l: Some(0.25), ..step.clone() };
-        let cycle = LimitCycle { amplitude_mm: 0.3, frequency_hz: 4.0 };
+        let undecided = LimitCycle::Undecided(Doubt::JustStopped);
+        let hold = Move {
+            from_mm: 0.001,
+            to_mm: Some(0.0),
+            rise_s: None,
+            limit_cycle: undecided,
+            air_l: Some(0.25),
+            ..step.clone()
+        };
+        let cycle = Oscillation {
+            swing_mm: 0.6,
+            range_mm: [0.58, 0.62],
+            frequency_hz: 4.0,
+            cycles: 4,
+            during_s: [2.0, 3.0],
+        };
         let back = Move {
             from_mm: 60.0,
             to_mm: Some(0.0),
             settling_s: None,
             overshoot_mm: Some(3.0),
             steady_error_mm: Some(-0.2),
-            limit_cycle: Some(cycle),
+            limit_cycle: LimitCycle::Sustained(cycle),
             ..step.clone()
         };
         [hold, step, back]
@@ -130,6 +164,7 @@ mod tests {
         assert_eq!(value("steady_error_mm", Which::Worst), Ok(Some(-0.2)));
         assert_eq!(value("overshoot_percent", Which::Worst), Ok(Some(5.0)));
         assert_eq!(value("limit_cycle_mm", Which::Worst), Ok(Some(0.3)));
+        assert_eq!(value("limit_cycle_swing_mm", Which::Worst), Ok(Some(0.6)), "from peak to peak");
         assert_eq!(value("settling_s", Which::Worst), Ok(None));
     }
 
@@ -137,6 +172,10 @@ mod tests {
     fn one_move_and_the_sum_of_all_can_be_asked_for_and_a_move_that_is_not_there_is_an_error() {
         assert_eq!(value("settling_s", Which::Number(2)), Ok(Some(0.5)));
         assert_eq!(value("limit_cycle_hz", Which::Number(2)), Ok(Some(0.0)), "it stands");
+        for name in ["limit_cycle_mm", "limit_cycle_hz", "limit_cycle_swing_mm"] {
+            assert_eq!(value(name, Which::Number(1)), Ok(None), "{name} is not decidable");
+            assert_eq!(value(name, Which::Sum), Ok(None), "{name}: nor is the sum");
+        }
         assert_eq!(value("air_l", Which::Sum), Ok(Some(2.25)));
         assert_eq!(value("air_l", Which::Number(4)), Err("m: there is no move 4; the run has 3".to_owned()));
     }

@@ -2,9 +2,9 @@
 //!
 //! A step costs its settling time; one that does not settle, the time that it had and a second for each time that
 //! its error at the end is the allowed one. What it overshoots too far costs 0.2 s a percent, a limit cycle
-//! 0.5 s and its size. A run that trips costs more than all of that.
+//! 0.5 s and half its swing, and what may be one 0.5 s and half of what it covers in its last quarter. A run that trips costs more than all of that.
 
-use crate::evaluation::Move;
+use crate::evaluation::{Doubt, LimitCycle, Move};
 
 /// What is asked of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +30,14 @@ pub struct Performance {
     pub settling_s: Option<f64>,
     /// How long it had, s.
     pub allowed_s: f64,
-    /// How far beyond, % of the step.
-    pub overshoot_percent: f64,
+    /// How far beyond, % of the step; None: it is still on its way there.
+    pub overshoot_percent: Option<f64>,
     /// Mean distance from the setpoint in the last quarter of its time, mm.
     pub error_mm: f64,
-    /// Half the swing of a limit cycle in that quarter, mm; 0: it stands.
-    pub limit_cycle_mm: f64,
+    /// Whether it ends in a limit cycle.
+    pub limit_cycle: LimitCycle,
+    /// From its lowest to its highest position in that quarter, mm.
+    pub range_mm: f64,
     /// Why the run ended early, or "".
     pub failure: String,
 }
@@ -44,15 +46,18 @@ impl Performance {
     /// Of the moves of a step there and back.
     #[must_use]
     pub fn of(moves: &[&Move], step_mm: f64, allowed_s: f64) -> Performance {
-        let largest = |of: &dyn Fn(&Move) -> f64| moves.iter().map(|one| of(one)).fold(0.0, f64::max);
+        let largest = |of: &dyn Fn(&Move) -> Option<f64>| {
+            moves.iter().map(|one| of(one)).reduce(|a, b| Some(a?.max(b?))).flatten()
+        };
         let stays = |settling: &f64| *settling <= SETTLED_BY * allowed_s;
-        let settling = moves.iter().map(|one| one.settling_s.filter(stays));
+        let cycles = moves.iter().map(|one| one.limit_cycle);
         Performance {
-            settling_s: settling.reduce(|a, b| Some(a?.max(b?))).flatten(),
+            settling_s: largest(&|one| one.settling_s.filter(stays)),
             allowed_s,
-            overshoot_percent: largest(&|one| 100.0 * one.overshoot_mm.unwrap_or(f64::NAN) / step_mm),
-            error_mm: largest(&|one| one.steady_error_mm.unwrap_or(f64::NAN).abs()),
-            limit_cycle_mm: largest(&|one| one.limit_cycle.map_or(0.0, |cycle| cycle.amplitude_mm)),
+            overshoot_percent: largest(&|one| Some(100.0 * one.overshoot_mm? / step_mm)),
+            error_mm: largest(&|one| Some(one.mean_error_mm?.abs())).unwrap_or(f64::NAN),
+            limit_cycle: cycles.reduce(LimitCycle::or_worse).unwrap_or(LimitCycle::Undecided(Doubt::NoMove)),
+            range_mm: moves.iter().map(|one| one.range_mm).fold(0.0, f64::max),
             failure: String::new(),
         }
     }
@@ -63,9 +68,10 @@ impl Performance {
         Performance {
             settling_s: None,
             allowed_s: 0.0,
-            overshoot_percent: f64::NAN,
+            overshoot_percent: None,
             error_mm: f64::NAN,
-            limit_cycle_mm: f64::NAN,
+            limit_cycle: LimitCycle::Undecided(Doubt::NoMove),
+            range_mm: f64::NAN,
             failure,
         }
     }
@@ -79,12 +85,14 @@ impl Performance {
         let settled = self
             .settling_s
             .unwrap_or_else(|| self.allowed_s + (self.error_mm / goal.settled_mm).min(FAILED / 4.0));
-        let beyond = (self.overshoot_percent - goal.overshoot_percent).max(0.0);
-        let swings = if self.limit_cycle_mm > 0.0 {
-            0.5 + (self.limit_cycle_mm / goal.settled_mm).min(FAILED / 4.0)
-        } else {
-            0.0
+        let beyond =
+            self.overshoot_percent.map_or(0.0, |percent| (percent - goal.overshoot_percent).max(0.0));
+        let swings = match self.limit_cycle {
+            LimitCycle::None { .. } => None,
+            LimitCycle::Sustained(seen) => Some(seen.swing_mm),
+            LimitCycle::Undecided(_) => Some(self.range_mm),
         };
+        let swings = swings.map_or(0.0, |mm| 0.5 + (mm / 2.0 / goal.settled_mm).min(FAILED / 4.0));
         settled + 0.2 * beyond + swings
     }
 
@@ -96,8 +104,10 @@ impl Performance {
         }
         [
             (self.settling_s.is_none(), "it does not settle"),
-            (self.overshoot_percent > goal.overshoot_percent, "it overshoots"),
-            (self.limit_cycle_mm > 0.0, "it limit-cycles"),
+            (self.overshoot_percent.is_some_and(|percent| percent > goal.overshoot_percent), "it overshoots"),
+            (self.overshoot_percent.is_none(), "it may overshoot"),
+            (matches!(self.limit_cycle, LimitCycle::Sustained(_)), "it limit-cycles"),
+            (matches!(self.limit_cycle, LimitCycle::Undecided(_)), "it may limit-cycle"),
         ]
         .into_iter()
         .filter_map(|(fails, what)| fails.then_some(what))

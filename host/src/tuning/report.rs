@@ -4,6 +4,7 @@ use anyhow::Result;
 
 use super::trial::Trial;
 use super::{Found, Goal, Obstacle, Task, Tuned};
+use crate::evaluation::LimitCycle;
 use crate::page::{Curve, Figure, Page, Panel, Table};
 use crate::rig_text;
 use crate::transient::{CHANNELS, COMMAND, POSITION, SETPOINT, SPOOL};
@@ -103,19 +104,30 @@ fn said(value: Option<f64>, decimals: usize) -> String {
 
 /// Columns of what a step does.
 const SHOWN: [&str; 5] =
-    ["met", "settles after, s", "overshoot, %", "error at the end, mm", "limit cycle, mm"];
+    ["met", "settles after, s", "overshoot, %", "error at the end, mm", "limit cycle, mm peak to peak"];
 
 /// The worst of everything, over all rigs.
 fn worst(found: &Found, goal: &Goal) -> Vec<String> {
-    let largest =
-        |of: &dyn Fn(&super::Performance) -> f64| Some(found.performances.iter().map(of).fold(0.0, f64::max));
+    let all = || found.performances.iter();
+    let largest = |of: &dyn Fn(&super::Performance) -> Option<f64>| {
+        all().map(of).reduce(|a, b| Some(a?.max(b?))).flatten()
+    };
     vec![
         format!("{} of {}", found.met(goal), found.performances.len()),
         said(slowest(found), 3),
         said(largest(&|one| one.overshoot_percent), 2),
-        said(largest(&|one| one.error_mm), 3),
-        said(largest(&|one| one.limit_cycle_mm), 3),
+        said(largest(&|one| Some(one.error_mm)), 3),
+        all().map(|one| one.limit_cycle).reduce(LimitCycle::or_worse).map_or_else(|| "-".to_owned(), swing),
     ]
+}
+
+/// A limit cycle in words.
+fn swing(limit_cycle: LimitCycle) -> String {
+    match limit_cycle {
+        LimitCycle::None { .. } => "none".to_owned(),
+        LimitCycle::Sustained(seen) => format!("{:.3}", seen.swing_mm),
+        LimitCycle::Undecided(_) => "not decidable".to_owned(),
+    }
 }
 
 fn table(heading: &str, first: &str, rows: Vec<Vec<String>>) -> Table {
@@ -151,9 +163,9 @@ fn variants(tuned: &Tuned, goal: &Goal) -> Table {
             variant.name(),
             failure,
             said(one.settling_s, 3),
-            said(Some(one.overshoot_percent), 2),
+            said(one.overshoot_percent, 2),
             said(Some(one.error_mm), 3),
-            said(Some(one.limit_cycle_mm), 3),
+            swing(one.limit_cycle),
         ]
     };
     let rows = tuned.variants.iter().zip(&tuned.after.performances).map(row).collect();

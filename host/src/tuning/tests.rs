@@ -3,7 +3,7 @@ use pneudrive_sim::rig::{BUILTIN, builtin};
 use super::gains::Space;
 use super::trial::Trial;
 use super::*;
-use crate::evaluation::{LimitCycle, Move};
+use crate::evaluation::{Doubt, LimitCycle, Move, Oscillation};
 
 const GOAL: Goal = Goal { step_mm: 60.0, settled_mm: 0.05, overshoot_percent: 1.0 };
 
@@ -84,7 +84,9 @@ fn step() -> Move {
         overshoot_mm: Some(0.3),
         settling_s: Some(0.4),
         steady_error_mm: Some(0.01),
-        limit_cycle: None,
+        mean_error_mm: Some(0.01),
+        range_mm: 0.0,
+        limit_cycle: LimitCycle::None { below_mm: 0.03, for_s: 0.5 },
         top_speed_mm_s: 500.0,
         air_l: None,
     }
@@ -98,18 +100,30 @@ fn performance(there: Move, back: Move) -> Performance {
 fn a_step_that_is_as_asked_costs_its_settling_time_and_all_others_more() {
     let good = performance(step(), Move { settling_s: Some(0.3), ..step() });
     assert_eq!((good.cost(&GOAL), good.faults(&GOAL)), (0.4, vec![]));
-    let late = performance(step(), Move { settling_s: None, steady_error_mm: Some(-0.2), ..step() });
+    let late = performance(step(), Move { settling_s: None, mean_error_mm: Some(-0.2), ..step() });
     assert_eq!(late.faults(&GOAL), ["it does not settle"]);
     assert!((late.cost(&GOAL) - (1.5 + 4.0)).abs() < 1e-12, "its time, and four times the allowed error");
-    let passing = performance(step(), Move { settling_s: Some(1.4), steady_error_mm: Some(0.1), ..step() });
+    let passing = performance(step(), Move { settling_s: Some(1.4), mean_error_mm: Some(0.1), ..step() });
     assert_eq!((passing.settling_s, passing.faults(&GOAL)), (None, vec!["it does not settle"]));
     let far = performance(step(), Move { overshoot_mm: Some(1.2), ..step() });
     assert_eq!(far.faults(&GOAL), ["it overshoots"]);
     assert!((far.cost(&GOAL) - (0.4 + 0.2)).abs() < 1e-12, "2 % of the step, 1 % is allowed");
-    let cycle = Some(LimitCycle { amplitude_mm: 0.1, frequency_hz: 4.0 });
-    let swings = performance(Move { limit_cycle: cycle, ..step() }, step());
+    let cycle = Oscillation {
+        swing_mm: 0.2,
+        range_mm: [0.2, 0.2],
+        frequency_hz: 4.0,
+        cycles: 3,
+        during_s: [0.5, 1.2],
+    };
+    let swings = performance(Move { limit_cycle: LimitCycle::Sustained(cycle), ..step() }, step());
     assert_eq!(swings.faults(&GOAL), ["it limit-cycles"]);
     assert!((swings.cost(&GOAL) - (0.4 + 0.5 + 2.0)).abs() < 1e-12);
+    let undecided = LimitCycle::Undecided(Doubt::FewCycles);
+    let unclear = performance(Move { limit_cycle: undecided, range_mm: 0.1, ..step() }, step());
+    assert_eq!(unclear.faults(&GOAL), ["it may limit-cycle"], "what is not decidable is not met");
+    assert!((unclear.cost(&GOAL) - (0.4 + 0.5 + 1.0)).abs() < 1e-12);
+    let going_on = performance(step(), Move { overshoot_mm: None, ..step() });
+    assert_eq!(going_on.faults(&GOAL), ["it may overshoot"]);
     let failed = Performance::failed("encoder-step at sample 3".to_owned());
     assert!(failed.cost(&GOAL) > late.cost(&GOAL) && !failed.meets(&GOAL));
 }

@@ -1,8 +1,10 @@
 //! Models of other complexity (8.3), on servo-drive B with the gains of Appendix IX, at which it vibrates as
 //! the thesis's figures do.
 
+use super::super::outcome::said;
 use super::super::{Finding, Statement, Study, Variant};
 use super::{APPENDIX_GAINS, TUNED};
+use crate::evaluation::LimitCycle;
 use crate::transient::{POSITION, PRESSURES};
 
 pub(super) const CONTINUOUS: Study = Study {
@@ -18,7 +20,8 @@ pub(super) const CONTINUOUS: Study = Study {
             thesis: "The continuous system shows more vibration.",
             judge: |runs| {
                 let shows = format!("{}; {}", runs[0].rest(), runs[1].rest());
-                Finding::new(runs[1].amplitude_mm() > runs[0].amplitude_mm(), shows)
+                let more = runs[1].amplitude_mm().zip(runs[0].amplitude_mm()).map(|(other, own)| other > own);
+                Finding::decided(more, shows)
             },
         },
         Statement {
@@ -59,12 +62,13 @@ pub(super) const EMPIRICAL_OPERATOR: Study = Study {
         Statement {
             thesis: "The frequency of vibration deviates in the position.",
             judge: |runs| {
-                let [analytical, empirical] =
-                    [&runs[0], &runs[1]].map(|run| run.vibration().map_or(0.0, |cycle| cycle.frequency_hz));
-                Finding::new(
-                    (empirical / analytical - 1.0).abs() > 0.05,
-                    format!("{empirical:.1} Hz for {analytical:.1} Hz"),
-                )
+                let [analytical, empirical] = [&runs[0], &runs[1]].map(|run| match run.vibration() {
+                    LimitCycle::Sustained(seen) => Some(seen.frequency_hz),
+                    LimitCycle::None { .. } | LimitCycle::Undecided(_) => None,
+                });
+                let other = empirical.zip(analytical).map(|(one, other)| (one / other - 1.0).abs() > 0.05);
+                let shows = format!("{} for {}", said(empirical, 1, "Hz"), said(analytical, 1, "Hz"));
+                Finding::decided(other, shows)
             },
         },
         Statement {
@@ -103,20 +107,22 @@ pub(super) const LEAKAGE: Study = Study {
             thesis: "The drive is slightly less stable than without leakage.",
             judge: |runs| {
                 let shows = format!("{}; {}", runs[2].rest(), runs[3].rest());
-                Finding::new(runs[3].amplitude_mm() > runs[2].amplitude_mm(), shows)
+                let more =
+                    runs[3].amplitude_mm().zip(runs[2].amplitude_mm()).map(|(leaking, own)| leaking > own);
+                Finding::decided(more, shows)
             },
         },
         Statement {
             thesis: "The cylinder moves slower as it extends or retracts.",
             judge: |runs| {
-                let rises =
-                    |run: usize| runs[run].asked().iter().filter_map(|one| one.rise_s).collect::<Vec<_>>();
+                let rises = |run: usize| runs[run].asked().iter().map(|one| one.rise_s).collect::<Vec<_>>();
                 let (tight, leaking) = (rises(0), rises(1));
-                let text = |rises: &[f64]| {
-                    rises.iter().map(|rise| format!("{rise:.3} s")).collect::<Vec<_>>().join(" and ")
+                let text = |rises: &[Option<f64>]| {
+                    rises.iter().map(|rise| said(*rise, 3, "s")).collect::<Vec<_>>().join(" and ")
                 };
-                Finding::new(
-                    tight.iter().zip(&leaking).all(|(tight, leaking)| leaking > tight),
+                let slower = tight.iter().zip(&leaking).map(|(tight, leaking)| Some((*leaking)? > (*tight)?));
+                Finding::decided(
+                    slower.reduce(|a, b| Some(a? && b?)).flatten(),
                     format!("it rises in {} for {}, extending and retracting", text(&leaking), text(&tight)),
                 )
             },
@@ -126,10 +132,9 @@ pub(super) const LEAKAGE: Study = Study {
             judge: |runs| {
                 let [tight, leaking] =
                     [&runs[0], &runs[1]].map(|run| super::super::Outcome::error_mm(run.asked()));
-                Finding::new(
-                    leaking > tight,
-                    format!("the mean error at rest is {leaking:.2} mm for {tight:.2} mm"),
-                )
+                let larger = leaking.zip(tight).map(|(leaking, tight)| leaking > tight);
+                let [leaking, tight] = [leaking, tight].map(|error| said(error, 2, "mm"));
+                Finding::decided(larger, format!("the mean error at rest is {leaking} for {tight}"))
             },
         },
     ],

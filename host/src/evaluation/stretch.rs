@@ -1,0 +1,127 @@
+//! The samples of a move, and what they show of its step. What they do not show is None.
+
+use super::limit_cycle::{rest, still_band};
+use super::{Doubt, LimitCycle};
+use crate::transient::{POSITION, PRESSURES, SETPOINT, Transient};
+
+/// A way of fewer counts cannot be told from a drive that holds its place on the edge of a count.
+const SHORTEST_WAY_COUNTS: f64 = 2.5;
+
+/// A tenth of the way must be a count at least to be seen.
+const SHORTEST_RISE_COUNTS: f64 = 10.0;
+
+/// The part of a move, at its end, that must show that the drive has settled.
+const LAST_PART: f64 = 0.25;
+
+/// The samples of a move.
+pub(super) struct Stretch<'a> {
+    pub transient: &'a Transient,
+    pub begin: usize,
+    pub end: usize,
+}
+
+impl Stretch<'_> {
+    pub fn time(&self) -> &[f64] {
+        &self.transient.time[self.begin..self.end]
+    }
+
+    pub fn position(&self) -> &[f64] {
+        &self.transient.channels[POSITION][self.begin..self.end]
+    }
+
+    pub fn setpoint(&self) -> Option<f64> {
+        Some(self.transient.channels[SETPOINT][self.begin]).filter(|value| value.is_finite())
+    }
+
+    pub fn limit_cycle(&self) -> LimitCycle {
+        let pressures = PRESSURES.map(|channel| &self.transient.channels[channel][self.begin..self.end]);
+        LimitCycle::of(self.time(), self.position(), pressures, self.transient.mm_per_count)
+    }
+
+    /// How far it should go, mm, if that is at least so many counts.
+    fn way(&self, to: f64, least_counts: f64) -> Option<f64> {
+        Some(to - self.position()[0]).filter(|way| way.abs() > least_counts * self.transient.mm_per_count)
+    }
+
+    /// From 10 % to 90 % of the way to `to`, for the first time each, s.
+    pub fn rise(&self, to: f64) -> Option<f64> {
+        let way = self.way(to, SHORTEST_RISE_COUNTS)?;
+        Some(self.passes(way, 0.9)? - self.passes(way, 0.1)?)
+    }
+
+    /// When the position has gone a share of its way, on the straight line between two samples, s.
+    fn passes(&self, way: f64, share: f64) -> Option<f64> {
+        let (time, position) = (self.time(), self.position());
+        let gone = |k: usize| (position[k] - position[0]) / way;
+        let after = (1..position.len()).find(|&k| gone(k) >= share)?;
+        let part = (share - gone(after - 1)) / (gone(after) - gone(after - 1));
+        Some(time[after - 1] + part * (time[after] - time[after - 1]))
+    }
+
+    /// How far the position goes beyond `to`, mm: of a drive that stands still, swings for good, or has turned back
+    /// and swings less and less.
+    pub fn overshoot(&self, to: f64, limit_cycle: &LimitCycle) -> Option<f64> {
+        let way = self.way(to, SHORTEST_WAY_COUNTS)?;
+        let beyond = |position: &f64| (position - to) * way.signum();
+        let furthest = self.position().iter().map(beyond).fold(f64::NEG_INFINITY, f64::max);
+        let turned_back = || {
+            let back = furthest - self.position().last().map_or(furthest, beyond);
+            furthest > 0.0 && back > still_band(self.position(), self.transient.mm_per_count)
+        };
+        let is_over = match limit_cycle {
+            LimitCycle::None { .. } | LimitCycle::Sustained(_) => true,
+            LimitCycle::Undecided(Doubt::DyingOut { .. } | Doubt::JustStopped | Doubt::Sticking { .. }) => {
+                self.stands() || turned_back()
+            }
+            LimitCycle::Undecided(_) => self.stands(),
+        };
+        is_over.then_some(furthest.max(0.0))
+    }
+
+    /// From its beginning until the position stays within `tolerance` of `to`, s; it must do so for the last
+    /// quarter of the move.
+    pub fn settling(&self, to: f64, tolerance: f64) -> Option<f64> {
+        let outside = |position: &f64| (position - to).abs() > tolerance;
+        let first_inside = self.position().iter().rposition(outside).map_or(0, |last| last + 1);
+        (first_inside <= self.last_part()).then(|| self.time()[first_inside] - self.time()[0])
+    }
+
+    /// Mean of `to` less the position in the last quarter, mm, whatever the drive does there.
+    pub fn mean_error(&self, to: f64) -> f64 {
+        to - mean(&self.position()[self.last_part()..])
+    }
+
+    /// From the lowest to the highest position in the last quarter, mm.
+    pub fn range(&self) -> f64 {
+        let last = || self.position()[self.last_part()..].iter().copied();
+        last().fold(f64::NEG_INFINITY, f64::max) - last().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The mean error of a drive that stands there; of one that swings for good over its whole cycles.
+    pub fn steady_error(&self, to: f64, limit_cycle: &LimitCycle) -> Option<f64> {
+        match limit_cycle {
+            LimitCycle::Sustained(oscillation) => {
+                let [from, until] = oscillation.during_s.map(|at| self.time().partition_point(|t| *t < at));
+                Some(to - mean(&self.position()[from..until]))
+            }
+            _ => self.stands().then(|| self.mean_error(to)),
+        }
+    }
+
+    /// Whether it stands still in the last quarter.
+    fn stands(&self) -> bool {
+        let band_mm = still_band(self.position(), self.transient.mm_per_count);
+        let position = &self.position()[self.last_part()..];
+        let time = &self.time()[self.last_part()..];
+        position.len() > 1 && rest(time, position, band_mm) >= time[time.len() - 1] - time[0]
+    }
+
+    fn last_part(&self) -> usize {
+        let samples = self.position().len();
+        samples - (samples as f64 * LAST_PART).ceil() as usize
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
