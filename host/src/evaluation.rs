@@ -21,7 +21,7 @@ mod stretch;
 mod swings;
 mod table;
 
-pub use air::Chambers;
+pub use air::{Air, Chambers};
 pub use limit_cycle::{Doubt, LimitCycle, Oscillation};
 pub use motion::Motion;
 pub use table::{remarks, table};
@@ -57,8 +57,8 @@ pub struct Move {
     pub limit_cycle: LimitCycle,
     /// Top speed, mm/s.
     pub top_speed_mm_s: f64,
-    /// Air that went into the chambers, litres (ANR); None where neither flows nor chambers are known.
-    pub air_l: Option<f64>,
+    /// Air that was let into the chambers; None where neither flows nor chambers are known.
+    pub air: Option<Air>,
 }
 
 /// The moves of a transient, in their order.
@@ -74,13 +74,13 @@ pub fn moves(
 ) -> Vec<Move> {
     let begins = beginnings(transient);
     let ends = begins.iter().skip(1).copied().chain([transient.time.len()]);
-    let let_in = air::let_in(transient, chambers);
-    let air_l = |stretch: &Stretch| Some(air::litres(&let_in.as_ref()?[stretch.begin..stretch.end]));
+    let course = air::Course::of(transient, chambers);
+    let air = |stretch: &Stretch| course.as_ref()?.between(stretch.begin, stretch.end);
     begins
         .iter()
         .zip(ends)
         .map(|(&begin, end)| Stretch { transient, begin, end })
-        .map(|stretch| Move { air_l: air_l(&stretch), ..measured(&stretch, motion, tolerance_mm) })
+        .map(|stretch| Move { air: air(&stretch), ..measured(&stretch, motion, tolerance_mm) })
         .collect()
 }
 
@@ -117,7 +117,7 @@ fn measured(stretch: &Stretch, motion: &Motion, tolerance_mm: f64) -> Move {
         range_mm: stretch.range(),
         limit_cycle,
         top_speed_mm_s: speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max),
-        air_l: None,
+        air: None,
     }
 }
 

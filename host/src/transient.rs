@@ -49,6 +49,8 @@ pub struct Transient {
     pub mm_per_count: f64,
     /// Windows of the controller's velocity and acceleration, samples.
     pub windows: [u8; 2],
+    /// A step of the converters of the pressures, kPa; 0 of a run.
+    pub pressure_step_kpa: f64,
     /// Air that flows into the chambers, kg/s; None of a record, which has no flows.
     pub inflow_kg_s: Option<Vec<f64>>,
     /// Times before and after each place where samples are missing, s.
@@ -153,6 +155,7 @@ impl Transient {
                 window(file, "param.velocity_window_samples")?,
                 window(file, "param.acceleration_window_samples")?,
             ],
+            pressure_step_kpa: pressure[0].abs(),
             inflow_kg_s: None,
             gaps: gaps(file, period),
             band: None,
@@ -182,6 +185,7 @@ impl Transient {
             counts: run.column("position_counts").iter().map(|&count| count as i32).collect(),
             mm_per_count: run.mm_per_count,
             windows: run.windows,
+            pressure_step_kpa: 0.0,
             inflow_kg_s: Some(flows.map(inflow).collect()),
             gaps: Vec::new(),
             band: run.band.as_ref().map(ChannelBand::of),
@@ -215,6 +219,7 @@ impl Transient {
             counts: self.counts[first..end].to_vec(),
             mm_per_count: self.mm_per_count,
             windows: self.windows,
+            pressure_step_kpa: self.pressure_step_kpa,
             inflow_kg_s: self.inflow_kg_s.as_ref().map(|flow| flow[first..end].to_vec()),
             gaps: self
                 .gaps

@@ -49,6 +49,16 @@ pub enum Leakage {
 }
 
 impl Leakage {
+    /// mdot_L, kg/s, from chamber 1 to chamber 2 at these pressures (Pa), both at one temperature (K): what can be
+    /// told from a record, which has no temperatures.
+    #[must_use]
+    pub fn at_pressures(&self, gas: &Gas, pressures: [f64; 2], temperature: f64) -> f64 {
+        let [mass, exner] =
+            [0, 1].map(|state| Pair::of(|i| Air::state_of(gas, pressures[i], temperature, 1.0)[state]));
+        let (pressure, temperature) = (Pair::new(pressures), Pair::splat(temperature));
+        self.flow(gas, &Air { mass, exner, pressure, temperature })
+    }
+
     /// mdot_L, kg/s, from chamber 1 to chamber 2; negative the other way.
     #[inline]
     pub(crate) fn flow(&self, gas: &Gas, air: &Air<Pair>) -> f64 {
@@ -125,6 +135,14 @@ mod tests {
         assert!((back / forth + (cold / hot).sqrt()).abs() < 1e-14);
         assert_eq!(source(&air([(5e5, cold), (3e5, hot)])), 0);
         assert_eq!(source(&air([(3e5, cold), (5e5, hot)])), 1);
+    }
+
+    #[test]
+    fn at_one_temperature_the_pressures_tell_the_leakage() {
+        for leakage in [Leakage::None, Leakage::Laminar { coefficient: 2e-9 }, THESIS] {
+            let by_pressures = leakage.at_pressures(&gas(), [5e5, 3e5], 294.0);
+            assert_eq!(by_pressures, flow(leakage, 5e5, 294.0, 3e5, 294.0));
+        }
     }
 
     #[test]

@@ -100,9 +100,13 @@ fn notes(transient: &Transient, chambers: bool) -> Vec<String> {
         "Velocity and acceleration are the controller's own: differences over {v} and {a} samples of {:.4} ms.",
         1e3 * transient.period_s()
     )];
-    if transient.inflow_kg_s.is_none() {
+    let is_run = transient.inflow_kg_s.is_some();
+    if is_run || chambers {
+        notes.push("Air is what is let into the chambers, in litres at 20 \u{b0}C, 100 kPa and 65 % relative humidity (ANR, ISO 8778), and in brackets at least and at most. What the valve leaks to the exhaust is not in it.".to_owned());
+    }
+    if !is_run {
         notes.push(if chambers {
-            "The air comes from pressures and positions at the supply's temperature; pressure that rises by compression counts as well, so it is an upper bound.".to_owned()
+            "A record has no flows: its air comes from pressures and positions, by the energy balance of chambers that exchange no heat with their walls.".to_owned()
         } else {
             "A record has no flows: --rig tells the cylinder, and with it the air that the moves took."
                 .to_owned()

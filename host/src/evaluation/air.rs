@@ -1,117 +1,81 @@
-//! The air that a transient takes from the supply.
+//! The air that is let into the chambers.
 //!
-//! Of a run, the inflows are summed. A record has no flows: the air in the chambers comes from its
-//! pressures and positions with the cylinder of a rig file, `m = P V / (R T)` at the supply's temperature,
-//! and every rise of it was let in. The converter's steps make such rises, too; a band keeps them out.
-//! What escapes through leakage meanwhile cannot be seen.
+//! It is told in litres at 20 degrees Celsius, 100 kPa and 65 % relative humidity (ANR, ISO 8778). What the valve leaks
+//! from the supply to the exhaust does not come into the chambers and is not in it.
+//!
+//! Of a run the flows into the chambers are summed, by the trapezoidal rule; how far the sum over every other row is
+//! from it tells how well it is known. A record has no flows: there the pressures tell ([`filling`]).
 
-use pneudrive_sim::actuator::Actuator;
-use pneudrive_sim::{Rig, build};
+mod filling;
+mod record;
+mod rises;
 
-use crate::transient::{POSITION, PRESSURES, Transient};
+pub use record::Chambers;
+
+use crate::transient::Transient;
 
 /// kg of a litre of air at 20 degrees Celsius, 100 kPa and 65 % relative humidity (ANR, ISO 8778).
 const KG_PER_LITRE: f64 = 1.185e-3;
 
-/// A rise counts when it is more than this much of pressure, kPa: two to three steps of a 12-bit converter
-/// over 1 MPa, and its noise.
-const BAND_KPA: f64 = 2.0;
-
-/// The chambers of a cylinder, to tell masses from pressures.
-#[derive(Clone, Copy, Debug)]
-pub struct Chambers {
-    actuator: Actuator,
-    /// R T of the supply, J/kg.
-    gas: f64,
+/// Air that is let into the chambers, litres (ANR).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Air {
+    /// How much.
+    pub litres: f64,
+    /// And at least.
+    pub least: f64,
+    /// And at most.
+    pub most: f64,
 }
 
-impl Chambers {
-    /// Those of a rig.
-    #[must_use]
-    pub fn of(rig: &Rig) -> Chambers {
-        let gas = rig.number("gas.gas_constant_j_per_kg_k") * rig.number("supply.temperature_k");
-        Chambers { actuator: build::actuator(rig), gas }
-    }
-
-    /// What has been let into both chambers up to each instant, kg.
-    fn let_in(&self, transient: &Transient) -> Vec<f64> {
-        let chambers = [0, 1].map(|i| {
-            let filled = |k: usize| {
-                let position = transient.channels[POSITION][k] / 1e3;
-                let volume = self.actuator.volumes(position, 0.0)[i].volume;
-                let kg_per_kpa = 1e3 * volume / self.gas;
-                (kg_per_kpa * transient.channels[PRESSURES[i]][k], kg_per_kpa * BAND_KPA)
-            };
-            rises((0..transient.time.len()).map(filled))
-        });
-        let [one, two] = chambers;
-        one.iter().zip(two).map(|(one, two)| one + two).collect()
-    }
+/// Air let in up to each instant of a transient, kg.
+pub(super) struct Course {
+    best: Vec<f64>,
+    least: Vec<f64>,
+    most: Vec<f64>,
+    /// Whether a pressure is beyond its converter at an instant, so that nobody knows it.
+    beyond: Vec<bool>,
 }
 
-/// The sum of all rises up to each value. A rise is seen when the value stands more than its band above the
-/// lowest since the last one, and ends when it has fallen by its band.
-fn rises(values: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
-    let (mut sum, mut low, mut top) = (0.0, f64::INFINITY, None);
-    let mut step = |value: f64, band: f64| {
-        match top {
-            None if value < low => low = value,
-            None if value > low + band => {
-                sum += value - low;
-                top = Some(value);
-            }
-            Some(highest) if value > highest => {
-                sum += value - highest;
-                top = Some(value);
-            }
-            Some(highest) if value < highest - band => (low, top) = (value, None),
-            _ => {}
+impl Course {
+    /// Of a run from its flows, of a record from its pressures and its chambers; None where neither is known.
+    pub fn of(transient: &Transient, chambers: Option<&Chambers>) -> Option<Course> {
+        match &transient.inflow_kg_s {
+            Some(inflow) => Some(Course::of_flows(&transient.time, inflow)),
+            None => record::course(transient, chambers?),
         }
-        sum
-    };
-    values.map(|(value, band)| step(value, band)).collect()
-}
+    }
 
-/// Air let in up to each instant, kg: from the flows of a run, or from the pressures of a record.
-pub(super) fn let_in(transient: &Transient, chambers: Option<&Chambers>) -> Option<Vec<f64>> {
-    match &transient.inflow_kg_s {
-        Some(inflow) => Some(integral(&transient.time, inflow)),
-        None => chambers.map(|chambers| chambers.let_in(transient)),
+    fn of_flows(time: &[f64], inflow: &[f64]) -> Course {
+        let (best, coarse) = (integral(time, inflow, 1), integral(time, inflow, 2));
+        let most = best.iter().zip(&coarse).map(|(best, coarse)| 2.0 * best - coarse).collect();
+        Course { beyond: vec![false; time.len()], least: coarse, best, most }
+    }
+
+    /// What comes in from sample `begin` to sample `end`, or to the last one; None where a pressure is not known.
+    pub fn between(&self, begin: usize, end: usize) -> Option<Air> {
+        let end = end.min(self.best.len() - 1);
+        let litres = |mass: &[f64]| (mass[end] - mass[begin]) / KG_PER_LITRE;
+        let [best, one, other] = [&self.best, &self.least, &self.most].map(|mass| litres(mass));
+        let known = !self.beyond[begin..=end].contains(&true);
+        let (least, most) = (best.min(one).min(other).max(0.0), best.max(one).max(other));
+        known.then_some(Air { litres: best, least, most })
     }
 }
 
-fn integral(time: &[f64], rate: &[f64]) -> Vec<f64> {
-    let steps = time.windows(2).zip(rate.windows(2)).map(|(t, r)| (t[1] - t[0]) * (r[0] + r[1]) / 2.0);
-    let sums = steps.scan(0.0, |sum, step| {
-        *sum += step;
-        Some(*sum)
-    });
-    time.first().map(|_| 0.0).into_iter().chain(sums).collect()
-}
-
-/// What came in between the first and the last of these instants, litres (ANR).
-pub(super) fn litres(let_in: &[f64]) -> f64 {
-    let_in.last().zip(let_in.first()).map_or(0.0, |(last, first)| (last - first) / KG_PER_LITRE)
+/// The integral of a rate up to each instant, by the trapezoidal rule over every `step`th of them.
+fn integral(time: &[f64], rate: &[f64], step: usize) -> Vec<f64> {
+    let trapezium = |from: usize, to: usize| (time[to] - time[from]) * (rate[from] + rate[to]) / 2.0;
+    let mut sum = 0.0;
+    let up_to = |k: usize| {
+        let last = k - k % step;
+        if k > 0 && last == k {
+            sum += trapezium(k - step, k);
+        }
+        sum + trapezium(last, k)
+    };
+    (0..time.len()).map(up_to).collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn with_band(values: &[f64]) -> f64 {
-        *rises(values.iter().map(|&value| (value, 1.0))).last().expect("values")
-    }
-
-    #[test]
-    fn only_rises_above_the_band_are_air_from_the_supply() {
-        assert_eq!(with_band(&[5.0, 5.5, 4.8, 5.4, 5.0]), 0.0, "the steps of a converter");
-        assert_eq!(with_band(&[5.0, 7.0, 9.0, 8.5, 9.5]), 4.5, "filled, with a jitter on top");
-        assert_eq!(with_band(&[5.0, 9.0, 3.0, 6.0]), 7.0, "filled, emptied, filled");
-    }
-
-    #[test]
-    fn a_constant_inflow_is_time_by_flow() {
-        assert_eq!(integral(&[0.0, 1.0, 3.0], &[2.0, 2.0, 2.0]), [0.0, 2.0, 6.0]);
-        assert_eq!(litres(&[1.0, 1.0 + KG_PER_LITRE]).round(), 1.0);
-    }
-}
+mod tests;

@@ -46,8 +46,14 @@ fn row(number: usize, one: &Move) -> Vec<String> {
         swing,
         frequency,
         said(Some(one.top_speed_mm_s), 1),
-        said(one.air_l, 3),
+        one.air.map_or_else(|| "-".to_owned(), |air| between(air.litres, air.least, air.most)),
     ]
+}
+
+/// A figure with its bounds, to the digits that they leave.
+fn between(value: f64, least: f64, most: f64) -> String {
+    let decimals = (2.0 - (most - least).max(1e-3).log10()).floor().clamp(0.0, 3.0) as usize;
+    format!("{value:.decimals$} ({least:.decimals$} to {most:.decimals$})")
 }
 
 /// Swing and frequency of a limit cycle; the swing with its smallest and largest cycle.

@@ -45,7 +45,9 @@ pub const FIGURES: [Figure; 11] = [
         }
     }),
     figure("top_speed_mm_s", "the largest velocity", |one| Some(one.top_speed_mm_s)),
-    figure("air_l", "air let into the chambers, litres (ANR)", |one| one.air_l),
+    figure("air_l", "air let into the chambers, litres at 20 C, 100 kPa, 65 % humidity (ANR)", |one| {
+        Some(one.air?.litres)
+    }),
     figure("limit_cycle_swing_mm", "its swing from peak to peak; 0 at rest, empty if not decidable", |one| {
         one.limit_cycle.swing_mm()
     }),
@@ -106,7 +108,11 @@ impl Metric {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::{Doubt, Oscillation};
+    use crate::evaluation::{Air, Doubt, Oscillation};
+
+    fn air(litres: f64) -> Option<Air> {
+        Some(Air { litres, least: litres, most: litres })
+    }
 
     /// A hold, a step that settles and one back that does not.
     fn moves() -> [Move; 3] {
@@ -123,7 +129,7 @@ mod tests {
             range_mm: 0.0,
             limit_cycle: LimitCycle::None { below_mm: 0.03, for_s: 0.5 },
             top_speed_mm_s: 500.0,
-            air_l: Some(1.0),
+            air: air(1.0),
         };
         let undecided = LimitCycle::Undecided(Doubt::JustStopped);
         let hold = Move {
@@ -131,7 +137,7 @@ mod tests {
             to_mm: Some(0.0),
             rise_s: None,
             limit_cycle: undecided,
-            air_l: Some(0.25),
+            air: air(0.25),
             ..step.clone()
         };
         let cycle = Oscillation {

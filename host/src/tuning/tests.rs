@@ -88,7 +88,7 @@ fn step() -> Move {
         range_mm: 0.0,
         limit_cycle: LimitCycle::None { below_mm: 0.03, for_s: 0.5 },
         top_speed_mm_s: 500.0,
-        air_l: None,
+        air: None,
     }
 }
 

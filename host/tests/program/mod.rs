@@ -55,7 +55,15 @@ pub fn unhurried_rig(name: &str) -> Background {
 }
 
 fn background(name: &str, door: &str, pace: Pace) -> Background {
-    let rig = Rig::builtin(name).expect("a built-in rig");
+    start(Rig::builtin(name).expect("a built-in rig"), door, pace)
+}
+
+/// A fast virtual rig that is not built in.
+pub fn virtual_rig_of(rig: Rig) -> Background {
+    start(rig, "tcp:127.0.0.1:0", Pace { fast: true, live: false })
+}
+
+fn start(rig: Rig, door: &str, pace: Pace) -> Background {
     let rig = VirtualRig::new(rig, 0, pace).expect("a rig");
     Background::start(rig, Door::open(door).expect("a port"))
 }
