@@ -103,10 +103,45 @@ pub struct Series {
 pub struct Figure {
     /// What it is.
     pub name: String,
-    /// Its value.
-    pub value: f64,
+    /// What it comes to.
+    pub reading: Reading,
     /// Its unit, or "".
     pub unit: &'static str,
+}
+
+/// What a figure comes to, and how well it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reading {
+    /// The model's equations give it: four digits of it are worth showing.
+    Computed(f64),
+    /// It was read to within so much.
+    Read {
+        /// Its value.
+        value: f64,
+        /// The true one lies no further from it.
+        within: f64,
+    },
+    /// It is nowhere between these two places on the axis across.
+    NotBetween([f64; 2]),
+}
+
+impl Figure {
+    fn computed(name: String, value: f64, unit: &'static str) -> Figure {
+        Figure { name, reading: Reading::Computed(value), unit }
+    }
+
+    fn read(name: String, value: f64, within: f64, unit: &'static str) -> Figure {
+        Figure { name, reading: Reading::Read { value, within }, unit }
+    }
+
+    /// Its value, if there is one.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        match self.reading {
+            Reading::Computed(value) | Reading::Read { value, .. } => Some(value),
+            Reading::NotBetween(_) => None,
+        }
+    }
 }
 
 impl Series {
@@ -119,6 +154,13 @@ impl Series {
 /// Supply pressures of the thesis's families above that of the exhaust, Pa (Tab. 7.1). Read as gauge
 /// pressures: at 0.1013 MPa absolute no air would flow.
 pub const SUPPLY_FAMILY_PA: [f64; 5] = [506.5e3, 405.2e3, 303.9e3, 202.6e3, 101.3e3];
+
+/// The rig's own supply pressure, Pa, and those of the family; of two that are the same one.
+fn supplies(rig: &Rig) -> Vec<f64> {
+    let own = rig.number("supply.pressure_pa");
+    let family = SUPPLY_FAMILY_PA.map(|above| rig.number("exhaust.pressure_pa") + above);
+    std::iter::once(own).chain(family.into_iter().filter(|supply| (supply - own).abs() > 50.0)).collect()
+}
 
 /// `intervals + 1` places from `from` to `to`.
 fn evenly(from: f64, to: f64, intervals: usize) -> Vec<f64> {

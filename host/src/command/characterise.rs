@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
-use pneudrive_sim::characteristics::{CURVES, Characteristic, Curve as Wanted, Graph};
+use pneudrive_sim::characteristics::{
+    CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading,
+};
 
 use super::eval::column;
 use super::load_choice;
@@ -15,6 +17,9 @@ use crate::run_folder::{make_writable, put, refuse_foreign};
 
 /// Begins every CSV file of this command, so that writing it again replaces nothing else.
 const CSV_MARK: &str = "graph,curve,";
+
+/// Digits of a number in a CSV file: more than the model's equations are solved to is not known.
+const IN_FILES: i32 = 6;
 
 pub(super) fn execute(arguments: &Characterise) -> Result<()> {
     let rig = load_choice(&arguments.rig)?;
@@ -55,8 +60,9 @@ fn to_csv(found: &Characteristic) -> String {
     for graph in &found.graphs {
         for series in &graph.series {
             for (x, y) in series.x.iter().zip(&series.y) {
-                let value = if y.is_finite() { format!("{y:.9}") } else { String::new() };
-                let _ = writeln!(text, "{},{},{x:.9},{value}", column(graph.title), cell(&series.name));
+                let value = if y.is_finite() { significant(*y, IN_FILES) } else { String::new() };
+                let (graph, x) = (column(graph.title), significant(*x, IN_FILES));
+                let _ = writeln!(text, "{graph},{},{x},{value}", cell(&series.name));
             }
         }
     }
@@ -69,16 +75,39 @@ fn cell(text: &str) -> String {
 }
 
 fn table(found: &Characteristic) -> Table {
-    // A value that rounds to zero has no sign.
-    let rounded = |value: f64| (value * 1e4).round() / 1e4 + 0.0;
-    let row = |figure: &pneudrive_sim::characteristics::Figure| {
-        vec![figure.name.clone(), format!("{:.4}", rounded(figure.value)), figure.unit.to_owned()]
+    let row = |figure: &Measured| {
+        let [value, within] = digits(figure.reading);
+        vec![figure.name.clone(), value, within, figure.unit.to_owned()]
     };
     Table {
         heading: "figures".to_owned(),
-        columns: ["", "value", "unit"].map(str::to_owned).to_vec(),
+        columns: ["", "value", "\u{b1}", "unit"].map(str::to_owned).to_vec(),
         rows: found.figures.iter().map(row).collect(),
     }
+}
+
+/// A figure and to within what it is known, both to the digits that are known.
+fn digits(reading: Reading) -> [String; 2] {
+    match reading {
+        Reading::Computed(value) => [significant(value, 4), String::new()],
+        Reading::Read { value, within } => {
+            let decimals = (-within.max(1e-9).log10().floor()).max(0.0) as usize;
+            // A value that rounds to zero has no sign.
+            let unit = 10_f64.powi(decimals as i32);
+            let rounded = (value * unit).round() / unit + 0.0;
+            [format!("{rounded:.decimals$}"), format!("{within:.decimals$}")]
+        }
+        Reading::NotBetween([from, to]) => {
+            [format!("not within {} to {}", significant(from, 3), significant(to, 3)), String::new()]
+        }
+    }
+}
+
+/// A number with so many digits that count.
+fn significant(value: f64, digits: i32) -> String {
+    let before = if value == 0.0 { 1 } else { value.abs().log10().floor() as i32 + 1 };
+    let decimals = (digits - before).clamp(0, 15) as usize;
+    format!("{value:.decimals$}")
 }
 
 fn page(rig: &Rig, curve: &Wanted, found: &Characteristic, table: &Table) -> Page {
@@ -112,4 +141,21 @@ fn page(rig: &Rig, curve: &Wanted, found: &Characteristic, table: &Table) -> Pag
 fn place_in_thesis(about: &str) -> String {
     let place = about.split_once('(').map_or("", |(_, place)| place.trim_end_matches(')'));
     format!("of the thesis, {place}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_has_the_digits_that_are_known() {
+        let read = |value, within| digits(Reading::Read { value, within });
+        assert_eq!(read(181.7658, 0.9), ["181.8", "0.9"]);
+        assert_eq!(read(268.1, 1.3), ["268", "1"]);
+        assert_eq!(read(-0.000_01, 0.000_5), ["0.0000", "0.0005"], "no sign of its own");
+        assert_eq!(digits(Reading::Computed(23.245_61)), ["23.25", ""]);
+        assert_eq!(digits(Reading::Computed(0.0)), ["0.000", ""]);
+        assert_eq!(digits(Reading::NotBetween([2.0, 498.0])), ["not within 2.00 to 498", ""]);
+        assert_eq!(significant(1234.567, 4), "1235");
+    }
 }

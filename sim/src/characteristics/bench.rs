@@ -74,6 +74,35 @@ impl ValveBench {
     }
 }
 
+/// A rig's spool that nothing holds is an oscillator: `x'' + 2 a x' + k x`, with a in 1/s and k in 1/s^2. None of a spool
+/// without a mass.
+fn oscillator(rig: &Rig) -> Option<[f64; 2]> {
+    match rig.word("operator.model") {
+        "solenoid" => {
+            let mass = rig.number("operator.spool_mass_kg");
+            let [damping, spring] =
+                ["operator.damping_n_s_per_m", "operator.spring_n_per_mm"].map(|key| rig.number(key));
+            Some([damping / (2.0 * mass), 1e3 * spring / mass])
+        }
+        "solenoid-empirical" => Some([
+            rig.number("operator.damping_per_s") / 2.0,
+            rig.number("operator.stiffness_per_mass_per_s2"),
+        ]),
+        _ => None,
+    }
+}
+
+/// How long it takes until such a spool has lost all but 1/e of its motion, s; of one that nothing damps ten seconds.
+pub(super) fn decay_s(rig: &Rig) -> f64 {
+    let slowest = |[a, k]: [f64; 2]| if a * a < k { a } else { a - (a * a - k).sqrt() };
+    oscillator(rig).map_or(0.0, |oscillator| (1.0 / slowest(oscillator)).min(10.0))
+}
+
+/// How often it swings without damping, Hz.
+pub(super) fn natural_hz(rig: &Rig) -> f64 {
+    oscillator(rig).map_or(0.0, |[_, k]| k.sqrt() / (2.0 * std::f64::consts::PI))
+}
+
 /// The operator of a rig with no air in its valve, so that no flow pushes the spool.
 #[derive(Clone, Debug)]
 pub(super) struct SpoolBench {

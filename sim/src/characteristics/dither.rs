@@ -1,11 +1,11 @@
 //! Effect of dither (7.1.2.2, Fig. 7.8): where the spool shakes no gauge sees it, so the pressure of blocked
-//! port 1 is read over a command that goes up and down, for dithers of 20 to 60 Hz.
+//! port 1 is read over a command that goes up and down, for dithers of 20 to 60 Hz and of the rig's own frequency.
 //!
 //! A gauge reads the mean over a period of the dither. The hysteresis is the command between the branches
 //! where the pressure passes the middle of its range; the spool's own vibration is shown beside it.
 
 use super::bench::{SpoolBench, ValveBench};
-use super::hysteresis::{branches, sweep};
+use super::hysteresis::{branches, reading_m, sweep};
 use super::{Characteristic, Figure, Graph, Unfit, evenly};
 use crate::build;
 use crate::dither::Dither;
@@ -68,19 +68,16 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     }
     let middle = (rig.number("supply.pressure_pa") + rig.number("exhaust.pressure_pa")) / 2.0;
     let (mut series, mut figures) = (Vec::new(), Vec::new());
-    for frequency_hz in FREQUENCIES_HZ {
+    for frequency_hz in frequencies(rig) {
         let dither = Dither { frequency_hz, ..build::dither(rig) };
         let found = sweep(rig, dither, |spool| port.mean(spool))?;
-        let name = format!("{frequency_hz:.0} Hz");
+        let name = format!("{frequency_hz} Hz");
         if let Some(width) = found.width(middle) {
-            figures.push(Figure { name: format!("hysteresis at {name}"), value: 1e3 * width, unit: "mm" });
+            let within = 1e3 * reading_m(rig);
+            figures.push(Figure::read(format!("hysteresis at {name}"), 1e3 * width, within, "mm"));
         }
         let shaking = 1e3 * vibration(rig, dither)?;
-        figures.push(Figure {
-            name: format!("amplitude of the spool at {name}"),
-            value: shaking,
-            unit: "mm",
-        });
+        figures.push(Figure::computed(format!("amplitude of the spool at {name}"), shaking, "mm"));
         series.extend(branches(&found, &name, 1e-3));
     }
     Ok(Characteristic {
@@ -93,6 +90,13 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         figures,
         ..Characteristic::default()
     })
+}
+
+/// Those of Fig. 7.8, and the rig's own.
+fn frequencies(rig: &Rig) -> Vec<f64> {
+    let own = build::dither(rig).frequency_hz;
+    let other = Some(own).filter(|own| *own > 0.0 && !FREQUENCIES_HZ.contains(own));
+    FREQUENCIES_HZ.into_iter().chain(other).collect()
 }
 
 #[cfg(test)]
@@ -123,6 +127,12 @@ mod tests {
             let shaking = vibration(&linear, Dither { frequency_hz, ..DITHER }).expect("it shakes");
             assert!((shaking / expected - 1.0).abs() < 1e-3, "{frequency_hz} Hz: {shaking} for {expected}");
         }
+    }
+
+    #[test]
+    fn the_dither_of_the_rig_is_among_those_that_are_tried() {
+        assert_eq!(frequencies(&rig(&[])), FREQUENCIES_HZ);
+        assert_eq!(frequencies(&rig(&["operator.dither_hz=87.5"]))[5..], [87.5]);
     }
 
     #[test]

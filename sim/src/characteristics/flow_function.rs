@@ -55,8 +55,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         across: "downstream over upstream pressure",
         graphs: vec![Graph { title: "flow, share of choked", series: vec![land, ideal, with_perry] }],
         figures: vec![
-            Figure { name: "critical pressure ratio of an ideal nozzle".to_owned(), value: critical, unit: "" },
-            Figure { name: "choked flow of the open land".to_owned(), value: 1e3 * land_flow(rig, 0.0), unit: "g/s" },
+            Figure::computed("critical pressure ratio of an ideal nozzle".to_owned(), critical, ""),
+            Figure::computed("choked flow of the open land".to_owned(), 1e3 * land_flow(rig, 0.0), "g/s"),
         ],
         ..Characteristic::default()
     })

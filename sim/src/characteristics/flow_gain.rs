@@ -5,7 +5,7 @@
 //! other family: one pressure at the supply port, several at port 1.
 
 use super::bench::ValveBench;
-use super::{Characteristic, Figure, Graph, SUPPLY_FAMILY_PA, Series, Unfit, evenly};
+use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "flow of a port over the spool, by supply pressure (7.1.1.1, Fig. 7.4)";
@@ -27,11 +27,11 @@ pub fn port_flow(rig: &Rig, port: usize, spool: f64, supply_pa: f64, port_pa: f6
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    let exhaust = rig.number("exhaust.pressure_pa");
-    let by_supply = SUPPLY_FAMILY_PA.iter().map(|above| {
-        let name = format!("Ps = {:.1} kPa", (exhaust + above) / 1e3);
-        curve(rig, name, exhaust + above, exhaust + above / 2.0)
-    });
+    let supplies = supplies(rig);
+    let halfway = |supply: f64| (rig.number("exhaust.pressure_pa") + supply) / 2.0;
+    let by_supply = supplies
+        .iter()
+        .map(|&supply| curve(rig, format!("Ps = {:.1} kPa", supply / 1e3), supply, halfway(supply)));
     let by_port = FIG_7_4_PORT_PA.iter().map(|&port| {
         curve(
             rig,
@@ -41,9 +41,9 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         )
     });
     Ok(Characteristic {
-        figures: SUPPLY_FAMILY_PA.iter().flat_map(|above| figures(rig, exhaust + above, exhaust + above / 2.0)).collect(),
+        figures: supplies.iter().flat_map(|&supply| figures(rig, supply, halfway(supply))).collect(),
         notes: vec![
-            "Pressures are absolute and hold right at the valve's ports. Above: the back pressure at port 1 is half-way between supply and exhaust. Below: Fig. 7.4, one supply pressure and several back pressures.".to_owned(),
+            "Pressures are absolute and hold right at the valve's ports. Above: the rig's own supply pressure first, then those of the thesis; the back pressure at port 1 is half-way between supply and exhaust. Below: Fig. 7.4, one supply pressure and several back pressures.".to_owned(),
         ],
         across: "spool, mm",
         graphs: vec![
@@ -63,8 +63,8 @@ fn figures(rig: &Rig, supply_pa: f64, port_pa: f64) -> [Figure; 2] {
     let gain = (flow(null + beside) - flow(null - beside)) / (2.0 * beside);
     let named = |what: &str| format!("{what}, Ps = {:.1} kPa", supply_pa / 1e3);
     [
-        Figure { name: named("flow gain about the null"), value: gain, unit: "g/s/mm" },
-        Figure { name: named("flow wide open"), value: flow(travel), unit: "g/s" },
+        Figure::computed(named("flow gain about the null"), gain, "g/s/mm"),
+        Figure::computed(named("flow wide open"), flow(travel), "g/s"),
     ]
 }
 
@@ -114,9 +114,10 @@ mod tests {
     #[test]
     fn the_figures_are_those_of_the_curves() {
         let found = measure(&rig(&[])).expect("a valve");
-        assert_eq!(found.figures.len(), 2 * SUPPLY_FAMILY_PA.len());
+        assert_eq!(found.figures.len(), 2 * 6, "its own supply pressure and five of the thesis");
+        assert!(found.figures[0].name.ends_with("Ps = 589.0 kPa"), "{}", found.figures[0].name);
         for (figures, series) in found.figures.chunks(2).zip(&found.graphs[0].series) {
-            let [gain, most] = [figures[0].value, figures[1].value];
+            let [gain, most] = [0, 1].map(|i| figures[i].value().expect("a value"));
             assert!((most / series.y[160] - 1.0).abs() < 1e-6, "{most}");
             // The curve has a place every 0.0125 mm, the middle one at the null.
             let slope = (series.y[84] - series.y[76]) / (series.x[84] - series.x[76]);
@@ -127,7 +128,7 @@ mod tests {
     #[test]
     fn more_supply_pressure_gives_more_flow_at_every_opening() {
         let found = measure(&rig(&[])).expect("a valve");
-        let family = &found.graphs[0].series;
+        let family = &found.graphs[0].series[1..];
         assert_eq!(family.len(), 5);
         for pair in family.windows(2) {
             let (more, less) = (&pair[0].y, &pair[1].y);

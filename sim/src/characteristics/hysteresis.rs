@@ -1,10 +1,11 @@
 //! Hysteresis of the operator (7.1.2.1, Fig. 7.6): the spool over a command that goes slowly up and down
 //! through its range, without dither and with it.
 //!
-//! The width is read at mid-travel: how much more command it takes going up than coming down. With
-//! neither stiction nor dither it is that of the magnetic loop, C(29).
+//! The width is read at mid-travel: how much more command it takes going up than coming down, to within a count,
+//! and as a part of the rig's own range of commands. With neither stiction nor dither it is that of the magnetic loop,
+//! C(29).
 
-use super::bench::SpoolBench;
+use super::bench::{SpoolBench, decay_s};
 use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::build;
 use crate::dither::Dither;
@@ -15,7 +16,7 @@ pub(super) const ABOUT: &str = "spool over command, up and down (7.1.2.1, Fig. 7
 /// Commands from one end of the range to the other.
 const LEVELS: i32 = 128;
 
-/// Each level is held for this long at least, s: ten time constants of the spool's decay.
+/// Each level is held for this long at least, s.
 const LEAST_DWELL: f64 = 0.02;
 
 /// A loop: commands and where the spool is, both m, a branch each.
@@ -51,7 +52,7 @@ pub fn sweep(rig: &Rig, dither: Dither, mut read: impl FnMut(&[f64]) -> f64) -> 
     let mut present = 0;
     let mut bench = SpoolBench::new(rig, Some(dither));
     let period = if dither.frequency_hz > 0.0 { 1.0 / dither.frequency_hz } else { LEAST_DWELL };
-    let dwell = period * (LEAST_DWELL / period).ceil();
+    let dwell = period * (LEAST_DWELL.max(decay_s(rig)) / period).ceil();
     let mut branch = |levels: &mut dyn Iterator<Item = i32>| -> Result<Vec<(f64, f64)>, Unfit> {
         let mut places = Vec::new();
         for level in levels {
@@ -79,6 +80,11 @@ fn range(rig: &Rig) -> [f64; 2] {
     [2048.0, rig.number("valve.spool_travel_mm") * 1e-3 / 2048.0]
 }
 
+/// To what a command is read, m: a count, or of a stepper a step.
+pub(super) fn reading_m(rig: &Rig) -> f64 {
+    range(rig)[1]
+}
+
 /// Mean of spool positions, m.
 #[must_use]
 pub fn mean(spool: &[f64]) -> f64 {
@@ -99,9 +105,14 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     for (name, dither) in [("without dither", Dither { amplitude: 0.0, ..own }), ("with its dither", own)] {
         let found_loop = sweep(rig, dither, mean)?;
         if let Some(width) = found_loop.width(0.0) {
-            let named = |unit: &str| format!("width at mid-travel, {name}, {unit}");
-            found.figures.push(Figure { name: named("of command"), value: width * 1e3, unit: "mm" });
-            found.figures.push(Figure { name: named("of 2 mm"), value: width / 2e-3 * 100.0, unit: "%" });
+            let [full, per_count] = range(rig);
+            let whole = 2.0 * full * per_count;
+            let named = |what: &str| format!("width at mid-travel, {name}, {what}");
+            let of_range = named(&format!("of the range of {} mm", (1e7 * whole).round() / 1e4));
+            found.figures.extend([
+                Figure::read(named("of command"), 1e3 * width, 1e3 * per_count, "mm"),
+                Figure::read(of_range, 100.0 * width / whole, 100.0 * per_count / whole, "%"),
+            ]);
         }
         series.extend(branches(&found_loop, name, 1e3));
     }

@@ -35,11 +35,11 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         notes: vec!["Flows away from the end whose pressure is known are positive.".to_owned()],
         across: "flow, g/s",
         graphs: vec![Graph { title: "pressure ratio", series: [1.0, 0.75, 0.5].map(curve).into() }],
-        figures: vec![Figure {
-            name: format!("ratio at {:.2} g/s from the supply", 1e3 * reference),
-            value: ratio(rig, supply, reference),
-            unit: "",
-        }],
+        figures: vec![Figure::computed(
+            format!("ratio at {:.2} g/s from the supply", 1e3 * reference),
+            ratio(rig, supply, reference),
+            "",
+        )],
         ..Characteristic::default()
     })
 }

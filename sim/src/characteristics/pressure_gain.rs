@@ -8,16 +8,21 @@
 //! ```text
 //! x_0 = argmin  sum_j sum_i (P_i(x_j) - P_i,null=0(x_j - x_0))^2
 //! ```
+//!
+//! It is known to twice its standard error: the misfit over the root of the sum of the squared slopes.
 
 use super::bench::ValveBench;
-use super::{Characteristic, Figure, Graph, SUPPLY_FAMILY_PA, Series, Unfit, evenly};
+use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "pressures of blocked ports over the spool, by supply pressure, and the null (7.1.1.2, Fig. 7.3, Tab. 7.1)";
 
-/// How far to either side of the crossing the curves are read, m, and how often.
-const REACH: f64 = 0.1e-3;
+/// How far to either side of the crossing the curves are read, as a part of the travel, and how often.
+const REACH: f64 = 0.1;
 const INTERVALS: usize = 20;
+
+/// Slopes are taken over this part of the travel to either side.
+const SLOPE_OVER: f64 = 1e-3;
 
 /// What the gauges can tell apart, Pa.
 const READING_PA: f64 = 1e3;
@@ -36,6 +41,8 @@ pub struct Readings {
 pub struct Null {
     /// Spool position, m.
     pub position: f64,
+    /// Standard error of the position, m.
+    pub deviation: f64,
     /// Root of the mean squared difference of the pressures that is left, Pa.
     pub misfit_pa: f64,
 }
@@ -49,7 +56,8 @@ pub fn read_blocked_ports(rig: &Rig, supply_pa: f64, reading_pa: f64) -> Option<
     let rounded = |pressure: f64| {
         if reading_pa > 0.0 { (pressure / reading_pa).round() * reading_pa } else { pressure }
     };
-    let spool = evenly(middle - REACH, middle + REACH, INTERVALS);
+    let reach = REACH * bench.valve.travel;
+    let spool = evenly(middle - reach, middle + reach, INTERVALS);
     let pressures = spool.iter().map(|&x| bench.blocked(x).map(rounded)).collect();
     Some(Readings { spool, pressures })
 }
@@ -81,9 +89,19 @@ pub fn null_by_least_squares(rig: &Rig, supply_pa: f64, readings: &Readings) -> 
         });
         terms.sum()
     };
-    let position = least(&mut squares, middle - REACH / 2.0, middle + REACH / 2.0);
-    let readings = 2 * readings.spool.len();
-    Null { position, misfit_pa: (squares(position) / readings as f64).sqrt() }
+    let travel = rig.number("valve.spool_travel_mm") * 1e-3;
+    let position = least(&mut squares, middle - REACH * travel / 2.0, middle + REACH * travel / 2.0);
+    let misfit_pa = (squares(position) / (2 * readings.spool.len()) as f64).sqrt();
+    let slopes = readings.spool.iter().flat_map(|x| slopes(&mut bench, x - position));
+    let deviation = misfit_pa / slopes.map(|slope| slope * slope).sum::<f64>().sqrt();
+    Null { position, deviation, misfit_pa }
+}
+
+/// Slopes of the pressures of blocked ports at a place of the spool, Pa/m.
+fn slopes(bench: &mut ValveBench, spool: f64) -> [f64; 2] {
+    let beside = SLOPE_OVER * bench.valve.travel;
+    let [before, after] = [-beside, beside].map(|by| bench.blocked(spool + by));
+    [0, 1].map(|port| (after[port] - before[port]) / (2.0 * beside))
 }
 
 /// Where `f` is least between `a` and `b`, by the golden section, to 0.1 nm.
@@ -107,25 +125,25 @@ fn least(f: &mut impl FnMut(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    let exhaust = rig.number("exhaust.pressure_pa");
     let mut found = Characteristic {
         notes: vec![format!(
-            "Both ports are blocked. The null is where the curves of the same valve with its null at zero fit best, in least squares, as in 7.1.1.3; gauges are read to {} kPa.",
+            "Both ports are blocked. The rig's own supply pressure comes first, then those of the thesis. The null is where the curves of the same valve with its null at zero fit best, in least squares, as in 7.1.1.3; gauges are read to {} kPa.",
             READING_PA / 1e3
         )],
         across: "spool, mm",
         ..Characteristic::default()
     };
     let mut series = Vec::new();
-    for above in SUPPLY_FAMILY_PA {
-        let supply = exhaust + above;
+    for supply in supplies(rig) {
         let label = format!("Ps = {:.1} kPa", supply / 1e3);
         let readings = read_blocked_ports(rig, supply, READING_PA)
             .ok_or(Unfit::NoPart("the pressures of its blocked ports do not cross: nothing leaks from its lands, or its null is beyond the travel"))?;
         let null = null_by_least_squares(rig, supply, &readings);
         let name = |what: &str| format!("{what}, {label}");
-        found.figures.push(Figure { name: name("null"), value: null.position * 1e3, unit: "mm" });
-        found.figures.push(Figure { name: name("misfit"), value: null.misfit_pa / 1e3, unit: "kPa" });
+        found.figures.extend([
+            Figure::read(name("null"), null.position * 1e3, 2e3 * null.deviation, "mm"),
+            Figure::computed(name("misfit"), null.misfit_pa / 1e3, "kPa"),
+        ]);
         series.extend(curves(rig, supply, null.position, &label));
     }
     found.graphs.push(Graph { title: "blocked port, kPa", series });
@@ -135,7 +153,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 /// P1 and P2 about the null.
 fn curves(rig: &Rig, supply_pa: f64, null: f64, label: &str) -> [Series; 2] {
     let mut bench = ValveBench::new(rig, supply_pa);
-    let spool = evenly(null - 3.0 * REACH, null + 3.0 * REACH, 120);
+    let reach = REACH * bench.valve.travel;
+    let spool = evenly(null - 3.0 * reach, null + 3.0 * reach, 120);
     let pressures: Vec<[f64; 2]> = spool.iter().map(|&x| bench.blocked(x)).collect();
     let x: Vec<f64> = spool.iter().map(|x| x * 1e3).collect();
     [0, 1].map(|port| Series {
@@ -162,6 +181,8 @@ mod tests {
                 let null = null_by_least_squares(&rig, supply, &readings);
                 let off = null.position - offset * 1e-3;
                 assert!(off.abs() < within, "{offset} mm read to {reading} Pa: off by {off} m");
+                let known = 3.0 * null.deviation + 1e-10;
+                assert!(off.abs() < known && null.deviation < within, "{offset} mm, {reading} Pa: {null:?}");
             }
         }
     }
@@ -173,6 +194,13 @@ mod tests {
         for pressure in bench.blocked(0.0) {
             assert!((pressure - 475.6e3).abs() < 50.0, "{pressure}");
         }
+    }
+
+    #[test]
+    fn the_curves_of_a_valve_of_short_travel_are_read_within_it() {
+        let short = rig(&["valve.spool_travel_mm=0.3"]);
+        let readings = read_blocked_ports(&short, 589e3, 0.0).expect("a crossing");
+        assert!((readings.spool[0] + 0.03e-3).abs() < 1e-9, "{:?}", readings.spool);
     }
 
     #[test]

@@ -37,30 +37,50 @@ pub fn flow(rig: &Rig, model: Model, spool: f64, supply_pa: f64, port_pa: f64) -
     bench.nodes(spool, [port_pa; 2])[0].port_flow()
 }
 
+/// Pressures at the supply port and port 1 for a curve, Pa.
+type Pressures = [f64; 2];
+
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
+    let own = rig.number("supply.pressure_pa");
+    let halfway = (own + rig.number("exhaust.pressure_pa")) / 2.0;
+    let (of_rig, of_thesis) = ([own, halfway], [FIG_7_4_SUPPLY_PA, PORT_PA]);
+    let said = |[supply, port]: Pressures| {
+        format!("supply port at {:.0} kPa, port 1 at {:.0} kPa", supply / 1e3, port / 1e3)
+    };
+    Ok(Characteristic {
+        notes: vec![format!(
+            "Above: {}, half-way to the exhaust. Below: {}, as in Fig. 7.5. The flow node saturates, as the bore of the port limits what the land lets through.",
+            said(of_rig),
+            said(of_thesis)
+        )],
+        across: "spool, mm",
+        graphs: vec![
+            Graph { title: "flow of port 1, g/s", series: curves(rig, of_rig) },
+            Graph { title: "flow of port 1, g/s (Fig. 7.5)", series: curves(rig, of_thesis) },
+        ],
+        figures: [of_rig, of_thesis]
+            .iter()
+            .flat_map(|&pressures| at_full_travel(rig, pressures, &said(pressures)))
+            .collect(),
+        ..Characteristic::default()
+    })
+}
+
+fn curves(rig: &Rig, [supply, port]: Pressures) -> Vec<Series> {
     let travel = rig.number("valve.spool_travel_mm");
     let curve = |(model, name): (Model, &str)| {
         Series::over(name.to_owned(), &evenly(0.0, travel, 100), |spool| {
-            1e3 * flow(rig, model, spool * 1e-3, FIG_7_4_SUPPLY_PA, PORT_PA)
+            1e3 * flow(rig, model, spool * 1e-3, supply, port)
         })
     };
-    let full = |model| 1e3 * flow(rig, model, travel * 1e-3, FIG_7_4_SUPPLY_PA, PORT_PA);
-    Ok(Characteristic {
-        notes: vec![format!(
-            "Supply port at {:.0} kPa, port 1 at {:.0} kPa. The flow node saturates, as the bore of the port limits what the land lets through.",
-            FIG_7_4_SUPPLY_PA / 1e3,
-            PORT_PA / 1e3
-        )],
-        across: "spool, mm",
-        graphs: vec![Graph { title: "flow of port 1, g/s", series: MODELS.map(curve).into() }],
-        figures: MODELS
-            .map(|(model, name)| Figure {
-                name: format!("at full travel, {name}"),
-                value: full(model),
-                unit: "g/s",
-            })
-            .into(),
-        ..Characteristic::default()
+    MODELS.map(curve).into()
+}
+
+fn at_full_travel(rig: &Rig, [supply, port]: Pressures, said: &str) -> [Figure; 3] {
+    let travel = rig.number("valve.spool_travel_mm") * 1e-3;
+    MODELS.map(|(model, name)| {
+        let flow = 1e3 * flow(rig, model, travel, supply, port);
+        Figure::computed(format!("at full travel, {said}, {name}"), flow, "g/s")
     })
 }
 
