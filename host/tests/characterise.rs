@@ -113,3 +113,15 @@ fn the_frequency_response_tells_resonance_bandwidth_and_quarter_turn_to_the_digi
     let outside = "-90 degrees at 0.400 mm                 not within 2.00 to 300  ";
     assert!(said.contains(outside.trim_end()), "{said}");
 }
+
+#[test]
+fn the_hysteresis_is_told_of_the_range_of_the_rig() {
+    let folder = folder();
+    let still = "--set operator.static_friction_n=0 --set operator.coulomb_friction_n=0";
+    let said = ok(
+        folder.path(),
+        &format!("characterise servo-b hysteresis {still} --set valve.spool_travel_mm=0.5 --out ."),
+    );
+    let [value, within, unit] = figure(&said, "width at mid-travel, without dither, of the range of 1 mm");
+    assert_eq!((value.as_str(), within.as_str(), unit.as_str()), ("5.00", "0.02", "%"), "{said}");
+}

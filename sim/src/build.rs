@@ -313,9 +313,9 @@ fn spool_travel(rig: &Rig) -> f64 {
     rig.number("valve.spool_travel_mm") * 1e-3
 }
 
-/// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the 2 mm range wide.
+/// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the spool's range wide, from end to end.
 fn hysteresis_half_width(rig: &Rig) -> f64 {
-    rig.number("operator.hysteresis_percent") / 100.0 * 1e-3
+    rig.number("operator.hysteresis_percent") / 100.0 * spool_travel(rig)
 }
 
 pub(crate) fn dither(rig: &Rig) -> Dither {

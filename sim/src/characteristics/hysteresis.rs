@@ -131,7 +131,7 @@ pub(super) fn branches(of: &Loop, name: &str, scale: f64) -> [Series; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::servo_b as rig;
+    use super::super::{Reading, servo_b as rig};
     use super::*;
 
     const STILL: Dither = Dither { amplitude: 0.0, frequency_hz: 50.0, phase_cycles: 0.0 };
@@ -151,6 +151,25 @@ mod tests {
             let setting = format!("operator.hysteresis_percent={percent}");
             let found = width(&[&setting, NO_STICTION[0], NO_STICTION[1]], STILL);
             assert!((found - percent / 100.0 * 2e-3).abs() < 0.5e-6, "{percent} %: {found}");
+        }
+    }
+
+    /// Of the rig's own range, whatever its travel.
+    #[test]
+    fn the_loop_of_a_spool_with_another_travel_is_a_part_of_its_own_range() {
+        for travel_mm in [0.4, 1.0, 2.5] {
+            let settings = [
+                &format!("valve.spool_travel_mm={travel_mm}"),
+                NO_STICTION[0],
+                NO_STICTION[1],
+                "operator.saturation_mm=10",
+            ];
+            let found = measure(&rig(&settings)).expect("a loop");
+            let Reading::Read { value, within } = found.figures[1].reading else {
+                panic!("{:?}", found.figures)
+            };
+            assert!((value - 5.0).abs() < within && within < 0.05, "{travel_mm} mm: {:?}", found.figures[1]);
+            assert!(found.figures[1].name.ends_with(&format!("of the range of {} mm", 2.0 * travel_mm)));
         }
     }
 

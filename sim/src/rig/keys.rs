@@ -290,7 +290,7 @@ pub static KEYS: &[Key] = &[
     number("operator.coulomb_friction_n", 2.0, 0.0, 1e4, "C(85)", "Coulomb friction of the spool.").of(&["solenoid"]).spread(),
     number("operator.spool_mass_kg", 0.023, 1e-5, 100.0, "C(86)", "Mass of the spool with the core.").of(&["solenoid"]).spread(),
     number("operator.damping_n_s_per_m", 2.3, 0.0, 1e5, "", "Viscous damping of the spool; not in the thesis, C(51) times C(86).").of(&["solenoid"]).spread(),
-    number("operator.hysteresis_percent", 5.0, 0.0, 100.0, "C(29)", "Width of the hysteresis loop, of the 2 mm range.").of(SOLENOIDS).spread(),
+    number("operator.hysteresis_percent", 5.0, 0.0, 100.0, "C(29)", "Width of the hysteresis loop, of the spool's range from end to end (2 mm in servo-drive B).").of(SOLENOIDS).spread(),
     number("operator.dither_hz", 50.0, 0.0, 1000.0, "C(32)", "Frequency of the amplifier's dither.").of(SOLENOIDS),
     number("operator.dither_mm", 0.2, 0.0, 10.0, "C(33)", "Amplitude of the dither.").of(SOLENOIDS).spread(),
     number("operator.dither_phase_deg", 0.0, -360.0, 360.0, "C(34)", "Phase of the dither at t = 0.").of(SOLENOIDS),
