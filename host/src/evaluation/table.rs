@@ -22,7 +22,9 @@ pub fn table(moves: &[Move], tolerance_mm: f64) -> Table {
         "air, l (ANR)",
     ];
     Table {
-        heading: format!("moves; settled means within {tolerance_mm} mm"),
+        heading: format!(
+            "moves; settled means within {tolerance_mm} mm for the last quarter, - that a move does not show it"
+        ),
         columns: columns.map(str::to_owned).to_vec(),
         rows: (1..).zip(moves).map(|(number, one)| row(number, one)).collect(),
     }
