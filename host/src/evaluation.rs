@@ -14,6 +14,7 @@
 //! | air | what flows into the chambers ([`mod@air`]) | without flows and cylinder |
 
 mod air;
+mod figures;
 mod limit_cycle;
 mod motion;
 mod noise;
@@ -22,10 +23,14 @@ mod swings;
 mod table;
 
 pub use air::{Air, Chambers};
+pub use figures::to_json;
 pub use limit_cycle::{Doubt, LimitCycle, Oscillation};
 pub use motion::Motion;
 pub use table::{remarks, table};
 
+use pneudrive_sim::{Rig, Run};
+
+use crate::run_folder::StoredRun;
 use crate::transient::{COMMAND, SETPOINT, Transient};
 use stretch::Stretch;
 
@@ -83,6 +88,16 @@ pub fn moves(
         .map(|stretch| Move { air: air(&stretch), ..measured(&stretch, motion, tolerance_mm) })
         .collect()
 }
+
+/// The moves of a simulated run; `tolerance_mm` as in [`moves`].
+#[must_use]
+pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
+    let transient = Transient::of_run(rig.name(), &StoredRun::of(rig, run));
+    moves(&transient, &Motion::of(&transient), None, tolerance_mm)
+}
+
+/// A move has settled within this distance of its setpoint, mm, unless a user says otherwise.
+pub const TOLERANCE_MM: f64 = 0.05;
 
 /// Indices of the first sample of each move. The first move begins at the start of the test, or with the
 /// transient if that is later.

@@ -1,26 +1,47 @@
-//! A figure of a run stated as a range over the run and its neighbours.
+//! A figure of a run as a range over the run and its neighbours.
+
+/// A figure over a run and its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Of the run itself; None if it does not show it.
+    pub value: Option<f64>,
+    /// Smallest and largest of those runs that show it; None if none does.
+    pub ends: Option<[f64; 2]>,
+    /// How many of the runs do not show it.
+    pub lacking: usize,
+    /// How many runs there are.
+    pub runs: usize,
+}
+
+impl Range {
+    /// Of a figure in each run, the run's own first.
+    #[must_use]
+    pub fn of(values: &[Option<f64>]) -> Range {
+        let known = values.iter().flatten().map(|value| [*value; 2]);
+        Range {
+            value: values.first().copied().flatten(),
+            ends: known.reduce(|[least, most], [value, _]| [least.min(value), most.max(value)]),
+            lacking: values.iter().filter(|value| value.is_none()).count(),
+            runs: values.len(),
+        }
+    }
+}
 
 /// The nominal value, which comes first, and between which values all lie, if that is more than the decimals show:
 /// `0.21 (0.20 to 0.23)`. A value that a run does not show counts as `none`.
 #[must_use]
 pub fn stated(values: &[Option<f64>], decimals: usize) -> String {
-    let word =
-        |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"));
-    let nominal = word(values.first().copied().flatten());
-    let known = || values.iter().flatten().copied();
-    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
-    let lacking = values.iter().filter(|value| value.is_none()).count();
-    if low > high || (word(Some(low)) == word(Some(high)) && lacking == 0) {
+    let word = |value: f64| format!("{value:.decimals$}");
+    let range = Range::of(values);
+    let nominal = range.value.map_or_else(|| "-".to_owned(), word);
+    let Some([low, high]) = range.ends.map(|ends| ends.map(word)) else { return nominal };
+    if low == high && range.lacking == 0 {
         return nominal;
     }
-    let ends = if word(Some(low)) == word(Some(high)) {
-        word(Some(low))
-    } else {
-        format!("{} to {}", word(Some(low)), word(Some(high)))
-    };
-    match lacking {
+    let ends = if low == high { low } else { format!("{low} to {high}") };
+    match range.lacking {
         0 => format!("{nominal} ({ends})"),
-        _ => format!("{nominal} ({ends}, none in {lacking} of {} runs)", values.len()),
+        lacking => format!("{nominal} ({ends}, none in {lacking} of {} runs)", range.runs),
     }
 }
 

@@ -13,6 +13,7 @@ use serde_json::{Map, json};
 
 use crate::band::{self, Band};
 use crate::ensemble::{Judged, Spacing};
+use crate::evaluation::{self, Move};
 use crate::rig_text;
 use crate::transient::{WHOLE_WINDOW, whole_window};
 use crate::words;
@@ -26,11 +27,12 @@ const OPEN: &str = "open";
 /// Keys of the windows over which the controller forms velocity and acceleration.
 const WINDOWS: [&str; 2] = ["controller.velocity_window_samples", "controller.acceleration_window_samples"];
 
-/// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder.
+/// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder. `moves` has the moves of the
+/// run, and then those of each of its neighbours.
 ///
 /// # Errors
 /// When the folder cannot be written to, or holds a run.json that is not ours.
-pub fn write(folder: &Path, rig: &Rig, judged: &Judged) -> Result<()> {
+pub fn write(folder: &Path, rig: &Rig, judged: &Judged, moves: &[Vec<Move>]) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let json_path = folder.join("run.json");
     if json_path.exists() && read_json(&json_path).is_err() {
@@ -48,7 +50,7 @@ pub fn write(folder: &Path, rig: &Rig, judged: &Judged) -> Result<()> {
             .with_context(|| format!("cannot remove {}, which is of another run", band_path.display()))?,
         None => {}
     }
-    let text = serde_json::to_string_pretty(&describe(rig, judged))?;
+    let text = serde_json::to_string_pretty(&describe(rig, judged, moves))?;
     put(&json_path, &(text + "\n"))
 }
 
@@ -112,7 +114,7 @@ pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
     placed.with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn describe(rig: &Rig, judged: &Judged) -> serde_json::Value {
+fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>]) -> serde_json::Value {
     let (run, accuracy) = (&judged.run, judged.accuracy);
     let keys: Map<String, serde_json::Value> =
         rig.entries().map(|(key, value)| (key.path.to_owned(), json_of(value))).collect();
@@ -139,6 +141,7 @@ fn describe(rig: &Rig, judged: &Judged) -> serde_json::Value {
             "runs": judged.spacing.runs,
             "relative_change": judged.spacing.relative,
         })),
+        "moves": evaluation::to_json(moves),
         "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
         "work": {
             "steps": work.integrator.steps,
@@ -188,8 +191,10 @@ pub struct StoredRun {
     pub windows: [u8; 2],
     /// What it and its neighbours cover, if it has some.
     pub band: Option<Band>,
-    /// How its neighbours were chosen, and how exactly it was integrated; None of a run without neighbours.
-    pub spacing: Option<(Spacing, Accuracy)>,
+    /// How its neighbours were chosen; None of a run without neighbours.
+    pub spacing: Option<Spacing>,
+    /// How exactly it was integrated; None where this program does not know.
+    pub accuracy: Option<Accuracy>,
     columns: Vec<Vec<f64>>,
 }
 
@@ -210,6 +215,7 @@ impl StoredRun {
             windows: WINDOWS.map(|key| rig.integer(key) as u8),
             band: None,
             spacing: None,
+            accuracy: None,
             columns,
         }
     }
@@ -217,8 +223,12 @@ impl StoredRun {
     /// The same with its band.
     #[must_use]
     pub fn of_judged(rig: &Rig, judged: &Judged) -> StoredRun {
-        let spacing = judged.band.as_ref().map(|_| (judged.spacing, judged.accuracy));
-        StoredRun { band: judged.band.clone(), spacing, ..StoredRun::of(rig, &judged.run) }
+        StoredRun {
+            band: judged.band.clone(),
+            spacing: judged.band.as_ref().map(|_| judged.spacing),
+            accuracy: Some(judged.accuracy),
+            ..StoredRun::of(rig, &judged.run)
+        }
     }
 
     /// Reads a run folder.
@@ -274,6 +284,7 @@ impl StoredRun {
             windows,
             band,
             spacing: spacing_of(&description),
+            accuracy: accuracy_of(&description),
             columns,
         })
     }
@@ -301,14 +312,27 @@ pub fn rig_of(folder: &Path) -> Result<Rig> {
     Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
 }
 
-fn spacing_of(description: &serde_json::Value) -> Option<(Spacing, Accuracy)> {
-    let spacing = Spacing {
+/// Whether the trace of a run folder is that of a run, to the last digit.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn is_trace(folder: &Path, run: &Run) -> Result<bool> {
+    let path = folder.join("trace.csv");
+    let stored = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(stored == to_csv(&run.rows).as_bytes())
+}
+
+fn spacing_of(description: &serde_json::Value) -> Option<Spacing> {
+    Some(Spacing {
         runs: usize::try_from(description["ensemble"]["runs"].as_u64()?).ok()?,
         relative: description["ensemble"]["relative_change"].as_f64()?,
-    };
+    })
+}
+
+fn accuracy_of(description: &serde_json::Value) -> Option<Accuracy> {
     let methods = [Method::DormandPrince, Method::Merson];
     let method = methods.into_iter().find(|method| description["method"] == format!("{method:?}"))?;
-    Some((spacing, Accuracy { method, tolerance: description["tolerance"].as_f64()? }))
+    Some(Accuracy { method, tolerance: description["tolerance"].as_f64()? })
 }
 
 fn read_json(path: &Path) -> Result<serde_json::Value> {
@@ -375,13 +399,13 @@ mod tests {
             let rig = rig.with_numbers(&[("test.duration_s", 0.03)]).unwrap_or(rig);
             let spacing = Spacing { runs: 2, ..Spacing::default() };
             let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {});
-            write(folder.path(), &rig, &ensemble.expect("runs").nominal).expect("written");
+            write(folder.path(), &rig, &ensemble.expect("runs").nominal, &[]).expect("written");
             let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));
             for (key, value) in rig.entries() {
                 assert_eq!(read.value(key.path), Some(value), "{}: {}", rig.name(), key.path);
             }
             let stored = StoredRun::read(folder.path()).expect("a run folder");
-            assert_eq!(stored.spacing, Some((spacing, Accuracy::of(&rig))));
+            assert_eq!((stored.spacing, stored.accuracy), (Some(spacing), Some(Accuracy::of(&rig))));
         }
     }
 

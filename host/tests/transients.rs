@@ -313,3 +313,40 @@ fn a_file_of_the_users_is_not_overwritten_and_pages_of_this_program_are() {
         ok(folder.path(), "eval run --out page.html --csv page.csv");
     }
 }
+
+/// The rows of the second move of a table of moves: the run itself, the least and the most of its neighbours.
+fn second_move(said: &str) -> Vec<&str> {
+    said.lines().skip_while(|line| !line.starts_with("2 ")).take(3).collect()
+}
+
+#[test]
+fn the_figures_of_a_simulation_are_ranges_that_its_folder_tells_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = "simulate servo-b-tuned --set test.duration_s=0.6 --no-report --out run";
+    let simulated = ok(folder.path(), run);
+    let again = ok(folder.path(), "eval run");
+    let [own, least, most] = second_move(&simulated)[..] else { panic!("{simulated}") };
+    assert!(least.starts_with("  least") && most.starts_with("  most"), "{simulated}");
+    assert_eq!(second_move(&again), [own, least, most], "{again}");
+    assert!(again.contains("Least and most are over 8 runs"), "{again}");
+    let run_json = fs::read_to_string(folder.path().join("run/run.json")).expect("written");
+    let run_json: serde_json::Value = serde_json::from_str(&run_json).expect("JSON");
+    assert_eq!(run_json["moves"].as_array().map(Vec::len), Some(2), "{run_json}");
+    assert_eq!(run_json["moves"][1]["ends_at_mm"]["runs_without"], 0);
+    let alone = ok(folder.path(), "eval run --ensemble 1");
+    assert!(alone.contains("figures of one run") && !alone.contains("least"), "{alone}");
+}
+
+#[test]
+fn a_run_that_comes_out_otherwise_today_is_told_by_its_trace_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    ok(folder.path(), "simulate servo-b-tuned --set test.duration_s=0.4 --no-report --out run");
+    let path = folder.path().join("run/run.json");
+    let text = fs::read_to_string(&path).expect("written");
+    let mass = text.lines().find(|line| line.contains("\"load.mass_kg\"")).expect("a key").to_owned();
+    fs::write(&path, text.replace(&mass, "    \"load.mass_kg\": 12.3,")).expect("written");
+    let said = ok(folder.path(), "eval run");
+    assert!(said.contains("Its figures are of the trace alone") && !said.contains("least"), "{said}");
+    let refused = transcript(folder.path(), "eval run/run.json --ensemble 4");
+    assert!(refused.ends_with("= 1"), "{refused}");
+}

@@ -53,6 +53,9 @@ pub struct Study {
     /// Where to leave NAME.html, and of all index.html
     #[arg(long, value_name = "DIR", required_if_eq_any(with_pages()))]
     pub out: Option<PathBuf>,
+    /// Neighbours of each drive.
+    #[command(flatten)]
+    pub neighbours: Neighbours,
 }
 
 /// Tells the studies, and runs none.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::{Integration, RigChoice};
+use crate::evaluation::TOLERANCE_MM;
 
 /// A stretch of time.
 #[derive(Debug, Args)]
@@ -31,11 +32,15 @@ pub struct Eval {
     #[command(flatten)]
     pub stretch: Stretch,
     /// A move has settled within this distance of its setpoint
-    #[arg(long, value_name = "MM", default_value_t = 0.05, value_parser = positive)]
+    #[arg(long, value_name = "MM", default_value_t = TOLERANCE_MM, value_parser = positive)]
     pub tolerance: f64,
     /// The rig of a record: its cylinder tells how much air the moves took
     #[arg(long)]
     pub rig: Option<String>,
+    /// Of a run folder: runs in all, the run and neighbours that are simulated again; figures are ranges over all of
+    /// them. 1: the run alone [default: as it was simulated]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub ensemble: Option<u16>,
     /// Where to leave the page
     #[arg(long, value_name = "FILE", default_value = "eval.html")]
     pub out: PathBuf,

@@ -50,9 +50,10 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let (target_path, target) = recorded?;
 
     say!("4. the same test, simulated from the rig file");
-    let ensemble = run_ensemble(&model, Accuracy::of(&model), Spacing::default(), |_, _| (), |_, _| {})?;
+    let spacing = Spacing::default();
+    let ensemble = run_ensemble(&model, Accuracy::of(&model), spacing, simulate::figures, |_, _| {})?;
     let judged = ensemble.nominal;
-    run_folder::write(&arguments.out, &model, &judged)?;
+    run_folder::write(&arguments.out, &model, &judged, &ensemble.measured)?;
     for note in simulate::notes(&model, &judged) {
         say!("   {note}");
     }

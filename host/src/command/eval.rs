@@ -5,12 +5,15 @@ use std::path::Path;
 
 use anyhow::{Error, Result, anyhow, bail};
 
-use super::load_rig;
+use pneudrive_sim::{Accuracy, Rig, Run};
+
+use super::{Progress, load_rig};
 use crate::cli::{Eval, Stretch};
-use crate::evaluation::{Chambers, Motion, moves, remarks, table};
+use crate::ensemble::{Ensemble, Spacing, run_ensemble};
+use crate::evaluation::{Chambers, Motion, Move, moves, remarks, table};
 use crate::page::{Curve, Figure, GENERATOR, Page, Panel};
 use crate::report;
-use crate::run_folder::{put, refuse_foreign};
+use crate::run_folder::{StoredRun, is_trace, put, refuse_foreign, rig_of};
 use crate::transient::{CHANNELS, Transient};
 
 /// Names of the columns behind the channels in a CSV file.
@@ -28,9 +31,10 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     let motion = Motion::of(&transient);
     let rig = arguments.rig.as_ref().map(|rig| load_rig(rig, &[])).transpose()?;
     let chambers = rig.as_ref().map(Chambers::of);
-    let moves = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
-    let table = table(&moves, arguments.tolerance);
-    let remarks = remarks(&moves);
+    let own = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
+    let (runs, rest) = with_neighbours(arguments, own)?;
+    let table = table(&runs, arguments.tolerance);
+    let remarks: Vec<String> = remarks(&runs).into_iter().chain(rest).collect();
     say!("{}\n{}", table.heading, table.to_text());
     remarks.iter().for_each(|remark| say!("{remark}"));
     if let Some(path) = &arguments.csv {
@@ -48,16 +52,59 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     Ok(())
 }
 
+/// The moves of a transient and, of a run folder, those of the neighbours of the run; and what the figures rest on.
+fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Option<String>)> {
+    if !arguments.file.is_dir() {
+        return match arguments.ensemble {
+            None => Ok((vec![own], None)),
+            Some(_) => bail!("--ensemble is of a simulated run; {} is none", arguments.file.display()),
+        };
+    }
+    let stored = StoredRun::read(&arguments.file)?;
+    let spacing = stored.spacing.unwrap_or(Spacing { runs: 1, ..Spacing::default() });
+    let spacing = Spacing { runs: arguments.ensemble.map_or(spacing.runs, usize::from), ..spacing };
+    if spacing.runs == 1 {
+        return Ok((vec![own], Some(ALONE.to_owned())));
+    }
+    let rig = rig_of(&arguments.file)?;
+    let accuracy = stored.accuracy.unwrap_or(Accuracy::of(&rig));
+    let mut progress = Progress::new("simulating its neighbours");
+    let measure = |rig: &Rig, run: &Run| {
+        let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.stretch);
+        moves(&part, &Motion::of(&part), None, arguments.tolerance)
+    };
+    let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |done, all| progress.at(done, all));
+    progress.done();
+    let Ensemble { nominal, measured } = ensemble?;
+    if is_trace(&arguments.file, &nominal.run)? {
+        let rest = format!(
+            "Least and most are over {} runs whose mass and starting position differ by up to {:e} (of the mass, of the stroke).",
+            spacing.runs, spacing.relative
+        );
+        return Ok((measured, Some(rest)));
+    }
+    Ok((vec![own], Some(OTHER.to_owned())))
+}
+
+/// What the figures of a run without neighbours rest on.
+const ALONE: &str = "These are figures of one run; what its neighbours make of them is not known.";
+
+/// What those of a run rest on that comes out otherwise today.
+const OTHER: &str = "This program does not come to the same run from these values: another version has made it, or it was changed. Its figures are of the trace alone.";
+
 /// Samples: a page of them has 100 MB.
 const MOST_ON_A_PAGE: usize = 250_000;
+
+fn within(transient: &Transient, stretch: &Stretch) -> Transient {
+    transient.between(stretch.from.unwrap_or(f64::NEG_INFINITY), stretch.to.unwrap_or(f64::INFINITY))
+}
 
 /// What lies in a stretch of a transient, without a gap.
 ///
 /// # Errors
 /// When nothing does, or more than a page holds.
 pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transient> {
-    let (from, to) = (stretch.from.unwrap_or(f64::NEG_INFINITY), stretch.to.unwrap_or(f64::INFINITY));
-    let part = transient.between(from, to);
+    let part = within(&transient, stretch);
     if part.time.len() < 2 {
         match (transient.time.first(), transient.time.last()) {
             (Some(first), Some(last)) => bail!(

@@ -7,7 +7,8 @@ use pneudrive_sim::{Rig, Run};
 
 use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
-use crate::ensemble::{Judged, Spacing, run_ensemble};
+use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
+use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::transient::Transient;
@@ -23,14 +24,20 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let mut progress = Progress::new("simulating");
     let begin = Instant::now();
     let spacing = arguments.neighbours.spacing();
-    let ensemble = run_ensemble(&rig, accuracy, spacing, |_, _| (), |done, all| progress.at(done, all));
+    let ensemble = run_ensemble(&rig, accuracy, spacing, figures, |done, all| progress.at(done, all));
     let took = begin.elapsed();
     progress.done();
-    let judged = ensemble?.nominal;
-    run_folder::write(&arguments.out, &rig, &judged)?;
-    let notes = notes(&rig, &judged);
+    let Ensemble { nominal: judged, measured: moves } = ensemble?;
+    run_folder::write(&arguments.out, &rig, &judged, &moves)?;
+    let mut notes = notes(&rig, &judged);
+    let table = table(&moves, TOLERANCE_MM);
     say!("{}, in {:.1} ms", notes[0], 1e3 * took.as_secs_f64());
     notes[1..].iter().for_each(|note| say!("{note}"));
+    say!("{}\n{}", table.heading, table.to_text());
+    for remark in remarks(&moves) {
+        say!("{remark}");
+        notes.push(remark);
+    }
     let written = if judged.band.is_some() { "trace.csv, band.csv, run.json" } else { "trace.csv, run.json" };
     let page_path = arguments.out.join("report.html");
     if arguments.no_report {
@@ -43,10 +50,15 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     }
     let transient = Transient::of_run("simulated", &StoredRun::of_judged(&rig, &judged));
     let title = format!("{}, simulated", rig.name());
-    let page = report::page(&title, notes, &[transient], Vec::new());
+    let page = report::page(&title, notes, &[transient], vec![table]);
     page.write(&page_path)?;
     say!("{}: {written}, report.html", arguments.out.display());
     Ok(())
+}
+
+/// What is measured of a run and of each neighbour.
+pub(super) fn figures(rig: &Rig, run: &Run) -> Vec<Move> {
+    moves_of_run(rig, run, TOLERANCE_MM)
 }
 
 /// A line about a run, one that tells whether it is decided, and one about its neighbours.

@@ -22,8 +22,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     for name in studies.iter().map(|study| study.name).chain(all.then_some(INDEX)) {
         refuse_foreign(&place(name), GENERATOR)?;
     }
-    let mut progress = Progress::of("studying", "runs");
-    let outcomes = run(&studies, |done, all| progress.at(done as u64, all as u64));
+    let mut progress = Progress::of("studying", "drives");
+    let outcomes =
+        run(&studies, arguments.neighbours.spacing(), |done, all| progress.at(done as u64, all as u64));
     progress.done();
     let outcomes = outcomes?;
     let mut findings: Vec<Vec<Finding>> = Vec::new();

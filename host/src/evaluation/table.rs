@@ -1,64 +1,85 @@
 //! The figures of moves in words.
 
-use super::{LimitCycle, Move};
+use super::figures::{FIGURES, Figure, InRuns, TOP_SPEED, endings, in_runs, range};
+use super::{Air, LimitCycle, Move};
 use crate::page::Table;
+use crate::range::Range;
 
-/// The moves as a table.
+/// The moves of a run as a table; `runs` has the moves of the run and then those of each of its neighbours. Below a
+/// move stand the least and the most over all of them, where they differ from it in the digits that are shown.
 #[must_use]
-pub fn table(moves: &[Move], tolerance_mm: f64) -> Table {
-    let columns = [
-        "move",
-        "begins, s",
-        "from, mm",
-        "to, mm",
-        "ends at, mm",
-        "rise, s",
-        "overshoot, mm",
-        "settled, s",
-        "steady error, mm",
-        "limit cycle, mm peak to peak",
-        "at, Hz",
-        "top speed, mm/s",
-        "air, l (ANR)",
-    ];
+pub fn table(runs: &[Vec<Move>], tolerance_mm: f64) -> Table {
+    let figures = FIGURES.iter().map(|figure| figure.heading);
+    let limit_cycle = ["limit cycle, mm peak to peak", "at, Hz"];
+    let columns = ["move"].into_iter().chain(figures).chain(limit_cycle);
+    let columns = columns.chain([TOP_SPEED.heading, "air, l (ANR)"]);
     Table {
         heading: format!(
             "moves; settled means within {tolerance_mm} mm for the last quarter, - that a move does not show it"
         ),
-        columns: columns.map(str::to_owned).to_vec(),
-        rows: (1..).zip(moves).map(|(number, one)| row(number, one)).collect(),
+        columns: columns.map(str::to_owned).collect(),
+        rows: (1..).zip(in_runs(runs)).flat_map(|(number, moves)| rows(number, &moves)).collect(),
     }
 }
 
-fn row(number: usize, one: &Move) -> Vec<String> {
-    let said = |value: Option<f64>, decimals: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+/// The row of a move, and those of the least and the most if they differ.
+fn rows(number: usize, moves: &InRuns) -> Vec<Vec<String>> {
+    let cells: Vec<Cell> = FIGURES
+        .iter()
+        .map(|figure| Cell::of(figure, moves))
+        .chain(limit_cycle(moves))
+        .chain([Cell::of(&TOP_SPEED, moves), air(moves)])
+        .collect();
+    let row = |head: String, of: fn(&Cell) -> &String| {
+        std::iter::once(head).chain(cells.iter().map(|cell| of(cell).clone())).collect::<Vec<String>>()
     };
-    let [swing, frequency] = cycle(&one.limit_cycle);
-    vec![
-        number.to_string(),
-        said(Some(one.start_s), 4),
-        said(Some(one.from_mm), 3),
-        said(one.to_mm, 3),
-        said(Some(one.end_mm), 3),
-        said(one.rise_s, 4),
-        said(one.overshoot_mm, 3),
-        said(one.settling_s, 4),
-        said(one.steady_error_mm, 3),
-        swing,
-        frequency,
-        said(Some(one.top_speed_mm_s), 1),
-        one.air.map_or_else(|| "-".to_owned(), |air| between(air.litres, air.least, air.most)),
-    ]
+    let ends = [row("  least".to_owned(), |cell| &cell.least), row("  most".to_owned(), |cell| &cell.most)];
+    let differ = ends.iter().any(|row| row[1..].iter().any(|cell| !cell.is_empty()));
+    let own = row(number.to_string(), |cell| &cell.own);
+    std::iter::once(own).chain(ends.into_iter().filter(|_| differ)).collect()
 }
 
-/// A figure with its bounds, to the digits that they leave.
-fn between(value: f64, least: f64, most: f64) -> String {
-    let decimals = (2.0 - (most - least).max(1e-3).log10()).floor().clamp(0.0, 3.0) as usize;
-    format!("{value:.decimals$} ({least:.decimals$} to {most:.decimals$})")
+/// A figure of a move; least and most are empty where they are the run's own in the digits shown.
+#[derive(Default)]
+struct Cell {
+    own: String,
+    least: String,
+    most: String,
+}
+
+impl Cell {
+    fn of(figure: &Figure, moves: &InRuns) -> Cell {
+        Cell::of_range(range(moves, figure.of), figure.decimals)
+    }
+
+    fn of_range(range: Range, decimals: usize) -> Cell {
+        let word = |value: f64| format!("{value:.decimals$}");
+        let own = range.value.map_or_else(|| "-".to_owned(), word);
+        let [least, most] = range.ends.map_or([(); 2].map(|()| own.clone()), |ends| ends.map(word));
+        match range.lacking {
+            0 if least == most => Cell { own, ..Cell::default() },
+            0 => Cell { own, least, most },
+            all if all == range.runs => Cell { own, ..Cell::default() },
+            lacking => Cell { own, least, most: format!("{most} (- in {lacking} of {})", range.runs) },
+        }
+    }
 }
 
 /// Swing and frequency of a limit cycle; the swing with its smallest and largest cycle.
+fn limit_cycle(moves: &InRuns) -> [Cell; 2] {
+    let all: Vec<LimitCycle> = moves.iter().flatten().map(|one| one.limit_cycle).collect();
+    // What is not decidable may be any swing.
+    let swing = |one: &&LimitCycle| one.swing_mm().unwrap_or(f64::INFINITY);
+    let by_swing = |a: &&LimitCycle, b: &&LimitCycle| swing(a).total_cmp(&swing(b));
+    let ends = all.iter().min_by(by_swing).zip(all.iter().max_by(by_swing));
+    let Some((least, most)) = ends else { return Default::default() };
+    let ([own, own_hz], [least, least_hz], [most, most_hz]) = (cycle(&all[0]), cycle(least), cycle(most));
+    if least == most {
+        return [own, own_hz].map(|own| Cell { own, ..Cell::default() });
+    }
+    [Cell { own, least, most }, Cell { own: own_hz, least: least_hz, most: most_hz }]
+}
+
 fn cycle(limit_cycle: &LimitCycle) -> [String; 2] {
     match limit_cycle {
         LimitCycle::None { .. } => ["none".to_owned(), "-".to_owned()],
@@ -70,9 +91,21 @@ fn cycle(limit_cycle: &LimitCycle) -> [String; 2] {
     }
 }
 
-/// What the limit cycles of moves rest on, a sentence each: why one is not decidable, and what none means.
+/// Air with its bounds, to the digits that they leave.
+fn air(moves: &InRuns) -> Cell {
+    let Some(Air { litres, least, most }) = moves.first().copied().flatten().and_then(|one| one.air) else {
+        return Cell { own: "-".to_owned(), ..Cell::default() };
+    };
+    let decimals = (2.0 - (most - least).max(1e-3).log10()).floor().clamp(0.0, 3.0) as usize;
+    let own = format!("{litres:.decimals$} ({least:.decimals$} to {most:.decimals$})");
+    Cell { own, ..Cell::of_range(range(moves, |one| Some(one.air?.litres)), decimals) }
+}
+
+/// What the limit cycles of moves rest on, a sentence each: why one is not decidable, what none means, and where
+/// neighbours end otherwise than the run. `runs` has the moves of each, the run's own first.
 #[must_use]
-pub fn remarks(moves: &[Move]) -> Vec<String> {
+pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
+    let Some(moves) = runs.first() else { return Vec::new() };
     let doubt = |(number, one): (usize, &Move)| match one.limit_cycle {
         LimitCycle::Undecided(doubt) => {
             Some(format!("Move {number}: whether it ends in a limit cycle is not decidable; {doubt}."))
@@ -89,5 +122,18 @@ pub fn remarks(moves: &[Move]) -> Vec<String> {
             "No limit cycle means that the drive stands still within {below_mm:.3} mm, for the last {for_s:.2} s at least."
         )
     });
-    (1..).zip(moves).filter_map(doubt).chain(none).collect()
+    let divided = (1..).zip(in_runs(runs)).filter_map(|(number, moves)| divided(number, &moves));
+    (1..).zip(moves).filter_map(doubt).chain(none).chain(divided).collect()
+}
+
+/// How the runs divide where they do not all end alike.
+fn divided(number: usize, moves: &InRuns) -> Option<String> {
+    let [at_rest, swinging, undecided] = endings(moves);
+    let all = moves.len();
+    if [at_rest, swinging, undecided].contains(&all) {
+        return None;
+    }
+    Some(format!(
+        "Move {number}: of {all} runs that differ by next to nothing {at_rest} come to rest, {swinging} end in a limit cycle and {undecided} cannot be told."
+    ))
 }

@@ -148,13 +148,50 @@ fn the_table_and_its_doubts_tell_rest_limit_cycle_and_neither() {
         t => 160.0 + 3.0 * (t - 4.0),
     };
     let moves = evaluated(&transient(setpoint, position, 6000));
-    let cells: Vec<String> = table(&moves, 0.05).rows.iter().map(|row| row[9].clone()).collect();
+    let cells: Vec<String> =
+        table(std::slice::from_ref(&moves), 0.05).rows.iter().map(|row| row[9].clone()).collect();
     assert_eq!(cells, ["none", "3.991 (3.990 to 4.000)", "not decidable"]);
     assert_eq!(
-        remarks(&moves),
+        remarks(std::slice::from_ref(&moves)),
         [
             "Move 3: whether it ends in a limit cycle is not decidable; it still moves at the end.",
             "No limit cycle means that the drive stands still within 0.025 mm, for the last 2.00 s at least."
         ]
     );
+}
+
+/// A step to 100 mm that ends `error` mm short of it.
+fn short_by(error: f64) -> Vec<Move> {
+    evaluated(&transient(|_| 100.0, |t| (100.0 - error) * (1.0 - (-t / 0.05).exp()), 2000))
+}
+
+#[test]
+fn figures_over_several_runs_have_their_least_and_most_where_the_digits_show_it() {
+    let runs = [short_by(0.0), short_by(0.0), short_by(1.0)];
+    let table = table(&runs, 0.05);
+    let [own, least, most] = &table.rows[..] else { panic!("a move with its ends: {:?}", table.rows) };
+    assert_eq!((own[0].as_str(), least[0].as_str(), most[0].as_str()), ("1", "  least", "  most"));
+    assert_eq!([&least[3], &most[3]], ["", ""], "the setpoint is the same in all");
+    let [error, smallest, largest] = [own, least, most].map(|row| row[8].parse::<f64>().expect("mm"));
+    assert!(error == smallest && (largest - error - 1.0).abs() < 1e-9, "{error} {smallest} {largest}");
+    assert!(most[7].ends_with("(- in 1 of 3)"), "one run does not settle: {most:?}");
+    let alone = super::table(&runs[..1], 0.05);
+    assert_eq!(alone.rows, table.rows[..1]);
+    let json = &to_json(&runs)[0];
+    assert_eq!(json["settled_s"]["runs_without"], 1);
+    assert!((json["steady_error_mm"]["most"].as_f64().expect("mm") - largest).abs() < 1e-3, "{json}");
+}
+
+#[test]
+fn runs_that_do_not_all_end_alike_are_counted() {
+    let swing = |t: f64| 100.0 + 2.0 * (std::f64::consts::TAU * 7.0 * t).sin() - 60.0 * (-t / 0.02).exp();
+    let swinging = evaluated(&transient(|_| 100.0, swing, 3000));
+    let runs = [short_by(0.0), swinging, short_by(1.0)];
+    let said = remarks(&runs).join("\n");
+    let counts = "of 3 runs that differ by next to nothing 2 come to rest, 1 end in a limit cycle";
+    assert!(said.contains(counts), "{said}");
+    let cycle = &table(&runs, 0.05).rows;
+    assert_eq!((cycle[0][9].as_str(), cycle[1][9].as_str()), ("none", "none"));
+    assert!(cycle[2][9].starts_with("4.0") || cycle[2][9].starts_with("3.9"), "{cycle:?}");
+    assert!(!remarks(&runs[..1]).join("\n").contains("runs"), "a run alone is not divided");
 }

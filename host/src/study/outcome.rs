@@ -4,18 +4,15 @@ use pneudrive_sim::{Rig, Run};
 
 use super::Variant;
 use crate::deviation::deviations;
-use crate::evaluation::{LimitCycle, Motion, Move, Oscillation, moves};
+use crate::evaluation::{LimitCycle, Motion, Move, Oscillation, TOLERANCE_MM, moves};
 use crate::run_folder::StoredRun;
 use crate::transient::{COMMAND, POSITION, SETPOINT, Transient};
-
-/// A move has settled within this distance of its setpoint, mm.
-pub(super) const TOLERANCE_MM: f64 = 0.05;
 
 /// A run and its figures.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// The drive.
-    pub variant: Variant,
+    /// What the drive is called in its study.
+    pub name: &'static str,
     /// What it did.
     pub transient: Transient,
     /// Its moves, measured.
@@ -27,16 +24,21 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    pub(super) fn of(variant: Variant, rig: &Rig, run: &Run) -> Outcome {
-        let transient = Transient::of_run(variant.name, &StoredRun::of(rig, run));
-        let motion = Motion::of(&transient);
+    pub(super) fn of(rig: &Rig, run: &Run) -> Outcome {
+        let transient = Transient::of_run(rig.name(), &StoredRun::of(rig, run));
         Outcome {
-            variant,
-            moves: moves(&transient, &motion, None, TOLERANCE_MM),
+            name: "",
+            moves: moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM),
             transient,
             evaluations: run.work.integrator.evaluations,
             tripped: run.fault.map(|(_, sample)| sample as usize),
         }
+    }
+
+    /// The same under the name of a study's variant.
+    pub(super) fn called(&self, variant: Variant) -> Outcome {
+        let transient = Transient { name: variant.name.to_owned(), ..self.transient.clone() };
+        Outcome { name: variant.name, transient, ..self.clone() }
     }
 
     /// The moves but the first, which begins at rest and stays where it is.
@@ -77,7 +79,7 @@ impl Outcome {
 
     /// Whether it comes to rest, in words.
     pub(super) fn rest(&self) -> String {
-        let name = self.variant.name;
+        let name = self.name;
         match self.vibration() {
             LimitCycle::Sustained(Oscillation { swing_mm, frequency_hz, .. }) => {
                 format!("{name}: vibrates by {:.1} mm at {frequency_hz:.1} Hz", swing_mm / 2.0)
@@ -187,8 +189,7 @@ mod tests {
         transient.counts = transient.channels[POSITION].iter().map(|mm| (mm * 100.0) as i32).collect();
         transient.time = time;
         let moves = moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM);
-        let variant = Variant { name: "straight", rig: "none", settings: &[] };
-        Outcome { variant, transient, moves, evaluations: 1, tripped: None }
+        Outcome { name: "straight", transient, moves, evaluations: 1, tripped: None }
     }
 
     #[test]

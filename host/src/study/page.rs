@@ -1,24 +1,25 @@
 //! The page of a study, and the index of all.
 
-use super::outcome::TOLERANCE_MM;
 use super::{Finding, Outcome, Study, Variant, Verdict};
-use crate::evaluation;
+use crate::evaluation::{self, Move, TOLERANCE_MM};
 use crate::page::{Figure, Page, Table};
 use crate::report;
 use crate::transient::Transient;
 
-/// The page of a study: its statements, the drives' moves, and their transients on the same graphs.
+/// The page of a study: its statements, the drives' moves, and their transients on the same graphs. `runs` as in
+/// [`Study::findings`].
 #[must_use]
-pub fn page(study: &Study, outcomes: &[Outcome]) -> Page {
-    let findings = study.findings(outcomes);
-    let moves = outcomes.iter().map(|outcome| {
-        let table = evaluation::table(&outcome.moves, TOLERANCE_MM);
-        Table { heading: format!("{}: {}", outcome.variant.name, table.heading), ..table }
+pub fn page(study: &Study, runs: &[Vec<Outcome>]) -> Page {
+    let findings = study.findings(runs);
+    let moves = study.variants.iter().enumerate().map(|(drive, variant)| {
+        let moves: Vec<Vec<Move>> = runs.iter().map(|outcomes| outcomes[drive].moves.clone()).collect();
+        let table = evaluation::table(&moves, TOLERANCE_MM);
+        Table { heading: format!("{}: {}", variant.name, table.heading), ..table }
     });
-    let transients: Vec<Transient> = outcomes.iter().map(|outcome| outcome.transient.clone()).collect();
+    let transients: Vec<Transient> = runs[0].iter().map(|outcome| outcome.transient.clone()).collect();
     Page {
         title: format!("{} (thesis {})", study.about, study.section),
-        notes: vec![summary(&findings)],
+        notes: vec![summary(&findings), over(runs.len())],
         tables: [statements(study, &findings), drives(study.variants)].into_iter().chain(moves).collect(),
         figures: graphs(&transients),
     }
@@ -30,6 +31,16 @@ fn graphs(transients: &[Transient]) -> Vec<Figure> {
     transients.chunks(together).map(|some| Figure::over_time(report::panels(some))).collect()
 }
 
+/// On how many runs a verdict rests, in a sentence.
+fn over(runs: usize) -> String {
+    match runs {
+        1 => "Each drive was run once, without its neighbours.".to_owned(),
+        _ => format!(
+            "Each drive was run {runs} times, its mass and starting position changed by next to nothing: figures are ranges over these runs, and a verdict holds if it is that of all."
+        ),
+    }
+}
+
 /// How many statements the model shows, in a sentence.
 #[must_use]
 pub fn summary(findings: &[Finding]) -> String {
@@ -38,12 +49,16 @@ pub fn summary(findings: &[Finding]) -> String {
         0 => "It differs in none.".to_owned(),
         differs => format!("It differs in {differs}: what the thesis says there, the model does not show."),
     };
+    let depends = match count(Verdict::Depends) {
+        0 => String::new(),
+        depends => format!(" {depends} depend on less than is known of a drive."),
+    };
     let open = match count(Verdict::Open) {
         0 => String::new(),
         open => format!(" {open} cannot be decided."),
     };
     format!(
-        "The model shows what the thesis says in {} of {} statements. {differs}{open}",
+        "The model shows what the thesis says in {} of {} statements. {differs}{depends}{open}",
         count(Verdict::Agrees),
         findings.len()
     )

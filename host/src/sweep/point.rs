@@ -7,9 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use pneudrive_sim::{Rig, run};
 
 use super::Sweep;
-use crate::evaluation::{Motion, moves};
-use crate::run_folder::StoredRun;
-use crate::transient::Transient;
+use crate::evaluation::moves_of_run;
 use crate::words::fault_name;
 
 /// A line of the result.
@@ -83,8 +81,7 @@ fn measured(sweep: &Sweep, point: usize) -> Result<(Vec<Option<f64>>, String), S
     let rig = Rig::read_with(&source.name, &source.text, &sweep.settings_of(point));
     let rig = rig.map_err(|problems| problems.to_string())?;
     let run = run(&rig, sweep.accuracy_for(&rig)).map_err(|error| error.to_string())?;
-    let transient = Transient::of_run("", &StoredRun::of(&rig, &run));
-    let moves = moves(&transient, &Motion::of(&transient), None, sweep.settled_mm);
+    let moves = moves_of_run(&rig, &run, sweep.settled_mm);
     let values = sweep.metrics.iter().map(|metric| metric.value(&moves, sweep.settled_mm));
     let fault = run.fault.map_or("", |(fault, _)| fault_name(fault));
     Ok((values.collect::<Result<_, _>>()?, fault.to_owned()))
