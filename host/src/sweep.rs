@@ -61,6 +61,8 @@ pub struct Sweep {
     pub settled_mm: f64,
     /// What varies, in the order of the file.
     pub axes: Vec<Axis>,
+    /// How many runs a point has: the rig as it is, and neighbours that differ from it by next to nothing.
+    pub ensemble: usize,
     /// How many draws of the distributions each combination is run with; 1 without distributions.
     pub draws: usize,
     /// What is collected.
@@ -102,17 +104,34 @@ impl Sweep {
         self.settings.iter().cloned().chain(varied).collect()
     }
 
-    /// First line of the result: `point`, the axes, the metrics, `fault`, `failure`.
+    /// Whether a point is a draw of many, and not a rig of its own.
     #[must_use]
-    pub fn header(&self) -> String {
-        let axes = self.axes.iter().map(|axis| axis.name.as_str());
-        let names = axes.chain(self.metrics.iter().map(|metric| metric.name.as_str()));
-        names.fold(String::from("point"), |line, name| line + "," + name) + HEADER_END
+    pub fn is_drawn(&self) -> bool {
+        self.axes.iter().any(|axis| axis.drawn)
     }
 
-    /// How exactly a rig is simulated.
+    /// The columns between those of the axes and the last two: the metrics; of an ensemble the ends of their ranges;
+    /// and whether a point is decided, if it is no draw.
+    #[must_use]
+    pub fn figure_columns(&self) -> Vec<String> {
+        let own = self.metrics.iter().map(|metric| metric.name.clone());
+        let ends = self.metrics.iter().filter(|_| self.ensemble > 1);
+        let ends = ends.flat_map(|metric| ENDS.map(|end| format!("{}{end}", metric.name)));
+        let decided = (!self.is_drawn()).then(|| DECIDED.to_owned());
+        own.chain(ends).chain(decided).collect()
+    }
+
+    /// First line of the result: `point`, the axes, the figures, `fault`, `failure`.
+    #[must_use]
+    pub fn header(&self) -> String {
+        let axes = self.axes.iter().map(|axis| axis.name.clone());
+        let names = axes.chain(self.figure_columns());
+        names.fold(String::from("point"), |line, name| line + "," + &name) + HEADER_END
+    }
+
+    /// How exactly a rig is simulated: until it is decided, but for draws, which need not be.
     fn accuracy_for(&self, rig: &Rig) -> Accuracy {
-        let usual = Accuracy::of(rig);
+        let usual = if self.is_drawn() { Accuracy::of_draw(rig) } else { Accuracy::of(rig) };
         Accuracy { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
     }
 
@@ -123,6 +142,7 @@ impl Sweep {
         const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
         let mut digest = CRC.digest();
         let about = (&self.rig_source.text, &self.settings, self.tolerance, self.settled_mm, self.draws);
+        digest.update(format!("{}", self.ensemble).as_bytes());
         digest.update(format!("{about:?}{}", env!("CARGO_PKG_VERSION")).as_bytes());
         digest.update(format!("{}", metric::REVISION).as_bytes());
         digest.update(format!("{:?}", self.axes).as_bytes());
@@ -132,6 +152,12 @@ impl Sweep {
         digest.finalize()
     }
 }
+
+/// The column that tells whether a point is decided.
+const DECIDED: &str = "decided";
+
+/// What the columns of the ends of a metric's range have behind its name.
+const ENDS: [&str; 2] = ["_least", "_most"];
 
 /// Ends the first line of every result, so that a result is known as one.
 pub const HEADER_END: &str = ",fault,failure";

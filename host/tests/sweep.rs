@@ -79,6 +79,45 @@ fn a_point_that_fails_stands_in_the_result_with_its_reason_and_the_others_go_on(
     assert!(said.contains("! error: every point failed; the first: ") && said.ends_with("= 1"), "{said}");
 }
 
+/// Two rigs of their own, no draws.
+const GRID: &str = r#"
+rig = "servo-b-tuned"
+[set]
+test.duration_s = 0.6
+[vary]
+load.mass_kg = [10.0, 20.0]
+[metrics]
+end = { figure = "end_mm", move = 2 }
+"#;
+
+#[test]
+fn the_points_of_a_grid_tell_whether_they_are_decided_and_have_neighbours_on_request() {
+    let folder = folder_with(GRID);
+    ok(folder.path(), "sweep s.toml");
+    let alone = written(folder.path(), "s/sweep.csv");
+    assert!(alone.starts_with("point,load.mass_kg,end,decided,fault,failure\n"), "{alone}");
+    let decided = alone.lines().skip(1).map(|line| line.split(',').nth(3).expect("a cell"));
+    assert!(decided.clone().all(|cell| ["yes", "no"].contains(&cell)) && decided.count() == 2, "{alone}");
+    let refused = transcript(folder.path(), "sweep s.toml --ensemble 3");
+    assert!(refused.contains("is of another sweep") && refused.ends_with("= 1"), "{refused}");
+    for shard in 1..=2 {
+        let shard = format!("sweep s.toml --ensemble 3 --shard {shard}/2 --out shard{shard}");
+        ok(folder.path(), &shard);
+    }
+    ok(folder.path(), "merge shard1 shard2 --out merged");
+    let ranges = written(folder.path(), "merged/sweep.csv");
+    assert!(ranges.starts_with("point,load.mass_kg,end,end_least,end_most,decided,"), "{ranges}");
+    for (one, other) in ranges.lines().zip(alone.lines()).skip(1) {
+        let [ranged, alone] = [one, other].map(|line| line.split(',').collect::<Vec<_>>());
+        assert_eq!(ranged[..3], alone[..3], "the nominal run is the same");
+        let [end, least, most] = [2, 3, 4].map(|cell| ranged[cell].parse::<f64>().expect("mm"));
+        assert!(least <= end && end <= most && least < most, "{one}");
+    }
+    fs::write(folder.path().join("s.toml"), format!("ensemble = 8\n{SWEEP}")).expect("written");
+    let refused = transcript(folder.path(), "sweep s.toml --out drawn");
+    assert!(refused.contains("draws are an ensemble already"), "{refused}");
+}
+
 #[test]
 fn a_run_that_trips_is_told_by_its_fault_and_is_not_the_best() {
     let text = SWEEP.replace("[40.0, 75.0]", "[40.0]").replace(
@@ -237,6 +276,6 @@ limit_cycle_mm = { max = 0.0 }
     assert!(said.contains("2 points, 1 allowed."), "{said}");
     let csv = written(folder.path(), "s/sweep.csv");
     let [cut, whole] = [1, 2].map(|line| csv.lines().nth(line).expect("a point"));
-    assert_eq!(cut, "0,0.42,,,,,,,,", "{csv}");
+    assert_eq!(cut, "0,0.42,,,,,,,yes,,", "{csv}");
     assert!(whole.starts_with("1,2.3,0.0,0.0,0.0,"), "{csv}");
 }

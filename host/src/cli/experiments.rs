@@ -91,6 +91,10 @@ pub struct Sweep {
     /// Where to leave sweep.csv, sweep.html and sweep.journal; without it, a folder named like the file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Runs of each point: the rig as it is, and neighbours whose mass and starting position differ by next to nothing;
+    /// metrics are ranges over all of them. Not of a sweep with draws [default: ensemble in the file, or 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub ensemble: Option<u16>,
     /// How many runs go on at the same time; without it, one for each processor
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,

@@ -31,7 +31,7 @@ pub(super) fn execute(arguments: &Merge) -> Result<()> {
     make_place(&arguments.out)?;
     let (mut journal, there) = Journal::open(&arguments.out, &sweep)?;
     for row in rows.values().filter(|row| !there.contains_key(&row.point)) {
-        journal.keep(&row.to_csv())?;
+        journal.keep(&row.to_csv(&sweep))?;
     }
     leave(&arguments.out, &sweep, rows)
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_sim::rig::builtin;
+use toml_edit::{DocumentMut, value};
 
 use super::{Progress, rig_text};
 use crate::cli;
@@ -17,7 +18,7 @@ use crate::sweep::journal::{Journal, NAME};
 use crate::sweep::{HEADER_END, Row, Source, Sweep, report};
 
 pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
-    let sweep = read(&arguments.file)?;
+    let sweep = read(arguments)?;
     let out = arguments.out.clone().unwrap_or_else(|| folder_of(&arguments.file));
     make_place(&out)?;
     let (mut journal, mut rows) = Journal::open(&out, &sweep)?;
@@ -45,8 +46,13 @@ fn folder_of(file: &Path) -> PathBuf {
     PathBuf::from(file.file_stem().filter(|stem| Path::new(stem) != file).unwrap_or("sweep".as_ref()))
 }
 
-fn read(file: &Path) -> Result<Sweep> {
+fn read(arguments: &cli::Sweep) -> Result<Sweep> {
+    let file = &arguments.file;
     let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = match arguments.ensemble {
+        Some(runs) => with_ensemble(text, runs),
+        None => text,
+    };
     let beside = |rig: &str| {
         let place = file.parent().unwrap_or(Path::new("")).join(rig);
         let rig = if builtin(rig).is_some() { rig.to_owned() } else { place.display().to_string() };
@@ -54,6 +60,18 @@ fn read(file: &Path) -> Result<Sweep> {
         Ok(Source { name, text })
     };
     Ok(Sweep::read(Source { name: file.display().to_string(), text }, beside)?)
+}
+
+/// The text of a sweep with another `ensemble`, as if it stood in the file: a journal keeps it, and shards are merged by
+/// it. What is no TOML stays as it is, for the reader to tell.
+fn with_ensemble(text: String, runs: u16) -> String {
+    match text.parse::<DocumentMut>() {
+        Ok(mut document) => {
+            document["ensemble"] = value(i64::from(runs));
+            document.to_string()
+        }
+        Err(_) => text,
+    }
 }
 
 /// Makes sure, before long work, that the result can be left there.
@@ -66,7 +84,7 @@ pub(super) fn make_place(out: &Path) -> Result<()> {
 /// Writes result and page of all points and tells what came out.
 pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Result<()> {
     let rows: Vec<Row> = rows.into_values().collect();
-    let lines = std::iter::once(sweep.header()).chain(rows.iter().map(Row::to_csv));
+    let lines = std::iter::once(sweep.header()).chain(rows.iter().map(|row| row.to_csv(sweep)));
     put(&out.join("sweep.csv"), &lines.map(|line| line + "\n").collect::<String>())?;
     #[cfg(feature = "parquet")]
     put(&out.join("sweep.parquet"), &crate::sweep::parquet::file(sweep, &rows)?)?;

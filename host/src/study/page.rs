@@ -51,7 +51,7 @@ pub fn summary(findings: &[Finding]) -> String {
     };
     let depends = match count(Verdict::Depends) {
         0 => String::new(),
-        depends => format!(" {depends} depend on less than is known of a drive."),
+        depends => format!(" The verdict on {depends} depends on less than is known of a drive."),
     };
     let open = match count(Verdict::Open) {
         0 => String::new(),

@@ -23,14 +23,26 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Whether a row keeps it. What has no value does not.
+    /// Whether a row keeps it, over its whole range if it has one. What has no value does not.
     #[must_use]
     pub fn is_kept(&self, row: &Row) -> bool {
-        row.metrics[self.metric].is_some_and(|value| (self.min..=self.max).contains(&value.abs()))
+        let sizes = row.sizes(self.metric);
+        sizes.is_some_and(|[least, most]| self.min <= least && most <= self.max)
     }
 }
 
 impl Row {
+    /// The least and the largest size of a metric: over an ensemble, or of the run alone. None if a run lacks it.
+    fn sizes(&self, metric: usize) -> Option<[f64; 2]> {
+        let [least, most] = match self.ends.get(metric) {
+            Some(ends) => (*ends)?,
+            None => [self.metrics[metric]?; 2],
+        };
+        let [a, b] = [least.abs(), most.abs()];
+        // Between ends of two signs lies 0.
+        Some([if least * most < 0.0 { 0.0 } else { a.min(b) }, a.max(b)])
+    }
+
     /// Whether the run went to its end without a fault.
     #[must_use]
     pub fn is_whole(&self) -> bool {
@@ -49,8 +61,9 @@ impl Sweep {
     #[must_use]
     pub fn best<'a>(&self, rows: &'a [Row]) -> Option<&'a Row> {
         let objective = self.objective?;
+        // Over a range its worse end counts.
         let cost = |row: &Row| {
-            row.metrics[objective.metric].map(|x| if objective.most { -x.abs() } else { x.abs() })
+            row.sizes(objective.metric).map(|[least, most]| if objective.most { -least } else { most })
         };
         let allowed = rows.iter().filter(|row| self.allows(row));
         let costs = allowed.filter_map(|row| Some((cost(row)?, row)));

@@ -61,7 +61,7 @@ pub fn execute(
         drop(give);
         // If the journal fails, nobody takes the rows any more and the threads end with their points.
         for row in rows {
-            journal.keep(&row.to_csv())?;
+            journal.keep(&row.to_csv(sweep))?;
             done.insert(row.point, row);
             finished += 1;
             progress(finished, all);

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `rig` | a built-in rig, or a rig file beside this one |
 //! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: what the drive needs |
+//! | `ensemble` | 1; with more, each point is run with neighbours, and its metrics are ranges over them; not with `[draw]` |
 //! | `[set]` | keys of the rig that all points have in common |
 //! | `[vary]` | a key and what it takes on (`file/vary.rs`) |
 //! | `[draw]` | `count` of draws of the distributions, `seed` = 1, `method` = "latin-hypercube" or "random" |
@@ -21,16 +22,30 @@ use toml_edit::{Document, Item, Table, TableLike};
 use super::axis::Draw;
 use super::metric::{FIGURES, Metric, Which};
 use super::{Axis, Bound, Objective, Source, Sweep};
+use crate::evaluation::TOLERANCE_MM;
 use fields::{Entry, Reader, count, known, nearest_of, number, only, text};
 
-const TOP: [&str; 9] =
-    ["rig", "settled_mm", "tolerance", "set", "vary", "draw", "metrics", "objective", "constraints"];
+const TOP: [&str; 10] = [
+    "rig",
+    "settled_mm",
+    "tolerance",
+    "ensemble",
+    "set",
+    "vary",
+    "draw",
+    "metrics",
+    "objective",
+    "constraints",
+];
 
 /// Most points of a sweep: what fits into memory with its rows.
 const MOST_POINTS: usize = 1_000_000;
 
+/// Most runs of a point.
+const MOST_RUNS: usize = 1000;
+
 /// Columns of a result that no metric can have.
-const TAKEN: [&str; 3] = ["point", "fault", "failure"];
+const TAKEN: [&str; 4] = ["point", "decided", "fault", "failure"];
 
 impl Sweep {
     /// Reads the file of a sweep; `find_rig` gives the rig that it names.
@@ -60,7 +75,8 @@ impl Sweep {
             rig,
             settings,
             tolerance: reader.tolerance(top),
-            settled_mm: reader.positive(top, "settled_mm", 0.05),
+            settled_mm: reader.positive(top, "settled_mm", TOLERANCE_MM),
+            ensemble: reader.ensemble(top, &axes),
             draws,
             objective: reader.objective(top, &metrics),
             constraints: reader.constraints(top, &metrics),
@@ -118,6 +134,17 @@ impl Reader<'_> {
             self.problem(line, "tolerance", format!("must be between 1e-13 and 1e-2, is {tolerance:e}"));
         }
         Some(tolerance)
+    }
+
+    /// How many runs a point has.
+    fn ensemble(&mut self, top: &Table, axes: &[Axis]) -> usize {
+        let Some(entry) = self.entry(top, "ensemble") else { return 1 };
+        let runs =
+            count(entry.item, 1, MOST_RUNS).and_then(|runs| match axes.iter().any(|axis| axis.drawn) {
+                true if runs > 1 => Err("draws are an ensemble already; take ensemble out".to_owned()),
+                _ => Ok(runs),
+            });
+        self.note(&entry, runs).unwrap_or(1)
     }
 
     /// What varies, and how many draws there are.

@@ -4,19 +4,20 @@
 //! |---|---|
 //! | `point` | INT64 |
 //! | what varies | DOUBLE, or text where a level is a word |
-//! | metrics | DOUBLE, null where the run does not show it |
+//! | metrics and the ends of their ranges | DOUBLE, null where the run does not show it |
+//! | `decided` | BOOLEAN, null of a point without a run |
 //! | `fault`, `failure` | text |
 
 use std::sync::Arc;
 
 use anyhow::Result;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::{Axis, Row, Sweep};
+use super::{Axis, DECIDED, Row, Sweep};
 
 /// The bytes of the file.
 ///
@@ -28,14 +29,14 @@ pub fn file(sweep: &Sweep, rows: &[Row]) -> Result<Vec<u8>> {
     let mut writer = SerializedFileWriter::new(Vec::new(), schema(sweep)?, Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
     let axes = sweep.axes.len();
-    let metrics = sweep.metrics.len();
     let mut place = 0;
+    let figures = sweep.figure_columns().len();
     while let Some(mut column) = group.next_column()? {
         match place {
             0 => put_points(&mut column, rows)?,
             place if place <= axes => put_levels(&mut column, &sweep.axes[place - 1], rows, place - 1)?,
-            place if place <= axes + metrics => put_metric(&mut column, rows, place - 1 - axes)?,
-            place if place == axes + metrics + 1 => {
+            place if place <= axes + figures => put_figure(&mut column, sweep, rows, place - 1 - axes)?,
+            place if place == axes + figures + 1 => {
                 put_texts(&mut column, rows.iter().map(|row| &*row.fault))?
             }
             _ => put_texts(&mut column, rows.iter().map(|row| &*row.failure))?,
@@ -51,11 +52,14 @@ fn schema(sweep: &Sweep) -> Result<TypePtr> {
     let axis = |axis: &Axis| {
         if axis.is_named() { text(&axis.name) } else { number(&axis.name, Repetition::REQUIRED) }
     };
+    let figure = |name: &String| {
+        if name == DECIDED { switch(name) } else { number(name, Repetition::OPTIONAL) }
+    };
     let point =
         Type::primitive_type_builder("point", Physical::INT64).with_repetition(Repetition::REQUIRED).build();
     let fields: Vec<_> = std::iter::once(Ok(point?))
         .chain(sweep.axes.iter().map(axis))
-        .chain(sweep.metrics.iter().map(|metric| number(&metric.name, Repetition::OPTIONAL)))
+        .chain(sweep.figure_columns().iter().map(figure))
         .chain([text("fault"), text("failure")])
         .map(|field| field.map(Arc::new))
         .collect::<Result<_>>()?;
@@ -64,6 +68,11 @@ fn schema(sweep: &Sweep) -> Result<TypePtr> {
 
 fn number(name: &str, repetition: Repetition) -> Result<Type> {
     Ok(Type::primitive_type_builder(name, Physical::DOUBLE).with_repetition(repetition).build()?)
+}
+
+fn switch(name: &str) -> Result<Type> {
+    let of_switch = Type::primitive_type_builder(name, Physical::BOOLEAN);
+    Ok(of_switch.with_repetition(Repetition::OPTIONAL).build()?)
 }
 
 fn text(name: &str) -> Result<Type> {
@@ -94,10 +103,39 @@ fn put_levels(
 }
 
 /// Values that are there, and for each row whether it has one.
-fn put_metric(column: &mut SerializedColumnWriter<'_>, rows: &[Row], place: usize) -> Result<()> {
-    let values: Vec<f64> = rows.iter().filter_map(|row| row.metrics[place]).collect();
-    let there: Vec<i16> = rows.iter().map(|row| i16::from(row.metrics[place].is_some())).collect();
+fn put_figure(
+    column: &mut SerializedColumnWriter<'_>,
+    sweep: &Sweep,
+    rows: &[Row],
+    place: usize,
+) -> Result<()> {
+    let metrics = sweep.metrics.len();
+    let ends = if sweep.ensemble > 1 { 2 * metrics } else { 0 };
+    match place {
+        place if place < metrics => put_numbers(column, rows, |row| row.metrics[place]),
+        place if place < metrics + ends => {
+            let [metric, end] = [(place - metrics) / 2, (place - metrics) % 2];
+            put_numbers(column, rows, |row| Some(row.ends[metric]?[end]))
+        }
+        _ => put_switches(column, rows),
+    }
+}
+
+fn put_numbers(
+    column: &mut SerializedColumnWriter<'_>,
+    rows: &[Row],
+    of: impl Fn(&Row) -> Option<f64>,
+) -> Result<()> {
+    let values: Vec<f64> = rows.iter().filter_map(&of).collect();
+    let there: Vec<i16> = rows.iter().map(|row| i16::from(of(row).is_some())).collect();
     column.typed::<DoubleType>().write_batch(&values, Some(&there), None)?;
+    Ok(())
+}
+
+fn put_switches(column: &mut SerializedColumnWriter<'_>, rows: &[Row]) -> Result<()> {
+    let values: Vec<bool> = rows.iter().filter_map(|row| row.decided).collect();
+    let there: Vec<i16> = rows.iter().map(|row| i16::from(row.decided.is_some())).collect();
+    column.typed::<BoolType>().write_batch(&values, Some(&there), None)?;
     Ok(())
 }
 
@@ -132,6 +170,8 @@ mod tests {
             point,
             levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
             metrics: vec![metric],
+            ends: Vec::new(),
+            decided: Some(point == 0),
             fault: fault.to_owned(),
             failure: String::new(),
         };
@@ -146,7 +186,16 @@ mod tests {
             .collect();
         let words = |text: &str| Field::Str(text.to_owned());
         let expected = |point, mass, valve: &str, metric, fault: &str| {
-            vec![Field::Long(point), Field::Double(mass), words(valve), metric, words(fault), words("")]
+            let decided = Field::Bool(point == 0);
+            vec![
+                Field::Long(point),
+                Field::Double(mass),
+                words(valve),
+                metric,
+                decided,
+                words(fault),
+                words(""),
+            ]
         };
         assert_eq!(
             read,

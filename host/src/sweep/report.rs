@@ -3,6 +3,7 @@
 use super::metric::Which;
 use super::{Axis, Objective, Row, Sweep};
 use crate::page::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
+use crate::range;
 
 /// Most panels of a figure, and most failures and curves that are shown one by one.
 const PANELS: usize = 8;
@@ -31,7 +32,13 @@ fn notes(sweep: &Sweep, rows: &[Row]) -> Vec<String> {
     let scaled = sweep.axes.iter().filter(|axis| !axis.scaled.is_empty());
     let scaled = scaled.map(|axis| format!("{} is a factor on {}.", axis.name, axis.scaled.join(", ")));
     let common = (!sweep.settings.is_empty()).then(|| format!("All have {}.", sweep.settings.join(", ")));
-    std::iter::once(count(sweep, rows)).chain(common).chain(scaled).collect()
+    let ranges = (sweep.ensemble > 1).then(|| {
+        format!(
+            "Each point was run {} times, its mass and starting position changed by next to nothing; a constraint is kept if all of these runs keep it.",
+            sweep.ensemble
+        )
+    });
+    std::iter::once(count(sweep, rows)).chain(ranges).chain(common).chain(scaled).collect()
 }
 
 /// How many points there are, and how many of them are any good.
@@ -42,7 +49,9 @@ pub fn count(sweep: &Sweep, rows: &[Row]) -> String {
     let tripped = rows.iter().filter(|row| !row.fault.is_empty()).count();
     let allowed = rows.iter().filter(|row| sweep.allows(row)).count();
     let allowed = if sweep.constraints.is_empty() { String::new() } else { format!(", {allowed} allowed") };
-    format!("{} points{allowed}{}{}.", rows.len(), of("ended by a fault", tripped), of("failed", failed))
+    let undecided = rows.iter().filter(|row| row.decided == Some(false)).count();
+    let rest = of("ended by a fault", tripped) + &of("failed", failed) + &of("not decided", undecided);
+    format!("{} points{allowed}{rest}.", rows.len())
 }
 
 /// Levels and metrics of the best point.
@@ -61,14 +70,28 @@ pub fn best(sweep: &Sweep, rows: &[Row]) -> Table {
         };
     };
     let levels = sweep.axes.iter().zip(&best.levels).map(|(axis, level)| row(&axis.name, level.clone()));
-    let metrics =
-        sweep.metrics.iter().zip(&best.metrics).map(|(metric, value)| row(&metric.name, said(*value)));
+    let metrics = sweep.metrics.iter().enumerate();
+    let metrics = metrics.map(|(place, metric)| row(&metric.name, in_range(best, place)));
+    let decided = best.decided.map(|yes| row("decided", if yes { "yes" } else { "no" }.to_owned()));
     Table {
         heading: format!("the best point ({aim})"),
         columns: row("", format!("point {}", best.point)),
-        rows: levels.chain(metrics).collect(),
+        rows: levels.chain(metrics).chain(decided).collect(),
     }
 }
+
+/// A metric of a row, with its range if it has one.
+fn in_range(row: &Row, metric: usize) -> String {
+    let own = row.metrics[metric];
+    match row.ends.get(metric) {
+        None => said(own),
+        Some(Some([least, most])) => range::stated(&[own, Some(*least), Some(*most)], DECIMALS),
+        Some(None) => format!("{} (some runs do not show it)", said(own)),
+    }
+}
+
+/// Digits behind the point of what is told.
+const DECIMALS: usize = 4;
 
 /// What the draws of each combination of the varied values have in common: how many of them are allowed, and the
 /// largest size of each metric. The most allowed come first, then the best in the objective.
@@ -180,7 +203,7 @@ fn failures(sweep: &Sweep, rows: &[Row]) -> Table {
 }
 
 fn said(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.4}"))
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.DECIMALS$}"))
 }
 
 /// The metrics over an axis.

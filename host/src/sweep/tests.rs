@@ -51,14 +51,22 @@ fn a_row_reads_back_as_it_was_in_every_bit() {
         point: 1,
         levels: vec!["2".to_owned()],
         metrics: vec![Some(0.1 + 0.2)],
+        ends: Vec::new(),
+        decided: Some(true),
         fault: String::new(),
         failure: "no, \"never\"".to_owned(),
     };
-    assert_eq!(row.to_csv(), "1,2,0.30000000000000004,,\"no, \"\"never\"\"\"");
-    assert_eq!(Row::of_csv(&sweep, &row.to_csv()), Some(row.clone()));
-    let empty = Row { metrics: vec![None], failure: String::new(), fault: "no-motion".to_owned(), ..row };
-    assert_eq!(Row::of_csv(&sweep, &empty.to_csv()), Some(empty));
-    assert_eq!(Row::of_csv(&sweep, "7,2,0.3,,"), None, "there is no point 7");
+    assert_eq!(row.to_csv(&sweep), "1,2,0.30000000000000004,yes,,\"no, \"\"never\"\"\"");
+    assert_eq!(Row::of_csv(&sweep, &row.to_csv(&sweep)), Some(row.clone()));
+    let empty = Row {
+        metrics: vec![None],
+        decided: None,
+        failure: String::new(),
+        fault: "no-motion".to_owned(),
+        ..row
+    };
+    assert_eq!(Row::of_csv(&sweep, &empty.to_csv(&sweep)), Some(empty));
+    assert_eq!(Row::of_csv(&sweep, "7,2,0.3,yes,,"), None, "there is no point 7");
 }
 
 #[test]
@@ -69,6 +77,8 @@ fn the_best_point_is_the_least_of_the_allowed_ones() {
         point,
         levels: vec!["1".to_owned()],
         metrics: vec![air],
+        ends: Vec::new(),
+        decided: None,
         fault: fault.to_owned(),
         failure: String::new(),
     };
@@ -89,6 +99,8 @@ fn the_combination_with_the_most_allowed_draws_comes_first_whatever_its_best_dra
         point,
         levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
         metrics: vec![air],
+        ends: Vec::new(),
+        decided: None,
         fault: String::new(),
         failure: String::new(),
     };
@@ -97,4 +109,28 @@ fn the_combination_with_the_most_allowed_draws_comes_first_whatever_its_best_dra
     let table = report::combinations(&sweep, &rows);
     let expected = [["20", "2 of 2", "0.9000"], ["10", "1 of 2", "1.5000"], ["30", "1 of 2", "-"]];
     assert_eq!(table.rows, expected.map(|row| row.map(str::to_owned).to_vec()));
+}
+
+#[test]
+fn a_constraint_is_kept_over_the_whole_range_or_not_at_all() {
+    let text = "ensemble = 8\n[objective]\nminimise = \"air\"\n[constraints]\nair = { min = 0.1, max = 1.0 }\n\
+        [vary]\nload.mass_kg = [1, 2, 3, 4, 5]";
+    let sweep = sweep(text);
+    assert_eq!(sweep.header(), "point,load.mass_kg,air,air_least,air_most,decided,fault,failure");
+    let row = |(point, ends): (usize, Option<[f64; 2]>)| Row {
+        point,
+        levels: vec!["1".to_owned()],
+        metrics: vec![Some(0.5)],
+        ends: vec![ends],
+        decided: Some(true),
+        fault: String::new(),
+        failure: String::new(),
+    };
+    let ends = [Some([0.4, 1.1]), None, Some([-0.5, 0.5]), Some([0.5, 0.9]), Some([-0.7, -0.5])];
+    let rows: Vec<Row> = ends.into_iter().enumerate().map(row).collect();
+    let allowed: Vec<usize> = rows.iter().filter(|row| sweep.allows(row)).map(|row| row.point).collect();
+    assert_eq!(allowed, [3, 4], "a range with 0 in it has a size of 0");
+    assert_eq!(sweep.best(&rows).map(|row| row.point), Some(4), "its worst end is the least");
+    assert_eq!(Row::of_csv(&sweep, &rows[0].to_csv(&sweep)), Some(rows[0].clone()));
+    assert_eq!(Row::of_csv(&sweep, &rows[1].to_csv(&sweep)), Some(rows[1].clone()));
 }
