@@ -38,7 +38,7 @@ pub mod report;
 pub mod tubing;
 pub mod uncertainty;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use nalgebra::DMatrix;
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -159,14 +159,12 @@ pub fn identify(
     }
     let mut model = Model::new(rig, recordings, parameters, accuracy);
     let start = vec![0.0; model.unknowns()];
-    let Some(residuals) = model.residuals(&start) else {
-        bail!("the model of {} cannot follow the commands of the transients", rig.name());
-    };
+    let residuals = model.residuals(&start).ok_or_else(|| cannot_follow(&model, &start))?;
     let before = model.channel_fits(&residuals).map(|fit| fit.map(|fit| fit.after));
     let mut u = search(&mut model, start, progress);
     let mut unseen = Vec::new();
     loop {
-        let minimum = settled(&mut model, u, progress);
+        let minimum = settled(&mut model, u, &unseen, progress)?;
         let uncertainty = Uncertainty::of(&model, &minimum);
         let Some(worst) = uncertainty.worst(UNSEEN) else {
             return Ok(finished(&model, &minimum, &uncertainty, unseen, before));
@@ -207,7 +205,7 @@ fn approach(model: &mut Model, mut u: Vec<f64>, progress: &mut dyn FnMut(&str)) 
     for share in STAGES {
         model.share = share;
         progress(&format!("the first {:.0} % of each transient", 100.0 * share));
-        u = minimise(model, &u, false, progress).u;
+        u = minimise(model, &u, false, progress).map_or(u, |minimum| minimum.u);
     }
     let left = model.mean_square(&u);
     (u, left)
@@ -229,15 +227,31 @@ fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
     best.1
 }
 
+fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
+    let reason = model.obstacle(u).unwrap_or_else(|| anyhow!("it has no derivatives there"));
+    reason.context(format!("the model of {} cannot follow the commands of the transients", model.rig.name()))
+}
+
 /// To the minimum, then with the noise that the residuals there show.
-fn settled(model: &mut Model, u: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Minimum {
+fn settled(
+    model: &mut Model,
+    u: Vec<f64>,
+    unseen: &[Unseen],
+    progress: &mut dyn FnMut(&str),
+) -> Result<Minimum> {
     model.fine = true;
-    let minimum = minimise(model, &u, true, progress);
+    let minimum = minimise(model, &u, true, progress).ok_or_else(|| {
+        let kept: Vec<&str> = unseen.iter().map(|unseen| unseen.parameter.key.path).collect();
+        cannot_follow(model, &u).context(format!(
+            "the fit cannot go on with the file's value of {}, which cannot be seen",
+            kept.join(", ")
+        ))
+    })?;
     let found = model.channel_fits(&minimum.residuals);
     for (noise, fit) in model.noise.iter_mut().zip(found) {
         *noise = fit.map_or(*noise, |fit| fit.after);
     }
-    minimise(model, &minimum.u, true, progress)
+    Ok(minimise(model, &minimum.u, true, progress).unwrap_or(minimum))
 }
 
 fn finished(
@@ -270,6 +284,6 @@ fn finished(
         runs: model.runs(),
         robust: uncertainty.robust,
         starts: (0..model.recordings.len()).map(|i| model.start_at(&minimum.u, i)).collect(),
-        rig: model.rig_at(&minimum.u).unwrap_or_else(|| model.rig.clone()),
+        rig: model.rig_at(&minimum.u).unwrap_or_else(|_| model.rig.clone()),
     }
 }

@@ -61,6 +61,31 @@ fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
     assert!(fitted.contains("# identified, 95 %:") && fitted.contains("duration_s = 0.45"), "{fitted}");
 }
 
+/// An extension alone: a constant force makes up for stiction and Coulomb friction together, which the file has nearly
+/// equal.
+const ONE_WAY: &str = "\
+[controller]
+loop = \"open\"
+[operator]
+dither_mm = 0.0
+[load]
+static_extend_n = 70.0
+coulomb_extend_n = 69.0
+[test]
+moves = [[0.0, 0], [0.05, 900]]
+duration_s = 0.2
+";
+
+#[test]
+fn a_fit_that_cannot_go_on_ends_with_a_reason_instead_of_a_panic() {
+    let folder = folder();
+    recorded_with(folder.path(), ONE_WAY, &[("load.static_extend_n", 60.0), ("load.coulomb_extend_n", 30.0)]);
+    let keys = "load.static_extend_n,load.coulomb_extend_n,load.constant_force_n,load.viscous_n_s_per_m";
+    let printed = transcript(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {keys}"));
+    assert!(!printed.contains("panicked"), "{printed}");
+    assert!(printed.ends_with("= 0") || printed.ends_with("= 1"), "{printed}");
+}
+
 #[test]
 fn stiffness_and_damping_of_either_spool_are_found_in_its_swings() {
     for (model, numbers) in [

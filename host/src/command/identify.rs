@@ -89,7 +89,7 @@ fn write(
     for (recording, start) in recordings.iter().zip(&found.starts) {
         let follow = |rig: &Rig| recording.follow(rig, accuracy, *start, recording.commands.len());
         let readings = [follow(rig), follow(&found.rig)];
-        let [Some(before), Some(after)] = readings else { continue };
+        let [Ok(before), Ok(after)] = readings else { continue };
         figures.push(report::figure(recording, &before, &after));
     }
     let title = format!("{}, identified", rig.name());

@@ -55,17 +55,14 @@ const DAMPING: [f64; 2] = [1e-3, 1e-8];
 /// Damping at which a search gives up.
 const MOST_DAMPING: f64 = 1e10;
 
-/// Searches from `start`: to the end, or near it. A `start` without residuals is a slip of the caller.
-///
-/// # Panics
-/// When there are no residuals at `start`.
+/// Searches from `start`: to the end, or near it. None when there are no residuals at `start`.
 pub fn minimise(
     problem: &impl Problem,
     start: &[f64],
     to_the_end: bool,
     progress: &mut dyn FnMut(&str),
-) -> Minimum {
-    let mut search = Search::at(problem, start, DAMPING[usize::from(to_the_end)]);
+) -> Option<Minimum> {
+    let mut search = Search::at(problem, start, DAMPING[usize::from(to_the_end)])?;
     let most = if to_the_end { MOST_STEPS } else { MOST_ROUGH_STEPS };
     let mut idle = 0;
     for _ in 0..most {
@@ -81,7 +78,7 @@ pub fn minimise(
             break;
         }
     }
-    search.minimum
+    Some(search.minimum)
 }
 
 struct Search {
@@ -92,13 +89,13 @@ struct Search {
 }
 
 impl Search {
-    fn at(problem: &impl Problem, start: &[f64], damping: f64) -> Search {
-        let residuals = problem.residuals(start).expect("a search starts where there are residuals");
+    fn at(problem: &impl Problem, start: &[f64], damping: f64) -> Option<Search> {
+        let residuals = problem.residuals(start)?;
         let jacobian = problem
             .jacobian(start, &residuals)
             .unwrap_or_else(|| DMatrix::zeros(residuals.len(), start.len()));
         let minimum = Minimum { u: start.to_vec(), residuals, jacobian, converged: false };
-        Search { minimum, damping, growth: 2.0, stuck: false }
+        Some(Search { minimum, damping, growth: 2.0, stuck: false })
     }
 
     fn cost(&self) -> f64 {
@@ -190,14 +187,19 @@ mod tests {
 
     #[test]
     fn the_end_of_a_curved_valley_is_found() {
-        let minimum = minimise(&Valley { wall: -9.0 }, &[-1.2, 1.0], true, &mut |_| {});
+        let minimum = minimise(&Valley { wall: -9.0 }, &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
         assert!(minimum.converged);
         assert!((minimum.u[0] - 1.0).abs() < 1e-3 && (minimum.u[1] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
     }
 
     #[test]
+    fn a_search_from_where_there_are_no_residuals_finds_nothing() {
+        assert!(minimise(&Valley { wall: 0.0 }, &[-1.2, 1.0], true, &mut |_| {}).is_none());
+    }
+
+    #[test]
     fn a_search_goes_on_along_points_that_cannot_be_evaluated() {
-        let minimum = minimise(&Valley { wall: -1.2 }, &[-1.2, 1.0], true, &mut |_| {});
+        let minimum = minimise(&Valley { wall: -1.2 }, &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
         assert!(minimum.converged && (minimum.u[0] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
     }
 }

@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use anyhow::{Result, ensure};
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::follow::Reading;
 use pneudrive_sim::{Accuracy, Rig};
@@ -99,11 +100,23 @@ impl<'a> Model<'a> {
         self.runs.load(Ordering::Relaxed)
     }
 
-    /// The rig at a point; None where it is not valid.
-    pub fn rig_at(&self, u: &[f64]) -> Option<Rig> {
+    /// The rig at a point.
+    ///
+    /// # Errors
+    /// When it is not valid.
+    pub fn rig_at(&self, u: &[f64]) -> Result<Rig> {
         let numbers =
             self.parameters.iter().zip(u).map(|(parameter, &u)| (parameter.key.path, parameter.value(u)));
-        self.rig.with_numbers(&numbers.collect::<Vec<_>>()).ok()
+        Ok(self.rig.with_numbers(&numbers.collect::<Vec<_>>())?)
+    }
+
+    /// Why there are no residuals at a point: the first recording that cannot be followed, and its error. None where
+    /// there are.
+    pub fn obstacle(&self, u: &[f64]) -> Option<anyhow::Error> {
+        (0..self.recordings.len()).find_map(|recording| {
+            let failed = self.try_to_follow(&Job { u, recording }).err()?;
+            Some(failed.context(self.recordings[recording].name.clone()))
+        })
     }
 
     /// How far the initial state of a recording is off the measured one at a point, counts.
@@ -116,13 +129,15 @@ impl<'a> Model<'a> {
         (recording.commands.len() as f64 * self.share).ceil() as usize
     }
 
-    fn follow(&self, job: &Job<'_>) -> Option<DVector<f64>> {
+    fn try_to_follow(&self, job: &Job<'_>) -> Result<DVector<f64>> {
         let recording = &self.recordings[job.recording];
         self.runs.fetch_add(1, Ordering::Relaxed);
         let start = self.start_at(job.u, job.recording);
         let rig = self.rig_at(job.u)?;
         let readings = recording.follow(&rig, self.accuracy, start, self.samples(recording))?;
-        Some(self.compare(recording, &readings))
+        let residuals = self.compare(recording, &readings);
+        ensure!(residuals.iter().all(|r| r.is_finite()), "the model's readings are no numbers");
+        Ok(residuals)
     }
 
     /// The residuals of each job, on all cores.
@@ -132,7 +147,7 @@ impl<'a> Model<'a> {
             while let Some((i, job)) =
                 Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, jobs.get(i)?)))
             {
-                let residuals = self.follow(job);
+                let residuals = self.try_to_follow(job).ok();
                 done.lock().unwrap_or_else(PoisonError::into_inner)[i] = residuals;
             }
         };

@@ -168,18 +168,20 @@ impl Recording {
     }
 
     /// What the sensors of `rig` would read under the first `samples` commands, from an initial state that is
-    /// `off` the one that was measured, in counts; None where the rig is not valid in it, or cannot be integrated.
-    #[must_use]
+    /// `off` the one that was measured, in counts.
+    ///
+    /// # Errors
+    /// When the rig is not valid in that state, or cannot be integrated.
     pub fn follow(
         &self,
         rig: &Rig,
         accuracy: Accuracy,
         off: [f64; STARTS],
         samples: usize,
-    ) -> Option<Vec<Reading>> {
+    ) -> Result<Vec<Reading>> {
         let start = |i: usize| (KEYS_OF_START[i], self.start[i] + off[i] * self.channels[i].scale);
-        let started = rig.with_numbers(&[0, 1, 2].map(start)).ok()?;
-        follow(&started, accuracy, self.timing, &self.commands[..samples]).ok()
+        let started = rig.with_numbers(&[0, 1, 2].map(start))?;
+        Ok(follow(&started, accuracy, self.timing, &self.commands[..samples])?)
     }
 }
 
