@@ -229,7 +229,7 @@ pub struct Virtual {
     /// Draw the true parameters within this much of the rig file's, with noise on the sensors
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub spread: Option<f64>,
-    /// Which rig is drawn
+    /// Which rig is drawn, and the sensor noise of its runs: run after run the same for the same seed
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }

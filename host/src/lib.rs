@@ -66,6 +66,7 @@ pub mod evaluation;
 pub mod identification;
 pub mod kept_flash;
 pub mod ladder;
+mod noise;
 pub mod page;
 pub mod parallel;
 pub mod part_file;

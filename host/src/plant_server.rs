@@ -9,6 +9,7 @@ use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo, VERSION, req
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::emulated_board::Figures;
+use crate::noise::RunSeeds;
 use crate::punctuality::LateSample;
 
 /// The first bytes of a board.
@@ -43,7 +44,7 @@ fn plant_of(rig: &Rig, seed: u64) -> Plant {
 /// A plant that answers a board's outputs with the inputs of the next sample.
 pub(crate) struct PlantServer {
     rig: SharedRig,
-    seed: u64,
+    seeds: RunSeeds,
     plant: Plant,
     time: Time,
     figures: Arc<Mutex<Figures>>,
@@ -87,10 +88,10 @@ impl Time {
 }
 
 impl PlantServer {
-    /// The plant of a rig in the initial state of its test.
+    /// The plant of a rig in the initial state of its test. `seed` fixes the sensor noise of all its runs.
     pub(crate) fn new(rig: SharedRig, seed: u64, time: Time, figures: Arc<Mutex<Figures>>) -> PlantServer {
         let plant = plant_of(&current(&rig), seed);
-        PlantServer { rig, seed, plant, time, figures }
+        PlantServer { rig, seeds: RunSeeds::new(seed), plant, time, figures }
     }
 
     /// Serves the bus until the board has gone. Tells `greet` once the hellos are exchanged. A board that was
@@ -130,7 +131,7 @@ impl PlantServer {
                 self.time.advance();
             }
             Next::Begin { period_us, delay_us } => {
-                self.plant = plant_of(&current(&self.rig), self.seed)
+                self.plant = plant_of(&current(&self.rig), self.seeds.begin())
                     .with_timing(u64::from(period_us), u64::from(delay_us));
                 self.time.begin(period_us);
             }
@@ -167,4 +168,37 @@ fn together(first: Hello, rest: [u8; REST]) -> [u8; Outputs::BYTES] {
     bytes[..HELLO.len()].copy_from_slice(&first);
     bytes[HELLO.len()..].copy_from_slice(&rest);
     bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_controller::Command;
+
+    use super::*;
+
+    /// Pressure 1 at the samples of a run of a drive at rest.
+    fn run(server: &mut PlantServer) -> Vec<i16> {
+        let command = Command { counts: 0, step: 0, drive_enable: true };
+        let mut next = Next::Begin { period_us: 1300, delay_us: 500 };
+        let mut pressures = Vec::new();
+        for _ in 0..20 {
+            let answer = server.answer(Outputs { command, next, ..Outputs::OFF }).expect("a plant");
+            pressures.push(answer.sample.pressure_1);
+            next = Next::Advance;
+        }
+        pressures
+    }
+
+    #[test]
+    fn every_run_of_a_simulated_plant_has_its_own_noise_and_a_seed_repeats_the_sequence() {
+        let rig = Rig::read("noisy", "[sensors]\nnoise_counts = 2.0\n").expect("valid");
+        let server = || {
+            let time = Time::new(LateSample::default(), false);
+            PlantServer::new(Arc::new(Mutex::new(rig.clone())), 7, time, Arc::default())
+        };
+        let (mut one, mut other) = (server(), server());
+        let (first, second) = (run(&mut one), run(&mut one));
+        assert_ne!(first, second);
+        assert_eq!([run(&mut other), run(&mut other)], [first, second]);
+    }
 }

@@ -22,6 +22,7 @@ use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::kept_flash::KeptFlash;
+use crate::noise::RunSeeds;
 use crate::port::{is_wait, read_some, write_within};
 use crate::punctuality::LateSample;
 
@@ -40,10 +41,19 @@ const SAMPLES_AT_ONCE: u32 = 64;
 /// Most samples that are made up for after the computer was busy with something else.
 const MOST_BEHIND: u64 = 1000;
 
+/// Kind of board.
+const NAME: &str = "virtual rig";
+
+/// Bytes of the name of a board at most.
+const LONGEST_NAME: usize = 32;
+
 /// The board of a virtual rig.
 struct VirtualBoard {
     rig: Rig,
-    seed: u64,
+    seeds: RunSeeds,
+    /// Told the number of a run that begins.
+    on_run: Box<dyn FnMut(u64) + Send>,
+    name: String,
     pace: Pace,
     plant: Plant,
     running: bool,
@@ -65,8 +75,10 @@ impl VirtualBoard {
         let plant = Plant::new(&rig, Accuracy::of(&rig), seed);
         VirtualBoard {
             period_us: u64::from(rig.period_us().get()),
+            name: name_of(&rig, seed),
             rig,
-            seed,
+            seeds: RunSeeds::new(seed),
+            on_run: Box::new(|_| {}),
             pace,
             plant,
             running: false,
@@ -101,6 +113,13 @@ impl VirtualBoard {
     }
 }
 
+/// With the seed of the noise, if there is noise and the name has room for it.
+fn name_of(rig: &Rig, seed: u64) -> String {
+    let with_seed = format!("{NAME}, seed {seed}");
+    let told = rig.number("sensors.noise_counts") > 0.0 && with_seed.len() <= LONGEST_NAME;
+    if told { with_seed } else { NAME.to_owned() }
+}
+
 /// What is in the flash, and memory that was without power.
 fn store_in(flash: KeptFlash) -> FlashStore<KeptFlash, Box<Memory>> {
     let memory = Box::new([0; MEMORY_BYTES]);
@@ -115,8 +134,8 @@ impl Board for VirtualBoard {
         &mut self.store
     }
 
-    fn name(&self) -> &'static str {
-        "virtual rig"
+    fn name(&self) -> &str {
+        &self.name
     }
 
     fn build(&self) -> &'static str {
@@ -147,10 +166,12 @@ impl Board for VirtualBoard {
     fn run_begins(&mut self, config: &Config) {
         self.running = true;
         self.k = 0;
+        let seed = self.seeds.begin();
+        (self.on_run)(self.seeds.runs());
         if !self.pace.live {
             let timing = &config.timing;
             self.period_us = u64::from(timing.period_us.get());
-            self.plant = Plant::new(&self.rig, Accuracy::of(&self.rig), self.seed)
+            self.plant = Plant::new(&self.rig, Accuracy::of(&self.rig), seed)
                 .with_timing(self.period_us, u64::from(timing.delay_us.get()));
         }
     }
@@ -167,7 +188,8 @@ pub struct VirtualRig {
 }
 
 impl VirtualRig {
-    /// A rig with the true parameters of `rig`, powered on, its flash blank. `seed` is for sensor noise.
+    /// A rig with the true parameters of `rig`, powered on, its flash blank. `seed` fixes the sensor noise of all
+    /// its runs; each has its own.
     ///
     /// # Errors
     /// For a rig with the simulator's own controller.
@@ -198,6 +220,11 @@ impl VirtualRig {
         }
         control.take_up(&mut board);
         Ok(VirtualRig { control, board })
+    }
+
+    /// Has `tell` called with the number of each run as it begins, from 1 on.
+    pub fn on_run(&mut self, tell: impl FnMut(u64) + Send + 'static) {
+        self.board.on_run = Box::new(tell);
     }
 
     /// The sample of each run that comes late.

@@ -13,7 +13,7 @@ pub trait Board {
     fn store(&mut self) -> &mut Self::Store;
 
     /// Kind of board, at most 32 bytes.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// What was built from which sources, at most 32 bytes.
     fn build(&self) -> &'static str;

@@ -165,7 +165,7 @@ fn answer<B: Board>(
 fn carry_out<'a, B: Board>(
     request: &Request<'a>,
     control: &'a mut Control<impl BorrowMut<Recorder>>,
-    board: &mut B,
+    board: &'a mut B,
     damaged_frames: u32,
     stream: &mut Stream,
     scratch: &'a mut Scratch,

@@ -16,10 +16,17 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     };
     let mut door = Door::open(&arguments.listen)?;
     let port = door.port_name().to_owned();
-    let name = rig.name().to_owned();
+    let (name, noise) = (rig.name().to_owned(), rig.number("sensors.noise_counts"));
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
     say!("{name} is on {port}");
+    if noise > 0.0 && arguments.live {
+        say!("sensor noise of {noise} counts all the time, so a live rig repeats no run");
+    } else if noise > 0.0 {
+        let seed = arguments.seed;
+        say!("every run has its own sensor noise, of {noise} counts; --seed {seed} repeats the sequence");
+        virtual_rig.on_run(move |run| say!("run {run} begins, with noise {run} of seed {seed}"));
+    }
     say!("try: pneudrive device --port {port} info    (end with Ctrl-C)");
     virtual_rig.serve(&mut door, &AtomicBool::new(false))
 }
