@@ -16,6 +16,7 @@ mod schedule;
 mod spread;
 
 pub use builtin::{BUILTIN, builtin};
+pub use check::MOST_DISCHARGE;
 pub use events::Fields;
 pub use explain::explain;
 pub use problem::{Problem, Problems, line_at};

@@ -10,7 +10,7 @@ use pneudrive_controller::sequencer::MAX_MOVES;
 /// The largest coefficient of discharge with upstream Mach numbers. At 1 a choked port behind a wide
 /// land is approached at M = 1, and its flow equation has a double root: M = C_d (5/6)^3 (1 + M^2/5)^3
 /// for n = 1.4. Close to 1 the solution is nearly double, and is not found reliably.
-pub(super) const MOST_DISCHARGE: f64 = 0.9;
+pub const MOST_DISCHARGE: f64 = 0.9;
 
 /// Rows of a trace, which are kept in memory, 160 bytes each.
 const MOST_ROWS: f64 = 1e7;

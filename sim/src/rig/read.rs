@@ -62,6 +62,34 @@ impl Rig {
         }
     }
 
+    /// This rig with `key=value` settings applied, each in TOML syntax.
+    ///
+    /// # Errors
+    /// Every problem with its key.
+    pub fn with_settings(&self, settings: &[String]) -> Result<Rig, Problems> {
+        let source = self.name().to_owned();
+        let mut reader =
+            Reader { source: &source, text: "", lines: vec![None; KEYS.len()], problems: Vec::new() };
+        let mut rig = self.clone();
+        for setting in settings {
+            reader.setting(&mut rig, setting);
+        }
+        let problems = reader.problems;
+        if problems.is_empty() { rig.checked(&source) } else { Err(Problems(problems)) }
+    }
+
+    /// This rig with another test: that of the empty file with `key=value` settings applied.
+    ///
+    /// # Errors
+    /// Every problem with its key.
+    pub fn with_test(&self, settings: &[String]) -> Result<Rig, Problems> {
+        let mut rig = self.clone();
+        for (index, key) in KEYS.iter().enumerate().filter(|(_, key)| key.table() == "test") {
+            (rig.values[index], rig.set[index]) = (default_value(&key.default), false);
+        }
+        rig.with_settings(settings)
+    }
+
     /// The rig, if all that must hold between its keys does; `source` is for messages.
     pub(super) fn checked(self, source: &str) -> Result<Rig, Problems> {
         let mut reader = Reader { source, text: "", lines: vec![None; KEYS.len()], problems: Vec::new() };

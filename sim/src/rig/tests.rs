@@ -322,3 +322,16 @@ fn without_a_spread_nothing_is_drawn() {
         assert_eq!(same.value(key.path), Some(value), "{}", key.path);
     }
 }
+
+#[test]
+fn another_test_is_held_against_the_rig_that_it_is_for() {
+    let long = "[actuator]\nstroke_m = 1.0\n[test]\ntargets = [8192, 70000]\nrepeat_every_s = 2.0\n";
+    let rig = Rig::read("long", long).expect("valid");
+    let settings = ["test.moves=[[0.0, 60000]]", "test.position_m=0.6"].map(str::to_owned);
+    let tested = rig.with_test(&settings).expect("60,000 counts are within a stroke of a metre");
+    assert_eq!((tested.moves(), tested.number("test.position_m")), (vec![(0.0, 60_000)], 0.6));
+    assert_eq!(tested.optional_number("test.repeat_every_s"), None, "nothing is left of the other test");
+    let beyond = rig.with_test(&["test.moves=[[0.0, 90000]]".to_owned()]).expect_err("outside the stroke");
+    assert!(beyond.to_string().contains("outside the stroke"), "{beyond}");
+    assert!(rig.with_settings(&["load.mass_kg=none".to_owned()]).is_err());
+}
