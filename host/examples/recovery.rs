@@ -1,23 +1,53 @@
-//! Parameter recovery over many trials: how often the 95 % intervals hold what was hidden.
+//! Parameter recovery over many rigs: how often the 95 % intervals hold what was hidden.
 //!
 //! ```text
-//! cargo run --release -p pneudrive --example recovery -- 100
+//! cargo build --release -p pneudrive
+//! cargo run --release -p pneudrive --example recovery -- 100 shipped|any [FIRST SEED]
 //! ```
 //!
-//! A second argument is the first seed, 1 if left out; a third one how far hidden values lie from the file's at most, 0.1 if
-//! left out. The tables of docs/identification.md are its output.
+//! Each rig is served and identified by the program itself, as a user does it. The tables of docs/identification.md are its
+//! output.
 
-use pneudrive::identification::recovery::{Coverage, HIDDEN, Trial};
+use std::env;
+use std::path::PathBuf;
 
-fn main() -> anyhow::Result<()> {
-    let argument = |i: usize, or: u64| std::env::args().nth(i).map_or(Ok(or), |text| text.parse::<u64>());
-    let (trials, first) = (argument(1, 100)?, argument(2, 1)?);
-    let hidden = std::env::args().nth(3).map_or(Ok(HIDDEN), |text| text.parse())?;
+use anyhow::{Context, Result, bail, ensure};
+use pneudrive::identification::recovery::{Coverage, Hidden, any_rig, shipped_rig};
+
+/// The program, which cargo builds into the folder above that of its examples.
+fn program() -> Result<PathBuf> {
+    let examples = env::current_exe()?;
+    let folder = examples.parent().and_then(|folder| folder.parent()).context("no folder above")?;
+    let program = folder.join(format!("pneudrive{}", env::consts::EXE_SUFFIX));
+    ensure!(
+        program.exists(),
+        "there is no {}; build it first: cargo build --release -p pneudrive",
+        program.display()
+    );
+    Ok(program)
+}
+
+fn main() -> Result<()> {
+    let argument = |i: usize| env::args().nth(i);
+    let rigs: u64 = argument(1).map_or(Ok(100), |text| text.parse())?;
+    let first: u64 = argument(3).map_or(Ok(1), |text| text.parse())?;
+    let draw: fn(u64) -> Hidden = match argument(2).as_deref() {
+        None | Some("shipped") => shipped_rig,
+        Some("any") => any_rig,
+        Some(other) => bail!("there are shipped and any rigs, not {other}"),
+    };
+    let program = program()?;
     let mut coverage = Coverage::default();
-    for seed in first..first + trials {
-        let trial = Trial::run(seed, hidden, &mut |_| {})?;
-        eprintln!("seed {seed}: {}", trial.summary());
-        coverage.count(&trial);
+    for seed in first..first + rigs {
+        let hidden = draw(seed);
+        let folder = tempfile::tempdir()?;
+        match hidden.identify(&program, folder.path()) {
+            Ok(trial) => {
+                eprintln!("{seed}, {}: {}", hidden.name, trial.summary());
+                coverage.count(&trial);
+            }
+            Err(error) => eprintln!("{seed}, {}: {error:#}", hidden.name),
+        }
     }
     print!("{coverage}");
     Ok(())

@@ -9,63 +9,59 @@
 //! ```
 //!
 //! - **u** is ln(value / file's value) for what cannot be negative, else (value - file's value) / what is
-//!   plausible ([`parameter`]). Its own term keeps the search near the file where the data are silent; an
-//!   estimate with the standard error s is drawn by no more than u s^2 towards the file.
+//!   plausible ([`parameter`]). Its own term, over the prior's standard deviation, keeps the search near the file where
+//!   the data are silent.
 //! - **The initial state** of each transient, position and pressures, is unknown within what sensors tell; it is
 //!   found with the parameters. The drive must be at rest then, its air as warm as the test says.
 //! - **The encoder** rounds down: the model is position / pulse - 1/2, and sigma that of an even error of one
 //!   count, 1 / sqrt(12). While the drive stands that error repeats in every sample, so a sample counts where
 //!   the drive has moved on by one to two counts, and one in each rest ([`recording`]).
-//! - **sigma** of the converters is what scatters in the rests before the first move; at the end, that of the
-//!   residuals. Where these are larger than the rests allow, the model does not explain the data, and that is said
-//!   ([`ChannelFit::fits`]).
+//! - **sigma** of the converters is first what scatters in the rests before the first move, then what the highest
+//!   frequencies of the residuals show. What remains at lower ones tells whether the model explains the data
+//!   ([`spectrum`]).
 //! - **Friction** makes the sum of squares jump where a spool or a load sticks or slips by a hair. The tests of
 //!   [`moves`] have no such instants; a search that ends where more than noise remains begins anew beside its start.
-//! - **Unseen parameters** keep the file's value: those whose standard error in u exceeds [`UNSEEN`], the
-//!   worst first, each with those that it is confused with ([`uncertainty`]).
+//! - **What the data do not show** stays as uncertain as the prior says, and with it whatever depends on it: intervals
+//!   carry both ([`posterior`]). What no sample depends on is not fitted.
 //!
 //! docs/identification.md has the proof: how often the intervals hold what a virtual rig hides.
 
+mod assumed;
+mod derivatives;
 pub mod figures;
 pub mod least_squares;
+pub mod limits;
 mod model;
 pub mod moves;
 pub mod parameter;
+pub mod posterior;
 pub mod recording;
 pub mod recovery;
 pub mod regression;
 pub mod report;
+mod search;
+pub mod spectrum;
 pub mod tubing;
-pub mod uncertainty;
 
-use anyhow::{Result, anyhow, bail};
-use nalgebra::DMatrix;
+use anyhow::{Result, bail};
+use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::{Accuracy, Rig};
 
-use least_squares::{Minimum, Problem, minimise};
 use model::Model;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
-use uncertainty::{Confusion, Uncertainty};
+use search::Found;
+use spectrum::Spectrum;
 
-/// Shares of each transient that the fit takes one after the other.
-pub const STAGES: [f64; 3] = [0.35, 0.65, 1.0];
-
-/// A parameter whose standard error in u is larger cannot be seen in the data: +-50 % of the file's value,
-/// or half of what is plausible.
+/// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
 pub const UNSEEN: f64 = 0.5;
 
-/// A search whose residuals' mean square is below this, in squares of the noise, has found the minimum.
-const NEAR: f64 = 4.0;
+/// No sample depends on a parameter if all of them together change by less than so many standard deviations over its
+/// prior.
+const NOTHING: f64 = 1.0;
 
-/// Times that a search begins anew.
-const RESTARTS: usize = 3;
-
-/// How far from a point another search begins, in u of one parameter.
-const SCAN: [f64; 8] = [-0.2, -0.12, -0.07, -0.03, 0.03, 0.07, 0.12, 0.2];
-
-/// Residuals are noise if their variance is that of the rests but for so many standard deviations.
-const FITS: f64 = 6.0;
+/// Residuals have grown if their variance has by so many standard deviations of it.
+const GROWN: f64 = 4.0;
 
 /// What a parameter was found to be.
 #[derive(Clone, Debug)]
@@ -78,17 +74,45 @@ pub struct Estimate {
     pub standard_error: f64,
     /// Ends of the 95 % interval, in the unit of the key.
     pub interval: [f64; 2],
+    /// Part of the squared standard error that what is assumed makes; the rest is noise.
+    pub assumed: f64,
+    /// Whose priors these are, the largest part first, where they make the larger part.
+    pub rests_on: Vec<Share>,
+    /// What would make it better known, where it rests on priors.
+    pub given: Option<Given>,
+}
+
+/// The part of a prior in a squared standard error.
+#[derive(Clone, Debug)]
+pub struct Share {
+    /// The key.
+    pub path: &'static str,
+    /// The part.
+    pub part: f64,
+}
+
+/// What a parameter is once others are known exactly.
+#[derive(Clone, Debug)]
+pub struct Given {
+    /// The others, and by how much the parameter changes with them, in the units of both keys.
+    pub known: Vec<(&'static str, f64)>,
+    /// Standard error that is left, in the unit of the key.
+    pub standard_error: f64,
+    /// Ends of the 95 % interval that is left if the others have the values of the fitted file.
+    pub interval: [f64; 2],
 }
 
 /// A parameter that the data do not show.
 #[derive(Clone, Debug)]
 pub struct Unseen {
-    /// It keeps the file's value.
+    /// With the file's value.
     pub parameter: Parameter,
-    /// Its standard error in u, infinite where nothing depends on it.
-    pub standard_error: f64,
+    /// The value that the fitted rig has: what the little that the data show makes of the file's.
+    pub value: f64,
+    /// Its standard error over that of its prior; 1 where no sample depends on it.
+    pub over_prior: f64,
     /// The parameters that would make up for it.
-    pub confused_with: Vec<Confusion>,
+    pub confused_with: Vec<Share>,
 }
 
 /// What a channel says of the fit.
@@ -102,19 +126,16 @@ pub struct ChannelFit {
     pub after: f64,
     /// Correlation of a residual with the next one.
     pub correlation: f64,
-    /// What rests have shown of the noise, counts.
+    /// What the highest frequencies of the residuals show of the noise, counts.
     pub noise: f64,
-    /// How many independent readings in rests that rests on; 0 where rounding is all there is.
-    pub rest: f64,
 }
 
 impl ChannelFit {
-    /// Whether what remains is noise.
+    /// Whether the residuals are larger than before the fit by more than chance.
     #[must_use]
-    pub fn fits(&self) -> bool {
-        let of_rest = if self.rest > 0.0 { 1.0 / self.rest } else { 0.0 };
-        let scatter = (2.0 * (of_rest + 1.0 / self.samples as f64)).sqrt();
-        (self.after / self.noise).powi(2) < 1.0 + FITS * scatter
+    pub fn has_grown(&self) -> bool {
+        let chance = (2.0 / self.samples as f64).sqrt() * self.noise.powi(2);
+        self.after.powi(2) - self.before.powi(2) > GROWN * chance
     }
 }
 
@@ -125,18 +146,20 @@ pub struct Identification {
     pub estimates: Vec<Estimate>,
     /// Those that they do not.
     pub unseen: Vec<Unseen>,
+    /// What is assumed of keys that are not fitted.
+    pub assumed: Vec<Parameter>,
     /// Correlation of the estimates' errors.
     pub correlation: DMatrix<f64>,
     /// In the order of [`CHANNELS`]; None for one without samples.
     pub channels: [Option<ChannelFit>; CHANNELS.len()],
+    /// What remains, by frequency.
+    pub spectrum: Spectrum,
     /// Whether the last search ended at a minimum.
     pub converged: bool,
     /// Whether what remains is noise: else the model does not explain the data, or another minimum does better.
     pub fits: bool,
     /// Runs of a transient that the fit took.
     pub runs: usize,
-    /// Whether residuals are correlated, so that the standard errors are those of Newey and West.
-    pub robust: bool,
     /// How far each recording's initial state is off the measured one, counts.
     pub starts: Vec<[f64; STARTS]>,
     /// The rig with the estimates.
@@ -159,131 +182,76 @@ pub fn identify(
     }
     let mut model = Model::new(rig, recordings, parameters, accuracy);
     let start = vec![0.0; model.unknowns()];
-    let residuals = model.residuals(&start).ok_or_else(|| cannot_follow(&model, &start))?;
+    let residuals = model.residuals_at(&start).ok_or_else(|| search::cannot_follow(&model, &start))?;
     let before = model.channel_fits(&residuals).map(|fit| fit.map(|fit| fit.after));
-    let mut u = search(&mut model, start, progress);
-    let mut unseen = Vec::new();
-    loop {
-        let minimum = settled(&mut model, u, &unseen, progress)?;
-        let uncertainty = Uncertainty::of(&model, &minimum);
-        let Some(worst) = uncertainty.worst(UNSEEN) else {
-            return Ok(finished(&model, &minimum, &uncertainty, unseen, before));
-        };
-        let found = uncertainty.unseen(&model.parameters, worst);
-        progress(&format!("{} cannot be seen", found.parameter.key.path));
-        u = minimum.u;
-        u.remove(worst);
-        model.parameters.remove(worst);
-        unseen.push(found);
-        if model.parameters.is_empty() {
-            bail!("none of the parameters can be seen in the transients; the drive must move in them");
-        }
+    let silent = model.leave_out_what_nothing_depends_on(&residuals);
+    if model.parameters.is_empty() {
+        bail!("none of the parameters can be seen in the transients; the drive must move in them");
     }
+    let start = vec![0.0; model.unknowns()];
+    let found = search::search(&mut model, start, progress)?;
+    let posterior = assumed::posterior(&model, &found)?;
+    Ok(finished(&model, &found, &posterior, silent, before))
 }
 
-/// From `start` to near a minimum that leaves noise; from other points where it is another one.
-fn search(model: &mut Model, start: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Vec<f64> {
-    let mut best = approach(model, start.clone(), progress);
-    let mut from = start;
-    for _ in 0..RESTARTS {
-        if best.1 < NEAR {
-            break;
-        }
-        progress("that is no fit: the search begins at another point");
-        let other = approach(model, scanned(model, from), progress);
-        if other.1 < best.1 {
-            best = other;
-        }
-        from = best.0.clone();
+impl Model<'_> {
+    /// Takes away the parameters that no sample depends on.
+    fn leave_out_what_nothing_depends_on(&mut self, at: &DVector<f64>) -> Vec<Unseen> {
+        let columns = self.columns(&vec![0.0; self.unknowns()], at, 0..self.parameters.len());
+        let shows = |i: usize| columns[i].as_ref().is_none_or(|c| self.prior(i) * c.rows.norm() > NOTHING);
+        let shown: Vec<bool> = (0..self.parameters.len()).map(shows).collect();
+        let parameters = std::mem::take(&mut self.parameters).into_iter().zip(shown);
+        let (seen, silent): (Vec<_>, Vec<_>) = parameters.partition(|(_, shown)| *shown);
+        self.parameters = seen.into_iter().map(|(parameter, _)| parameter).collect();
+        let unseen = silent.into_iter().map(|(parameter, _)| Unseen {
+            value: parameter.start,
+            over_prior: 1.0,
+            confused_with: Vec::new(),
+            parameter,
+        });
+        unseen.collect()
     }
-    best.0
-}
-
-/// From a point to near a minimum, stage by stage, and the mean square that it leaves.
-fn approach(model: &mut Model, mut u: Vec<f64>, progress: &mut dyn FnMut(&str)) -> (Vec<f64>, f64) {
-    model.fine = false;
-    for share in STAGES {
-        model.share = share;
-        progress(&format!("the first {:.0} % of each transient", 100.0 * share));
-        u = minimise(model, &u, false, progress).map_or(u, |minimum| minimum.u);
-    }
-    let left = model.mean_square(&u);
-    (u, left)
-}
-
-/// The best of the points that lie beside one along a parameter.
-fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
-    let mut best = (model.mean_square(&from), from.clone());
-    for i in 0..model.parameters.len() {
-        for step in SCAN {
-            let mut u = from.clone();
-            u[i] += step;
-            let left = model.mean_square(&u);
-            if left < best.0 {
-                best = (left, u);
-            }
-        }
-    }
-    best.1
-}
-
-fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
-    let reason = model.obstacle(u).unwrap_or_else(|| anyhow!("it has no derivatives there"));
-    reason.context(format!("the model of {} cannot follow the commands of the transients", model.rig.name()))
-}
-
-/// To the minimum, then with the noise that the residuals there show.
-fn settled(
-    model: &mut Model,
-    u: Vec<f64>,
-    unseen: &[Unseen],
-    progress: &mut dyn FnMut(&str),
-) -> Result<Minimum> {
-    model.fine = true;
-    let minimum = minimise(model, &u, true, progress).ok_or_else(|| {
-        let kept: Vec<&str> = unseen.iter().map(|unseen| unseen.parameter.key.path).collect();
-        cannot_follow(model, &u).context(format!(
-            "the fit cannot go on with the file's value of {}, which cannot be seen",
-            kept.join(", ")
-        ))
-    })?;
-    let found = model.channel_fits(&minimum.residuals);
-    for (noise, fit) in model.noise.iter_mut().zip(found) {
-        *noise = fit.map_or(*noise, |fit| fit.after);
-    }
-    Ok(minimise(model, &minimum.u, true, progress).unwrap_or(minimum))
 }
 
 fn finished(
     model: &Model,
-    minimum: &Minimum,
-    uncertainty: &Uncertainty,
-    unseen: Vec<Unseen>,
+    found: &Found,
+    posterior: &assumed::Considered,
+    silent: Vec<Unseen>,
     before: [Option<f64>; CHANNELS.len()],
 ) -> Identification {
-    let estimates = model.parameters.iter().zip(&minimum.u).enumerate().map(|(i, (parameter, &u))| {
-        let error = uncertainty.standard_error(i);
-        let reach = uncertainty::NORMAL_95 * error;
-        Estimate {
-            value: parameter.value(u),
-            standard_error: error * parameter.slope(u),
-            interval: [parameter.value(u - reach), parameter.value(u + reach)],
-            parameter: parameter.clone(),
-        }
-    });
-    let after = model.channel_fits(&minimum.residuals);
+    let u = &found.minimum.u;
+    let (unseen, seen): (Vec<usize>, Vec<usize>) =
+        (0..model.parameters.len()).partition(|&i| posterior.of.over_prior(i) > UNSEEN);
+    let after = model.channel_fits(&found.minimum.residuals);
     let channels: [Option<ChannelFit>; CHANNELS.len()] =
         std::array::from_fn(|c| Some(ChannelFit { before: before[c]?, ..after[c]? }));
+    let grown = channels.iter().flatten().any(ChannelFit::has_grown);
+    let correlation = posterior.of.correlation(model.parameters.len());
+    let unseen = unseen.into_iter().map(|i| posterior.unseen(model, u, i));
     Identification {
-        estimates: estimates.collect(),
-        unseen,
-        correlation: uncertainty.correlation(),
+        unseen: unseen.chain(silent).collect(),
+        correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
+        estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i)).collect(),
+        assumed: posterior.assumed.clone(),
         channels,
-        converged: minimum.converged,
-        fits: channels.iter().flatten().all(ChannelFit::fits),
+        converged: found.minimum.converged,
+        fits: found.spectrum.is_noise() && !grown,
+        spectrum: found.spectrum.clone(),
         runs: model.runs(),
-        robust: uncertainty.robust,
-        starts: (0..model.recordings.len()).map(|i| model.start_at(&minimum.u, i)).collect(),
-        rig: model.rig_at(&minimum.u).unwrap_or_else(|_| model.rig.clone()),
+        starts: (0..model.recordings.len()).map(|i| model.start_at(u, i)).collect(),
+        rig: model.rig_at(u).unwrap_or_else(|_| model.rig.clone()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_have_grown_where_chance_does_not_make_them_so_large() {
+        let fit = |before, after| ChannelFit { samples: 800, before, after, correlation: 0.0, noise: 1.0 };
+        assert!(!fit(1.0, 1.0).has_grown() && !fit(5.0, 1.0).has_grown() && !fit(1.0, 1.05).has_grown());
+        assert!(fit(1.0, 1.2).has_grown());
     }
 }

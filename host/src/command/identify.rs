@@ -32,7 +32,7 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
         return simple::timer(&arguments.targets);
     }
     let parameters = if arguments.fit.is_empty() {
-        usual(&rig)?
+        usual(&rig)
     } else {
         arguments.fit.iter().map(|key| Parameter::of(&rig, key)).collect::<Result<_>>()?
     };

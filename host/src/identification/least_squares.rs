@@ -4,17 +4,21 @@
 //! (J' J + lambda D) d = -J' r,     D = diag(J' J)
 //! ```
 //!
-//! Ours, because a point that cannot be evaluated (a rig that is not valid, a run that ends early) must
-//! shorten the step; the crates for it end there.
+//! Limits of the unknowns are kept ([`super::limits`]). Ours, because a point that cannot be evaluated (a rig that is
+//! not valid, a run that ends early) must shorten the step; the crates for it end there.
 
 use nalgebra::{DMatrix, DVector};
+
+use super::limits::{Limit, step_within};
 
 /// A sum of squares.
 pub trait Problem {
     /// The residuals at `u`; None where there are none.
     fn residuals(&self, u: &[f64]) -> Option<DVector<f64>>;
-    /// Their derivatives at `u`, where the residuals are `at`; a column a parameter.
+    /// Their derivatives at `u`, where the residuals are `at`; a column an unknown.
     fn jacobian(&self, u: &[f64], at: &DVector<f64>) -> Option<DMatrix<f64>>;
+    /// What the unknowns keep.
+    fn limits(&self) -> Vec<Limit>;
 }
 
 /// Where a search ended.
@@ -55,7 +59,7 @@ const DAMPING: [f64; 2] = [1e-3, 1e-8];
 /// Damping at which a search gives up.
 const MOST_DAMPING: f64 = 1e10;
 
-/// Searches from `start`: to the end, or near it. None when there are no residuals at `start`.
+/// Searches from `start`: to the end, or near it. None when there are no residuals or derivatives at `start`.
 pub fn minimise(
     problem: &impl Problem,
     start: &[f64],
@@ -83,6 +87,7 @@ pub fn minimise(
 
 struct Search {
     minimum: Minimum,
+    limits: Vec<Limit>,
     damping: f64,
     growth: f64,
     stuck: bool,
@@ -91,11 +96,9 @@ struct Search {
 impl Search {
     fn at(problem: &impl Problem, start: &[f64], damping: f64) -> Option<Search> {
         let residuals = problem.residuals(start)?;
-        let jacobian = problem
-            .jacobian(start, &residuals)
-            .unwrap_or_else(|| DMatrix::zeros(residuals.len(), start.len()));
+        let jacobian = problem.jacobian(start, &residuals)?;
         let minimum = Minimum { u: start.to_vec(), residuals, jacobian, converged: false };
-        Some(Search { minimum, damping, growth: 2.0, stuck: false })
+        Some(Search { minimum, limits: problem.limits(), damping, growth: 2.0, stuck: false })
     }
 
     fn cost(&self) -> f64 {
@@ -114,7 +117,8 @@ impl Search {
         let (normal, gradient) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(&self.minimum.residuals));
         let near = self.near();
         while self.damping < MOST_DAMPING {
-            let Some(step) = damped(&normal, &gradient, self.damping) else {
+            let matrix = damped(&normal, self.damping);
+            let Some(step) = step_within(&matrix, &gradient, &self.limits, &self.minimum.u) else {
                 self.grow();
                 continue;
             };
@@ -150,12 +154,12 @@ impl Search {
     }
 }
 
-fn damped(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+fn damped(normal: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
     let mut matrix = normal.clone();
     for i in 0..matrix.nrows() {
         matrix[(i, i)] += damping * normal[(i, i)];
     }
-    matrix.cholesky().map(|cholesky| cholesky.solve(&-gradient))
+    matrix
 }
 
 /// The step, shortened where a parameter would go further than can be trusted.
@@ -168,9 +172,14 @@ fn limited(step: DVector<f64>) -> DVector<f64> {
 mod tests {
     use super::*;
 
-    /// Rosenbrock's valley, without points left of a wall.
+    /// Rosenbrock's valley, without points left of a wall, and within limits.
     struct Valley {
         wall: f64,
+        limits: Vec<Limit>,
+    }
+
+    fn from(wall: f64) -> Valley {
+        Valley { wall, limits: Vec::new() }
     }
 
     impl Problem for Valley {
@@ -183,23 +192,37 @@ mod tests {
             let rows = [-20.0 * u[0], 10.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
             Some(DMatrix::from_row_slice(4, 2, &rows))
         }
+
+        fn limits(&self) -> Vec<Limit> {
+            self.limits.clone()
+        }
     }
 
     #[test]
     fn the_end_of_a_curved_valley_is_found() {
-        let minimum = minimise(&Valley { wall: -9.0 }, &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
+        let minimum = minimise(&from(-9.0), &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
         assert!(minimum.converged);
         assert!((minimum.u[0] - 1.0).abs() < 1e-3 && (minimum.u[1] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
     }
 
     #[test]
     fn a_search_from_where_there_are_no_residuals_finds_nothing() {
-        assert!(minimise(&Valley { wall: 0.0 }, &[-1.2, 1.0], true, &mut |_| {}).is_none());
+        assert!(minimise(&from(0.0), &[-1.2, 1.0], true, &mut |_| {}).is_none());
     }
 
     #[test]
     fn a_search_goes_on_along_points_that_cannot_be_evaluated() {
-        let minimum = minimise(&Valley { wall: -1.2 }, &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
+        let minimum = minimise(&from(-1.2), &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
         assert!(minimum.converged && (minimum.u[0] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
+    }
+
+    /// On the edge u_0 = 0.5 of the valley its bottom is at u_1 = 0.25.
+    #[test]
+    fn a_search_ends_at_the_best_point_within_the_limits() {
+        let valley = Valley { wall: -9.0, limits: vec![Limit::at_most(0, 0.5)] };
+        let minimum = minimise(&valley, &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
+        assert!(minimum.converged, "{:?}", minimum.u);
+        // A seventh of a standard error, which is 0.035.
+        assert!((minimum.u[0] - 0.5).abs() < 1e-9 && (minimum.u[1] - 0.25).abs() < 5e-3, "{:?}", minimum.u);
     }
 }

@@ -4,40 +4,38 @@
 //! as sensors tell these to a count only.
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Result, ensure};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use pneudrive_sim::follow::Reading;
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::ChannelFit;
-use super::least_squares::Problem;
+use super::limits::Limit;
 use super::parameter::Parameter;
 use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
+use crate::parallel;
 
-/// Deviation in u that the term of an unknown itself allows: a factor of e, what is plausible, or
-/// [`COUNTS`] of an initial state.
-const ALLOWED: f64 = 1.0;
-
-/// What u = 1 is of a quantity of an initial state, counts.
+/// What u = 1 is of a quantity of an initial state, counts; its prior standard deviation.
 const COUNTS: f64 = 10.0;
 
-/// Difference in u for a derivative: large against the integrator's error, small against curvature. Of an
-/// initial state a tenth of a count.
-const DIFFERENCE: f64 = 1e-3;
-const DIFFERENCE_OF_START: f64 = 0.1 / COUNTS;
-
-/// Derivatives to both sides that differ by this factor have a jump of the residuals on one side: a spool that
-/// swings once more, say.
-const JUMP: f64 = 3.0;
-
 /// Root of the mean squared error of rounding to whole counts.
-const ROUNDING: f64 = 0.288_675_134_594_812_9;
+pub(super) const ROUNDING: f64 = 0.288_675_134_594_812_9;
+
+/// Coulomb friction is not above stiction.
+const FRICTIONS: [(&str, &str); 3] = [
+    ("load.coulomb_extend_n", "load.static_extend_n"),
+    ("load.coulomb_retract_n", "load.static_retract_n"),
+    ("operator.coulomb_friction_n", "operator.static_friction_n"),
+];
+
+/// By how much of it, at least: what is equal but for rounding is no valid rig.
+const APART: f64 = 1e-9;
 
 /// The model, the data, and what is fitted.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Model<'a> {
     /// At the file's values.
     pub rig: Rig,
@@ -53,8 +51,8 @@ pub(super) struct Model<'a> {
     pub share: f64,
     /// Whether the search is fine: derivatives from differences to both sides.
     pub fine: bool,
-    /// Runs of a recording so far.
-    runs: AtomicUsize,
+    /// Runs of a recording so far, counted together with those of its copies.
+    runs: Arc<AtomicUsize>,
 }
 
 /// The rows of a channel of a recording among the residuals.
@@ -66,9 +64,11 @@ pub(super) struct Block {
 }
 
 /// A recording to be followed at a point.
-struct Job<'u> {
-    u: &'u [f64],
-    recording: usize,
+pub(super) struct Job<'u> {
+    /// The point.
+    pub u: &'u [f64],
+    /// Place of the recording.
+    pub recording: usize,
 }
 
 impl<'a> Model<'a> {
@@ -83,11 +83,16 @@ impl<'a> Model<'a> {
             recordings,
             parameters,
             accuracy,
-            noise: std::array::from_fn(|channel| noise_at_rest(recordings, channel)),
+            noise: first_noise(recordings),
             share: 1.0,
             fine: false,
-            runs: AtomicUsize::new(0),
+            runs: Arc::default(),
         }
+    }
+
+    /// The same with more parameters.
+    pub fn with(&self, more: &[Parameter]) -> Model<'a> {
+        Model { parameters: [&self.parameters[..], more].concat(), ..self.clone() }
     }
 
     /// How many numbers are unknown.
@@ -141,23 +146,8 @@ impl<'a> Model<'a> {
     }
 
     /// The residuals of each job, on all cores.
-    fn follow_all(&self, jobs: &[Job<'_>]) -> Vec<Option<DVector<f64>>> {
-        let (next, done) = (AtomicUsize::new(0), Mutex::new(vec![None; jobs.len()]));
-        let work = || {
-            while let Some((i, job)) =
-                Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, jobs.get(i)?)))
-            {
-                let residuals = self.try_to_follow(job).ok();
-                done.lock().unwrap_or_else(PoisonError::into_inner)[i] = residuals;
-            }
-        };
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(jobs.len());
-        std::thread::scope(|scope| {
-            for _ in 0..threads {
-                scope.spawn(work);
-            }
-        });
-        done.into_inner().unwrap_or_else(PoisonError::into_inner)
+    pub fn follow_all(&self, jobs: &[Job<'_>]) -> Vec<Option<DVector<f64>>> {
+        parallel::map(jobs, parallel::processors(), |job| self.try_to_follow(job).ok(), |_| {})
     }
 
     fn taken<'r>(&self, recording: &'r Recording, channel: usize) -> &'r [usize] {
@@ -179,7 +169,7 @@ impl<'a> Model<'a> {
     }
 
     /// The rows of each recording among the residuals.
-    fn rows(&self) -> Vec<Range<usize>> {
+    pub fn rows(&self) -> Vec<Range<usize>> {
         let of_each = |blocks: &[Block]| blocks[0].rows.start..blocks[CHANNELS.len() - 1].rows.end;
         self.blocks().chunks(CHANNELS.len()).map(of_each).collect()
     }
@@ -200,7 +190,7 @@ impl<'a> Model<'a> {
 
     /// The mean square of the residuals at a point; infinite where there are none.
     pub fn mean_square(&self, u: &[f64]) -> f64 {
-        self.residuals(u).map_or(f64::INFINITY, |r| r.norm_squared() / r.len() as f64)
+        self.residuals_at(u).map_or(f64::INFINITY, |r| r.norm_squared() / r.len() as f64)
     }
 
     /// What residuals say of each channel.
@@ -215,92 +205,56 @@ impl<'a> Model<'a> {
                 products += of.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
             }
             let after = self.noise[channel] * (squares / samples as f64).sqrt();
-            let rest = rest(self.recordings, channel);
             (samples > 1).then_some(ChannelFit {
                 samples,
                 before: after,
                 after,
                 correlation: products / squares,
-                noise: noise_at_rest(self.recordings, channel),
-                rest: rest.freedom,
+                noise: self.noise[channel],
             })
         })
     }
 
-    /// Column by column: the recordings that depend on an unknown are followed with it moved by `steps`.
-    fn moved(&self, u: &[f64], step: impl Fn(usize) -> f64) -> Vec<Option<DVector<f64>>> {
-        let points: Vec<Vec<f64>> = (0..self.unknowns())
-            .map(|i| {
-                let mut point = u.to_vec();
-                point[i] += step(i);
-                point
-            })
-            .collect();
-        let jobs: Vec<Job<'_>> = points
-            .iter()
-            .enumerate()
-            .flat_map(|(i, u)| self.recordings_of(i).map(move |recording| Job { u, recording }))
-            .collect();
-        let mut found = self.follow_all(&jobs).into_iter();
-        (0..self.unknowns())
-            .map(|i| {
-                let parts: Vec<_> = found.by_ref().take(self.recordings_of(i).len()).collect();
-                Some(stacked(parts.into_iter().collect::<Option<Vec<_>>>()?))
-            })
-            .collect()
+    /// Standard deviation of an unknown before there are data, in u.
+    pub fn prior(&self, unknown: usize) -> f64 {
+        self.parameters.get(unknown).map_or(1.0, |parameter| parameter.prior)
     }
 
-    /// The recordings that an unknown has to do with.
-    fn recordings_of(&self, unknown: usize) -> Range<usize> {
-        match unknown.checked_sub(self.parameters.len()) {
-            None => 0..self.recordings.len(),
-            Some(i) => i / STARTS..i / STARTS + 1,
+    /// The residuals at a point, and after them the terms of the unknowns; None where it cannot be evaluated.
+    pub fn residuals_at(&self, u: &[f64]) -> Option<DVector<f64>> {
+        let jobs: Vec<_> = (0..self.recordings.len()).map(|recording| Job { u, recording }).collect();
+        let mut parts = self.follow_all(&jobs).into_iter().collect::<Option<Vec<_>>>()?;
+        parts.push(DVector::from_iterator(u.len(), u.iter().enumerate().map(|(i, u)| u / self.prior(i))));
+        Some(stacked(parts))
+    }
+
+    /// What parameters keep: the ranges of their keys, and Coulomb friction below stiction.
+    pub fn limits(&self) -> Vec<Limit> {
+        let ranges = self.parameters.iter().enumerate().flat_map(|(i, parameter)| {
+            let [low, high] = parameter.limits();
+            [Limit::at_least(i, low), Limit::at_most(i, high)]
+        });
+        let frictions = FRICTIONS.iter().filter_map(|(coulomb, stiction)| self.below(coulomb, stiction));
+        ranges.chain(frictions).filter(|limit| limit.bound.is_finite()).collect()
+    }
+
+    /// The value of one key is not above that of another, where either is fitted.
+    fn below(&self, low: &str, high: &str) -> Option<Limit> {
+        let place = |path: &str| self.parameters.iter().position(|parameter| parameter.key.path == path);
+        match (place(low), place(high)) {
+            (Some(low), Some(high)) => {
+                let bound = (self.parameters[high].start / self.parameters[low].start).ln() - APART;
+                Some(Limit { above: Some(low), below: Some(high), bound })
+            }
+            (Some(i), None) => Some(Limit::at_most(i, self.parameters[i].u(self.rig.number(high)) - APART)),
+            (None, Some(i)) => Some(Limit::at_least(i, self.parameters[i].u(self.rig.number(low)) + APART)),
+            (None, None) => None,
         }
-    }
-
-    fn difference(&self, unknown: usize) -> f64 {
-        if unknown < self.parameters.len() { DIFFERENCE } else { DIFFERENCE_OF_START }
-    }
-
-    /// The rows of the residuals that an unknown has to do with.
-    fn rows_of(&self, unknown: usize) -> Range<usize> {
-        let (rows, of) = (self.rows(), self.recordings_of(unknown));
-        rows[of.start].start..rows[of.end - 1].end
-    }
-
-    /// Column by column, the derivatives from a difference of `part` steps.
-    fn differences(&self, u: &[f64], at: &DVector<f64>, part: f64) -> Option<Vec<DVector<f64>>> {
-        let moved = self.moved(u, |i| part * self.difference(i));
-        let difference = |(i, moved): (usize, Option<DVector<f64>>)| {
-            let rows = self.rows_of(i);
-            Some((moved? - at.rows(rows.start, rows.len())) / (part * self.difference(i)))
-        };
-        moved.into_iter().enumerate().map(difference).collect()
-    }
-
-    /// The matrix of these columns, and the derivatives of the terms of the unknowns.
-    fn matrix(&self, columns: Vec<DVector<f64>>) -> DMatrix<f64> {
-        let data = self.rows().last().map_or(0, |rows| rows.end);
-        let mut jacobian = DMatrix::zeros(data + self.unknowns(), self.unknowns());
-        for (i, column) in columns.into_iter().enumerate() {
-            jacobian.view_mut((self.rows_of(i).start, i), (column.len(), 1)).copy_from(&column);
-            jacobian[(data + i, i)] = 1.0 / ALLOWED;
-        }
-        jacobian
-    }
-}
-
-/// The mean of the derivatives to both sides; across a jump of the residuals, that of the side without it.
-fn smooth(up: DVector<f64>, down: DVector<f64>) -> DVector<f64> {
-    match up.norm() / down.norm() {
-        ratio if ratio > JUMP => down,
-        ratio if ratio < 1.0 / JUMP => up,
-        _ => 0.5 * (up + down),
     }
 }
 
 /// Scatter of a channel in all rests together.
-fn rest(recordings: &[Recording], channel: usize) -> super::recording::Rest {
+pub(super) fn rest(recordings: &[Recording], channel: usize) -> super::recording::Rest {
     let mut sum = super::recording::Rest::default();
     for recording in recordings {
         sum.squares += recording.channels[channel].rest.squares;
@@ -309,45 +263,21 @@ fn rest(recordings: &[Recording], channel: usize) -> super::recording::Rest {
     sum
 }
 
+/// What the search begins with, counts. Under a dither the rests do not tell the noise of the spool, which sticks and
+/// slips; its converter is taken to be as good as those of the pressures.
+pub(super) fn first_noise(recordings: &[Recording]) -> [f64; CHANNELS.len()] {
+    let mut noise = std::array::from_fn(|channel| noise_at_rest(recordings, channel));
+    noise[3] = noise[3].min(noise[1].max(noise[2]));
+    noise
+}
+
 /// Of a channel, counts; not less than rounding.
-fn noise_at_rest(recordings: &[Recording], channel: usize) -> f64 {
+pub(super) fn noise_at_rest(recordings: &[Recording], channel: usize) -> f64 {
     let rest = rest(recordings, channel);
     (rest.squares / rest.freedom.max(1.0)).sqrt().max(ROUNDING)
 }
 
-fn stacked(parts: Vec<DVector<f64>>) -> DVector<f64> {
+/// One below the other.
+pub(super) fn stacked(parts: Vec<DVector<f64>>) -> DVector<f64> {
     DVector::from_vec(parts.iter().flat_map(|part| part.iter().copied()).collect())
-}
-
-impl Problem for Model<'_> {
-    fn residuals(&self, u: &[f64]) -> Option<DVector<f64>> {
-        let jobs: Vec<_> = (0..self.recordings.len()).map(|recording| Job { u, recording }).collect();
-        let mut parts = self.follow_all(&jobs).into_iter().collect::<Option<Vec<_>>>()?;
-        parts.push(DVector::from_iterator(u.len(), u.iter().map(|u| u / ALLOWED)));
-        Some(stacked(parts))
-    }
-
-    fn jacobian(&self, u: &[f64], at: &DVector<f64>) -> Option<DMatrix<f64>> {
-        let up = self.differences(u, at, 1.0);
-        // Where there is no valid rig on one side, there is on the other.
-        let down = if self.fine || up.is_none() { self.differences(u, at, -1.0) } else { None };
-        let columns = match (up, down) {
-            (Some(up), Some(down)) => up.into_iter().zip(down).map(|(up, down)| smooth(up, down)).collect(),
-            (up, down) => up.or(down)?,
-        };
-        Some(self.matrix(columns))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_derivative_does_not_reach_across_a_jump() {
-        let [slope, jump] = [1.0, 800.0].map(|value| DVector::from_element(3, value));
-        assert_eq!(smooth(slope.clone(), jump.clone()), slope);
-        assert_eq!(smooth(jump, slope.clone()), slope);
-        assert_eq!(smooth(slope.clone(), 1.2 * &slope)[0], 1.1);
-    }
 }

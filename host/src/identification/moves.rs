@@ -20,6 +20,8 @@ use pneudrive_controller::{Command, drive};
 use pneudrive_sim::follow::Timing;
 use pneudrive_sim::{Accuracy, Rig, follow, run};
 
+use super::recording::{FEWEST_AT_REST, FEWEST_OF_A_RECORD};
+
 /// Command, counts of a converter, and how far the drive goes on it, of what it may; 0 is where it starts.
 pub type Strokes = &'static [(i32, f64)];
 
@@ -52,6 +54,10 @@ const SHORTEST: f64 = 0.1;
 /// Longest time of a stroke, s.
 const LONGEST_S: f64 = 0.6;
 
+/// Fewest samples of a rest before a stroke and of a test: a few more than a fit asks for.
+const RESTING: usize = FEWEST_AT_REST + 4;
+const FEWEST: usize = FEWEST_OF_A_RECORD + 4;
+
 /// Stairs of the ramp that shows stiction and hysteresis: how many, and how high (counts) and how long (s) each, the
 /// best first; the first ones with which the model stays within its way are taken.
 const STAIRS: i32 = 14;
@@ -81,24 +87,28 @@ fn staircase(rig: &Rig, position: f64, height: i32, seconds: f64) -> Result<Rig>
     let time = |stair: usize| 0.04 + stair as f64 * seconds;
     let moves: Vec<(f64, i32)> =
         stairs.iter().enumerate().map(|(i, stair)| (time(i), scaled(rig, stair * height))).collect();
-    with_moves(rig, "static", position, &moves, time(stairs.len()))
+    with_moves(rig, position, &moves, time(stairs.len()))
 }
 
 /// A test on the drive of `rig` that stands at `position`, m: the rig with this test.
 ///
 /// # Errors
 /// When it stands too near to an end, or the model does not move.
-pub fn test(rig: &Rig, position: f64, (name, rest, strokes): Test) -> Result<Rig> {
+pub fn test(rig: &Rig, position: f64, (_, rest, strokes): Test) -> Result<Rig> {
     let start = middle_of_count(rig, position);
     let rig = &rig.with_numbers(&[("test.position_m", start)])?;
+    let period = 1e-6 * f64::from(rig.period_us().get());
     let mut moves = vec![(0.0, 0)];
-    let mut time = rest;
+    let mut time = rest.max(period * RESTING as f64);
     for (command, way) in strokes {
         let room = room(rig, start, f64::from(strokes[0].0).signum())?;
         moves.push((time, scaled(rig, *command)));
         time += stroke_time(rig, &moves, start + way * room)?;
     }
-    with_moves(rig, name, position, &moves, time)
+    // A short cylinder rests longer before.
+    let later = (period * FEWEST as f64 - time).max(0.0);
+    moves[1..].iter_mut().for_each(|(at, _)| *at += later);
+    with_moves(rig, position, &moves, time + later)
 }
 
 /// A start on the edge of a count is ill-defined.
@@ -116,14 +126,15 @@ fn scaled(rig: &Rig, counts: i32) -> i32 {
     (f64::from(counts) / f64::from(drive::MAX_COUNTS) * full).round() as i32
 }
 
-fn with_moves(rig: &Rig, name: &str, position: f64, moves: &[(f64, i32)], duration: f64) -> Result<Rig> {
+fn with_moves(rig: &Rig, position: f64, moves: &[(f64, i32)], duration: f64) -> Result<Rig> {
     let position = middle_of_count(rig, position);
     let moves: Vec<String> = moves.iter().map(|(time, counts)| format!("[{time:.4}, {counts}]")).collect();
-    let text = format!(
-        "name = \"{name}\"\n[controller]\nloop = \"open\"\n[test]\nmoves = [{}]\nduration_s = {duration:.4}\nposition_m = {position}\n",
-        moves.join(", ")
-    );
-    Ok(rig.with_test_of(&Rig::read(name, &text)?)?)
+    let settings = [
+        format!("test.moves=[{}]", moves.join(", ")),
+        format!("test.duration_s={duration:.4}"),
+        format!("test.position_m={position}"),
+    ];
+    Ok(rig.with_test(&settings)?)
 }
 
 /// How far the drive may go in a direction, m, signed.

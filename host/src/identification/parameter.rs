@@ -1,8 +1,9 @@
-//! What can be fitted, and the scale on which it is searched.
+//! What can be fitted, on which scale it is searched, and what is assumed about it.
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::keys::{self, Key, Kind};
+use pneudrive_sim::rig::MOST_DISCHARGE;
+use pneudrive_sim::rig::keys::{self, KEYS, Key, Kind};
 
 /// Tables whose numbers are physical; of `[test]` the initial state is.
 const TABLES: [&str; 9] =
@@ -17,15 +18,51 @@ const START: [&str; 5] = [
     "test.temperature_2_k",
 ];
 
-/// What is plausible, to either side, of numbers that can be negative.
-const PLAUSIBLE: [(&str, f64); 6] = [
+/// Prior standard deviation of numbers that are searched by their difference from the file's value.
+const DIFFERENCES: [(&str, f64); 8] = [
     ("valve.null_offset_mm", 0.1),
     ("valve.underlap_mm", 0.1),
     ("load.constant_force_n", 50.0),
     ("load.incline_deg", 10.0),
     ("operator.dither_phase_deg", 90.0),
+    ("supply.temperature_k", 10.0),
+    ("exhaust.temperature_k", 10.0),
     ("test.position_m", 1e-3),
 ];
+
+/// Prior standard deviation of the logarithm, where it is not [`USUAL`]: friction and leakage are known to a factor of
+/// two, pressures by a gauge.
+const LOGARITHMS: [(&str, f64); 14] = [
+    ("supply.pressure_pa", 0.1),
+    ("exhaust.pressure_pa", 0.05),
+    ("test.pressure_1_pa", 0.1),
+    ("test.pressure_2_pa", 0.1),
+    ("operator.static_friction_n", 0.7),
+    ("operator.coulomb_friction_n", 0.7),
+    ("operator.hysteresis_percent", 0.7),
+    ("actuator.leakage_coefficient", 0.7),
+    ("actuator.passage_clearance_m", 0.7),
+    ("load.viscous_n_s_per_m", 0.7),
+    ("load.static_extend_n", 0.7),
+    ("load.coulomb_extend_n", 0.7),
+    ("load.static_retract_n", 0.7),
+    ("load.coulomb_retract_n", 0.7),
+];
+
+/// Prior standard deviation of any other logarithm.
+const USUAL: f64 = 0.3;
+
+/// Difference in u for a derivative: large against the integrator's error, small against curvature.
+const DIFFERENCE: f64 = 3e-4;
+
+/// How u becomes a value.
+#[derive(Clone, Copy, Debug)]
+enum Scale {
+    /// u is the logarithm of the value over the file's.
+    Logarithm,
+    /// u is the difference from the file's value, in its prior standard deviation.
+    Difference(f64),
+}
 
 /// A key that is fitted.
 #[derive(Clone, Debug)]
@@ -34,8 +71,13 @@ pub struct Parameter {
     pub key: &'static Key,
     /// The file's value, in the unit of the key.
     pub start: f64,
-    /// None: u is the logarithm of the value over the file's. Else u is the difference over this.
-    plausible: Option<f64>,
+    scale: Scale,
+    /// Standard deviation of u before there are data: how far the value may be from the file's.
+    pub prior: f64,
+    /// Difference in u for a derivative.
+    pub difference: f64,
+    /// Smallest and largest value, in the unit of the key.
+    range: [f64; 2],
 }
 
 impl Parameter {
@@ -48,73 +90,123 @@ impl Parameter {
             anyhow!("there is no key {path:?} to fit; `pneudrive rig explain` lists the keys")
         })?;
         let physical = TABLES.contains(&key.table()) && (key.table() != "test" || START.contains(&path));
-        if !physical || !matches!(key.kind, Kind::Number { .. }) {
-            bail!("{path} cannot be fitted: it is no physical number of the rig");
+        let Kind::Number { min, max } = key.kind else { return Err(not_physical(path)) };
+        if !physical {
+            return Err(not_physical(path));
         }
-        let model = |key: &Key| rig.word(&format!("{}.model", key.table())).to_owned();
-        if !key.models.is_empty() && !key.models.contains(&model(key).as_str()) {
-            bail!(
-                "{path} cannot be fitted: the rig's {}.model = {:?} does not use it",
-                key.table(),
-                model(key)
-            );
+        if !is_used(rig, key) {
+            let table = key.table();
+            let model = rig.word(&format!("{table}.model"));
+            bail!("{path} cannot be fitted: the rig's {table}.model = {model:?} does not use it");
         }
         let start = rig
             .optional_number(path)
             .ok_or_else(|| anyhow!("{path} has no value in the rig file; give one to start from"))?;
-        let plausible = PLAUSIBLE.iter().find(|(known, _)| *known == path).map(|(_, range)| *range);
-        if plausible.is_none() && start <= 0.0 {
+        let known =
+            |table: &[(&str, f64)]| table.iter().find(|(known, _)| *known == path).map(|(_, size)| *size);
+        let (scale, prior) = match known(&DIFFERENCES) {
+            Some(size) => (Scale::Difference(size), 1.0),
+            None => (Scale::Logarithm, known(&LOGARITHMS).unwrap_or(USUAL)),
+        };
+        if matches!(scale, Scale::Logarithm) && start <= 0.0 {
             bail!(
                 "{path} is {start} in the rig file, and its logarithm is fitted; give a value above 0 to start from"
             );
         }
-        Ok(Parameter { key, start, plausible })
+        let capped = key.name().starts_with("discharge") && rig.switch("valve.upstream_mach");
+        let max = if capped { MOST_DISCHARGE } else { max };
+        Ok(Parameter { key, start, scale, prior, difference: DIFFERENCE, range: [min, max] })
+    }
+
+    /// The same, searched by the difference from the file's value, with another prior standard deviation in its unit.
+    #[must_use]
+    pub fn within(self, size: f64) -> Parameter {
+        Parameter { scale: Scale::Difference(size), prior: 1.0, ..self }
     }
 
     /// The value at `u`, in the unit of the key, kept within the key's range.
     #[must_use]
     pub fn value(&self, u: f64) -> f64 {
-        let value = match self.plausible {
-            Some(range) => self.start + range * u,
-            None => self.start * u.exp(),
-        };
-        match self.key.kind {
-            Kind::Number { min, max } => value.clamp(min, max),
-            _ => value,
+        let [min, max] = self.range;
+        match self.scale {
+            Scale::Difference(size) => self.start + size * u,
+            Scale::Logarithm => self.start * u.exp(),
         }
+        .clamp(min, max)
+    }
+
+    /// u of a value; infinite for the logarithm of 0.
+    #[must_use]
+    pub fn u(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Difference(size) => (value - self.start) / size,
+            Scale::Logarithm => (value / self.start).ln(),
+        }
+    }
+
+    /// Ends of the range of u.
+    #[must_use]
+    pub fn limits(&self) -> [f64; 2] {
+        self.range.map(|end| self.u(end))
     }
 
     /// How much the value changes with u, in the unit of the key.
     #[must_use]
     pub fn slope(&self, u: f64) -> f64 {
-        self.plausible.unwrap_or_else(|| self.value(u))
+        match self.scale {
+            Scale::Difference(size) => size,
+            Scale::Logarithm => self.value(u),
+        }
+    }
+
+    /// What is assumed about the value, as a standard deviation: "+-0.1 mm" or "+-35 %".
+    #[must_use]
+    pub fn assumed_within(&self) -> String {
+        match self.scale {
+            Scale::Difference(size) => format!("+-{size} {}", self.key.unit()),
+            Scale::Logarithm if self.prior > 0.5 => format!("a factor of {:.1}", self.prior.exp()),
+            Scale::Logarithm => format!("+-{:.0} %", 100.0 * self.prior),
+        }
     }
 }
 
-/// What is fitted if nothing is named: what a rig has of the dry and viscous friction, leakage, the valve's
-/// null and its coefficients of discharge, mass and the gain of the operator.
-///
-/// # Errors
-/// When the file has no value to start from for one of them.
-pub fn usual(rig: &Rig) -> Result<Vec<Parameter>> {
-    let mut keys = vec![
-        "load.static_extend_n",
-        "load.coulomb_extend_n",
-        "load.static_retract_n",
-        "load.coulomb_retract_n",
-        "load.viscous_n_s_per_m",
-        "valve.null_offset_mm",
-        "valve.discharge_supply",
-        "valve.discharge_exhaust",
-        "load.mass_kg",
-    ];
-    if rig.word("actuator.leakage") == "laminar" {
-        keys.push("actuator.leakage_coefficient");
+fn not_physical(path: &str) -> anyhow::Error {
+    anyhow!("{path} cannot be fitted: it is no physical number of the rig")
+}
+
+/// Whether the models of a rig use a key.
+fn is_used(rig: &Rig, key: &Key) -> bool {
+    key.models.is_empty() || key.models.contains(&rig.word(&format!("{}.model", key.table())))
+}
+
+/// Numbers that are fitted beside those that a spread draws: what nobody knows exactly, too.
+const ALSO: [&str; 8] = [
+    "valve.null_offset_mm",
+    "valve.sonic_conductance_m3_per_s_pa",
+    "valve.critical_ratio",
+    "operator.stiffness_per_mass_per_s2",
+    "operator.damping_per_s",
+    "tubing.friction_factor",
+    "actuator.leakage_coefficient",
+    "actuator.passage_clearance_m",
+];
+
+/// What is fitted if nothing is named: every physical value that the rig's models use and that is never known exactly.
+/// A value of 0 says that the rig has no such thing, and stays.
+#[must_use]
+pub fn usual(rig: &Rig) -> Vec<Parameter> {
+    let unknown = KEYS.iter().filter(|key| key.spread || ALSO.contains(&key.path));
+    unknown.filter(|key| belongs(rig, key.path)).filter_map(|key| Parameter::of(rig, key.path).ok()).collect()
+}
+
+/// Whether a rig has what a key tells of, where that is no matter of its table's model.
+fn belongs(rig: &Rig, path: &str) -> bool {
+    let leakage = rig.word("actuator.leakage");
+    match path {
+        "actuator.leakage_coefficient" => leakage == "laminar",
+        "actuator.passage_clearance_m" => leakage == "adiabatic",
+        _ => true,
     }
-    if rig.word("operator.model").starts_with("solenoid") {
-        keys.push("operator.amplifier_gain");
-    }
-    keys.into_iter().map(|key| Parameter::of(rig, key)).collect()
 }
 
 #[cfg(test)]
@@ -132,12 +224,34 @@ mod tests {
         assert!((mass.value(0.1) / 1.6 - 0.1f64.exp()).abs() < 1e-12);
         let null = Parameter::of(&rig(""), "valve.null_offset_mm").expect("a number");
         assert_eq!((null.value(0.0), null.value(-0.5)), (0.0, -0.05));
+        for parameter in [mass, null] {
+            assert!((parameter.u(parameter.value(0.3)) - 0.3).abs() < 1e-12, "{}", parameter.key.path);
+        }
     }
 
     #[test]
     fn values_stay_in_the_range_of_their_key() {
         let discharge = Parameter::of(&rig(""), "valve.discharge_supply").expect("a number");
+        assert_eq!(discharge.value(3.0), MOST_DISCHARGE);
+        let still = rig("[valve]\nupstream_mach = false\n");
+        let discharge = Parameter::of(&still, "valve.discharge_supply").expect("a number");
         assert_eq!(discharge.value(3.0), 1.0);
+    }
+
+    #[test]
+    fn what_is_never_known_exactly_is_fitted_as_far_as_the_rig_has_it() {
+        let paths = |text: &str| -> Vec<&str> { usual(&rig(text)).iter().map(|p| p.key.path).collect() };
+        let solenoid = paths("");
+        for path in ["supply.pressure_pa", "operator.spring_n_per_mm", "valve.null_offset_mm", "load.mass_kg"]
+        {
+            assert!(solenoid.contains(&path), "{path}");
+        }
+        assert!(!solenoid.contains(&"actuator.leakage_coefficient"), "it has none");
+        let stepper = paths("[operator]\nmodel = \"stepper\"\n[load]\nviscous_n_s_per_m = 0.0\n");
+        assert!(stepper.iter().all(|path| !path.starts_with("operator.")), "{stepper:?}");
+        assert!(!stepper.contains(&"load.viscous_n_s_per_m"), "there is no viscous friction");
+        let leaks = paths("[actuator]\nleakage = \"laminar\"\nleakage_coefficient = 1e-9\n");
+        assert!(leaks.contains(&"actuator.leakage_coefficient"));
     }
 
     #[test]

@@ -1,238 +1,189 @@
-//! The proof of a fit: transients of a virtual rig with hidden values, and whether they are found.
+//! The proof of an identification: virtual rigs whose values nobody tells it, identified as a user does it.
+//!
+//! `pneudrive virtual` serves a rig with a spread, noise and dither on; `pneudrive identify --plan` runs its tests on it
+//! over the link and fits them with its defaults. What it leaves in `identification.json` is held against the rig that was
+//! drawn, which a seed fixes ([`pneudrive_sim::Rig::spread`]).
 
-use std::fmt;
-use std::sync::atomic::AtomicBool;
+mod coverage;
+mod rigs;
 
-use anyhow::Result;
-use pneudrive_sim::{Accuracy, Rig};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Instant;
 
-use super::parameter::{Parameter, usual};
-use super::recording::Recording;
-use super::{Identification, identify, moves};
-use crate::client::Client;
-use crate::target::TargetFile;
-use crate::virtual_rig::{Background, Door, Pace, VirtualRig};
+use anyhow::{Context, Result, bail, ensure};
+use pneudrive_sim::Rig;
+use serde_json::Value;
 
-/// How far a hidden value lies from the file's at most, as a rule: a part of it, or of what is plausible.
+pub use coverage::{Coverage, Miss, held, spread};
+pub use rigs::{any_rig, shipped_rig};
+
+/// How far hidden values lie from the file's at most: a part of them.
 pub const HIDDEN: f64 = 0.1;
 
-/// The drive whose values are hidden: servo-drive B with a piston that leaks and sensors that are noisy.
-const SETTINGS: [&str; 5] = [
-    "controller.loop=open",
-    "operator.dither_mm=0",
-    "actuator.leakage=laminar",
-    "actuator.leakage_coefficient=1e-9",
-    "sensors.noise_counts=1",
-];
-
-/// What a trial begins with.
+/// A rig that is to be identified.
 #[derive(Clone, Debug)]
-pub struct Case {
-    /// The rig file.
-    pub model: Rig,
-    /// What was hidden, in the unit of its key, parameter by parameter.
-    pub hidden: Vec<(Parameter, f64)>,
-    /// The tests on the drive that has these values.
-    pub recordings: Vec<Recording>,
+pub struct Hidden {
+    /// What it is, for a line of a report.
+    pub name: String,
+    /// The rig file that the user has.
+    pub model: String,
+    /// That of the virtual rig, before the spread.
+    pub real: String,
+    /// Fixes the spread and the noise.
+    pub seed: u64,
 }
 
-impl Case {
-    /// Draws values that lie `hidden` from the file's at most, in u, and records the tests on a virtual rig that has
-    /// them.
-    ///
-    /// # Errors
-    /// When the virtual rig breaks down.
-    pub fn draw(seed: u64, hidden: f64) -> Result<Case> {
-        let rig = drive()?;
-        let parameters = usual(&rig)?;
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut draw = || (random.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
-        // Far away not every draw is a rig: a port does not pass more than what comes.
-        let (hidden, real) = loop {
-            let values: Vec<f64> =
-                parameters.iter().map(|parameter| parameter.value(hidden * draw())).collect();
-            let numbers: Vec<_> =
-                parameters.iter().map(|parameter| parameter.key.path).zip(values.iter().copied()).collect();
-            if let Ok(real) = rig.with_numbers(&numbers) {
-                break (parameters.into_iter().zip(values).collect(), real);
-            }
-        };
-        let mut recordings = Vec::new();
-        let middle = 0.5 * rig.number("actuator.stroke_m");
-        for (test, seed) in moves::FITTED.into_iter().zip((seed..).step_by(1000)) {
-            let rig = moves::test(&rig, middle, test)?;
-            let file = record(&real.with_test_of(&rig)?, seed)?;
-            recordings.push(Recording::of(test.0, &file, &rig)?);
-        }
-        Ok(Case { model: rig, hidden, recordings })
-    }
-}
-
-/// How far an estimate is off.
-#[derive(Clone, Copy, Debug)]
-pub struct Miss {
-    /// In standard errors.
-    pub standard_errors: f64,
-    /// Whether the 95 % interval holds what was hidden.
-    pub held: bool,
-    /// The standard error, of the hidden value, or of what is plausible where it can be negative.
+/// An interval that was told.
+#[derive(Clone, Debug)]
+pub struct Told {
+    /// The key.
+    pub key: String,
+    /// In the unit of the key.
+    pub estimate: f64,
+    /// Likewise.
     pub standard_error: f64,
+    /// Ends of the 95 % interval.
+    pub interval: [f64; 2],
+    /// Whether it rests on what is assumed more than on the data.
+    pub rests_on_assumptions: bool,
+    /// What the virtual rig had.
+    pub truth: f64,
 }
 
-/// One trial.
+/// What became of an identification.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// What was hidden, in the unit of its key, parameter by parameter.
-    pub hidden: Vec<(Parameter, f64)>,
-    /// What was found.
-    pub found: Identification,
+    /// The intervals.
+    pub told: Vec<Told>,
+    /// Whether the model is said to explain the data.
+    pub fits: bool,
+    /// Keys that are said to be unseen.
+    pub unseen: Vec<String>,
+    /// Runs of a transient on the model.
+    pub runs: u64,
+    /// Seconds for plan and fit.
+    pub seconds: f64,
+}
+
+impl Hidden {
+    /// The rig that the virtual rig is.
+    ///
+    /// # Errors
+    /// When it is not valid.
+    pub fn truth(&self) -> Result<Rig> {
+        Ok(Rig::read("real.toml", &self.real)?.spread(HIDDEN, self.seed)?)
+    }
+
+    /// Has `program`, which is pneudrive, serve the rig and identify it; all files go to a folder.
+    ///
+    /// # Errors
+    /// When the rig is not valid, or the identification came to no end, with what it said.
+    pub fn identify(&self, program: &Path, folder: &Path) -> Result<Trial> {
+        fs::write(folder.join("model.toml"), &self.model)?;
+        fs::write(folder.join("real.toml"), &self.real)?;
+        let truth = self.truth()?;
+        let served = Served::start(program, folder, self.seed)?;
+        let begun = Instant::now();
+        let mut command = Command::new(program);
+        command.current_dir(folder).args(["identify", "model.toml", "--plan", &served.port]);
+        let output = command.output().with_context(|| program.display().to_string())?;
+        let seconds = begun.elapsed().as_secs_f64();
+        let said = String::from_utf8_lossy(&output.stderr);
+        let numbers = fs::read_to_string(folder.join("identified/identification.json"));
+        let Ok(numbers) = numbers else { bail!("{}", said.lines().last().unwrap_or("it said nothing")) };
+        Trial::of(&serde_json::from_str(&numbers)?, &truth, seconds)
+    }
 }
 
 impl Trial {
-    /// Draws values, records the tests on a virtual rig that has them, and fits the file to the records.
-    ///
-    /// # Errors
-    /// When the virtual rig or the fit breaks down.
-    pub fn run(seed: u64, hidden: f64, progress: &mut dyn FnMut(&str)) -> Result<Trial> {
-        let case = Case::draw(seed, hidden)?;
-        let parameters = case.hidden.iter().map(|(parameter, _)| parameter.clone()).collect();
-        let found = identify(&case.model, &case.recordings, parameters, Accuracy::default(), progress)?;
-        Ok(Trial { hidden: case.hidden, found })
-    }
-
-    /// By how much each parameter is missed; None for one that is said to be unseen.
-    pub fn misses(&self) -> impl Iterator<Item = (&'static str, Option<Miss>)> {
-        self.hidden.iter().map(|(parameter, hidden)| {
-            let path = parameter.key.path;
-            let estimate = self.found.estimates.iter().find(|estimate| estimate.parameter.key.path == path);
-            let miss = estimate.map(|estimate| Miss {
-                standard_errors: (estimate.value - hidden) / estimate.standard_error,
-                held: (estimate.interval[0]..=estimate.interval[1]).contains(hidden),
-                standard_error: estimate.standard_error / parameter.slope(0.0),
-            });
-            (path, miss)
+    /// What `identification.json` tells of the rig `truth`.
+    fn of(json: &Value, truth: &Rig, seconds: f64) -> Result<Trial> {
+        let list = |name: &str| json[name].as_array().cloned().unwrap_or_default();
+        let told = list("parameters").iter().map(|told| Told::of(told, truth)).collect::<Option<_>>();
+        let unseen =
+            list("unseen").iter().filter_map(|unseen| Some(unseen["key"].as_str()?.to_owned())).collect();
+        Ok(Trial {
+            told: told.context("identification.json lacks numbers")?,
+            fits: json["fits"] == true && json["converged"] == true,
+            unseen,
+            runs: json["runs"].as_u64().unwrap_or(0),
+            seconds,
         })
     }
 
-    /// Whether the search ended at a minimum that leaves noise alone.
-    #[must_use]
-    pub fn succeeded(&self) -> bool {
-        self.found.converged && self.found.fits
-    }
-
-    /// The misses in standard errors, in a line.
+    /// The misses beyond two standard errors, in a line.
     #[must_use]
     pub fn summary(&self) -> String {
-        let misses = self.misses().map(|(_, miss)| {
-            miss.map_or("unseen".to_owned(), |miss| format!("{:+.2}", miss.standard_errors))
-        });
-        let misses: Vec<String> = misses.collect();
-        let end = if self.succeeded() { "" } else { ", no fit" };
-        format!("{} after {} runs{end}", misses.join(" "), self.found.runs)
+        let missed = self.told.iter().filter(|told| !told.holds());
+        let missed: Vec<String> =
+            missed.map(|told| format!("{}{:+.1}", told.key, told.miss().standard_errors)).collect();
+        let fits = if self.fits { "fits" } else { "no fit" };
+        format!("{fits} after {} runs, {:.1} s; missed: {}", self.runs, self.seconds, missed.join(" "))
     }
 }
 
-/// How often intervals hold what was hidden.
-#[derive(Clone, Debug, Default)]
-pub struct Coverage {
-    /// The misses of each parameter.
-    pub parameters: Vec<(&'static str, Vec<Miss>)>,
-    /// Trials.
-    pub trials: u32,
-    /// Parameters that were said to be unseen.
-    pub unseen: u32,
-    /// Trials whose search did not end at a minimum that leaves noise alone.
-    pub failed: u32,
-    /// Runs of a transient in all fits.
-    pub runs: usize,
-}
-
-impl Coverage {
-    /// Takes in a trial.
-    pub fn count(&mut self, trial: &Trial) {
-        self.trials += 1;
-        self.runs += trial.found.runs;
-        self.failed += u32::from(!trial.succeeded());
-        for (path, miss) in trial.misses() {
-            let at = self.parameters.iter().position(|(known, _)| *known == path).unwrap_or_else(|| {
-                self.parameters.push((path, Vec::new()));
-                self.parameters.len() - 1
-            });
-            match miss {
-                Some(miss) => self.parameters[at].1.push(miss),
-                None => self.unseen += 1,
-            }
-        }
+impl Told {
+    fn of(json: &Value, truth: &Rig) -> Option<Told> {
+        let key = json["key"].as_str()?;
+        let number = |name: &str| json[name].as_f64();
+        let ends = json["interval_95"].as_array()?;
+        Some(Told {
+            estimate: number("estimate")?,
+            standard_error: number("standard_error")?,
+            interval: [ends.first()?.as_f64()?, ends.get(1)?.as_f64()?],
+            rests_on_assumptions: json["rests_on"].as_array().is_some_and(|keys| !keys.is_empty()),
+            truth: truth.optional_number(key)?,
+            key: key.to_owned(),
+        })
     }
 
-    /// Of all parameters.
+    /// Whether the interval holds what was hidden.
     #[must_use]
-    pub fn pooled(&self) -> Vec<Miss> {
-        self.parameters.iter().flat_map(|(_, misses)| misses.iter().copied()).collect()
+    pub fn holds(&self) -> bool {
+        (self.interval[0]..=self.interval[1]).contains(&self.truth)
     }
-}
 
-/// The part of the intervals that hold what was hidden.
-#[must_use]
-pub fn held(misses: &[Miss]) -> f64 {
-    misses.iter().filter(|miss| miss.held).count() as f64 / misses.len() as f64
-}
-
-/// Root of the mean squared miss, in standard errors.
-#[must_use]
-pub fn spread(misses: &[Miss]) -> f64 {
-    (misses.iter().map(|miss| miss.standard_errors.powi(2)).sum::<f64>() / misses.len() as f64).sqrt()
-}
-
-/// A table in Markdown.
-impl fmt::Display for Coverage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "| parameter | standard error, mean | 95 % intervals that hold it | misses, standard errors |"
-        )?;
-        writeln!(f, "|---|---|---|---|")?;
-        let mut line = |name: &str, error: &str, misses: &[Miss]| {
-            let held = 100.0 * held(misses);
-            writeln!(f, "| {name} | {error} | {held:.1} % of {} | {:.2} |", misses.len(), spread(misses))
-        };
-        for (path, misses) in &self.parameters {
-            let mean = misses.iter().map(|miss| miss.standard_error).sum::<f64>() / misses.len() as f64;
-            line(path, &format!("{:.4} %", 100.0 * mean), misses)?;
+    /// By how much the estimate is off.
+    #[must_use]
+    pub fn miss(&self) -> Miss {
+        Miss {
+            standard_errors: (self.estimate - self.truth) / self.standard_error,
+            held: self.holds(),
+            standard_error: self.standard_error / self.truth.abs(),
+            rests_on_assumptions: self.rests_on_assumptions,
         }
-        line("pooled", "", &self.pooled())?;
-        let each = self.runs as f64 / f64::from(self.trials);
-        writeln!(f)?;
-        writeln!(
-            f,
-            "{} trials; no fit in {}; parameters said to be unseen: {}; {each:.0} runs of a transient a trial.",
-            self.trials, self.failed, self.unseen
-        )
     }
 }
 
-/// The rig file of the trials.
-///
-/// # Errors
-/// When it is not valid, which no release is.
-pub fn drive() -> Result<Rig> {
-    let text = pneudrive_sim::rig::builtin("servo-b-tuned").unwrap_or_default();
-    Ok(Rig::read_with("servo-b-tuned", text, &SETTINGS.map(str::to_owned))?)
+/// A virtual rig on a port, as long as it lives.
+struct Served {
+    program: Child,
+    port: String,
 }
 
-/// The record of a rig's test on a virtual rig.
-fn record(rig: &Rig, seed: u64) -> Result<TargetFile> {
-    let virtual_rig = VirtualRig::new(rig.clone(), seed, Pace { fast: true, live: false })?;
-    let background = Background::start(virtual_rig, Door::open("tcp:127.0.0.1:0")?);
-    let mut client = Client::connect(background.port())?;
-    client.download_test(rig)?;
-    client.arm()?;
-    client.start()?;
-    client.follow(&AtomicBool::new(false), |_| {})?;
-    let (record, info) = (client.record(|_, _| {})?, client.info()?);
-    let parameters = client.parameters()?;
-    background.stop()?;
-    Ok(TargetFile::new(&record, &info, &parameters))
+impl Served {
+    fn start(program: &Path, folder: &Path, seed: u64) -> Result<Served> {
+        let spread = format!("{}%", 100.0 * HIDDEN);
+        let mut command = Command::new(program);
+        command.current_dir(folder).args(["virtual", "real.toml", "--listen", "tcp:127.0.0.1:0", "--fast"]);
+        command.args(["--spread", &spread, "--seed", &seed.to_string()]);
+        let mut program = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        let mut line = String::new();
+        let terminal = program.stdout.take().context("a pipe")?;
+        BufReader::new(terminal).read_line(&mut line)?;
+        let port = line.trim().rsplit(' ').next().unwrap_or_default().to_owned();
+        let served = Served { program, port };
+        ensure!(served.port.starts_with("tcp://"), "the virtual rig does not start");
+        Ok(served)
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
 }

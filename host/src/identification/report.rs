@@ -5,8 +5,9 @@ use pneudrive_sim::follow::Reading;
 use serde_json::{Value, json};
 use toml_edit::{DocumentMut, value};
 
+use super::parameter::Parameter;
 use super::recording::{CHANNELS, Channel, Recording, reading};
-use super::{Estimate, Identification, UNSEEN};
+use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Panel, Table};
 use crate::rig_text;
 
@@ -28,12 +29,9 @@ fn digits(value: f64) -> String {
 /// All tables of a fit.
 #[must_use]
 pub fn tables(found: &Identification) -> Vec<Table> {
-    let mut tables = vec![parameters(found), channels(found)];
-    if !found.unseen.is_empty() {
-        tables.push(unseen(found));
-    }
-    tables.push(correlation(found));
-    tables
+    let tables = [parameters(found), dependent(found), channels(found), unseen(found), assumed(found)];
+    let filled = tables.into_iter().filter(|table| !table.rows.is_empty());
+    filled.chain([correlation(found)]).collect()
 }
 
 fn table(heading: &str, columns: &[&str], rows: Vec<Vec<String>>) -> Table {
@@ -44,17 +42,62 @@ fn table(heading: &str, columns: &[&str], rows: Vec<Vec<String>>) -> Table {
 #[must_use]
 pub fn parameters(found: &Identification) -> Table {
     let row = |estimate: &Estimate| {
-        let [low, high] = estimate.interval;
         vec![
             estimate.parameter.key.path.to_owned(),
             digits(estimate.parameter.start),
             digits(estimate.value),
             format!("{:.2e}", estimate.standard_error),
-            format!("{} to {}", digits(low), digits(high)),
+            range(estimate.interval),
+            paths(&estimate.rests_on),
         ]
     };
-    let columns = ["parameter", "file", "estimate", "standard error", "95 % interval"];
+    let columns = ["parameter", "file", "estimate", "standard error", "95 % interval", "rests on"];
     table("parameters", &columns, found.estimates.iter().map(row).collect())
+}
+
+/// What parameters would be if those that they rest on were known.
+#[must_use]
+pub fn dependent(found: &Identification) -> Table {
+    let row = |estimate: &Estimate| {
+        let Given { known, interval, .. } = estimate.given.as_ref()?;
+        let rig = |path: &str| digits(found.rig.number(path));
+        let exact: Vec<String> = known.iter().map(|(path, _)| format!("{path} = {}", rig(path))).collect();
+        let by: Vec<String> = known.iter().map(|(path, by)| format!("{by:+.4} per {}", unit(path))).collect();
+        Some(vec![estimate.parameter.key.path.to_owned(), exact.join(", "), range(*interval), by.join(", ")])
+    };
+    let columns = ["parameter", "were it exact that", "95 % interval then", "and it changes by"];
+    table("parameters that rest on others", &columns, found.estimates.iter().filter_map(row).collect())
+}
+
+/// What is assumed of the values that intervals rest on, or that are not seen.
+#[must_use]
+pub fn assumed(found: &Identification) -> Table {
+    let needed = |parameter: &&Parameter| {
+        let path = parameter.key.path;
+        let unseen = found.unseen.iter().any(|unseen| unseen.parameter.key.path == path);
+        unseen || found.estimates.iter().flat_map(|e| &e.rests_on).any(|share| share.path == path)
+    };
+    let fitted = found.estimates.iter().map(|e| &e.parameter);
+    let all = fitted.chain(found.unseen.iter().map(|u| &u.parameter)).chain(&found.assumed);
+    let row = |parameter: &Parameter| {
+        vec![parameter.key.path.to_owned(), digits(parameter.start), parameter.assumed_within()]
+    };
+    let columns = ["value", "file", "assumed within, one standard deviation"];
+    table("assumed", &columns, all.filter(needed).map(row).collect())
+}
+
+fn range([low, high]: [f64; 2]) -> String {
+    format!("{} to {}", digits(low), digits(high))
+}
+
+fn paths(shares: &[Share]) -> String {
+    let paths: Vec<&str> = shares.iter().map(|share| share.path).collect();
+    if paths.is_empty() { "the data".to_owned() } else { paths.join(", ") }
+}
+
+/// The unit of a key, or "1".
+fn unit(path: &str) -> &'static str {
+    pneudrive_sim::rig::keys::find(path).map(|key| key.unit()).filter(|unit| !unit.is_empty()).unwrap_or("1")
 }
 
 /// Channel by channel, in counts.
@@ -79,12 +122,19 @@ pub fn channels(found: &Identification) -> Table {
 #[must_use]
 pub fn unseen(found: &Identification) -> Table {
     let rows = found.unseen.iter().map(|unseen| {
-        let others: Vec<&str> = unseen.confused_with.iter().map(|confusion| confusion.path).collect();
-        let others =
-            if others.is_empty() { "nothing: no sample depends on it".to_owned() } else { others.join(", ") };
-        vec![unseen.parameter.key.path.to_owned(), digits(unseen.parameter.start), others]
+        let others = match unseen.confused_with.as_slice() {
+            [] if unseen.over_prior == 1.0 => "no sample depends on it".to_owned(),
+            [] => "nothing: the samples hardly depend on it".to_owned(),
+            others => paths(others),
+        };
+        vec![
+            unseen.parameter.key.path.to_owned(),
+            digits(unseen.parameter.start),
+            digits(unseen.value),
+            others,
+        ]
     });
-    let columns = ["cannot be seen in these data", "kept", "confused with"];
+    let columns = ["cannot be seen in these data", "file", "taken", "confused with"];
     table("unseen", &columns, rows.collect())
 }
 
@@ -110,14 +160,12 @@ pub fn notes(found: &Identification) -> Vec<String> {
     if !found.fits {
         notes.push("More remains than noise: the model does not explain these data, or another minimum does it better. Intervals do not tell how far the estimates are from the truth.".to_owned());
     }
-    notes.push(if found.robust {
-        "Residuals are correlated, so the model does not explain all that was measured; standard errors are those of Newey and West.".to_owned()
-    } else {
-        "Residuals are white; standard errors are those of the normal equations.".to_owned()
-    });
+    if found.estimates.iter().any(|estimate| !estimate.rests_on.is_empty()) {
+        notes.push("Some intervals rest less on the data than on what is assumed of other values: the table of these tells what each would be, were they exact. Measure those, write them into the rig file, and leave them out of the fit.".to_owned());
+    }
     if !found.unseen.is_empty() {
         notes.push(format!(
-            "A parameter whose standard error is above {:.0} % of its value, or of what is plausible, keeps the file's value.",
+            "What cannot be seen is as uncertain as the file's value, or nearly so: its standard error is above {:.0} % of what is assumed.",
             100.0 * UNSEEN
         ));
     }
@@ -178,15 +226,32 @@ fn residual_panel(
 /// The numbers, for a program.
 #[must_use]
 pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
+    let shares = |shares: &[Share]| -> Vec<Value> {
+        shares.iter().map(|share| json!({ "key": share.path, "part": share.part })).collect()
+    };
+    let given = |given: &Given| {
+        let known = given.known.iter().map(|(path, by)| json!({ "key": path, "changes_by": by }));
+        json!({
+            "known": known.collect::<Vec<_>>(), "standard_error": given.standard_error,
+            "interval_95": given.interval,
+        })
+    };
     let estimate = |e: &Estimate| {
         json!({
             "key": e.parameter.key.path, "unit": e.parameter.key.unit(), "file": e.parameter.start,
             "estimate": e.value, "standard_error": e.standard_error, "interval_95": e.interval,
+            "part_of_assumptions": e.assumed, "rests_on": shares(&e.rests_on),
+            "given": e.given.as_ref().map(given),
         })
     };
     let unseen = found.unseen.iter().map(|unseen| {
-        let others = unseen.confused_with.iter().map(|c| json!({ "key": c.path, "part": c.part }));
-        json!({ "key": unseen.parameter.key.path, "kept": unseen.parameter.start, "confused_with": others.collect::<Vec<_>>() })
+        json!({
+            "key": unseen.parameter.key.path, "file": unseen.parameter.start, "kept": unseen.value,
+            "confused_with": shares(&unseen.confused_with),
+        })
+    });
+    let assumed = found.assumed.iter().map(|parameter| {
+        json!({ "key": parameter.key.path, "file": parameter.start, "within": parameter.assumed_within() })
     });
     let channels = CHANNELS.iter().zip(&found.channels).filter_map(|((name, _), fit)| {
         let fit = fit.as_ref()?;
@@ -203,9 +268,9 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "converged": found.converged,
         "fits": found.fits,
         "runs": found.runs,
-        "standard_errors": if found.robust { "newey-west" } else { "normal-equations" },
         "parameters": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "unseen": unseen.collect::<Vec<_>>(),
+        "assumed": assumed.collect::<Vec<_>>(),
         "channels": channels.collect::<Vec<_>>(),
         "correlation": found.correlation.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>()).collect::<Vec<_>>(),
     })
@@ -217,14 +282,24 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
 /// When the text is no TOML.
 pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result<String> {
     let mut document: DocumentMut = rig_text::with_settings(text, settings, "set by hand")?.parse()?;
-    for estimate in &found.estimates {
-        let [low, high] = estimate.interval.map(digits);
-        let mut number = value(estimate.value);
+    let mut set = |parameter: &Parameter, number: f64, comment: String| {
+        let mut number = value(number);
         if let Some(number) = number.as_value_mut() {
-            let file = digits(estimate.parameter.start);
-            number.decor_mut().set_suffix(format!("  # identified, 95 %: {low} to {high}; was {file}"));
+            number.decor_mut().set_suffix(format!("  # {comment}; was {}", digits(parameter.start)));
         }
-        rig_text::put(&mut document, estimate.parameter.key.path, number);
+        rig_text::put(&mut document, parameter.key.path, number);
+    };
+    for estimate in &found.estimates {
+        let rests = if estimate.rests_on.is_empty() {
+            String::new()
+        } else {
+            format!(", resting on {}", paths(&estimate.rests_on))
+        };
+        let comment = format!("identified, 95 %: {}{rests}", range(estimate.interval));
+        set(&estimate.parameter, estimate.value, comment);
+    }
+    for unseen in found.unseen.iter().filter(|unseen| unseen.value != unseen.parameter.start) {
+        set(&unseen.parameter, unseen.value, "not seen in the data".to_owned());
     }
     Ok(format!("{FITTED_MARK}\n{document}"))
 }

@@ -38,6 +38,16 @@ pub(super) struct Recorded {
     pub all: Vec<Recording>,
 }
 
+impl Recorded {
+    /// Takes in a record that figures are read off; one that does not serve is passed over.
+    fn read_off(&mut self, recording: Result<Recording>) {
+        match recording {
+            Ok(recording) => self.all.push(recording),
+            Err(error) => eprintln!("note: nothing is read off a record: {error:#}"),
+        }
+    }
+}
+
 /// Runs the tests on the rig at a port and leaves their TARGET files in a folder.
 pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<Recorded> {
     let [closed, open] = ["closed", "open"].map(|loop_| {
@@ -78,30 +88,39 @@ impl Plan<'_> {
                 "note: there is no static test; the drive would go too far while the valve opens slowly"
             );
         }
-        let mut others: Vec<(&str, Rig)> = ramp.map(|ramp| ("static", ramp)).into_iter().collect();
-        others.push(test(moves::DYNAMIC)?);
-        others.extend(moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?);
+        let mut read_off: Vec<(&str, Rig)> = ramp.map(|ramp| ("static", ramp)).into_iter().collect();
+        read_off.push(test(moves::DYNAMIC)?);
+        let fitted = moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?;
         // In closed loop a drive with swapped tubes would run away, so there is no way back before this.
-        let (file, recording) = self.record(&movement)?;
-        check_movement(&file.samples).with_context(|| recording.name.clone())?;
-        let mut all = vec![recording];
-        for test in &others {
-            self.run_in_loop(0, &self.way_back()?)?;
-            all.push(self.record(test)?.1);
+        let (name, file) = self.record(&movement)?;
+        check_movement(&file.samples).with_context(|| name.clone())?;
+        let mut recorded = Recorded { fitted: Vec::new(), all: Vec::new() };
+        recorded.read_off(Recording::of(&name, &file, &movement.1));
+        for test in &read_off {
+            let (name, file) = self.record_from_the_start(test)?;
+            recorded.read_off(Recording::of(&name, &file, &test.1));
         }
-        let fitted = all[all.len() - moves::FITTED.len()..].to_vec();
-        Ok(Recorded { fitted, all })
+        for test in &fitted {
+            let (name, file) = self.record_from_the_start(test)?;
+            recorded.fitted.push(Recording::of(&name, &file, &test.1)?);
+        }
+        recorded.all.extend(recorded.fitted.iter().cloned());
+        Ok(recorded)
     }
 
-    /// Runs a test and records it.
-    fn record(&mut self, (name, test): &(&str, Rig)) -> Result<(TargetFile, Recording)> {
+    /// Goes back to where the plan began, runs a test and records it.
+    fn record_from_the_start(&mut self, test: &(&str, Rig)) -> Result<(String, TargetFile)> {
+        self.run_in_loop(0, &self.way_back()?)?;
+        self.record(test)
+    }
+
+    /// Runs a test and records it: the name for messages, and the file.
+    fn record(&mut self, (name, test): &(&str, Rig)) -> Result<(String, TargetFile)> {
         self.run_in_loop(1, test)?;
         let (path, file) = record(self.client, self.folder)?;
         self.client.disarm()?;
         say!("{}: {name}", path.display());
-        let name = format!("{}, {name}", path.file_name().unwrap_or_default().to_string_lossy());
-        let recording = Recording::of(&name, &file, test)?;
-        Ok((file, recording))
+        Ok((format!("{}, {name}", path.file_name().unwrap_or_default().to_string_lossy()), file))
     }
 
     fn run_in_loop(&mut self, open_loop: i32, test: &Rig) -> Result<()> {
@@ -111,11 +130,8 @@ impl Plan<'_> {
     }
 
     fn way_back(&self) -> Result<Rig> {
-        let text = format!(
-            "name = \"back\"\n[controller]\nloop = \"closed\"\n[test]\nmoves = [[0.0, {}]]\nduration_s = {RETURN_S}\n",
-            self.count
-        );
-        Ok(self.closed.with_test_of(&Rig::read("back", &text)?)?)
+        let settings = [format!("test.moves=[[0.0, {}]]", self.count), format!("test.duration_s={RETURN_S}")];
+        Ok(self.closed.with_test(&settings)?)
     }
 }
 
@@ -128,6 +144,16 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
     let push = first_push(samples, first.command);
     match (way, push) {
         (MOVED.., 1..) => Ok(()),
+        (MOVED.., 0) => {
+            eprintln!(
+                "note: the pressures swing too much before the movement test to tell whether their sensors are swapped"
+            );
+            Ok(())
+        }
+        (..=UNMOVED, 0) => bail!(
+            "the drive retracts by {} counts under a command to extend, and the pressures swing too much before to tell why: exchange the tubes of the valve's ports, or change encoder.polarity, and begin again",
+            -way
+        ),
         (..=UNMOVED, ..=-1) => bail!(
             "the drive retracts by {} counts under a command to extend, and chamber 2 is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; exchange them and begin again",
             -way
@@ -164,9 +190,13 @@ mod tests {
 
     fn verdict(way: i32, push: i16) -> String {
         // Before the command pressures swing by 35 counts, as under a dither.
+        verdict_under(way, push, 35)
+    }
+
+    fn verdict_under(way: i32, push: i16, swing: i16) -> String {
         let sample = |k: i32| RecordedSample {
             position: 8000 + way * k.max(0) / 20,
-            pressure_1: 1500 + push * k.max(0) as i16 + if k < 0 { 35 * (k % 2) as i16 } else { 0 },
+            pressure_1: 1500 + push * k.max(0) as i16 + if k < 0 { swing * (k % 2) as i16 } else { 0 },
             pressure_2: 1500,
             command: if k < 0 { 0 } else { 960 },
             ..RecordedSample::default()
@@ -182,5 +212,11 @@ mod tests {
         assert!(verdict(-900, 20).contains("encoder.polarity"));
         assert!(verdict(900, -20).contains("sensors are swapped"));
         assert!(verdict(3, 20).contains("supply of air"));
+    }
+
+    #[test]
+    fn a_drive_that_moves_is_not_said_to_stand_because_its_pressures_swing() {
+        assert_eq!(verdict_under(900, 20, 400), "right");
+        assert!(verdict_under(-900, 20, 400).contains("swing too much"));
     }
 }

@@ -1,0 +1,131 @@
+//! How often intervals hold what was hidden.
+
+use std::fmt;
+
+use super::Trial;
+
+/// How far an estimate is off.
+#[derive(Clone, Copy, Debug)]
+pub struct Miss {
+    /// In standard errors.
+    pub standard_errors: f64,
+    /// Whether the 95 % interval holds what was hidden.
+    pub held: bool,
+    /// The standard error, of the size of the hidden value.
+    pub standard_error: f64,
+    /// Whether the interval rests on what is assumed more than on the data.
+    pub rests_on_assumptions: bool,
+}
+
+/// The misses of many trials.
+#[derive(Clone, Debug, Default)]
+pub struct Coverage {
+    /// Those of each parameter, in trials that fit.
+    pub parameters: Vec<(String, Vec<Miss>)>,
+    /// Trials.
+    pub trials: u32,
+    /// Trials whose model is said not to explain the data.
+    pub refused: u32,
+    /// Parameters that were said to be unseen, in all trials.
+    pub unseen: usize,
+    /// Runs of a transient in all fits.
+    pub runs: u64,
+    /// Seconds that all took.
+    pub seconds: f64,
+}
+
+impl Coverage {
+    /// Takes in a trial.
+    pub fn count(&mut self, trial: &Trial) {
+        self.trials += 1;
+        self.runs += trial.runs;
+        self.seconds += trial.seconds;
+        self.unseen += trial.unseen.len();
+        if !trial.fits {
+            self.refused += 1;
+            return;
+        }
+        for told in &trial.told {
+            let at = self.parameters.iter().position(|(known, _)| *known == told.key).unwrap_or_else(|| {
+                self.parameters.push((told.key.clone(), Vec::new()));
+                self.parameters.len() - 1
+            });
+            self.parameters[at].1.push(told.miss());
+        }
+    }
+
+    /// Of all parameters.
+    #[must_use]
+    pub fn pooled(&self) -> Vec<Miss> {
+        self.parameters.iter().flat_map(|(_, misses)| misses.iter().copied()).collect()
+    }
+
+    /// Of intervals that rest on the data, or that do not.
+    #[must_use]
+    pub fn resting(&self, on_assumptions: bool) -> Vec<Miss> {
+        let pooled = self.pooled().into_iter();
+        pooled.filter(|miss| miss.rests_on_assumptions == on_assumptions).collect()
+    }
+}
+
+/// The part of the intervals that hold what was hidden.
+#[must_use]
+pub fn held(misses: &[Miss]) -> f64 {
+    misses.iter().filter(|miss| miss.held).count() as f64 / misses.len() as f64
+}
+
+/// Root of the mean squared miss, in standard errors.
+#[must_use]
+pub fn spread(misses: &[Miss]) -> f64 {
+    (misses.iter().map(|miss| miss.standard_errors.powi(2)).sum::<f64>() / misses.len() as f64).sqrt()
+}
+
+/// A table in Markdown.
+impl fmt::Display for Coverage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "| parameter | standard error, median | 95 % intervals that hold it | misses, standard errors | rest on assumptions |"
+        )?;
+        writeln!(f, "|---|---|---|---|---|")?;
+        let mut line = |name: &str, error: String, misses: &[Miss]| {
+            let rest = misses.iter().filter(|miss| miss.rests_on_assumptions).count();
+            writeln!(
+                f,
+                "| {name} | {error} | {:.1} % of {} | {:.2} | {rest} |",
+                100.0 * held(misses),
+                misses.len(),
+                spread(misses)
+            )
+        };
+        for (key, misses) in &self.parameters {
+            line(key, median(misses), misses)?;
+        }
+        for (name, misses) in [
+            ("pooled", self.pooled()),
+            ("resting on the data", self.resting(false)),
+            ("resting on assumptions", self.resting(true)),
+        ] {
+            if !misses.is_empty() {
+                line(name, String::new(), &misses)?;
+            }
+        }
+        let trials = f64::from(self.trials);
+        writeln!(f)?;
+        writeln!(
+            f,
+            "{} rigs; {} refused as not explained; {:.1} parameters unseen, {:.0} runs of a transient and {:.1} s each.",
+            self.trials,
+            self.refused,
+            self.unseen as f64 / trials,
+            self.runs as f64 / trials,
+            self.seconds / trials
+        )
+    }
+}
+
+fn median(misses: &[Miss]) -> String {
+    let mut errors: Vec<f64> = misses.iter().map(|miss| miss.standard_error).collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).map_or(String::new(), |error| format!("{:.3} %", 100.0 * error))
+}

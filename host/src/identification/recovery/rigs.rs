@@ -1,0 +1,104 @@
+//! The rigs that are identified.
+
+use std::fmt::Write as _;
+
+use pneudrive_sim::rig::unit_interval;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use super::Hidden;
+
+/// A drive that was levelled lies so many degrees off, standard deviation.
+const LEVELLED: f64 = 2.0;
+
+/// The valve's null is off by so many mm at most.
+const NULL: f64 = 0.01;
+
+/// Draws of a rig.
+struct Draw(ChaCha8Rng);
+
+impl Draw {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * unit_interval(&mut self.0)
+    }
+
+    fn of<T: Copy>(&mut self, choices: &[T]) -> T {
+        let place = (unit_interval(&mut self.0) * choices.len() as f64) as usize;
+        choices[place.min(choices.len() - 1)]
+    }
+
+    /// A normal draw (Box and Muller).
+    fn normal(&mut self) -> f64 {
+        let (radius, angle) = (1.0 - unit_interval(&mut self.0), unit_interval(&mut self.0));
+        (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
+    }
+
+    /// What a spread does not draw: the null of the valve, and how level the drive lies.
+    fn rest(&mut self) -> String {
+        let (null, incline) = (self.within(-NULL, NULL), LEVELLED * self.normal());
+        format!("valve.null_offset_mm = {null}\nload.incline_deg = {incline}\n")
+    }
+}
+
+/// Servo-drive B as it is shipped, in the middle of its stroke.
+#[must_use]
+pub fn shipped_rig(seed: u64) -> Hidden {
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let model = "operator.dither_mm = 0.26\ntest.position_m = 0.15\n".to_owned();
+    let real = format!("{model}{}", draw.rest());
+    Hidden { name: "servo-b".to_owned(), model, real, seed }
+}
+
+/// Any cylinder, of 25 to 63 mm bore and 100 to 500 mm stroke, with a rod to one side, to both, or none, and a valve of
+/// its size that a solenoid or a stepper drives, with or without a dither.
+#[must_use]
+pub fn any_rig(seed: u64) -> Hidden {
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let operator = draw.of(&["solenoid", "solenoid", "solenoid-empirical", "stepper"]);
+    let (rod, bore, stroke) = (
+        draw.of(&["asymmetric", "symmetric", "rodless"]),
+        draw.of(&[25.0, 32.0, 40.0, 50.0, 63.0]),
+        draw.of(&[0.1, 0.2, 0.3, 0.5]),
+    );
+    let mut model = String::new();
+    let mut put = |key: &str, value: f64| {
+        let _ = writeln!(model, "{key} = {value}");
+    };
+    // Of servo-drive B's bore.
+    let size: f64 = bore / 50.0;
+    put("actuator.bore_m", 1e-3 * bore);
+    put("actuator.stroke_m", stroke);
+    put("actuator.rod_diameter_m", if rod == "rodless" { 0.0 } else { 1e-3 * bore * draw.within(0.3, 0.5) });
+    for chamber in ["actuator.residual_volume_1_m3", "actuator.residual_volume_2_m3"] {
+        put(chamber, 2e-5 * size.powi(2) * draw.within(0.6, 1.6));
+    }
+    put("load.mass_kg", 1.6 * size.powi(2) * draw.within(0.5, 3.0));
+    put("load.viscous_n_s_per_m", 30.0 * size.powi(2) * draw.within(0.6, 1.8));
+    for (way, stiction) in [("extend", 60.0), ("retract", 50.0)] {
+        let stiction = stiction * size.powi(2) * draw.within(0.5, 1.3);
+        put(&format!("load.static_{way}_n"), stiction);
+        put(&format!("load.coulomb_{way}_n"), stiction * draw.within(0.3, 0.7));
+    }
+    put("supply.pressure_pa", draw.within(5e5, 8e5));
+    put("valve.sleeve_diameter_mm", 10.0 * size);
+    put("valve.spool_diameter_mm", 10.0 * size - 0.02);
+    put("valve.spool_rod_diameter_mm", 6.0 * size);
+    put("valve.port_diameter_mm", 3.3 * size);
+    put("tubing.reference_flow_kg_s", 4.65e-3 * size.powi(2));
+    let pulse = draw.of(&[0.005, 0.01, 0.01205, 0.02]);
+    put("encoder.mm_per_count", pulse);
+    let dither = if bore < 40.0 { draw.of(&[0.0, 0.05, 0.1]) } else { draw.of(&[0.0, 0.1, 0.2, 0.26]) };
+    put("operator.dither_mm", dither);
+    let position = stroke * draw.within(0.48, 0.52);
+    put("test.position_m", position);
+    // The way back of a plan, in closed loop: slow, and damped.
+    let middle = (1e3 * position / pulse) as i32;
+    let actuator = if rod == "asymmetric" { "asymmetric" } else { "symmetric" };
+    let _ = write!(
+        model,
+        "test.moves = [[0.0, {middle}]]\ntest.duration_s = 0.2\noperator.model = \"{operator}\"\nactuator.model = \"{actuator}\"\ncontroller.gain_profile = [512, 256, 128]\ncontroller.velocity_gain = 300\n"
+    );
+    let real = format!("{model}{}", draw.rest());
+    let name = format!("{operator}, {rod}, {bore} mm, {:.0} mm, dither {dither} mm", 1e3 * stroke);
+    Hidden { name, model, real, seed }
+}

@@ -1,0 +1,198 @@
+//! The search for the minimum of a fit: stage by stage, from other points where that ends in a wrong minimum, and with
+//! the noise that the residuals show.
+
+use anyhow::{Result, anyhow};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use pneudrive_sim::rig::unit_interval;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use super::least_squares::{Minimum, minimise};
+use super::model::{Model, first_noise, noise_at_rest, rest};
+use super::posterior::inverse;
+use super::recording::CHANNELS;
+use super::spectrum::{AtRest, Spectrum, Transform, at_rest};
+
+/// Shares of each transient that the fit takes one after the other.
+const STAGES: [f64; 3] = [0.35, 0.65, 1.0];
+
+/// Times that a search begins anew.
+const RESTARTS: usize = 2;
+
+/// How far from a point another search begins, in u of one parameter.
+const SCAN: [f64; 8] = [-0.2, -0.12, -0.07, -0.03, 0.03, 0.07, 0.12, 0.2];
+
+/// The noise is looked at anew so often at most, and until it changes by less than this part.
+const ROUNDS: usize = 4;
+const SAME_NOISE: f64 = 0.03;
+
+/// Times that a search looks beyond the jumps around its minimum, from how many points, and how far away in standard
+/// errors.
+const LOOKS: usize = 3;
+const POINTS: usize = 36;
+const AWAY: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// There is a jump where a point's sum of squares is by so much below what the derivatives promise.
+const BELOW: f64 = 25.0;
+
+/// A minimum, and what its residuals are.
+pub(super) struct Found {
+    /// The minimum.
+    pub minimum: Minimum,
+    /// What remains, by frequency.
+    pub spectrum: Spectrum,
+    /// Covariance of the errors that noise makes.
+    by_noise: DMatrix<f64>,
+}
+
+impl Found {
+    /// Residuals of the data; those of the priors come after them.
+    pub fn rows(&self) -> usize {
+        self.minimum.residuals.len() - self.minimum.u.len()
+    }
+}
+
+/// Why the model cannot follow the recordings at a point.
+pub(super) fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
+    let reason = model.obstacle(u).unwrap_or_else(|| anyhow!("it has no derivatives there"));
+    reason.context(format!("the model of {} cannot follow the commands of the transients", model.rig.name()))
+}
+
+/// From `start` to a minimum that leaves noise alone; from other points where it is another one.
+pub(super) fn search(model: &mut Model, start: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Result<Found> {
+    let near = approach(model, start.clone(), progress);
+    let mut best = settled(model, near, progress)?;
+    let mut from = start;
+    for _ in 0..RESTARTS {
+        if best.spectrum.is_noise() {
+            break;
+        }
+        progress("that is no fit: the search begins at another point");
+        let noise = std::mem::replace(&mut model.noise, first_noise(model.recordings));
+        let near = approach(model, scanned(model, from), progress);
+        let other = settled(model, near, progress)?;
+        if spread(model, &other) < spread(model, &best) {
+            best = other;
+        } else {
+            model.noise = noise;
+        }
+        from = best.minimum.u.clone();
+    }
+    Ok(best)
+}
+
+/// From a point to near a minimum, stage by stage; never to where more is left than at the point.
+fn approach(model: &mut Model, from: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Vec<f64> {
+    model.fine = false;
+    let mut u = from.clone();
+    for share in STAGES {
+        model.share = share;
+        progress(&format!("the first {:.0} % of each transient", 100.0 * share));
+        u = minimise(model, &u, false, progress).map_or(u, |minimum| minimum.u);
+    }
+    if model.mean_square(&u) <= model.mean_square(&from) { u } else { from }
+}
+
+/// The best of the points that lie beside one along a parameter.
+fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
+    let mut best = (model.mean_square(&from), from.clone());
+    for i in 0..model.parameters.len() {
+        for step in SCAN {
+            let mut u = from.clone();
+            u[i] += step;
+            let left = model.mean_square(&u);
+            if left < best.0 {
+                best = (left, u);
+            }
+        }
+    }
+    best.1
+}
+
+/// To the minimum, with the noise that the residuals there show; beyond the jumps around it, if it leaves more.
+fn settled(model: &mut Model, u: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Result<Found> {
+    model.fine = true;
+    let mut best = with_its_noise(model, &u, progress)?;
+    for _ in 0..LOOKS {
+        let Some(u) = beyond_a_jump(model, &best).filter(|_| !best.spectrum.is_noise()) else { break };
+        progress("the sum of squares jumps beside that: the search goes on there");
+        let noise = model.noise;
+        let other = with_its_noise(model, &u, progress)?;
+        if spread(model, &other) >= spread(model, &best) {
+            model.noise = noise;
+            break;
+        }
+        best = other;
+    }
+    Ok(best)
+}
+
+/// n ln(rms) over the channels, which tells two fits apart whatever noise they were weighted with.
+fn spread(model: &Model, found: &Found) -> f64 {
+    let fits = model.channel_fits(&found.minimum.residuals);
+    fits.iter().flatten().map(|fit| fit.samples as f64 * fit.after.ln()).sum()
+}
+
+/// The point around a minimum whose sum of squares is farthest below what the derivatives promise, if there is one.
+fn beyond_a_jump(model: &Model, found: &Found) -> Option<Vec<f64>> {
+    let Minimum { u, residuals, jacobian, .. } = &found.minimum;
+    let eigen = SymmetricEigen::new(found.by_noise.clone());
+    let root =
+        &eigen.eigenvectors * DMatrix::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0).sqrt()));
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let limits = model.limits();
+    let below = |away: f64| {
+        let step = &root * DVector::from_fn(u.len(), |_, _| away * normal(&mut random));
+        let point: Vec<f64> = u.iter().zip(&step).map(|(u, step)| u + step).collect();
+        let inside = limits.iter().all(|limit| limit.room(&point) >= 0.0);
+        let left = inside.then(|| model.residuals_at(&point)).flatten()?;
+        Some(((residuals + jacobian * step).norm_squared() - left.norm_squared(), point))
+    };
+    let points = AWAY.into_iter().cycle().take(POINTS).filter_map(below);
+    let (most, point) = points.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (most > BELOW).then_some(point)
+}
+
+/// A normal draw (Box and Muller).
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let (radius, angle) = (1.0 - unit_interval(random), unit_interval(random));
+    (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
+}
+
+/// To the minimum, with the noise that the residuals there show.
+fn with_its_noise(model: &mut Model, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
+    let mut found = found(model, u, progress)?;
+    for _ in 1..ROUNDS {
+        let shown = found.spectrum.noise.map(|noise| noise.unwrap_or(1.0));
+        if shown.iter().all(|noise| (noise - 1.0).abs() < SAME_NOISE) {
+            break;
+        }
+        for (noise, shown) in model.noise.iter_mut().zip(shown) {
+            *noise *= shown;
+        }
+        found = self::found(model, &found.minimum.u, progress)?;
+    }
+    Ok(found)
+}
+
+fn found(model: &Model, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
+    let minimum = minimise(model, u, true, progress).ok_or_else(|| cannot_follow(model, u))?;
+    let blocks = model.blocks();
+    let rows = blocks.last().map_or(0, |block| block.rows.end);
+    let jacobian = minimum.jacobian.rows(0, rows).into_owned();
+    let priors = DVector::from_fn(minimum.u.len(), |i, _| model.prior(i));
+    let covariance = inverse(&jacobian.tr_mul(&jacobian), &priors).ok_or_else(|| {
+        anyhow!("the sensitivities of the model to its parameters are too far apart to be worked with")
+    })?;
+    let transform = Transform::of(&blocks, &minimum.residuals, &jacobian);
+    let spectrum = transform.spectrum(&covariance, rests(model));
+    let by_noise = &covariance * transform.weighted(&spectrum) * &covariance;
+    Ok(Found { minimum, spectrum, by_noise })
+}
+
+fn rests(model: &Model) -> [AtRest; CHANNELS.len()] {
+    std::array::from_fn(|channel| {
+        let noise = noise_at_rest(model.recordings, channel);
+        at_rest(model.noise[channel], noise, rest(model.recordings, channel).freedom)
+    })
+}
