@@ -3,7 +3,8 @@
 //! ```text
 //! V_1 = A_1 y + V_R1,  V_2 = A_2 (L - y) + V_R2                          (6.21, 6.22)
 //! m' = sum of mdot                                                       mass
-//! w'/w = (n-1) (R sum of mdot T_in / (P V) - V'/V)                       energy: 6.15, 6.17 in w
+//! w'/w = (n-1) (R sum of mdot T_in / (P V) - V'/V)                       energy: 6.15, 6.17 in w;
+//!                                                                        with heat, see [`crate::walls`]
 //! T = P V / (m R),   T_in: of the air that comes in, else T              (6.6)
 //! F_a = P_1 A_1 - P_2 A_2 - P_e A_R2                                     (6.25)
 //! ```
@@ -18,6 +19,7 @@ use crate::air::{Air, Volume};
 use crate::gas::Gas;
 use crate::leakage::{self, Leakage};
 use crate::number::{Number, Pair};
+use crate::walls::Walls;
 
 /// The dimensions of a cylinder, SI.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +38,8 @@ pub struct Actuator {
     pub ambient_pressure: f64,
     /// What passes the piston.
     pub leakage: Leakage,
+    /// With which the air exchanges heat; None where the chambers are adiabatic.
+    pub walls: Option<Walls>,
 }
 
 /// Air that leaks past the piston.
@@ -100,6 +104,19 @@ impl Actuator {
         Leak { flow: self.leakage.flow(gas, air), temperature: air.temperature.lane(from) }
     }
 
+    /// What the walls add to w' of the air in both chambers, the piston at a position (m).
+    #[inline(always)]
+    pub(crate) fn exner_rate_of_heat(
+        &self,
+        gas: &Gas,
+        position: f64,
+        volumes: Pair,
+        air: &Air<Pair>,
+    ) -> Option<Pair> {
+        let lengths = Pair::new([position, self.stroke - position]);
+        self.walls.as_ref().map(|walls| walls.exner_rate(gas, lengths, volumes, air))
+    }
+
     /// P_1 at which the cylinder delivers `force` N against `pressure_2`.
     #[must_use]
     pub fn balancing_pressure_1(&self, pressure_2: f64, force: f64) -> f64 {
@@ -124,6 +141,7 @@ mod tests {
             residual_volumes: [2e-5; 2],
             ambient_pressure: 101_300.0,
             leakage: Leakage::None,
+            walls: None,
         }
     }
 

@@ -15,6 +15,7 @@ mod lag;
 mod lands;
 mod outlook;
 mod ports;
+mod sensed;
 
 pub(crate) use lag::Lag;
 
@@ -36,8 +37,9 @@ use lands::Lands;
 use ports::Ports;
 
 /// Number of states.
-pub(crate) const STATES: usize = 11;
-/// Those of load and air come first: they move alone where the spool is foreseen and tubes do not lag.
+pub(crate) const STATES: usize = 13;
+/// Those of load and air come first: they move alone where the spool is foreseen, and neither tubes nor
+/// pressure sensors lag.
 pub(crate) const CORE: usize = 6;
 /// Guards read from the state: stiction and stops of the load, the entry of the gain profile, the edges of
 /// the lands, then those of the operator.
@@ -58,11 +60,13 @@ pub(crate) mod slot {
     pub const SPOOL_VELOCITY: usize = 7;
     /// Pressure behind a lagged tube over that at its known end: supply, cylinder 1, cylinder 2.
     pub const RATIO: [usize; 3] = [8, 9, 10];
+    /// Pressures that lagged sensors tell of, Pa.
+    pub const SENSED: [usize; 2] = [11, 12];
 }
 
 /// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
-/// to themselves, hence small), m, m/s; ratios of pressures.
-pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1e-5, 1.0, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0];
+/// to themselves, hence small), m, m/s; ratios of pressures; Pa.
+pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1e-5, 1.0, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0, 1e5, 1e5];
 
 const LOAD_FRICTION: usize = 0;
 const LOAD_STOPS: usize = 1;
@@ -101,6 +105,8 @@ pub(crate) struct Parts {
     pub network: Network,
     pub flow_force: FlowForce,
     pub lag: Option<Lag>,
+    /// Lag of the pressure sensors, s.
+    pub sensor_lag: Option<f64>,
     pub continuous: Option<ContinuousLaw>,
     pub faults: Schedule,
 }
@@ -269,7 +275,12 @@ impl Assembly {
         let carried = self.carried(&nodes, &air);
         let leak = self.parts.actuator.leak(gas, &air).entering();
         let holes = self.through_holes(&air);
-        let [masses, exners] = air.derivative(gas, volumes, [(flows, carried), leak, holes]);
+        let [masses, mut exners] = air.derivative(gas, volumes, [(flows, carried), leak, holes]);
+        if let Some(rate) =
+            self.parts.actuator.exner_rate_of_heat(gas, x[slot::POSITION], volumes.volume, &air)
+        {
+            exners += rate;
+        }
         let mut slope = [0.0; STATES];
         for i in 0..2 {
             slope[slot::MASS[i]] = masses.lane(i);
@@ -277,6 +288,7 @@ impl Assembly {
         }
         let force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
         let applied = self.applied_of(force, x);
+        self.follow_pressures(air.pressure.to_array(), x, &mut slope);
         slope[slot::POSITION] = x[slot::VELOCITY];
         slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
         if let Some(lag) = &self.parts.lag {
@@ -356,7 +368,7 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
     }
 
     fn core_alone(&self) -> bool {
-        self.parts.operator.is_foreseen() && self.parts.lag.is_none()
+        self.parts.operator.is_foreseen() && self.parts.lag.is_none() && self.parts.sensor_lag.is_none()
     }
 
     fn swings(&self) -> bool {

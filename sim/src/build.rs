@@ -25,6 +25,7 @@ use crate::rig::Rig;
 use crate::stop::Stops;
 use crate::tubing::Tube;
 use crate::valve::Valve;
+use crate::walls::Walls;
 
 /// The components of a rig, and the state in which its test begins.
 pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
@@ -41,6 +42,7 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         network: network(rig, gas),
         flow_force: flow_force(rig),
         lag: lag(rig, &gas),
+        sensor_lag: Some(rig.number("sensors.pressure_lag_s")).filter(|lag| *lag > 0.0),
         continuous: continuous(rig),
         faults: Schedule::new(&rig.fault_events()),
     };
@@ -249,7 +251,16 @@ pub fn actuator(rig: &Rig) -> Actuator {
         ],
         ambient_pressure: rig.number("exhaust.pressure_pa"),
         leakage: leakage(rig),
+        walls: walls(rig, [if symmetric { rod_side } else { blind }, rod_side], symmetric),
     }
+}
+
+fn walls(rig: &Rig, areas: [f64; 2], symmetric: bool) -> Option<Walls> {
+    let coefficient = rig.number("actuator.heat_transfer_w_per_m2_k");
+    let rod = rig.number("actuator.rod_diameter_m");
+    let rods = [if symmetric { rod } else { 0.0 }, rod];
+    let [temperature, bore] = ["actuator.wall_temperature_k", "actuator.bore_m"].map(|key| rig.number(key));
+    (coefficient > 0.0).then(|| Walls::new(coefficient, temperature, areas, bore, rods))
 }
 
 fn leakage(rig: &Rig) -> Leakage {
@@ -383,6 +394,9 @@ fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {
         let [mass, exner] = Air::state_of(gas, pressures[i], temperatures[i], volumes[i].volume);
         x[slot::MASS[i]] = mass;
         x[slot::EXNER[i]] = exner;
+        if rig.number("sensors.pressure_lag_s") > 0.0 {
+            x[slot::SENSED[i]] = pressures[i];
+        }
     }
     x
 }

@@ -61,6 +61,7 @@ pub mod stop;
 pub mod trace;
 pub mod tubing;
 pub mod valve;
+mod walls;
 
 pub use decision::{Decision, decide};
 pub use follow::follow;

@@ -166,7 +166,7 @@ impl Plant {
         let x = self.integrator.state(t);
         Reading {
             position: x[slot::POSITION],
-            pressures: slot::EXNER.map(|i| self.assembly.parts.gas.pressure(x[i])),
+            pressures: self.assembly.sensed_pressures(&x),
             spool: self.assembly.spool(t, &x),
         }
     }

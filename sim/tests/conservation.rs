@@ -90,12 +90,27 @@ fn both_chambers_hold_what_has_crossed_their_ports_in_a_closed_loop() {
     }
 }
 
-/// dU = cp (T_s mdot_1 + T_2 mdot_2) dt - P_1 dV_1 - P_2 dV_2: chamber 1 is charged by the supply's air,
-/// chamber 2 discharges its own, and what leaks past the piston stays inside.
+/// dU = cp (T_s mdot_1 + T_2 mdot_2) dt - P_1 dV_1 - P_2 dV_2 + Q dt: chamber 1 is charged by the supply's air,
+/// chamber 2 discharges its own, and what leaks past the piston stays inside. Walls of 320 K heat both.
 #[test]
-fn both_chambers_hold_the_enthalpy_that_has_come_less_the_work_done() {
-    let leakage = ["actuator.leakage=laminar", "actuator.leakage_coefficient=1e-9"];
-    let run = simulate("servo-b", &[&SMOOTH[..], &leakage].concat());
+fn both_chambers_hold_the_enthalpy_and_heat_that_have_come_less_the_work_done() {
+    balance_energy(0.0);
+    balance_energy(100.0);
+}
+
+/// Q of walls of 320 K, W, for a coefficient in W/(m^2 K).
+fn heat(coefficient: f64, row: &Row) -> f64 {
+    let lengths = [row.plant.position, 0.3 - row.plant.position];
+    let girths = [0.05, 0.075].map(|diameters| std::f64::consts::PI * diameters);
+    let area = |i: usize| 2.0 * [BLIND, ROD_SIDE][i] + girths[i] * lengths[i];
+    (0..2).map(|i| coefficient * area(i) * (320.0 - row.plant.temperatures[i])).sum()
+}
+
+fn balance_energy(coefficient: f64) {
+    let heated = format!("actuator.heat_transfer_w_per_m2_k={coefficient}");
+    let others =
+        ["actuator.leakage=laminar", "actuator.leakage_coefficient=1e-9", "actuator.wall_temperature_k=320"];
+    let run = simulate("servo-b", &[&SMOOTH[..], &others, &[&heated]].concat());
     let rows = &run.rows[2000..];
     assert!(rows.iter().all(|row| row.plant.mass_flows[0] > 0.0 && row.plant.mass_flows[1] < 0.0));
     let energy = |row: &Row| {
@@ -112,9 +127,11 @@ fn both_chambers_hold_the_enthalpy_that_has_come_less_the_work_done() {
     };
     let last = rows.len() - 1 - (rows.len() - 1) % 2;
     let gained = energy(&rows[last]) - energy(&rows[0]);
-    let came = integral(&rows[..=last], |row| enthalpy(row) - power(row));
+    let came = integral(&rows[..=last], |row| enthalpy(row) - power(row) + heat(coefficient, row));
     let work = integral(&rows[..=last], |row| power(row).abs());
-    assert!(work > 10.0, "the piston works: {work} J");
+    assert!(work > 9.0, "the piston works: {work} J");
+    let heated = integral(&rows[..=last], |row| heat(coefficient, row));
+    assert!(coefficient == 0.0 || heated > 0.1, "the walls heat the air: {heated} J");
     assert!((gained - came).abs() < 1e-9 * energy(&rows[0]), "{gained} {came}");
 }
 

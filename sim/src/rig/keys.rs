@@ -280,6 +280,7 @@ pub static KEYS: &[Key] = &[
     number("sensors.spool_max_mm", 1.25, -1000.0, 1000.0, "", "Spool displacement at full scale."),
     integer("sensors.bits", 12, 8, 15, "", "Width of the converter."),
     key("sensors.home_switch_mm", Kind::Number { min: -1000.0, max: 20_000.0 }, Default::Absent("there is no switch"), "", "The homing switch is closed below this position."),
+    number("sensors.pressure_lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure sensors; 0: none."),
     number("sensors.noise_counts", 0.0, 0.0, 1000.0, "", "Standard deviation of the converter's noise."),
 
     choice("operator.model", &[("solenoid", true), ("solenoid-empirical", true), ("stepper", true), ("on-off", true)], "L(2)", "What moves the spool."),
@@ -347,7 +348,8 @@ pub static KEYS: &[Key] = &[
     number("actuator.leakage_coefficient", 0.0, 0.0, 1e-6, "C(55)", "Laminar leakage, kg/(s Pa)."),
     number("actuator.passage_resistance", 20.0, 1e-3, 1e6, "C(56)", "Egli's resistance of the leakage passage."),
     number("actuator.passage_clearance_m", 1e-5, 1e-9, 1e-2, "C(57)", "Clearance of the leakage passage; the thesis's table has 1e-4, a slip."),
-    number("actuator.heat_transfer_w_per_m2_k", 0.0, 0.0, 1e5, "", "Heat transfer of the chambers' walls; 0: adiabatic, as in the thesis.").not_built(),
+    number("actuator.heat_transfer_w_per_m2_k", 0.0, 0.0, 1e5, "", "Heat transfer of the chambers' walls; 0: adiabatic, as in the thesis."),
+    number("actuator.wall_temperature_k", 294.0, 150.0, 600.0, "", "Temperature of the chambers' walls."),
 
     choice("load.model", &[("mass", true)], "L(21)", "Kind of load."),
     number("load.mass_kg", 1.6, 1e-3, 1e5, "C(17)", "Moving mass.").spread(),

@@ -103,9 +103,9 @@ fn everything_wrong_is_said_at_once() {
 fn a_model_that_is_not_built_is_refused_in_just_those_words() {
     let message = only_problem("[tubing]\nmodel = \"dynamic\"\n");
     assert!(message.contains("tubing.model = \"dynamic\" is not built yet"), "{message}");
-    let message = only_problem("[actuator]\nheat_transfer_w_per_m2_k = 5\n");
-    assert!(message.contains("actuator.heat_transfer_w_per_m2_k is not built yet"), "{message}");
-    read("[actuator]\nheat_transfer_w_per_m2_k = 0\n");
+    let message = only_problem("[valve]\ndischarge_reverse = 0.9\n");
+    assert!(message.contains("valve.discharge_reverse is not built yet"), "{message}");
+    read("[valve]\ndischarge_reverse = 1\n");
 }
 
 #[test]
