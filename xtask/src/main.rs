@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use xtask::steps;
+use xtask::steps::{self, Group};
 use xtask::tally::Tally;
 
 /// What a developer runs. Every failure is told, then how many checks passed and failed.
@@ -18,8 +18,12 @@ struct Arguments {
 enum Command {
     /// Everything that CI runs: fmt --check, lint, test, docs
     Ci,
-    /// All tests on the PC and in the emulator, the no_std crates built for the boards, and the probe
-    Test,
+    /// All tests on the PC and in the emulator, the no_std crates built for the boards, and the probe; or one group of
+    /// tests that needs more, whose tools are installed
+    Test {
+        /// This group alone
+        group: Option<Group>,
+    },
     /// Format both workspaces
     Fmt {
         /// Only tell what is not formatted
@@ -59,7 +63,8 @@ fn main() -> ExitCode {
     let mut tally = Tally::default();
     match Arguments::parse().command {
         Command::Ci => steps::ci(&mut tally),
-        Command::Test => steps::test(&mut tally),
+        Command::Test { group: None } => steps::test(&mut tally),
+        Command::Test { group: Some(group) } => steps::test_group(&mut tally, group),
         Command::Fmt { check } => steps::fmt(&mut tally, check),
         Command::Lint => steps::lint(&mut tally),
         Command::Docs => steps::docs(&mut tally),

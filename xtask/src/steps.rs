@@ -4,10 +4,11 @@ use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
 use anyhow::{Context, Result};
+use clap::ValueEnum;
 
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
-use crate::tools::QEMU;
+use crate::tools::{CHROMIUM, QEMU};
 use crate::{firmware, instructions, memory, nucleo, probe};
 
 /// Formats both workspaces, or checks that they are formatted.
@@ -32,12 +33,42 @@ pub fn lint(tally: &mut Tally) {
     });
 }
 
-/// All tests on the PC, then what can be said of the boards without one.
+/// Tests that need more than Rust and an emulator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Group {
+    /// The pages in a browser
+    Web,
+}
+
+/// One group of tests; its tools are installed, or it fails.
+pub fn test_group(tally: &mut Tally, group: Group) {
+    match group {
+        Group::Web => {
+            tally.check("browser", || CHROMIUM.ensure());
+            pages(tally);
+        }
+    }
+}
+
+/// All tests on the PC, then what can be said of the boards without one. Groups whose tools are missing are left out.
 pub fn test(tally: &mut Tally) {
+    test_without_groups(tally);
+    if CHROMIUM.is_there() {
+        pages(tally);
+    } else {
+        tally.leave_out(format!("no page was opened, as there is no Chromium ({})", CHROMIUM.how()));
+    }
+}
+
+fn pages(tally: &mut Tally) {
+    tests(tally, "pages in a browser", &["test", "--package", "pneudrive", "--test", "pages"]);
+}
+
+fn test_without_groups(tally: &mut Tally) {
     tally.check("target of the boards", cargo::ensure_thumb_target);
     tally.check("emulator", || QEMU.ensure());
     tally.check("image for the emulator", firmware::check_emulated);
-    tests_on_the_pc(tally);
+    tests(tally, "tests", &["test", "--workspace", "--no-fail-fast"]);
     tally.check("results of sweeps as Parquet", || {
         run(&mut in_root(&["test", "--package", "pneudrive", "--features", "parquet", "--lib", "parquet"]))
     });
@@ -51,20 +82,20 @@ pub fn test(tally: &mut Tally) {
     probe(tally);
 }
 
-fn tests_on_the_pc(tally: &mut Tally) {
-    println!("== tests");
+/// Tests that count one by one.
+fn tests(tally: &mut Tally, name: &str, arguments: &[&str]) {
     let before = tally.failed();
-    match follow_tests(tally) {
+    match tally.timed(name, |tally| follow_tests(tally, arguments)) {
         Ok(true) => {}
         Ok(false) if tally.failed() > before => {}
-        Ok(false) => tally.fail(1, "tests: cargo test did not come to its end".to_owned()),
-        Err(error) => tally.fail(1, format!("tests: {error:#}")),
+        Ok(false) => tally.fail(1, format!("{name}: cargo test did not come to its end")),
+        Err(error) => tally.fail(1, format!("{name}: {error:#}")),
     }
 }
 
 /// Runs the tests, shows their output as it comes and counts them; whether cargo was content.
-fn follow_tests(tally: &mut Tally) -> Result<bool> {
-    let mut command = in_root(&["test", "--workspace", "--no-fail-fast"]);
+fn follow_tests(tally: &mut Tally, arguments: &[&str]) -> Result<bool> {
+    let mut command = in_root(arguments);
     let mut child = command.stdout(Stdio::piped()).spawn().context("cargo can't be started")?;
     if let Some(stdout) = child.stdout.take() {
         for line in BufReader::new(stdout).split(b'\n') {
@@ -151,7 +182,10 @@ pub fn soak_link(tally: &mut Tally) {
 pub fn ci(tally: &mut Tally) {
     fmt(tally, true);
     lint(tally);
-    test(tally);
+    test_without_groups(tally);
+    for group in Group::value_variants() {
+        test_group(tally, *group);
+    }
     docs(tally);
 }
 

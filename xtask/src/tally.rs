@@ -1,6 +1,7 @@
 //! What passed and what failed. A failure doesn't end the work: all of them are told at the end.
 
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
@@ -10,6 +11,10 @@ pub struct Tally {
     passed: u32,
     failed: u32,
     failures: Vec<String>,
+    /// What took how long, in the order in which it was done.
+    took: Vec<(String, Duration)>,
+    /// What was left out, and what it takes to do it.
+    left_out: Vec<String>,
 }
 
 /// The result line of one test program.
@@ -37,11 +42,25 @@ impl Counts {
 impl Tally {
     /// Does a check that counts as one.
     pub fn check(&mut self, name: &str, check: impl FnOnce() -> Result<()>) {
-        println!("== {name}");
-        match check() {
+        match self.timed(name, |_| check()) {
             Ok(()) => self.passed += 1,
             Err(error) => self.fail(1, format!("{name}: {error:#}")),
         }
+    }
+
+    /// Does something under a heading, and notes how long it took.
+    pub fn timed<T>(&mut self, name: &str, work: impl FnOnce(&mut Tally) -> T) -> T {
+        println!("== {name}");
+        let begin = Instant::now();
+        let done = work(self);
+        self.took.push((name.to_owned(), begin.elapsed()));
+        done
+    }
+
+    /// Notes what was not done, to be told at the end: it is no failure.
+    pub fn leave_out(&mut self, what: String) {
+        println!("NOT CHECKED: {what}");
+        self.left_out.push(what);
     }
 
     /// Adds the counts of a test program.
@@ -68,10 +87,16 @@ impl Tally {
         format!("{} passed, {} failed", self.passed, self.failed)
     }
 
-    /// Tells the failures, then the last line.
+    /// Tells how long everything took, what was left out, the failures, then the last line.
     #[must_use]
     pub fn report(&self) -> ExitCode {
         println!();
+        for (name, took) in &self.took {
+            println!("{:>6.0} s  {name}", took.as_secs_f64());
+        }
+        for what in &self.left_out {
+            println!("NOT CHECKED: {what}");
+        }
         for failure in &self.failures {
             println!("failed: {failure}");
         }
@@ -105,5 +130,7 @@ mod tests {
         tally.add(Counts { passed: 5, failed: 2 });
         assert_eq!(tally.summary(), "6 passed, 3 failed");
         assert_eq!(tally.failures, ["first: no"]);
+        let timed: Vec<&str> = tally.took.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(timed, ["first", "second"]);
     }
 }

@@ -1,4 +1,5 @@
-//! The programs that tests need beside Rust: the emulator of the boards' processor, and a counter of instructions.
+//! The programs that tests need beside Rust: the emulator of the boards' processor, a counter of instructions, and a
+//! browser.
 
 use std::process::{Command, Stdio};
 
@@ -21,14 +22,30 @@ pub const QEMU: Tool =
 /// The counter of instructions.
 pub const VALGRIND: Tool = Tool { program: "valgrind", how: "apt-get install valgrind, ..." };
 
+/// The browser that opens the pages.
+pub const CHROMIUM: Tool =
+    Tool { program: "chromium", how: "apt-get install chromium, brew install --cask chromium, ..." };
+
 impl Tool {
+    /// Whether it is there.
+    #[must_use]
+    pub fn is_there(&self) -> bool {
+        answers(self.program, "--version")
+    }
+
+    /// How it is installed.
+    #[must_use]
+    pub fn how(&self) -> &'static str {
+        self.how
+    }
+
     /// Makes sure that it is there; installs it where apt-get is and may.
     ///
     /// # Errors
     /// When it's missing and can't be installed, with what to do.
     pub fn ensure(&self) -> Result<()> {
         let Tool { program, how } = self;
-        if answers(program, "--version") {
+        if self.is_there() {
             return Ok(());
         }
         if !answers("apt-get", "--version") || !is_root() {
