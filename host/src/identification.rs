@@ -27,6 +27,7 @@
 //! docs/identification.md has the proof: how often the intervals hold what a virtual rig hides.
 
 mod assumed;
+pub mod causes;
 mod derivatives;
 pub mod figures;
 pub mod least_squares;
@@ -47,6 +48,7 @@ use anyhow::{Result, bail};
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::{Accuracy, Rig};
 
+use causes::Explanation;
 use model::Model;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
@@ -72,8 +74,11 @@ pub struct Estimate {
     pub value: f64,
     /// In the unit of the key.
     pub standard_error: f64,
-    /// Ends of the 95 % interval, in the unit of the key.
+    /// Ends of the 95 % interval, in the unit of the key; where the model does not explain the data, moved apart by what a
+    /// model error as large as the residuals can do.
     pub interval: [f64; 2],
+    /// That, in the unit of the key; 0 where the model explains the data.
+    pub by_misfit: f64,
     /// Part of the squared standard error that what is assumed makes; the rest is noise.
     pub assumed: f64,
     /// Whose priors these are, the largest part first, where they make the larger part.
@@ -156,7 +161,10 @@ pub struct Identification {
     pub spectrum: Spectrum,
     /// Whether the last search ended at a minimum.
     pub converged: bool,
-    /// Whether what remains is noise: else the model does not explain the data, or another minimum does better.
+    /// What would explain the residuals, where these are more than noise; the best first.
+    pub causes: Vec<Explanation>,
+    /// Whether the search converged and what remains is noise: else the model does not explain the data, or another minimum
+    /// does better.
     pub fits: bool,
     /// Runs of a transient that the fit took.
     pub runs: usize,
@@ -191,7 +199,8 @@ pub fn identify(
     let start = vec![0.0; model.unknowns()];
     let found = search::search(&mut model, start, progress)?;
     let posterior = assumed::posterior(&model, &found)?;
-    Ok(finished(&model, &found, &posterior, silent, before))
+    let causes = causes::explain(&model, &found, progress);
+    Ok(Identification { causes, ..finished(&model, &found, &posterior, silent, before) })
 }
 
 impl Model<'_> {
@@ -229,14 +238,16 @@ fn finished(
     let grown = channels.iter().flatten().any(ChannelFit::has_grown);
     let correlation = posterior.of.correlation(model.parameters.len());
     let unseen = unseen.into_iter().map(|i| posterior.unseen(model, u, i));
+    let misfit = found.spectrum.misfit();
     Identification {
         unseen: unseen.chain(silent).collect(),
         correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
-        estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i)).collect(),
+        estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i, misfit)).collect(),
         assumed: posterior.assumed.clone(),
         channels,
+        causes: Vec::new(),
         converged: found.minimum.converged,
-        fits: found.spectrum.is_noise() && !grown,
+        fits: found.minimum.converged && found.spectrum.is_noise() && !grown,
         spectrum: found.spectrum.clone(),
         runs: model.runs(),
         starts: (0..model.recordings.len()).map(|i| model.start_at(u, i)).collect(),

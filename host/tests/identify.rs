@@ -58,7 +58,10 @@ fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
     let rig = Rig::read("fitted.toml", &fitted).expect("valid");
     assert_eq!(rig.number("load.mass_kg"), json["parameters"][0]["estimate"].as_f64().expect("a number"));
     ok(folder.path(), "simulate identified/fitted.toml --out simulated");
-    assert!(fitted.contains("# identified, 95 %:") && fitted.contains("duration_s = 0.45"), "{fitted}");
+    assert!(
+        fitted.contains("# identified, 95 % interval:") && fitted.contains("duration_s = 0.45"),
+        "{fitted}"
+    );
 }
 
 /// An extension alone: a constant force makes up for stiction and Coulomb friction together, which the file has nearly
@@ -211,8 +214,34 @@ fn residuals_that_are_more_than_noise_are_no_fit_under_a_dither_either() {
     let folder = folder();
     let text = format!("{TEST}[sensors]\nnoise_counts = 1\n").replace("dither_mm = 0.0", "dither_mm = 0.2");
     recorded_with(folder.path(), &text, &[("operator.static_friction_n", 3.03)]);
-    ok(folder.path(), "identify rig.toml TARGET01.DAT --fit load.mass_kg");
+    transcript(folder.path(), "identify rig.toml TARGET01.DAT --fit load.mass_kg");
     assert_eq!(identification(folder.path())["fits"], false, "the spool sticks by 1 % more");
+}
+
+/// A spring that the model lacks: the mass was told to 0.1 %, 5 % off, and the file was there to be simulated.
+#[test]
+fn a_model_that_does_not_explain_the_data_leaves_no_rig_file_and_no_95_percent_interval() {
+    let folder = folder();
+    let text = format!("{TEST}[sensors]\nnoise_counts = 1\n");
+    recorded_with(folder.path(), &text, &[("load.spring_n_per_m", 150.0), ("load.mass_kg", 1.7)]);
+    let identify = "identify rig.toml TARGET01.DAT --fit load.mass_kg,load.viscous_n_s_per_m";
+    let fitted = folder.path().join("identified/fitted.toml");
+    fs::create_dir(folder.path().join("identified")).expect("a folder");
+    fs::write(&fitted, "# Fitted by pneudrive identify\n").expect("of a fit before");
+    let printed = transcript(folder.path(), identify);
+    assert!(printed.ends_with("= 1") && printed.contains("--despite-misfit"), "{printed}");
+    assert!(printed.contains("interval, widened by the misfit") && !printed.contains("| 95 %"), "{printed}");
+    assert!(!fitted.exists(), "not even that of a fit before");
+    let json = identification(folder.path());
+    for (parameter, truth) in json["parameters"].as_array().expect("a list").iter().zip([1.7, 30.0]) {
+        assert!(parameter["interval_95"].is_null(), "{parameter}");
+        let [low, high] = [0, 1].map(|end| parameter["interval_widened"][end].as_f64().expect("a number"));
+        assert!(low <= truth && truth <= high, "{parameter}");
+    }
+    let printed = transcript(folder.path(), &format!("{identify} --despite-misfit"));
+    assert!(printed.ends_with("= 1"), "{printed}");
+    let comment = fs::read_to_string(&fitted).expect("asked for");
+    assert!(comment.contains("widened by the misfit"), "{comment}");
 }
 
 #[test]

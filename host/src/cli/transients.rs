@@ -170,6 +170,9 @@ pub struct Identify {
     /// the operator's gain
     #[arg(long, value_name = "KEY,KEY...", value_delimiter = ',')]
     pub fit: Vec<String>,
+    /// Write fitted.toml even if the model does not explain the data; the exit code is 1 nevertheless
+    #[arg(long)]
+    pub despite_misfit: bool,
     /// Where to leave fitted.toml, identification.json and identification.html
     #[arg(long, value_name = "DIR", default_value = "identified")]
     pub out: PathBuf,

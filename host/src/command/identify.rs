@@ -3,9 +3,11 @@
 mod plan;
 mod simple;
 
-use std::path::Path;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::{accuracy, load_choice, rig_text};
@@ -49,7 +51,31 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
         say!("{note}");
     }
     tables.push(figures);
-    write(arguments, &rig, &recordings, accuracy, &found, tables)
+    write(arguments, &rig, &recordings, accuracy, &found, tables)?;
+    ensure!(
+        found.fits,
+        "the model of {} does not explain the transients; {} has what remains, and --despite-misfit writes {FITTED} nevertheless",
+        rig.name(),
+        arguments.out.join(PAGE).display()
+    );
+    Ok(())
+}
+
+/// Writes the fitted rig file, or takes away that of a fit before, whose place this one would have.
+fn write_fitted(arguments: &Identify, found: &Identification) -> Result<Option<PathBuf>> {
+    let path = arguments.out.join(FITTED);
+    refuse_foreign(&path, report::FITTED_MARK)?;
+    if !found.fits && !arguments.despite_misfit {
+        return match fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                Err(error).with_context(|| format!("cannot remove {}, of a fit before", path.display()))
+            }
+            _ => Ok(None),
+        };
+    }
+    let (_, text) = rig_text(&arguments.rig.rig)?;
+    put(&path, &report::fitted(&text, &arguments.rig.settings, found)?)?;
+    Ok(Some(path))
 }
 
 /// What is fitted, and what all records tell without a model of the air.
@@ -78,12 +104,10 @@ fn write(
     found: &Identification,
     tables: Vec<Table>,
 ) -> Result<()> {
-    let [fitted, numbers, page] = [FITTED, NUMBERS, PAGE].map(|name| arguments.out.join(name));
-    refuse_foreign(&fitted, report::FITTED_MARK)?;
+    let [numbers, page] = [NUMBERS, PAGE].map(|name| arguments.out.join(name));
     refuse_foreign(&numbers, report::FORMAT)?;
     refuse_foreign(&page, GENERATOR)?;
-    let (_, text) = rig_text(&arguments.rig.rig)?;
-    put(&fitted, &report::fitted(&text, &arguments.rig.settings, found)?)?;
+    let fitted = write_fitted(arguments, found)?;
     put(&numbers, &format!("{:#}\n", report::to_json(found, recordings)))?;
     let mut figures = Vec::new();
     for (recording, start) in recordings.iter().zip(&found.starts) {
@@ -95,7 +119,7 @@ fn write(
     let title = format!("{}, identified", rig.name());
     let page_of = Page { title, notes: report::notes(found), tables, figures };
     page_of.write(&page).context("the page")?;
-    for path in [fitted, numbers, page] {
+    for path in fitted.into_iter().chain([numbers, page]) {
         say!("{}", path.display());
     }
     Ok(())

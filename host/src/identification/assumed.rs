@@ -102,20 +102,23 @@ impl Considered {
         parts.map(|(j, part)| Share { path: self.parameter(model, j).key.path, part }).collect()
     }
 
-    /// What is to be said of parameter `i` of a fit that ended at `u`.
-    pub fn estimate(&self, model: &Model, u: &[f64], i: usize) -> Estimate {
+    /// What is to be said of parameter `i` of a fit that ended at `u` and left residuals of the norm `misfit` beyond
+    /// noise.
+    pub fn estimate(&self, model: &Model, u: &[f64], i: usize, misfit: f64) -> Estimate {
         let parameter = &model.parameters[i];
         let error = self.of.standard_error(i);
         let assumed = self.of.part_of_priors(i);
         let rests = assumed > RESTS;
-        let reach = NORMAL_95 * error;
+        let moved = self.of.reach(i, misfit);
+        let reach = NORMAL_95 * error + moved;
         Estimate {
             value: parameter.value(u[i]),
             standard_error: error * parameter.slope(u[i]),
             interval: [parameter.value(u[i] - reach), parameter.value(u[i] + reach)],
             assumed,
             rests_on: if rests { self.shares(model, i) } else { Vec::new() },
-            given: if rests { self.given(model, u, i) } else { None },
+            given: if rests && misfit == 0.0 { self.given(model, u, i) } else { None },
+            by_misfit: moved * parameter.slope(u[i]),
             parameter: parameter.clone(),
         }
     }

@@ -90,6 +90,11 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// The same of another rig.
+    pub fn of_rig(&self, rig: Rig) -> Model<'a> {
+        Model { rig, ..self.clone() }
+    }
+
     /// The same with more parameters.
     pub fn with(&self, more: &[Parameter]) -> Model<'a> {
         Model { parameters: [&self.parameters[..], more].concat(), ..self.clone() }

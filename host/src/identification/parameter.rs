@@ -52,6 +52,9 @@ const LOGARITHMS: [(&str, f64); 14] = [
 /// Prior standard deviation of any other logarithm.
 const USUAL: f64 = 0.3;
 
+/// Prior standard deviation of u where next to nothing is assumed.
+const UNKNOWN: f64 = 30.0;
+
 /// Difference in u for a derivative: large against the integrator's error, small against curvature.
 const DIFFERENCE: f64 = 3e-4;
 
@@ -116,6 +119,24 @@ impl Parameter {
         let capped = key.name().starts_with("discharge") && rig.switch("valve.upstream_mach");
         let max = if capped { MOST_DISCHARGE } else { max };
         Ok(Parameter { key, start, scale, prior, difference: DIFFERENCE, range: [min, max] })
+    }
+
+    /// A key that is searched by the difference from the rig's value, in parts of `size` and not below `least`, both in
+    /// its unit, and about which next to nothing is assumed. None where it is no number of the rig.
+    #[must_use]
+    pub fn by_difference(rig: &Rig, path: &str, size: f64, least: f64) -> Option<Parameter> {
+        let key = keys::find(path)?;
+        let Kind::Number { min, max } = key.kind else { return None };
+        let scale = Scale::Difference(size.abs());
+        let range = [min.max(least), max];
+        Some(Parameter {
+            key,
+            start: rig.optional_number(path)?,
+            scale,
+            prior: UNKNOWN,
+            difference: DIFFERENCE,
+            range,
+        })
     }
 
     /// The same, searched by the difference from the file's value, with another prior standard deviation in its unit.

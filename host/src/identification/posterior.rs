@@ -13,6 +13,7 @@
 //! (Schmidt 1966). Where that is small, V is that of plain least squares.
 //!
 //! ```text
+//! sqrt((C J' J C)_ii) |d|                how far a model error d can move i: the bound of Cauchy and Schwarz
 //! V_ii - V_iK (V_KK)^-1 V_Ki             the variance that is left of i once the values K are known
 //! V_iK (V_KK)^-1                         by how much it changes with them
 //! ```
@@ -84,6 +85,15 @@ impl Posterior {
     #[must_use]
     pub fn standard_error(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()
+    }
+
+    /// How far residuals of a norm can move an unknown, in u: C J' d is largest where d has the direction of what the
+    /// unknown does to the data.
+    #[must_use]
+    pub fn reach(&self, i: usize, norm: f64) -> f64 {
+        let by_priors: f64 =
+            (0..self.priors.len()).map(|j| self.by_prior[(i, j)] * self.inverse[(i, j)]).sum();
+        (self.inverse[(i, i)] - by_priors).max(0.0).sqrt() * norm
     }
 
     /// Standard error of an unknown over that before there were data.
@@ -202,6 +212,22 @@ mod tests {
             (known.slopes[0] + 1.0).abs() < 1e-3 && (known.standard_error - 1e-3).abs() < 1e-5,
             "{known:?}"
         );
+    }
+
+    /// A misfit in the very direction of the first unknown moves it by as much as the reach says, any other by less.
+    #[test]
+    fn no_model_error_moves_an_estimate_beyond_its_reach() {
+        let jacobian = DMatrix::from_row_slice(4, 2, &[3.0, 1.0, 0.5, 2.0, 0.0, 1.0, 1.0, 0.2]);
+        let information = jacobian.tr_mul(&jacobian);
+        let priors = DVector::from_row_slice(&[1.0, 0.5]);
+        let inverse = inverse(&information, &priors).expect("positive");
+        let posterior = Posterior::new(inverse.clone(), &information, priors);
+        let to_first = (&inverse * jacobian.transpose()).row(0).transpose();
+        let worst = 2.0 * &to_first / to_first.norm();
+        let moved = |error: &DVector<f64>| (&inverse * jacobian.tr_mul(error))[0];
+        assert!((moved(&worst) - posterior.reach(0, 2.0)).abs() < 1e-12);
+        let other = DVector::from_row_slice(&[1.0, -1.0, 1.0, 1.0]);
+        assert!(moved(&other).abs() < posterior.reach(0, other.norm()));
     }
 
     #[test]

@@ -5,7 +5,9 @@ use pneudrive_sim::follow::Reading;
 use serde_json::{Value, json};
 use toml_edit::{DocumentMut, value};
 
+use super::causes::Explanation;
 use super::parameter::Parameter;
+use super::posterior::NORMAL_95;
 use super::recording::{CHANNELS, Channel, Recording, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Panel, Table};
@@ -29,7 +31,8 @@ fn digits(value: f64) -> String {
 /// All tables of a fit.
 #[must_use]
 pub fn tables(found: &Identification) -> Vec<Table> {
-    let tables = [parameters(found), dependent(found), channels(found), unseen(found), assumed(found)];
+    let tables =
+        [parameters(found), dependent(found), channels(found), causes(found), unseen(found), assumed(found)];
     let filled = tables.into_iter().filter(|table| !table.rows.is_empty());
     filled.chain([correlation(found)]).collect()
 }
@@ -51,8 +54,13 @@ pub fn parameters(found: &Identification) -> Table {
             paths(&estimate.rests_on),
         ]
     };
-    let columns = ["parameter", "file", "estimate", "standard error", "95 % interval", "rests on"];
+    let columns = ["parameter", "file", "estimate", "standard error", interval_name(found), "rests on"];
     table("parameters", &columns, found.estimates.iter().map(row).collect())
+}
+
+/// What an interval is.
+fn interval_name(found: &Identification) -> &'static str {
+    if found.fits { "95 % interval" } else { "interval, widened by the misfit" }
 }
 
 /// What parameters would be if those that they rest on were known.
@@ -118,6 +126,34 @@ pub fn channels(found: &Identification) -> Table {
     table("root mean square of the residuals, counts", &columns, rows.collect())
 }
 
+/// What would explain the residuals.
+#[must_use]
+pub fn causes(found: &Identification) -> Table {
+    let rows = found.causes.iter().map(|cause| {
+        let value = cause.value.map_or_else(
+            || cause.setting.clone(),
+            |(_, error)| format!("{} +- {:.1e}", cause.setting, NORMAL_95 * error),
+        );
+        vec![
+            cause.effect.name.to_owned(),
+            format!("{:.0} %", 100.0 * cause.explained),
+            verdict(cause).to_owned(),
+            value,
+            cause.effect.measure.to_owned(),
+        ]
+    });
+    let columns = ["effect", "explains", "is that sure", "as it was found", "how to measure it"];
+    table("what would explain the residuals, one effect at a time", &columns, rows.collect())
+}
+
+fn verdict(cause: &Explanation) -> &'static str {
+    match (cause.is_significant(), cause.as_good_as_best) {
+        (true, true) => "as well as any",
+        (true, false) => "another one does better",
+        (false, _) => "no: chance does as much",
+    }
+}
+
 /// What is not seen, and why.
 #[must_use]
 pub fn unseen(found: &Identification) -> Table {
@@ -158,7 +194,15 @@ pub fn notes(found: &Identification) -> Vec<String> {
         notes.push("The search did not converge: the estimates are where it ended, and their intervals mean little. Look at the residuals; other starting values or other transients may help.".to_owned());
     }
     if !found.fits {
-        notes.push("More remains than noise: the model does not explain these data, or another minimum does it better. Intervals do not tell how far the estimates are from the truth.".to_owned());
+        notes.push("More remains than noise: the model does not explain these data, or another minimum does it better. No interval is one of 95 %: each is widened by what an error of the model, as large as the residuals that remain, can do to the estimate. An error that the estimates have taken up is not in it.".to_owned());
+    }
+    if let Some(best) = found.causes.first().filter(|cause| cause.is_significant()) {
+        notes.push(format!(
+            "Of the effects that the rig file does not have, {} would explain most: {:.0} % of the misfit. Measure it as its table says; with `--set {}` the same records are fitted again.",
+            best.effect.name,
+            100.0 * best.explained,
+            best.setting.replace(' ', " --set ")
+        ));
     }
     if found.estimates.iter().any(|estimate| !estimate.rests_on.is_empty()) {
         notes.push("Some intervals rest less on the data than on what is assumed of other values: the table of these tells what each would be, were they exact. Measure those, write them into the rig file, and leave them out of the fit.".to_owned());
@@ -239,7 +283,9 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
     let estimate = |e: &Estimate| {
         json!({
             "key": e.parameter.key.path, "unit": e.parameter.key.unit(), "file": e.parameter.start,
-            "estimate": e.value, "standard_error": e.standard_error, "interval_95": e.interval,
+            "estimate": e.value, "standard_error": e.standard_error,
+            "interval_95": found.fits.then_some(e.interval),
+            "interval_widened": (!found.fits).then_some(e.interval),
             "part_of_assumptions": e.assumed, "rests_on": shares(&e.rests_on),
             "given": e.given.as_ref().map(given),
         })
@@ -252,6 +298,14 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
     });
     let assumed = found.assumed.iter().map(|parameter| {
         json!({ "key": parameter.key.path, "file": parameter.start, "within": parameter.assumed_within() })
+    });
+    let causes = found.causes.iter().map(|cause| {
+        json!({
+            "effect": cause.effect.name, "settings": cause.setting, "explained": cause.explained,
+            "chance": cause.chance, "as_good_as_best": cause.as_good_as_best,
+            "value": cause.value.map(|(value, _)| value),
+            "standard_error": cause.value.map(|(_, error)| error),
+        })
     });
     let channels = CHANNELS.iter().zip(&found.channels).filter_map(|((name, _), fit)| {
         let fit = fit.as_ref()?;
@@ -270,6 +324,7 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "runs": found.runs,
         "parameters": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "unseen": unseen.collect::<Vec<_>>(),
+        "causes": causes.collect::<Vec<_>>(),
         "assumed": assumed.collect::<Vec<_>>(),
         "channels": channels.collect::<Vec<_>>(),
         "correlation": found.correlation.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>()).collect::<Vec<_>>(),
@@ -295,7 +350,7 @@ pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result
         } else {
             format!(", resting on {}", paths(&estimate.rests_on))
         };
-        let comment = format!("identified, 95 %: {}{rests}", range(estimate.interval));
+        let comment = format!("identified, {}: {}{rests}", interval_name(found), range(estimate.interval));
         set(&estimate.parameter, estimate.value, comment);
     }
     for unseen in found.unseen.iter().filter(|unseen| unseen.value != unseen.parameter.start) {

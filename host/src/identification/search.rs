@@ -46,6 +46,11 @@ pub(super) struct Found {
 }
 
 impl Found {
+    /// Standard error that noise makes, as correlated as the residuals are, in u.
+    pub fn error_by_noise(&self, unknown: usize) -> f64 {
+        self.by_noise[(unknown, unknown)].max(0.0).sqrt()
+    }
+
     /// Residuals of the data; those of the priors come after them.
     pub fn rows(&self) -> usize {
         self.minimum.residuals.len() - self.minimum.u.len()
@@ -176,7 +181,14 @@ fn with_its_noise(model: &mut Model, u: &[f64], progress: &mut dyn FnMut(&str)) 
 }
 
 fn found(model: &Model, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
-    let minimum = minimise(model, u, true, progress).ok_or_else(|| cannot_follow(model, u))?;
+    found_at(model, minimise(model, u, true, progress).ok_or_else(|| cannot_follow(model, u))?)
+}
+
+/// A minimum, and what its residuals are.
+///
+/// # Errors
+/// When the sensitivities are too far apart.
+pub(super) fn found_at(model: &Model, minimum: Minimum) -> Result<Found> {
     let blocks = model.blocks();
     let rows = blocks.last().map_or(0, |block| block.rows.end);
     let jacobian = minimum.jacobian.rows(0, rows).into_owned();

@@ -44,6 +44,18 @@ pub struct Band {
     pub ratio: f64,
     /// How often noise has as large a ratio.
     pub chance: f64,
+    /// Sum of squares beyond that of the noise, in what residuals are told in; 0 where it may be chance.
+    pub excess: f64,
+}
+
+impl Band {
+    /// A band whose noise has another variance, which is known as well as these degrees of freedom say.
+    fn of(channel: usize, edges: [f64; 2], energy: Energy, (noise, freedom): (f64, f64)) -> Band {
+        let ratio = energy.variance() / noise;
+        let chance = chance(ratio, energy.freedom, freedom);
+        let beyond = (energy.variance() - noise).max(0.0) * energy.freedom;
+        Band { channel, edges, ratio, chance, excess: if chance < LOUD { beyond } else { 0.0 } }
+    }
 }
 
 /// The residuals of a fit by channel and frequency.
@@ -150,15 +162,12 @@ impl Transform {
             for edges in bands().filter(|edges| edges[1] < top) {
                 let energy = self.energy(channel, edges, covariance);
                 if energy.freedom >= FEWEST {
-                    let ratio = energy.variance() / noise.variance();
-                    let chance = chance(ratio, energy.freedom, noise.freedom);
-                    spectrum.bands.push(Band { channel, edges, ratio, chance });
+                    spectrum.bands.push(Band::of(channel, edges, energy, (noise.variance(), noise.freedom)));
                 }
             }
             if rest.freedom >= FEWEST {
-                let ratio = noise.variance() / rest.noise.powi(2);
-                let chance = chance(ratio, noise.freedom, rest.freedom);
-                spectrum.bands.push(Band { channel, edges: [0.0, top], ratio, chance });
+                let resting = (rest.noise.powi(2), rest.freedom);
+                spectrum.bands.push(Band::of(channel, [0.0, top], noise, resting));
             }
         }
         spectrum
@@ -170,6 +179,12 @@ impl Spectrum {
     #[must_use]
     pub fn is_noise(&self) -> bool {
         self.loudest().is_none_or(|band| band.chance * self.bands.len() as f64 >= CHANCE)
+    }
+
+    /// Norm of the residuals beyond noise; 0 where all that remains is noise.
+    #[must_use]
+    pub fn misfit(&self) -> f64 {
+        if self.is_noise() { 0.0 } else { self.bands.iter().map(|band| band.excess).sum::<f64>().sqrt() }
     }
 
     /// The band that noise explains least.
@@ -206,6 +221,9 @@ fn rows([low, high]: [f64; 2], n: usize) -> Range<usize> {
 fn chance(ratio: f64, freedom: f64, of_noise: f64) -> f64 {
     // An F distribution of that many degrees of freedom is that of a known noise.
     let of_noise = of_noise.min(1e6);
+    if !ratio.is_finite() {
+        return 0.0;
+    }
     FisherSnedecor::new(freedom, of_noise).map_or(1.0, |f| f.sf(ratio))
 }
 

@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_drive_that_moves_is_not_said_to_stand_because_its_pressures_swing() {
-        assert_eq!(verdict_under(900, 20, 400), "right");
-        assert!(verdict_under(-900, 20, 400).contains("swing too much"));
+        assert_eq!(verdict_under(900, 5, 400), "right");
+        assert!(verdict_under(-900, 5, 400).contains("swing too much"));
     }
 }

@@ -1,0 +1,298 @@
+//! What would explain residuals that are more than noise: effects that the rig file does not have, or has at a fixed
+//! value, one at a time.
+//!
+//! ```text
+//! d    = r(with the effect at its usual size) - r              what it does to the residuals
+//! d_   = d - J (J' J)^-1 J' d                                  what no parameter could do as well
+//! gain = (d_' r)^2 / d_' d_                                    sum of squares that it would take away, linearised
+//! F    = (S_0 - S_1) / (t S_1 / (n - p)),  t = (1 + rho) / (1 - rho)
+//! ```
+//!
+//! The effects with the largest gains are fitted beside all parameters, which takes the sum of squares from S_0 to S_1.
+//! Neighbouring residuals correlate by rho, so that n of them are worth n / t independent ones: F has 1 and (n - p) / t
+//! degrees of freedom where the effect explains nothing. Its tail is multiplied by the number of effects that were
+//! tried (Bonferroni).
+
+mod list;
+
+use nalgebra::{DMatrix, DVector};
+use pneudrive_sim::Rig;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::least_squares::minimise;
+use super::model::Model;
+use super::parameter::Parameter;
+use super::search::{Found, found_at};
+
+/// Effects that are fitted, the most promising first.
+const FITTED: usize = 4;
+
+/// An effect whose residuals the parameters repeat to this part is not seen.
+const CONFUSED: f64 = 1e-4;
+
+/// An effect explains something if chance would do it less often than this.
+const SIGNIFICANT: f64 = 1e-3;
+
+/// An effect that may be the cause of a misfit.
+#[derive(Clone, Copy, Debug)]
+pub struct Effect {
+    /// In words.
+    pub name: &'static str,
+    /// How a rig file has it.
+    pub change: Change,
+    /// How to measure it without a fit.
+    pub measure: &'static str,
+}
+
+/// How a rig file comes to have an effect.
+#[derive(Clone, Copy, Debug)]
+pub enum Change {
+    /// A number.
+    Number {
+        /// Its key.
+        path: &'static str,
+        /// Settings without which it does nothing.
+        with: &'static [&'static str],
+        /// What is usual, in the unit of the key.
+        size: f64,
+        /// The least that can be told from none, in the unit of the key.
+        least: f64,
+    },
+    /// A switch that is turned.
+    Switch(&'static str),
+    /// The other word of a choice, by its key.
+    Word(&'static str, &'static str),
+}
+
+/// How well an effect explains a misfit.
+#[derive(Clone, Debug)]
+pub struct Explanation {
+    /// The effect.
+    pub effect: Effect,
+    /// Setting by which a rig file has it as it was found.
+    pub setting: String,
+    /// Value that was found and its standard error, in the unit of the key, if the effect is a number.
+    pub value: Option<(f64, f64)>,
+    /// Part of the squared misfit that is gone with it; 1 where noise alone is left.
+    pub explained: f64,
+    /// How often an effect that explains nothing would seem to do as much.
+    pub chance: f64,
+    /// Whether it explains as much as the best one but for what chance can do.
+    pub as_good_as_best: bool,
+    /// Sum of squares that it takes away, in units of what chance takes on average.
+    ratio: f64,
+    /// Independent residuals.
+    freedom: f64,
+}
+
+impl Explanation {
+    /// Whether chance hardly does as much.
+    #[must_use]
+    pub fn is_significant(&self) -> bool {
+        self.chance < SIGNIFICANT
+    }
+}
+
+/// An effect on trial: the model that has it at its usual size, and by how much of that it should be.
+struct Trial {
+    effect: Effect,
+    gain: f64,
+    part: f64,
+}
+
+/// The effects that explain what a fit leaves beyond noise, the best first. `progress` is told what is being done.
+pub(super) fn explain(model: &Model, found: &Found, progress: &mut dyn FnMut(&str)) -> Vec<Explanation> {
+    if found.spectrum.misfit() == 0.0 {
+        return Vec::new();
+    }
+    progress("what would explain the rest: effects that the rig file does not have");
+    let Some(projection) = Projection::of(&found.minimum.jacobian) else { return Vec::new() };
+    let tried = list::EFFECTS.iter().filter_map(|effect| trial(model, found, &projection, *effect));
+    let mut trials: Vec<Trial> = tried.collect();
+    let count = trials.len();
+    trials.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    trials.truncate(FITTED);
+    let fits = trials.iter().filter_map(|trial| {
+        progress(&format!("with {}", trial.effect.name));
+        fit(model, found, trial, count)
+    });
+    let mut explanations: Vec<Explanation> = fits.collect();
+    explanations.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    let Some(best) = explanations.first().map(|best| best.ratio) else { return explanations };
+    for explanation in &mut explanations {
+        explanation.as_good_as_best = chance(best - explanation.ratio, explanation.freedom) > SIGNIFICANT;
+    }
+    explanations
+}
+
+/// What is left of residuals once the parameters have done what they can.
+struct Projection<'a> {
+    jacobian: &'a DMatrix<f64>,
+    inverse: DMatrix<f64>,
+}
+
+impl Projection<'_> {
+    fn of(jacobian: &DMatrix<f64>) -> Option<Projection<'_>> {
+        Some(Projection { jacobian, inverse: jacobian.tr_mul(jacobian).cholesky()?.inverse() })
+    }
+
+    fn left_of(&self, residuals: &DVector<f64>) -> DVector<f64> {
+        residuals - self.jacobian * (&self.inverse * self.jacobian.tr_mul(residuals))
+    }
+}
+
+/// What an effect promises; None where the rig cannot have it, has it already, or the data do not show it.
+fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effect) -> Option<Trial> {
+    let (u, residuals) = (&found.minimum.u, &found.minimum.residuals);
+    let with = model.of_rig(effect.rig(model, 1.0)?);
+    let change = with.residuals_at(u)? - residuals;
+    let left = projection.left_of(&change);
+    if left.norm_squared() < CONFUSED * change.norm_squared() {
+        return None;
+    }
+    let (gain, part) = match effect.change {
+        Change::Number { .. } => {
+            let part = -left.dot(residuals) / left.norm_squared();
+            (left.dot(residuals).powi(2) / left.norm_squared(), part)
+        }
+        _ => (residuals.norm_squared() - (residuals + &left).norm_squared(), 1.0),
+    };
+    let possible = gain > 0.0 && effect.rig(model, part).is_some();
+    possible.then_some(Trial { effect, gain, part })
+}
+
+/// An effect fitted beside all parameters.
+fn fit(model: &Model, found: &Found, trial: &Trial, tried: usize) -> Option<Explanation> {
+    let Effect { change, .. } = trial.effect;
+    let mut with = model.of_rig(trial.effect.rig(model, trial.part)?);
+    let mut u = found.minimum.u.clone();
+    let place = model.parameters.len();
+    if let Change::Number { path, size, least, .. } = change {
+        with = with.with(&[Parameter::by_difference(&with.rig, path, size, least)?]);
+        u.insert(place, 0.0);
+    }
+    let minimum = minimise(&with, &u, false, &mut |_| {})?;
+    let better = found_at(&with, minimum).ok()?;
+    let value = match change {
+        Change::Number { .. } => {
+            let parameter = &with.parameters[place];
+            let error = better.error_by_noise(place) * parameter.slope(0.0);
+            Some((parameter.value(better.minimum.u[place]), error))
+        }
+        _ => None,
+    };
+    let (ratio, freedom) = f_ratio(&with, found, &better);
+    Some(Explanation {
+        setting: trial.effect.setting(&with.rig, value),
+        effect: trial.effect,
+        value,
+        explained: (1.0 - (better.spectrum.misfit() / found.spectrum.misfit()).powi(2)).max(0.0),
+        chance: (chance(ratio, freedom) * tried as f64).min(1.0),
+        as_good_as_best: false,
+        ratio,
+        freedom,
+    })
+}
+
+/// F, and the degrees of freedom below its line.
+fn f_ratio(with: &Model, before: &Found, after: &Found) -> (f64, f64) {
+    let residuals = &after.minimum.residuals;
+    let (mut squares, mut products) = (0.0, 0.0);
+    for block in with.blocks() {
+        let of = &residuals.as_slice()[block.rows];
+        squares += of.iter().map(|r| r * r).sum::<f64>();
+        products += of.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+    }
+    let rho = (products / squares).clamp(0.0, 0.999);
+    let worth = (1.0 + rho) / (1.0 - rho);
+    let freedom = after.rows().saturating_sub(with.parameters.len()).max(1) as f64;
+    let gained = before.minimum.residuals.norm_squared() - residuals.norm_squared();
+    (gained / (worth * residuals.norm_squared() / freedom), freedom / worth)
+}
+
+/// How often F is above `ratio` by chance.
+fn chance(ratio: f64, freedom: f64) -> f64 {
+    match FisherSnedecor::new(1.0, freedom.max(1.0)) {
+        Ok(f) if ratio > 0.0 && ratio.is_finite() => f.sf(ratio),
+        _ => 1.0,
+    }
+}
+
+impl Effect {
+    /// The rig of a model with a part of the usual size of the effect; None where it is no valid rig, has the effect
+    /// fitted, or has no use for it.
+    fn rig(&self, model: &Model, part: f64) -> Option<Rig> {
+        let rig = &model.rig;
+        let fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
+        match self.change {
+            Change::Number { path, .. } if fitted(path) => None,
+            Change::Number { path, with, size, .. } => {
+                let settings: Vec<String> = with.iter().map(ToString::to_string).collect();
+                let rig = rig.with_settings(&settings).ok()?;
+                let value = rig.optional_number(path)? + part * size;
+                rig.with_numbers(&[(path, value)]).ok()
+            }
+            Change::Switch(path) => {
+                let turned = !rig.switch(path);
+                rig.with_settings(&[format!("{path}={turned}")]).ok()
+            }
+            Change::Word(path, word) if rig.word(path) != word => {
+                rig.with_settings(&[format!("{path}={word}")]).ok()
+            }
+            Change::Word(..) => None,
+        }
+    }
+
+    /// The settings by which a rig file has the effect as it was found in `rig`.
+    fn setting(&self, rig: &Rig, value: Option<(f64, f64)>) -> String {
+        match self.change {
+            Change::Number { path, with, .. } => {
+                let number = format!("{path}={:.4}", Shortest(value.map_or(0.0, |(value, _)| value)));
+                with.iter().copied().chain([number.as_str()]).collect::<Vec<_>>().join(" ")
+            }
+            Change::Switch(path) => format!("{path}={}", rig.switch(path)),
+            Change::Word(path, word) => format!("{path}={word}"),
+        }
+    }
+}
+
+/// A number with as many significant digits as its precision says.
+struct Shortest(f64);
+
+impl std::fmt::Display for Shortest {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let digits = f.precision().unwrap_or(4).saturating_sub(1);
+        let rounded: f64 = format!("{:.digits$e}", self.0).parse().unwrap_or(self.0);
+        write!(f, "{rounded}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_sim::rig::keys;
+
+    #[test]
+    fn every_effect_is_of_a_key_and_of_a_size_in_its_range() {
+        let rig = Rig::builtin("servo-b").expect("built in");
+        for effect in list::EFFECTS {
+            let (Change::Number { path, .. } | Change::Switch(path) | Change::Word(path, _)) = effect.change;
+            assert!(keys::find(path).is_some(), "{path}");
+            let model = Model::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
+            assert!(effect.rig(&model, 1.0).is_some(), "{}", effect.name);
+        }
+    }
+
+    #[test]
+    fn what_the_parameters_can_do_is_left_out() {
+        let jacobian = DMatrix::from_row_slice(3, 1, &[1.0, 1.0, 0.0]);
+        let projection = Projection::of(&jacobian).expect("regular");
+        let left = projection.left_of(&DVector::from_row_slice(&[3.0, 1.0, 2.0]));
+        assert!((left - DVector::from_row_slice(&[1.0, -1.0, 2.0])).norm() < 1e-12);
+    }
+
+    #[test]
+    fn numbers_of_a_setting_are_short() {
+        assert_eq!(format!("{:.4} {:.4}", Shortest(1.234_56e-9), Shortest(-40.0)), "0.000000001235 -40");
+    }
+}

@@ -1,0 +1,86 @@
+//! The effects that are tried.
+
+use super::{Change, Effect};
+
+const fn number(path: &'static str, size: f64, least: f64) -> Change {
+    Change::Number { path, with: &[], size, least }
+}
+
+/// In the order in which they are tried.
+pub(super) const EFFECTS: [Effect; 14] = [
+    Effect {
+        name: "heat exchange with the cylinder's walls",
+        change: number("actuator.heat_transfer_w_per_m2_k", 50.0, 0.0),
+        measure: "shut the valve after a fast stroke and watch how the pressures recover within a second",
+    },
+    Effect {
+        name: "lag of the pressure sensors",
+        change: number("sensors.pressure_lag_s", 1e-3, 2e-5),
+        measure: "read it off the data sheets of sensor and amplifier, or vent a sensor suddenly and record it",
+    },
+    Effect {
+        name: "lag of the tubes",
+        change: number("tubing.lag_s", 1e-3, 2e-5),
+        measure: "record the pressure at both ends of a tube while the valve opens",
+    },
+    Effect {
+        name: "leakage past the piston",
+        change: Change::Number {
+            path: "actuator.leakage_coefficient",
+            with: &["actuator.leakage=laminar"],
+            size: 1e-9,
+            least: 0.0,
+        },
+        measure: "block the piston, fill one chamber, shut both ports, and time how the pressures meet",
+    },
+    Effect {
+        name: "a spring on the load",
+        change: number("load.spring_n_per_m", 30.0, 0.0),
+        measure: "with both chambers vented, push the load along its stroke with a spring balance",
+    },
+    Effect {
+        name: "an incline",
+        change: number("load.incline_deg", 2.0, -90.0),
+        measure: "lay a spirit level on the cylinder",
+    },
+    Effect {
+        name: "another supply pressure",
+        change: number("supply.pressure_pa", 2e4, 1e4),
+        measure: "read a gauge at the valve during a full opening",
+    },
+    Effect {
+        name: "another supply temperature",
+        change: number("supply.temperature_k", 5.0, 150.0),
+        measure: "hold a thermometer into the supply air",
+    },
+    Effect {
+        name: "another exhaust pressure",
+        change: number("exhaust.pressure_pa", 1e3, 1e4),
+        measure: "read a barometer, and a gauge between the valve and its silencer",
+    },
+    Effect {
+        name: "another lap of the valve's lands",
+        change: number("valve.underlap_mm", 0.01, -10.0),
+        measure: "record the flow about the null (`pneudrive characterise RIG flow-gain` shows what the model has)",
+    },
+    Effect {
+        name: "another ratio of heat capacities",
+        change: number("gas.heat_capacity_ratio", -0.02, 1.01),
+        measure: "look at what gas it is: 1.4 is dry air; less stands for heat exchange, too",
+    },
+    Effect {
+        name: "the speed of the air in the ports",
+        change: Change::Switch("valve.upstream_mach"),
+        measure: "compare the flow of the open valve through wide and narrow tubes",
+    },
+    Effect {
+        name: "a discharge that depends on the pressure ratio",
+        change: Change::Word("valve.discharge_model", "perry"),
+        measure: "record the flow of the open valve over the pressure ratio",
+    },
+    Effect {
+        name: "the force of the flow on the spool",
+        change: Change::Word("valve.flow_force", "analytical"),
+        measure: "compare the strokes of the spool with and without supply pressure",
+    },
+];
