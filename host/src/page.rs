@@ -52,16 +52,19 @@ impl Page {
     /// to put into it.
     pub fn write(&self, path: &Path) -> Result<()> {
         run_folder::refuse_foreign(path, GENERATOR)?;
-        let [head, script, body] = self.pieces()?;
+        let [head, script, body] = self.pieces("")?;
         run_folder::put_pieces(path, &[head.as_bytes(), script.as_bytes(), body.as_bytes()])
     }
 
-    /// What stands before the script, the script, and the rest.
-    fn pieces(&self) -> Result<[Cow<'static, str>; 3]> {
+    /// What stands before the script, the script, and the rest; `mark` goes into the head.
+    ///
+    /// # Errors
+    /// When the plotting library has no script to put into it.
+    pub(crate) fn pieces(&self, mark: &str) -> Result<[Cow<'static, str>; 3]> {
         let script = if self.figures.is_empty() { "" } else { plotly_script()? };
         let title = escaped(&self.title);
         let head = format!(
-            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{GENERATOR}\n<title>{title}</title>\n\
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{GENERATOR}{mark}\n<title>{title}</title>\n\
              <style>{STYLE}</style>\n"
         );
         let body = format!("\n</head>\n<body>\n<h1>{title}</h1>\n{}</body>\n</html>\n", self.content());
@@ -191,7 +194,7 @@ mod tests {
     }
 
     fn html(page: &Page) -> String {
-        page.pieces().expect("a page").concat()
+        page.pieces("").expect("a page").concat()
     }
 
     #[test]

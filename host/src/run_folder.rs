@@ -1,22 +1,42 @@
-//! The folder of a simulated run: trace.csv and run.json, and band.csv where the run has neighbours.
+//! The folder of a simulated run: trace.csv and run.json, band.csv where the run has neighbours, and its page.
+//!
+//! They are one thing: they are replaced together ([`replacement`]), run.json has the checksums of trace.csv and band.csv, and
+//! the page has the identity of its run, [`IDENTITY`].
+
+mod replacement;
+mod stored;
+
+pub use stored::{StoredRun, is_trace, rig_of};
 
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
+use crc::{CRC_64_XZ, Crc};
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_sim::rig::{Fields, Value};
 use pneudrive_sim::trace::{COLUMNS, to_csv};
-use pneudrive_sim::{Accuracy, Decision, Method, Rig, Run};
+use pneudrive_sim::{Decision, Rig};
 use serde_json::{Map, json};
 
 use crate::band::{self, Band};
-use crate::ensemble::{Judged, Spacing};
+use crate::ensemble::Judged;
 use crate::evaluation::{self, Move};
-use crate::rig_text;
-use crate::transient::{WHOLE_WINDOW, whole_window};
+use crate::page::{GENERATOR, Page};
 use crate::words;
+use replacement::Replacement;
+
+/// The page's mark that tells of which run it is; run.json has the same under `identity`.
+pub const IDENTITY: &str = "pneudrive-run";
+
+const TRACE: &str = "trace.csv";
+const BAND: &str = "band.csv";
+const RUN: &str = "run.json";
+const PAGE: &str = "report.html";
+
+/// Where run.json has the checksums of the other files.
+const CHECKSUMS: &str = "checksums";
 
 /// `format` of run.json.
 const FORMAT: &str = "pneudrive-run 1";
@@ -27,31 +47,54 @@ const OPEN: &str = "open";
 /// Keys of the windows over which the controller forms velocity and acceleration.
 const WINDOWS: [&str; 2] = ["controller.velocity_window_samples", "controller.acceleration_window_samples"];
 
-/// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder. `moves` has the moves of the
-/// run, and then those of each of its neighbours.
+/// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder, and its page if it has one; all of
+/// them or none, and none of another run stays. `moves` has the moves of the run, and then those of each of its neighbours.
 ///
 /// # Errors
-/// When the folder cannot be written to, or holds a run.json that is not ours.
-pub fn write(folder: &Path, rig: &Rig, judged: &Judged, moves: &[Vec<Move>]) -> Result<()> {
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let json_path = folder.join("run.json");
+/// When the folder cannot be written to, or holds a file of such a name that is not ours.
+pub fn write(
+    folder: &Path,
+    rig: &Rig,
+    judged: &Judged,
+    moves: &[Vec<Move>],
+    page: Option<&Page>,
+) -> Result<()> {
+    refuse_others(folder)?;
+    let trace = to_csv(&judged.run.rows);
+    let band = judged.band.as_ref().map(Band::to_csv);
+    let mut description = describe(rig, judged, moves);
+    let identity = checksum(&format!("{trace}{}{}", band.as_deref().unwrap_or(""), description["keys"]));
+    description[CHECKSUMS] = json!({ TRACE: checksum(&trace), BAND: band.as_deref().map(checksum) });
+    description["identity"] = json!(identity);
+    let mut set = Replacement::begin(folder)?;
+    set.add(TRACE, &[trace.as_bytes()])?;
+    if let Some(band) = band {
+        set.add(BAND, &[band.as_bytes()])?;
+    }
+    if let Some(page) = page {
+        let mark = format!("<meta name=\"{IDENTITY}\" content=\"{identity}\">");
+        let pieces = page.pieces(&mark)?;
+        set.add(PAGE, &pieces.each_ref().map(|piece| piece.as_bytes()))?;
+    }
+    set.add(RUN, &[(serde_json::to_string_pretty(&description)? + "\n").as_bytes()])?;
+    set.commit()
+}
+
+/// Refuses to replace files that are somebody's own.
+fn refuse_others(folder: &Path) -> Result<()> {
+    let json_path = folder.join(RUN);
     if json_path.exists() && read_json(&json_path).is_err() {
         bail!("{} is not of this program; choose another folder", json_path.display());
     }
-    let trace_path = folder.join("trace.csv");
-    refuse_foreign(&trace_path, &COLUMNS.join(","))?;
-    let band_path = folder.join("band.csv");
-    refuse_foreign(&band_path, &band::header())?;
-    put(&trace_path, &to_csv(&judged.run.rows))?;
-    match &judged.band {
-        Some(band) => put(&band_path, &band.to_csv())?,
-        // One from before would be of another run.
-        None if band_path.exists() => fs::remove_file(&band_path)
-            .with_context(|| format!("cannot remove {}, which is of another run", band_path.display()))?,
-        None => {}
-    }
-    let text = serde_json::to_string_pretty(&describe(rig, judged, moves))?;
-    put(&json_path, &(text + "\n"))
+    refuse_foreign(&folder.join(TRACE), &COLUMNS.join(","))?;
+    refuse_foreign(&folder.join(BAND), &band::header())?;
+    refuse_foreign(&folder.join(PAGE), GENERATOR)
+}
+
+/// A checksum as run.json has it: CRC-64 (XZ), in hexadecimal digits.
+fn checksum(text: &str) -> String {
+    const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+    format!("{:016x}", CRC.checksum(text.as_bytes()))
 }
 
 /// Makes a folder if it is not there, and makes sure that it can be written to, before long work.
@@ -178,163 +221,6 @@ fn json_of_event(fields: &Fields) -> serde_json::Value {
     fields.iter().map(|(name, value)| ((*name).to_owned(), json_of(value))).collect()
 }
 
-/// A run as it was written: its description and the columns of its trace.
-#[derive(Clone, Debug)]
-pub struct StoredRun {
-    /// What the rig is called.
-    pub rig: String,
-    /// mm of stroke per encoder count.
-    pub mm_per_count: f64,
-    /// Whether its moves are commands.
-    pub open_loop: bool,
-    /// Windows of the controller's velocity and acceleration, samples.
-    pub windows: [u8; 2],
-    /// What it and its neighbours cover, if it has some.
-    pub band: Option<Band>,
-    /// How its neighbours were chosen; None of a run without neighbours.
-    pub spacing: Option<Spacing>,
-    /// How exactly it was integrated; None where this program does not know.
-    pub accuracy: Option<Accuracy>,
-    columns: Vec<Vec<f64>>,
-}
-
-impl StoredRun {
-    /// A run that has not been written.
-    #[must_use]
-    pub fn of(rig: &Rig, run: &Run) -> StoredRun {
-        let mut columns = vec![Vec::with_capacity(run.rows.len()); COLUMNS.len()];
-        for row in &run.rows {
-            for (column, value) in columns.iter_mut().zip(row.values()) {
-                column.push(value);
-            }
-        }
-        StoredRun {
-            rig: rig.name().to_owned(),
-            mm_per_count: rig.number("encoder.mm_per_count"),
-            open_loop: rig.word("controller.loop") == OPEN,
-            windows: WINDOWS.map(|key| rig.integer(key) as u8),
-            band: None,
-            spacing: None,
-            accuracy: None,
-            columns,
-        }
-    }
-
-    /// The same with its band.
-    #[must_use]
-    pub fn of_judged(rig: &Rig, judged: &Judged) -> StoredRun {
-        StoredRun {
-            band: judged.band.clone(),
-            spacing: judged.band.as_ref().map(|_| judged.spacing),
-            accuracy: Some(judged.accuracy),
-            ..StoredRun::of(rig, &judged.run)
-        }
-    }
-
-    /// Reads a run folder.
-    ///
-    /// # Errors
-    /// With the file and line of what is wrong.
-    pub fn read(folder: &Path) -> Result<StoredRun> {
-        let json_path = folder.join("run.json");
-        if !json_path.exists() {
-            bail!("{} is no run folder: it has no run.json", folder.display());
-        }
-        let description = read_json(&json_path)?;
-        let rig = description["rig"].as_str().unwrap_or("run").to_owned();
-        let wrong = |key: &str, must: &str| {
-            anyhow!("{}: {key} is {}; {must}", json_path.display(), description["keys"][key])
-        };
-        let scale = "encoder.mm_per_count";
-        let mm_per_count = description["keys"][scale]
-            .as_f64()
-            .filter(|mm| *mm > 0.0)
-            .ok_or_else(|| wrong(scale, "it must be a number, more than 0"))?;
-        let trace_path = folder.join("trace.csv");
-        let text = fs::read_to_string(&trace_path)
-            .with_context(|| format!("cannot read {}", trace_path.display()))?;
-        let columns = columns_of(&text).with_context(|| trace_path.display().to_string())?;
-        let open_loop = description["keys"]["controller.loop"] == OPEN;
-        let window = |key: &str| {
-            let samples = description["keys"][key].as_f64().and_then(whole_window);
-            samples.ok_or_else(|| wrong(key, WHOLE_WINDOW))
-        };
-        let windows = [window(WINDOWS[0])?, window(WINDOWS[1])?];
-        if columns[0].is_empty() {
-            bail!("{} has no samples", folder.display());
-        }
-        // Runs of older programs do not tell.
-        if let Some(rows) = description["rows"].as_u64().filter(|rows| *rows != columns[0].len() as u64) {
-            bail!(
-                "{} has {} of the {rows} rows of its run: it was cut",
-                trace_path.display(),
-                columns[0].len()
-            );
-        }
-        let band_path = folder.join("band.csv");
-        let has_band = !description["ensemble"].is_null() && band_path.exists();
-        let band = has_band.then(|| Band::read(&band_path)).transpose()?;
-        if band.as_ref().is_some_and(|band| band.time_s != columns[0]) {
-            bail!("{}: band.csv and trace.csv are of two runs", folder.display());
-        }
-        Ok(StoredRun {
-            rig,
-            mm_per_count,
-            open_loop,
-            windows,
-            band,
-            spacing: spacing_of(&description),
-            accuracy: accuracy_of(&description),
-            columns,
-        })
-    }
-
-    /// A column of the trace by its name.
-    ///
-    /// # Panics
-    /// When there is no such column: a slip in the program.
-    #[must_use]
-    pub fn column(&self, name: &str) -> &[f64] {
-        let index = COLUMNS.iter().position(|column| *column == name);
-        &self.columns[index.unwrap_or_else(|| panic!("trace.csv has no column {name}"))]
-    }
-}
-
-/// The rig of a run folder, with every value that it was run with.
-///
-/// # Errors
-/// When run.json cannot be read, or this program does not take its values any more.
-pub fn rig_of(folder: &Path) -> Result<Rig> {
-    let path = folder.join("run.json");
-    let description = read_json(&path)?;
-    let keys = description["keys"].as_object().with_context(|| format!("{} has no keys", path.display()))?;
-    let name = description["rig"].as_str().unwrap_or("run");
-    Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
-}
-
-/// Whether the trace of a run folder is that of a run, to the last digit.
-///
-/// # Errors
-/// When it cannot be read.
-pub fn is_trace(folder: &Path, run: &Run) -> Result<bool> {
-    let path = folder.join("trace.csv");
-    let stored = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    Ok(stored == to_csv(&run.rows).as_bytes())
-}
-
-fn spacing_of(description: &serde_json::Value) -> Option<Spacing> {
-    Some(Spacing {
-        runs: usize::try_from(description["ensemble"]["runs"].as_u64()?).ok()?,
-        relative: description["ensemble"]["relative_change"].as_f64()?,
-    })
-}
-
-fn accuracy_of(description: &serde_json::Value) -> Option<Accuracy> {
-    let methods = [Method::DormandPrince, Method::Merson];
-    let method = methods.into_iter().find(|method| description["method"] == format!("{method:?}"))?;
-    Some(Accuracy { method, tolerance: description["tolerance"].as_f64()? })
-}
-
 fn read_json(path: &Path) -> Result<serde_json::Value> {
     let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let value: serde_json::Value =
@@ -345,32 +231,11 @@ fn read_json(path: &Path) -> Result<serde_json::Value> {
     Ok(value)
 }
 
-fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
-    let mut lines = text.lines().enumerate();
-    if lines.next().map(|(_, line)| line) != Some(COLUMNS.join(",").as_str()) {
-        bail!("line 1: expected the header {}", COLUMNS.join(","));
-    }
-    let mut columns = vec![Vec::new(); COLUMNS.len()];
-    for (number, line) in lines {
-        let values: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
-        let whole = |values: &Vec<f64>| values.len() == COLUMNS.len() && values.iter().all(|v| v.is_finite());
-        let values = values.ok().filter(whole);
-        let values =
-            values.ok_or_else(|| anyhow!("line {}: expected {} numbers", number + 1, COLUMNS.len()))?;
-        if columns[0].last().is_some_and(|last| values[0] <= *last) {
-            bail!("line {}: its time is not after that of the line before", number + 1);
-        }
-        for (column, value) in columns.iter_mut().zip(values) {
-            column.push(value);
-        }
-    }
-    Ok(columns)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ensemble::run_ensemble;
+    use crate::ensemble::{Spacing, run_ensemble};
+    use pneudrive_sim::Accuracy;
     use pneudrive_sim::rig::BUILTIN;
 
     #[cfg(unix)]
@@ -399,7 +264,7 @@ mod tests {
             let rig = rig.with_numbers(&[("test.duration_s", 0.03)]).unwrap_or(rig);
             let spacing = Spacing { runs: 2, ..Spacing::default() };
             let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {});
-            write(folder.path(), &rig, &ensemble.expect("runs").nominal, &[]).expect("written");
+            write(folder.path(), &rig, &ensemble.expect("runs").nominal, &[], None).expect("written");
             let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));
             for (key, value) in rig.entries() {
                 assert_eq!(read.value(key.path), Some(value), "{}: {}", rig.name(), key.path);

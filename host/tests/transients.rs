@@ -108,7 +108,9 @@ fn a_stretch_holds_the_samples_in_it_and_no_others() {
 fn late(folder: &Path, by: f64) {
     let [from, to] = ["run", "late"].map(|name| folder.join(name));
     fs::create_dir(&to).expect("made");
-    fs::copy(from.join("run.json"), to.join("run.json")).expect("copied");
+    // A program that changes a trace takes its checksum out, as older ones had none.
+    let run = fs::read_to_string(from.join("run.json")).expect("written");
+    fs::write(to.join("run.json"), run.replace("\"checksums\"", "\"without\"")).expect("written");
     let trace = fs::read_to_string(from.join("trace.csv")).expect("written");
     let shifted = |line: &str| match line.split_once(',') {
         Some((time, rest)) if !time.starts_with("time") => {

@@ -53,7 +53,6 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let spacing = Spacing::default();
     let ensemble = run_ensemble(&model, Accuracy::of(&model), spacing, simulate::figures, |_, _| {})?;
     let judged = ensemble.nominal;
-    run_folder::write(&arguments.out, &model, &judged, &ensemble.measured)?;
     for note in simulate::notes(&model, &judged) {
         say!("   {note}");
     }
@@ -71,8 +70,8 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
         "A deviation is the simulation less the record.".to_owned(),
     ];
     let title = format!("{}: {name} and the simulation", model.name());
-    let page = arguments.out.join("report.html");
-    report::page(&title, notes, &transients, tables).write(&page)?;
-    say!("open {} in a browser", page.display());
+    let page = report::page(&title, notes, &transients, tables);
+    run_folder::write(&arguments.out, &model, &judged, &ensemble.measured, Some(&page))?;
+    say!("open {} in a browser", arguments.out.join("report.html").display());
     Ok(())
 }

@@ -61,6 +61,9 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
         };
     }
     let stored = StoredRun::read(&arguments.file)?;
+    if !stored.has_checksum {
+        say!("{}", UNCHECKED);
+    }
     let spacing = stored.spacing.unwrap_or(Spacing { runs: 1, ..Spacing::default() });
     let spacing = Spacing { runs: arguments.ensemble.map_or(spacing.runs, usize::from), ..spacing };
     if spacing.runs == 1 {
@@ -85,6 +88,9 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     }
     Ok((vec![own], Some(OTHER.to_owned())))
 }
+
+/// What is told of a run by an older program.
+const UNCHECKED: &str = "An older program wrote this run, without a checksum: whether its trace was changed or damaged cannot be told.";
 
 /// What the figures of a run without neighbours rest on.
 const ALONE: &str = "These are figures of one run; what its neighbours make of them is not known.";

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use pneudrive_sim::{Rig, Run};
 
 use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
 use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
 use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
+use crate::page::{Page, Table};
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::transient::Transient;
@@ -28,32 +29,25 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let took = begin.elapsed();
     progress.done();
     let Ensemble { nominal: judged, measured: moves } = ensemble?;
-    run_folder::write(&arguments.out, &rig, &judged, &moves)?;
     let mut notes = notes(&rig, &judged);
     let table = table(&moves, TOLERANCE_MM);
+    let remarks = remarks(&moves);
+    notes.extend(remarks.iter().cloned());
+    let page = (!arguments.no_report).then(|| page(&rig, &judged, notes.clone(), table.clone()));
+    run_folder::write(&arguments.out, &rig, &judged, &moves, page.as_ref())?;
     say!("{}, in {:.1} ms", notes[0], 1e3 * took.as_secs_f64());
-    notes[1..].iter().for_each(|note| say!("{note}"));
+    notes[1..notes.len() - remarks.len()].iter().for_each(|note| say!("{note}"));
     say!("{}\n{}", table.heading, table.to_text());
-    for remark in remarks(&moves) {
-        say!("{remark}");
-        notes.push(remark);
-    }
-    let written = if judged.band.is_some() { "trace.csv, band.csv, run.json" } else { "trace.csv, run.json" };
-    let page_path = arguments.out.join("report.html");
-    if arguments.no_report {
-        // One from before would be of another run.
-        if page_path.exists() {
-            std::fs::remove_file(&page_path).with_context(|| page_path.display().to_string())?;
-        }
-        say!("{}: {written}", arguments.out.display());
-        return Ok(());
-    }
-    let transient = Transient::of_run("simulated", &StoredRun::of_judged(&rig, &judged));
-    let title = format!("{}, simulated", rig.name());
-    let page = report::page(&title, notes, &[transient], vec![table]);
-    page.write(&page_path)?;
-    say!("{}: {written}, report.html", arguments.out.display());
+    remarks.iter().for_each(|remark| say!("{remark}"));
+    let band = judged.band.as_ref().map_or("", |_| " band.csv,");
+    let report = page.map_or("", |_| ", report.html");
+    say!("{}: trace.csv,{band} run.json{report}", arguments.out.display());
     Ok(())
+}
+
+fn page(rig: &Rig, judged: &Judged, notes: Vec<String>, table: Table) -> Page {
+    let transient = Transient::of_run("simulated", &StoredRun::of_judged(rig, judged));
+    report::page(&format!("{}, simulated", rig.name()), notes, &[transient], vec![table])
 }
 
 /// What is measured of a run and of each neighbour.

@@ -1,0 +1,256 @@
+//! Replaces the files of a run all together or not at all, however the program ends.
+//!
+//! ```text
+//! stage    .pneudrive-next-PID/   the new files, on the disk
+//! commit   .pneudrive-next/       by one rename: from here on the new run counts
+//! place    each file moves into the folder; those of the old run that the new one has not are removed
+//! ```
+//!
+//! What a program did not come to place, the next one that writes or reads the folder places. Programs that write at the
+//! same time wait for each other.
+
+use std::fs::{self, File};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use super::{BAND, PAGE, RUN, TRACE};
+
+/// Every file that a run may have in its folder.
+const FILES: [&str; 4] = [TRACE, BAND, RUN, PAGE];
+
+/// What has been committed and not yet placed.
+const NEXT: &str = ".pneudrive-next";
+
+/// A new set of files on its way into a folder.
+#[derive(Debug)]
+pub struct Replacement<'a> {
+    folder: &'a Path,
+    staged: PathBuf,
+    committed: bool,
+}
+
+impl<'a> Replacement<'a> {
+    /// Begins a set for a folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// When the folder cannot be written to.
+    pub fn begin(folder: &'a Path) -> Result<Replacement<'a>> {
+        let staged = folder.join(format!("{NEXT}-{}", std::process::id()));
+        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        remove(&staged)?;
+        fs::create_dir(&staged)
+            .with_context(|| format!("cannot write into the folder {}", folder.display()))?;
+        Ok(Replacement { folder, staged, committed: false })
+    }
+
+    /// Adds a file, one of [`FILES`].
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    pub fn add(&mut self, name: &str, pieces: &[&[u8]]) -> Result<()> {
+        debug_assert!(FILES.contains(&name));
+        let write = || {
+            let mut file = File::create(self.staged.join(name))?;
+            pieces.iter().try_for_each(|piece| std::io::Write::write_all(&mut file, piece))?;
+            file.sync_all()
+        };
+        write().with_context(|| format!("cannot write {}", self.folder.join(name).display()))
+    }
+
+    /// Lets the new set count, and places it.
+    ///
+    /// # Errors
+    /// When it cannot be placed: then the folder holds the old set, or the new one is placed by the next program.
+    pub fn commit(mut self) -> Result<()> {
+        let _lock = lock(self.folder)?;
+        place(self.folder)?;
+        sync(&self.staged);
+        fs::rename(&self.staged, self.folder.join(NEXT))
+            .with_context(|| format!("cannot write into the folder {}", self.folder.display()))?;
+        self.committed = true;
+        sync(self.folder);
+        place(self.folder)
+    }
+}
+
+impl Drop for Replacement<'_> {
+    fn drop(&mut self) {
+        if !self.committed {
+            let _ = fs::remove_dir_all(&self.staged);
+        }
+    }
+}
+
+/// Makes the files of a folder those of one run: places what a program that was killed has left, and removes what it had
+/// not committed. Says what it did, if it did something.
+///
+/// # Errors
+/// When the folder cannot be written to and needs it.
+pub fn settle(folder: &Path) -> Result<Option<String>> {
+    let left = leftovers(folder);
+    if left.is_empty() {
+        return Ok(None);
+    }
+    let _lock = lock(folder)?;
+    let committed = folder.join(NEXT).exists();
+    place(folder)?;
+    // Under the lock no staged set is about to be committed; one of a program that still runs stays.
+    let dead = leftovers(folder).into_iter().filter(|path| !is_of_a_running_program(path));
+    let removed = dead.map(|path| remove(&path)).collect::<Result<Vec<()>>>()?.len();
+    Ok(match (committed, removed) {
+        (true, _) => Some(format!("{}: finished what an interrupted program had left", folder.display())),
+        (false, 0) => None,
+        (false, _) => Some(format!("{}: removed what an interrupted program had begun", folder.display())),
+    })
+}
+
+fn leftovers(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let ours = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(NEXT));
+    ours.map(|entry| entry.path()).collect()
+}
+
+/// Whether the program whose number a staged set has in its name is there. Where that cannot be told, a set of less than
+/// an hour's age counts as one of a program that runs.
+fn is_of_a_running_program(staged: &Path) -> bool {
+    let number = staged.to_string_lossy().rsplit_once('-').and_then(|(_, pid)| pid.parse::<u32>().ok());
+    let Some(number) = number else { return false };
+    if cfg!(target_os = "linux") {
+        return Path::new(&format!("/proc/{number}")).exists();
+    }
+    let age = fs::metadata(staged).and_then(|data| data.modified()).ok().and_then(|then| then.elapsed().ok());
+    age.is_none_or(|age| age.as_secs() < 3600)
+}
+
+/// Moves what is committed into the folder.
+fn place(folder: &Path) -> Result<()> {
+    let next = folder.join(NEXT);
+    if !next.exists() {
+        return Ok(());
+    }
+    // The manifest is the set itself, so what is gone from it has been placed: removals come first.
+    let marked = next.join(PLACING);
+    if !marked.exists() {
+        for name in FILES.into_iter().filter(|name| !next.join(name).exists()) {
+            remove(&folder.join(name))?;
+        }
+        File::create(&marked).with_context(|| marked.display().to_string())?;
+    }
+    for name in FILES {
+        match fs::rename(next.join(name), folder.join(name)) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(error).with_context(|| format!("cannot write {}", folder.join(name).display()));
+            }
+            _ => {}
+        }
+    }
+    sync(folder);
+    remove(&next)
+}
+
+/// Says in a committed set that the files which it has not are removed.
+const PLACING: &str = "placing";
+
+fn remove(path: &Path) -> Result<()> {
+    let is_folder = fs::symlink_metadata(path).is_ok_and(|data| data.is_dir());
+    let removed = if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    match removed {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(error).with_context(|| format!("cannot remove {}", path.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Waits until no other program changes the folder. Held as long as what is returned lives.
+fn lock(folder: &Path) -> Result<Option<File>> {
+    // Only Unix opens a folder as a file.
+    if !cfg!(unix) {
+        return Ok(None);
+    }
+    let file = File::open(folder).with_context(|| folder.display().to_string())?;
+    file.lock().with_context(|| format!("cannot lock {}", folder.display()))?;
+    Ok(Some(file))
+}
+
+/// Brings the names in a folder to the disk, where the system can.
+fn sync(folder: &Path) {
+    if cfg!(unix) {
+        let _ = File::open(folder).and_then(|file| file.sync_all());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("a folder").flatten();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    fn replace(folder: &Path, files: &[(&str, &str)]) {
+        let mut set = Replacement::begin(folder).expect("begun");
+        files.iter().for_each(|(name, text)| set.add(name, &[text.as_bytes()]).expect("written"));
+        set.commit().expect("placed");
+    }
+
+    #[test]
+    fn a_new_set_takes_the_place_of_the_old_one_and_no_file_of_it_stays() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("mine.txt"), "mine").expect("written");
+        replace(folder.path(), &[("trace.csv", "old"), ("band.csv", "old"), ("run.json", "old")]);
+        replace(folder.path(), &[("trace.csv", "new"), ("run.json", "new")]);
+        assert_eq!(names(folder.path()), ["mine.txt", "run.json", "trace.csv"]);
+        assert_eq!(fs::read_to_string(folder.path().join("run.json")).expect("there"), "new");
+    }
+
+    /// Whatever was placed before the program was killed, the rest follows.
+    #[test]
+    fn a_set_that_was_committed_is_placed_by_the_next_program_from_wherever_it_stopped() {
+        for placed in 0..4 {
+            let folder = tempfile::tempdir().expect("a folder");
+            replace(folder.path(), &[("trace.csv", "old"), ("band.csv", "old"), ("run.json", "old")]);
+            let next = folder.path().join(NEXT);
+            fs::create_dir(&next).expect("made");
+            let new = ["trace.csv", "run.json"];
+            new.iter().for_each(|name| fs::write(next.join(name), "new").expect("written"));
+            if placed > 0 {
+                fs::remove_file(folder.path().join("band.csv")).expect("removed first");
+                fs::write(next.join(PLACING), "").expect("marked");
+            }
+            for name in new.iter().take(usize::max(placed, 1) - 1) {
+                fs::rename(next.join(name), folder.path().join(name)).expect("placed");
+            }
+            let said = settle(folder.path()).expect("settled");
+            assert!(said.is_some_and(|said| said.contains("finished")), "{placed}");
+            assert_eq!(names(folder.path()), ["run.json", "trace.csv"], "{placed}");
+            for name in new {
+                assert_eq!(fs::read_to_string(folder.path().join(name)).expect("there"), "new", "{placed}");
+            }
+            assert_eq!(settle(folder.path()).expect("settled"), None);
+        }
+    }
+
+    #[test]
+    fn a_set_that_was_not_committed_is_removed_and_that_of_a_running_program_stays() {
+        let folder = tempfile::tempdir().expect("a folder");
+        replace(folder.path(), &[("trace.csv", "old"), ("run.json", "old")]);
+        let own = Replacement::begin(folder.path()).expect("begun");
+        // No system has processes with such numbers.
+        fs::create_dir(folder.path().join(format!("{NEXT}-4294967295"))).expect("made");
+        let said = settle(folder.path()).expect("settled");
+        if cfg!(target_os = "linux") {
+            assert!(said.is_some_and(|said| said.contains("removed")), "of a program that is gone");
+            assert_eq!(names(folder.path()).len(), 3, "the run, and the set on its way");
+        }
+        drop(own);
+        assert!(!names(folder.path()).iter().any(|name| *name == format!("{NEXT}-{}", std::process::id())));
+        assert_eq!(fs::read_to_string(folder.path().join("run.json")).expect("there"), "old");
+    }
+}

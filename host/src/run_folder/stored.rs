@@ -1,0 +1,227 @@
+//! A run folder as it is read.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_sim::trace::{COLUMNS, to_csv};
+use pneudrive_sim::{Accuracy, Method, Rig, Run};
+
+use super::replacement::settle;
+use super::{BAND, CHECKSUMS, OPEN, RUN, TRACE, WINDOWS, checksum, read_json};
+use crate::band::Band;
+use crate::ensemble::{Judged, Spacing};
+use crate::rig_text;
+use crate::transient::{WHOLE_WINDOW, whole_window};
+
+/// A run as it was written: its description and the columns of its trace.
+#[derive(Clone, Debug)]
+pub struct StoredRun {
+    /// What the rig is called.
+    pub rig: String,
+    /// mm of stroke per encoder count.
+    pub mm_per_count: f64,
+    /// Whether its moves are commands.
+    pub open_loop: bool,
+    /// Windows of the controller's velocity and acceleration, samples.
+    pub windows: [u8; 2],
+    /// What it and its neighbours cover, if it has some.
+    pub band: Option<Band>,
+    /// How its neighbours were chosen; None of a run without neighbours.
+    pub spacing: Option<Spacing>,
+    /// How exactly it was integrated; None where this program does not know.
+    pub accuracy: Option<Accuracy>,
+    /// Whether its trace is known to be the one that was written; those of older programs have no checksum.
+    pub has_checksum: bool,
+    columns: Vec<Vec<f64>>,
+}
+
+impl StoredRun {
+    /// A run that has not been written.
+    #[must_use]
+    pub fn of(rig: &Rig, run: &Run) -> StoredRun {
+        let mut columns = vec![Vec::with_capacity(run.rows.len()); COLUMNS.len()];
+        for row in &run.rows {
+            for (column, value) in columns.iter_mut().zip(row.values()) {
+                column.push(value);
+            }
+        }
+        StoredRun {
+            rig: rig.name().to_owned(),
+            mm_per_count: rig.number("encoder.mm_per_count"),
+            open_loop: rig.word("controller.loop") == OPEN,
+            windows: WINDOWS.map(|key| rig.integer(key) as u8),
+            band: None,
+            spacing: None,
+            accuracy: None,
+            has_checksum: true,
+            columns,
+        }
+    }
+
+    /// The same with its band.
+    #[must_use]
+    pub fn of_judged(rig: &Rig, judged: &Judged) -> StoredRun {
+        StoredRun {
+            band: judged.band.clone(),
+            spacing: judged.band.as_ref().map(|_| judged.spacing),
+            accuracy: Some(judged.accuracy),
+            ..StoredRun::of(rig, &judged.run)
+        }
+    }
+
+    /// Reads a run folder.
+    ///
+    /// # Errors
+    /// With the file and line of what is wrong.
+    pub fn read(folder: &Path) -> Result<StoredRun> {
+        if let Some(said) = settle(folder)? {
+            // Who reads does not stop because nobody hears of it.
+            let _ = writeln!(std::io::stderr(), "{said}");
+        }
+        let json_path = folder.join(RUN);
+        if !json_path.exists() {
+            bail!("{} is no run folder: it has no run.json", folder.display());
+        }
+        let description = read_json(&json_path)?;
+        let rig = description["rig"].as_str().unwrap_or("run").to_owned();
+        let wrong = |key: &str, must: &str| {
+            anyhow!("{}: {key} is {}; {must}", json_path.display(), description["keys"][key])
+        };
+        let scale = "encoder.mm_per_count";
+        let mm_per_count = description["keys"][scale]
+            .as_f64()
+            .filter(|mm| *mm > 0.0)
+            .ok_or_else(|| wrong(scale, "it must be a number, more than 0"))?;
+        let trace_path = folder.join(TRACE);
+        let text = read_text(&trace_path)?;
+        let columns = columns_of(&text).with_context(|| trace_path.display().to_string())?;
+        let open_loop = description["keys"]["controller.loop"] == OPEN;
+        let window = |key: &str| {
+            let samples = description["keys"][key].as_f64().and_then(whole_window);
+            samples.ok_or_else(|| wrong(key, WHOLE_WINDOW))
+        };
+        let windows = [window(WINDOWS[0])?, window(WINDOWS[1])?];
+        if columns[0].is_empty() {
+            bail!("{} has no samples", folder.display());
+        }
+        // Runs of older programs do not tell.
+        if let Some(rows) = description["rows"].as_u64().filter(|rows| *rows != columns[0].len() as u64) {
+            bail!(
+                "{} has {} of the {rows} rows of its run: it was cut",
+                trace_path.display(),
+                columns[0].len()
+            );
+        }
+        check(folder, &description, TRACE, &text)?;
+        let band = match description["ensemble"].is_null() {
+            true => None,
+            false => read_band(folder, &description)?,
+        };
+        if band.as_ref().is_some_and(|band| band.time_s != columns[0]) {
+            bail!("{}: band.csv and trace.csv are of two runs", folder.display());
+        }
+        Ok(StoredRun {
+            rig,
+            mm_per_count,
+            open_loop,
+            windows,
+            band,
+            spacing: spacing_of(&description),
+            accuracy: accuracy_of(&description),
+            has_checksum: !description[CHECKSUMS][TRACE].is_null(),
+            columns,
+        })
+    }
+
+    /// A column of the trace by its name.
+    ///
+    /// # Panics
+    /// When there is no such column: a slip in the program.
+    #[must_use]
+    pub fn column(&self, name: &str) -> &[f64] {
+        let index = COLUMNS.iter().position(|column| *column == name);
+        &self.columns[index.unwrap_or_else(|| panic!("trace.csv has no column {name}"))]
+    }
+}
+
+/// The rig of a run folder, with every value that it was run with.
+///
+/// # Errors
+/// When run.json cannot be read, or this program does not take its values any more.
+pub fn rig_of(folder: &Path) -> Result<Rig> {
+    let path = folder.join(RUN);
+    let description = read_json(&path)?;
+    let keys = description["keys"].as_object().with_context(|| format!("{} has no keys", path.display()))?;
+    let name = description["rig"].as_str().unwrap_or("run");
+    Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
+}
+
+/// Whether the trace of a run folder is that of a run, to the last digit.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn is_trace(folder: &Path, run: &Run) -> Result<bool> {
+    Ok(read_text(&folder.join(TRACE))? == to_csv(&run.rows))
+}
+
+fn spacing_of(description: &serde_json::Value) -> Option<Spacing> {
+    Some(Spacing {
+        runs: usize::try_from(description["ensemble"]["runs"].as_u64()?).ok()?,
+        relative: description["ensemble"]["relative_change"].as_f64()?,
+    })
+}
+
+fn accuracy_of(description: &serde_json::Value) -> Option<Accuracy> {
+    let methods = [Method::DormandPrince, Method::Merson];
+    let method = methods.into_iter().find(|method| description["method"] == format!("{method:?}"))?;
+    Some(Accuracy { method, tolerance: description["tolerance"].as_f64()? })
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// The band of a run; None of one whose program left none.
+fn read_band(folder: &Path, description: &serde_json::Value) -> Result<Option<Band>> {
+    let path = folder.join(BAND);
+    if description[CHECKSUMS][BAND].is_null() && !path.exists() {
+        return Ok(None);
+    }
+    check(folder, description, BAND, &read_text(&path)?)?;
+    Band::read(&path).map(Some)
+}
+
+/// Whether a file is the one that run.json tells of; older programs do not tell.
+fn check(folder: &Path, description: &serde_json::Value, name: &str, text: &str) -> Result<()> {
+    match description[CHECKSUMS][name].as_str() {
+        Some(told) if told != checksum(text) => bail!(
+            "{} is not the file that belongs to run.json: it was changed or damaged, or is of another run",
+            folder.join(name).display()
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
+    let mut lines = text.lines().enumerate();
+    if lines.next().map(|(_, line)| line) != Some(COLUMNS.join(",").as_str()) {
+        bail!("line 1: expected the header {}", COLUMNS.join(","));
+    }
+    let mut columns = vec![Vec::new(); COLUMNS.len()];
+    for (number, line) in lines {
+        let values: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
+        let whole = |values: &Vec<f64>| values.len() == COLUMNS.len() && values.iter().all(|v| v.is_finite());
+        let values = values.ok().filter(whole);
+        let values =
+            values.ok_or_else(|| anyhow!("line {}: expected {} numbers", number + 1, COLUMNS.len()))?;
+        if columns[0].last().is_some_and(|last| values[0] <= *last) {
+            bail!("line {}: its time is not after that of the line before", number + 1);
+        }
+        for (column, value) in columns.iter_mut().zip(values) {
+            column.push(value);
+        }
+    }
+    Ok(columns)
+}

@@ -1,0 +1,101 @@
+//! A run folder is one thing: whoever writes it, however it ends, its files are of one run.
+//!
+//! Sixty kills, or as many as `PNEUDRIVE_KILLS` says.
+
+mod program;
+mod simulated_link;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use pneudrive::run_folder::{IDENTITY, StoredRun};
+
+use program::{folder, ok, pneudrive};
+use simulated_link::{Random, cases};
+
+/// Two runs that nobody takes for each other; the second has no neighbours, and so no band.
+const RUNS: [&str; 2] = [
+    "simulate servo-b-tuned --set test.duration_s=0.35 --set load.mass_kg=10 --ensemble 3 --out run",
+    "simulate servo-b-tuned --set test.duration_s=0.35 --set load.mass_kg=20 --ensemble 1 --out run",
+];
+
+fn simulate(folder: &Path, run: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+    command.current_dir(folder).args(run.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+/// Every file of a folder with what is in it.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let named = entries.map(|path| (path.file_name().expect("a name").to_string_lossy().into_owned(), path));
+    named.map(|(name, path)| (name, fs::read(path).expect("a file"))).collect()
+}
+
+/// What of a run does not change from one time to the next: all but the page's order of attributes is the run's own.
+fn whole_runs(folder: &Path) -> [BTreeMap<String, Vec<u8>>; 2] {
+    RUNS.map(|run| {
+        ok(folder, run);
+        contents(&folder.join("run"))
+    })
+}
+
+#[test]
+fn a_simulation_that_is_killed_leaves_the_old_run_or_the_new_one_whole() {
+    let folder = folder();
+    let began = Instant::now();
+    let whole = whole_runs(folder.path());
+    let longest = began.elapsed().as_micros() as usize;
+    assert_ne!(whole[0].keys().collect::<Vec<_>>(), whole[1].keys().collect::<Vec<_>>());
+    let mut random = Random(5);
+    let mut seen = [0; 2];
+    for kill in 0..cases("PNEUDRIVE_KILLS", 60) as usize {
+        let mut child = simulate(folder.path(), RUNS[kill % 2]).spawn().expect("it starts");
+        std::thread::sleep(Duration::from_micros(random.below(longest) as u64));
+        child.kill().expect("killed");
+        child.wait().expect("it ends");
+        StoredRun::read(&folder.path().join("run")).unwrap_or_else(|error| panic!("kill {kill}: {error:#}"));
+        let left = contents(&folder.path().join("run"));
+        let which = whole.iter().position(|whole| *whole == left);
+        let names: Vec<&String> = left.keys().collect();
+        seen[which.unwrap_or_else(|| panic!("kill {kill} left files of two runs, or others: {names:?}"))] +=
+            1;
+    }
+    assert!(seen.iter().all(|times| *times > 0), "both runs came to be: {seen:?}");
+}
+
+#[test]
+fn simulations_that_write_at_the_same_time_leave_one_of_their_runs() {
+    let folder = folder();
+    let whole = whole_runs(folder.path());
+    for _ in 0..6 {
+        let children = [0, 1, 0, 1].map(|run| simulate(folder.path(), RUNS[run]).spawn().expect("it starts"));
+        for mut child in children {
+            assert!(child.wait().expect("it ends").success());
+        }
+        assert!(whole.contains(&contents(&folder.path().join("run"))), "files of two runs");
+    }
+}
+
+#[test]
+fn the_page_and_run_json_tell_of_one_run_and_a_changed_trace_is_refused() {
+    let folder = folder();
+    ok(folder.path(), RUNS[0]);
+    let path = |name: &str| folder.path().join("run").join(name);
+    let run: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(path("run.json")).expect("there")).expect("JSON");
+    let mark = format!("<meta name=\"{IDENTITY}\" content={}>", run["identity"]);
+    assert!(fs::read_to_string(path("report.html")).expect("there").contains(&mark), "{mark}");
+    for name in ["trace.csv", "band.csv"] {
+        let text = fs::read_to_string(path(name)).expect("there");
+        fs::write(path(name), text.replacen("0.0013,", "0.0014,", 1)).expect("written");
+        let refused = pneudrive(folder.path(), "eval run");
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(!refused.status.success() && said.contains(&format!("{name} is not the file")), "{said}");
+        fs::write(path(name), text).expect("written");
+    }
+    ok(folder.path(), "eval run");
+}
