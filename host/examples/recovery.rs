@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo build --release -p pneudrive
-//! cargo run --release -p pneudrive --example recovery -- 100 shipped|any [FIRST SEED]
+//! cargo run --release -p pneudrive --example recovery -- 100 shipped|any|lacking [FIRST SEED]
 //! ```
 //!
 //! Each rig is served and identified by the program itself, as a user does it. The tables of docs/identification.md are its
@@ -12,7 +12,7 @@ use std::env;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
-use pneudrive::identification::recovery::{Coverage, Hidden, any_rig, shipped_rig};
+use pneudrive::identification::recovery::{Coverage, Hidden, any_rig, lacking_rig, shipped_rig};
 
 /// The program, which cargo builds into the folder above that of its examples.
 fn program() -> Result<PathBuf> {
@@ -34,7 +34,8 @@ fn main() -> Result<()> {
     let draw: fn(u64) -> Hidden = match argument(2).as_deref() {
         None | Some("shipped") => shipped_rig,
         Some("any") => any_rig,
-        Some(other) => bail!("there are shipped and any rigs, not {other}"),
+        Some("lacking") => lacking_rig,
+        Some(other) => bail!("there are shipped, any and lacking rigs, not {other}"),
     };
     let program = program()?;
     let mut coverage = Coverage::default();
@@ -43,8 +44,12 @@ fn main() -> Result<()> {
         let folder = tempfile::tempdir()?;
         match hidden.identify(&program, folder.path()) {
             Ok(trial) => {
-                eprintln!("{seed}, {}: {}", hidden.name, trial.summary());
-                coverage.count(&trial);
+                let lacks = hidden.lacks.as_ref().map_or(String::new(), |lacks| format!(", really {lacks}"));
+                eprintln!("{seed}, {}{lacks}: {}", hidden.name, trial.summary());
+                match &hidden.lacks {
+                    Some(lacks) => coverage.count_lacking(&trial, lacks),
+                    None => coverage.count(&trial),
+                }
             }
             Err(error) => eprintln!("{seed}, {}: {error:#}", hidden.name),
         }

@@ -245,6 +245,29 @@ fn a_model_that_does_not_explain_the_data_leaves_no_rig_file_and_no_95_percent_i
 }
 
 #[test]
+fn the_effect_that_a_rig_file_lacks_is_named_with_its_size_where_it_leaves_a_misfit() {
+    let text = format!("{TEST}[sensors]\nnoise_counts = 1\n");
+    let keys = "load.mass_kg,load.viscous_n_s_per_m,load.coulomb_extend_n,valve.discharge_supply";
+    for (key, hidden) in [("sensors.pressure_lag_s", 1e-3), ("actuator.heat_transfer_w_per_m2_k", 100.0)] {
+        let folder = folder();
+        recorded_with(folder.path(), &text, &[(key, hidden)]);
+        let printed = transcript(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {keys}"));
+        assert!(printed.ends_with("= 1") && printed.contains("what would explain"), "{printed}");
+        let json = identification(folder.path());
+        let causes = json["causes"].as_array().expect("a list");
+        let cause = causes
+            .iter()
+            .find(|cause| cause["settings"].as_str().is_some_and(|settings| settings.starts_with(key)));
+        let cause = cause.unwrap_or_else(|| panic!("{causes:?}"));
+        assert_eq!((&cause["significant"], &cause["as_good_as_best"]), (&true.into(), &true.into()), "{key}");
+        let number = |name: &str| cause[name].as_f64().expect("a number");
+        assert!(number("explained") > 0.9, "{cause}");
+        assert!((number("value") - hidden).abs() < 3.0 * number("standard_error"), "{cause}");
+        assert!(number("standard_error") < 0.2 * hidden, "{cause}");
+    }
+}
+
+#[test]
 fn a_plan_on_a_rig_with_swapped_tubes_ends_at_its_first_movement() {
     let folder = folder();
     let swapped = format!("{MIDDLE}[[faults.event]]\nkind = \"swapped-tubes\"\nat_s = 0.0\n");

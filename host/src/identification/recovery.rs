@@ -18,7 +18,7 @@ use pneudrive_sim::Rig;
 use serde_json::Value;
 
 pub use coverage::{Coverage, Miss, held, spread};
-pub use rigs::{any_rig, shipped_rig};
+pub use rigs::{any_rig, lacking_rig, shipped_rig};
 
 /// How far hidden values lie from the file's at most: a part of them.
 pub const HIDDEN: f64 = 0.1;
@@ -32,6 +32,8 @@ pub struct Hidden {
     pub model: String,
     /// That of the virtual rig, before the spread.
     pub real: String,
+    /// What the rig file lacks.
+    pub lacks: Option<String>,
     /// Fixes the spread and the noise.
     pub seed: u64,
 }
@@ -45,7 +47,7 @@ pub struct Told {
     pub estimate: f64,
     /// Likewise.
     pub standard_error: f64,
-    /// Ends of the 95 % interval.
+    /// Ends of the 95 % interval, or of the one that is widened by a misfit.
     pub interval: [f64; 2],
     /// Whether it rests on what is assumed more than on the data.
     pub rests_on_assumptions: bool,
@@ -60,6 +62,8 @@ pub struct Trial {
     pub told: Vec<Told>,
     /// Whether the model is said to explain the data.
     pub fits: bool,
+    /// Settings that are said to explain a misfit as well as any.
+    pub causes: Vec<String>,
     /// Keys that are said to be unseen.
     pub unseen: Vec<String>,
     /// Runs of a transient on the model.
@@ -105,7 +109,11 @@ impl Trial {
         let told = list("parameters").iter().map(|told| Told::of(told, truth)).collect::<Option<_>>();
         let unseen =
             list("unseen").iter().filter_map(|unseen| Some(unseen["key"].as_str()?.to_owned())).collect();
+        let named = |cause: &&Value| cause["as_good_as_best"] == true && cause["significant"] == true;
+        let causes = list("causes");
+        let causes = causes.iter().filter(named).filter_map(|cause| cause["settings"].as_str());
         Ok(Trial {
+            causes: causes.map(str::to_owned).collect(),
             told: told.context("identification.json lacks numbers")?,
             fits: json["fits"] == true && json["converged"] == true,
             unseen,
@@ -121,7 +129,17 @@ impl Trial {
         let missed: Vec<String> =
             missed.map(|told| format!("{}{:+.1}", told.key, told.miss().standard_errors)).collect();
         let fits = if self.fits { "fits" } else { "no fit" };
-        format!("{fits} after {} runs, {:.1} s; missed: {}", self.runs, self.seconds, missed.join(" "))
+        let causes = if self.causes.is_empty() {
+            String::new()
+        } else {
+            format!("; causes: {}", self.causes.join(" or "))
+        };
+        format!(
+            "{fits} after {} runs, {:.1} s; missed: {}{causes}",
+            self.runs,
+            self.seconds,
+            missed.join(" ")
+        )
     }
 }
 
@@ -129,7 +147,7 @@ impl Told {
     fn of(json: &Value, truth: &Rig) -> Option<Told> {
         let key = json["key"].as_str()?;
         let number = |name: &str| json[name].as_f64();
-        let ends = json["interval_95"].as_array()?;
+        let ends = json["interval_95"].as_array().or(json["interval_widened"].as_array())?;
         Some(Told {
             estimate: number("estimate")?,
             standard_error: number("standard_error")?,

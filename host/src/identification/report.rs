@@ -302,7 +302,7 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
     let causes = found.causes.iter().map(|cause| {
         json!({
             "effect": cause.effect.name, "settings": cause.setting, "explained": cause.explained,
-            "chance": cause.chance, "as_good_as_best": cause.as_good_as_best,
+            "chance": cause.chance, "significant": cause.is_significant(), "as_good_as_best": cause.as_good_as_best,
             "value": cause.value.map(|(value, _)| value),
             "standard_error": cause.value.map(|(_, error)| error),
         })

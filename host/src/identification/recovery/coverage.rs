@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Trial;
+use super::{Told, Trial};
 
 /// How far an estimate is off.
 #[derive(Clone, Copy, Debug)]
@@ -32,9 +32,27 @@ pub struct Coverage {
     pub runs: u64,
     /// Seconds that all took.
     pub seconds: f64,
+    /// Trials in which the effect that the rig file lacks was named among the causes of a misfit.
+    pub named: u32,
+    /// The misses in trials whose model is said not to explain the data, of intervals that are widened.
+    pub widened: Vec<Miss>,
 }
 
 impl Coverage {
+    /// Takes in a trial of a rig that has a setting of its own.
+    pub fn count_lacking(&mut self, trial: &Trial, lacks: &str) {
+        let key = lacks.split(" =").next().unwrap_or(lacks);
+        self.named += u32::from(trial.causes.iter().any(|setting| setting.contains(key)));
+        self.count(trial);
+    }
+
+    /// Intervals that hold what was hidden, or are of a model that is said not to explain the data; a part of all.
+    #[must_use]
+    pub fn held_or_refused(&self) -> f64 {
+        let (pooled, refused) = (self.pooled(), self.widened.len() as f64);
+        (held(&pooled) * pooled.len() as f64 + refused) / (pooled.len() as f64 + refused)
+    }
+
     /// Takes in a trial.
     pub fn count(&mut self, trial: &Trial) {
         self.trials += 1;
@@ -43,6 +61,7 @@ impl Coverage {
         self.unseen += trial.unseen.len();
         if !trial.fits {
             self.refused += 1;
+            self.widened.extend(trial.told.iter().map(Told::miss));
             return;
         }
         for told in &trial.told {
@@ -105,10 +124,21 @@ impl fmt::Display for Coverage {
             ("pooled", self.pooled()),
             ("resting on the data", self.resting(false)),
             ("resting on assumptions", self.resting(true)),
+            ("not explained, widened by the misfit", self.widened.clone()),
         ] {
             if !misses.is_empty() {
                 line(name, String::new(), &misses)?;
             }
+        }
+        if !self.widened.is_empty() {
+            writeln!(f)?;
+            writeln!(
+                f,
+                "{:.1} % of all intervals hold what was hidden or are of a model that is said not to explain the data; of {} such models the cause is named in {}.",
+                100.0 * self.held_or_refused(),
+                self.refused,
+                self.named
+            )?;
         }
         let trials = f64::from(self.trials);
         writeln!(f)?;

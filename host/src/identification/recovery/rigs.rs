@@ -33,6 +33,11 @@ impl Draw {
         (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
     }
 
+    /// Any size between two, evenly by its logarithm.
+    fn size(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(unit_interval(&mut self.0))
+    }
+
     /// What a spread does not draw: the null of the valve, and how level the drive lies.
     fn rest(&mut self) -> String {
         let (null, incline) = (self.within(-NULL, NULL), LEVELLED * self.normal());
@@ -46,7 +51,7 @@ pub fn shipped_rig(seed: u64) -> Hidden {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
     let model = "operator.dither_mm = 0.26\ntest.position_m = 0.15\n".to_owned();
     let real = format!("{model}{}", draw.rest());
-    Hidden { name: "servo-b".to_owned(), model, real, seed }
+    Hidden { name: "servo-b".to_owned(), model, real, lacks: None, seed }
 }
 
 /// Any cylinder, of 25 to 63 mm bore and 100 to 500 mm stroke, with a rod to one side, to both, or none, and a valve of
@@ -100,5 +105,48 @@ pub fn any_rig(seed: u64) -> Hidden {
     );
     let real = format!("{model}{}", draw.rest());
     let name = format!("{operator}, {rod}, {bore} mm, {:.0} mm, dither {dither} mm", 1e3 * stroke);
-    Hidden { name, model, real, seed }
+    Hidden { name, model, real, lacks: None, seed }
+}
+
+/// What real rigs have and a rig file lacks: keys, and the smallest and largest size.
+const EFFECTS: [(&str, f64, f64); 11] = [
+    ("actuator.heat_transfer_w_per_m2_k", 3.0, 200.0),
+    ("sensors.pressure_lag_s", 1e-4, 5e-3),
+    ("tubing.lag_s", 3e-4, 1e-2),
+    ("actuator.leakage_coefficient", 1e-11, 3e-9),
+    ("load.incline_deg", 0.5, 8.0),
+    ("load.spring_n_per_m", 3.0, 300.0),
+    ("valve.underlap_mm", 1e-3, 0.1),
+    ("supply.temperature_k", 1.0, 30.0),
+    ("gas.heat_capacity_ratio", 0.003, 0.1),
+    ("exhaust.pressure_pa", 300.0, 1e4),
+    ("valve.upstream_mach", 0.0, 0.0),
+];
+
+/// Servo-drive B, or any rig, with one effect that the rig file does not have, from slight to large.
+#[must_use]
+pub fn lacking_rig(seed: u64) -> Hidden {
+    // Another stream than that of the rig itself.
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(!seed));
+    let mut hidden = if seed % 2 == 0 { shipped_rig(seed) } else { any_rig(seed) };
+    let (key, low, high) = EFFECTS[(seed as usize) % EFFECTS.len()];
+    let sign = draw.of(&[-1.0, 1.0]);
+    let size = if low > 0.0 { draw.size(low, high) } else { 0.0 };
+    let effect = match key {
+        "valve.upstream_mach" => "valve.upstream_mach = false\n".to_owned(),
+        "actuator.leakage_coefficient" => format!("actuator.leakage = \"laminar\"\n{key} = {size}\n"),
+        "load.incline_deg" => {
+            let level = hidden.real.lines().filter(|line| !line.starts_with(key));
+            hidden.real = level.map(|line| format!("{line}\n")).collect();
+            format!("{key} = {}\n", sign * size)
+        }
+        "supply.temperature_k" => format!("{key} = {}\n", 294.0 + sign * size),
+        "gas.heat_capacity_ratio" => format!("{key} = {}\n", 1.4 - size),
+        "exhaust.pressure_pa" => format!("{key} = {}\n", 101_300.0 - size),
+        "valve.underlap_mm" => format!("{key} = {}\n", sign * size),
+        _ => format!("{key} = {size}\n"),
+    };
+    hidden.real.push_str(&effect);
+    hidden.lacks = Some(effect.lines().last().unwrap_or_default().to_owned());
+    hidden
 }
