@@ -128,7 +128,7 @@ const EFFECTS: [(&str, f64, f64); 11] = [
 pub fn lacking_rig(seed: u64) -> Hidden {
     // Another stream than that of the rig itself.
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(!seed));
-    let mut hidden = if seed % 2 == 0 { shipped_rig(seed) } else { any_rig(seed) };
+    let mut hidden = if seed.is_multiple_of(2) { shipped_rig(seed) } else { any_rig(seed) };
     let (key, low, high) = EFFECTS[(seed as usize) % EFFECTS.len()];
     let sign = draw.of(&[-1.0, 1.0]);
     let size = if low > 0.0 { draw.size(low, high) } else { 0.0 };
