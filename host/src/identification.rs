@@ -48,7 +48,7 @@ use anyhow::{Result, bail};
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::{Accuracy, Rig};
 
-use causes::Explanation;
+use causes::{Explanation, Traces};
 use model::Model;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
@@ -199,8 +199,11 @@ pub fn identify(
     let start = vec![0.0; model.unknowns()];
     let found = search::search(&mut model, start, progress)?;
     let posterior = assumed::posterior(&model, &found)?;
-    let causes = causes::explain(&model, &found, progress);
-    Ok(Identification { causes, ..finished(&model, &found, &posterior, silent, before) })
+    let traces = Traces::of(&model, &found);
+    let told = finished(&model, &found, &posterior, silent, (before, &traces));
+    let explain = !told.fits && found.minimum.converged;
+    let causes = if explain { causes::explain(&model, &found, &traces, progress) } else { Vec::new() };
+    Ok(Identification { causes, ..told })
 }
 
 impl Model<'_> {
@@ -227,7 +230,7 @@ fn finished(
     found: &Found,
     posterior: &assumed::Considered,
     silent: Vec<Unseen>,
-    before: [Option<f64>; CHANNELS.len()],
+    (before, traces): ([Option<f64>; CHANNELS.len()], &Traces),
 ) -> Identification {
     let u = &found.minimum.u;
     let (unseen, seen): (Vec<usize>, Vec<usize>) =
@@ -238,7 +241,7 @@ fn finished(
     let grown = channels.iter().flatten().any(ChannelFit::has_grown);
     let correlation = posterior.of.correlation(model.parameters.len());
     let unseen = unseen.into_iter().map(|i| posterior.unseen(model, u, i));
-    let misfit = found.spectrum.misfit();
+    let misfit = found.spectrum.misfit().max(traces.misfit());
     Identification {
         unseen: unseen.chain(silent).collect(),
         correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
@@ -247,7 +250,7 @@ fn finished(
         channels,
         causes: Vec::new(),
         converged: found.minimum.converged,
-        fits: found.minimum.converged && found.spectrum.is_noise() && !grown,
+        fits: found.minimum.converged && found.spectrum.is_noise() && !traces.are_clear() && !grown,
         spectrum: found.spectrum.clone(),
         runs: model.runs(),
         starts: (0..model.recordings.len()).map(|i| model.start_at(u, i)).collect(),

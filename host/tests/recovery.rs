@@ -8,7 +8,9 @@ use std::sync::OnceLock;
 use pneudrive::identification::figures::Figures;
 use pneudrive::identification::parameter::{Parameter, usual};
 use pneudrive::identification::recording::Recording;
-use pneudrive::identification::recovery::{Coverage, Hidden, any_rig, held, shipped_rig, spread};
+use pneudrive::identification::recovery::{
+    Coverage, Hidden, any_rig, held, lacking_rig, shipped_rig, spread,
+};
 use pneudrive::identification::{Identification, identify};
 use pneudrive::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig};
@@ -36,6 +38,18 @@ fn the_intervals_hold_what_was_hidden_as_often_as_they_say() {
     assert!(held(&pooled) >= 0.88, "intervals too narrow");
     assert!((0.75..1.25).contains(&spread(&pooled)), "errors are not as large as they are said to be");
     assert!(coverage.runs < 10_000 * 10, "a rig costs {} runs", coverage.runs / 10);
+}
+
+/// A leak of 0.0017 g/(s bar) moved the null by 15 standard errors in a fit that was said to be one: the residuals
+/// together pass for noise.
+#[test]
+fn a_leak_is_noticed_by_its_trace_where_all_residuals_together_pass_for_noise() {
+    let (folder, hidden) = (folder(), lacking_rig(58));
+    assert!(hidden.lacks.as_ref().is_some_and(|lacks| lacks.contains("leakage")), "{hidden:?}");
+    let trial = hidden.identify(pneudrive(), folder.path()).expect("an identification");
+    println!("{}", trial.summary());
+    assert!(!trial.fits);
+    assert!(trial.causes.iter().any(|cause| cause.contains("leakage")), "{:?}", trial.causes);
 }
 
 /// What is recorded of a rig whose values are hidden.

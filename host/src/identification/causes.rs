@@ -8,7 +8,8 @@
 //! F    = (S_0 - S_1) / (t S_1 / (n - p)),  t = (1 + rho) / (1 - rho)
 //! ```
 //!
-//! The effects with the largest gains are fitted beside all parameters, which takes the sum of squares from S_0 to S_1.
+//! A gain that noise hardly makes is a misfit of its own, even where all residuals together pass for noise: what is looked
+//! for is one shape. The effects with the largest gains are fitted beside all parameters, which takes the sum of squares from S_0 to S_1.
 //! Neighbouring residuals correlate by rho, so that n of them are worth n / t independent ones: F has 1 and (n - p) / t
 //! degrees of freedom where the effect explains nothing. Its tail is multiplied by the number of effects that were
 //! tried (Bonferroni).
@@ -27,8 +28,11 @@ use super::search::{Found, found_at};
 /// Effects that are fitted, the most promising first.
 const FITTED: usize = 4;
 
-/// An effect whose residuals the parameters repeat to this part is not seen.
-const CONFUSED: f64 = 1e-4;
+/// An effect of its usual size that leaves less than one standard deviation of noise is not seen.
+const UNSEEN: f64 = 1.0;
+
+/// An effect of more than so many times its usual size is none.
+const LARGEST: f64 = 30.0;
 
 /// An effect explains something if chance would do it less often than this.
 const SIGNIFICANT: f64 = 1e-3;
@@ -100,21 +104,57 @@ struct Trial {
     part: f64,
 }
 
+/// The effects whose traces are in the residuals of a fit.
+pub(super) struct Traces {
+    /// The largest gain first.
+    trials: Vec<Trial>,
+    /// How often noise has as clear a trace of any.
+    chance: f64,
+}
+
+impl Traces {
+    /// Looks for the traces. One effect is seen where its own shape is looked for long before all residuals together are
+    /// more than noise.
+    pub fn of(model: &Model, found: &Found) -> Traces {
+        let Some(projection) = Projection::of(&found.minimum.jacobian) else {
+            return Traces { trials: Vec::new(), chance: 1.0 };
+        };
+        let tried = list::EFFECTS.iter().filter_map(|effect| trial(model, found, &projection, *effect));
+        let mut trials: Vec<Trial> = tried.collect();
+        trials.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let (variance, freedom) = noise(model, found);
+        let largest = trials.first().map_or(0.0, |trial| trial.gain);
+        let chance = chance(largest / variance, freedom) * trials.len() as f64;
+        Traces { trials, chance: chance.min(1.0) }
+    }
+
+    /// Whether there is one that noise hardly has.
+    pub fn are_clear(&self) -> bool {
+        self.chance < SIGNIFICANT
+    }
+
+    /// Norm of the residuals with the clearest trace; 0 where noise has as clear ones.
+    pub fn misfit(&self) -> f64 {
+        let largest = self.trials.first().map_or(0.0, |trial| trial.gain);
+        if self.are_clear() { largest.sqrt() } else { 0.0 }
+    }
+}
+
 /// The effects that explain what a fit leaves beyond noise, the best first. `progress` is told what is being done.
-pub(super) fn explain(model: &Model, found: &Found, progress: &mut dyn FnMut(&str)) -> Vec<Explanation> {
-    if found.spectrum.misfit() == 0.0 {
+pub(super) fn explain(
+    model: &Model,
+    found: &Found,
+    traces: &Traces,
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Explanation> {
+    let misfit = found.spectrum.misfit().max(traces.misfit());
+    if misfit == 0.0 {
         return Vec::new();
     }
     progress("what would explain the rest: effects that the rig file does not have");
-    let Some(projection) = Projection::of(&found.minimum.jacobian) else { return Vec::new() };
-    let tried = list::EFFECTS.iter().filter_map(|effect| trial(model, found, &projection, *effect));
-    let mut trials: Vec<Trial> = tried.collect();
-    let count = trials.len();
-    trials.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    trials.truncate(FITTED);
-    let fits = trials.iter().filter_map(|trial| {
+    let fits = traces.trials.iter().take(FITTED).filter_map(|trial| {
         progress(&format!("with {}", trial.effect.name));
-        fit(model, found, trial, count)
+        fit(model, found, trial, (traces.trials.len(), misfit))
     });
     let mut explanations: Vec<Explanation> = fits.collect();
     explanations.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
@@ -147,7 +187,7 @@ fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effe
     let with = model.of_rig(effect.rig(model, 1.0)?);
     let change = with.residuals_at(u)? - residuals;
     let left = projection.left_of(&change);
-    if left.norm_squared() < CONFUSED * change.norm_squared() {
+    if left.norm() < UNSEEN {
         return None;
     }
     let (gain, part) = match effect.change {
@@ -157,12 +197,12 @@ fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effe
         }
         _ => (residuals.norm_squared() - (residuals + &left).norm_squared(), 1.0),
     };
-    let possible = gain > 0.0 && effect.rig(model, part).is_some();
+    let possible = gain > 0.0 && part.abs() < LARGEST && effect.rig(model, part).is_some();
     possible.then_some(Trial { effect, gain, part })
 }
 
 /// An effect fitted beside all parameters.
-fn fit(model: &Model, found: &Found, trial: &Trial, tried: usize) -> Option<Explanation> {
+fn fit(model: &Model, found: &Found, trial: &Trial, (tried, misfit): (usize, f64)) -> Option<Explanation> {
     let Effect { change, .. } = trial.effect;
     let mut with = model.of_rig(trial.effect.rig(model, trial.part)?);
     let mut u = found.minimum.u.clone();
@@ -171,7 +211,7 @@ fn fit(model: &Model, found: &Found, trial: &Trial, tried: usize) -> Option<Expl
         with = with.with(&[Parameter::by_difference(&with.rig, path, size, least)?]);
         u.insert(place, 0.0);
     }
-    let minimum = minimise(&with, &u, false, &mut |_| {})?;
+    let minimum = minimise(&with, &u, true, &mut |_| {})?;
     let better = found_at(&with, minimum).ok()?;
     let value = match change {
         Change::Number { .. } => {
@@ -181,12 +221,16 @@ fn fit(model: &Model, found: &Found, trial: &Trial, tried: usize) -> Option<Expl
         }
         _ => None,
     };
-    let (ratio, freedom) = f_ratio(&with, found, &better);
+    let gained = found.minimum.residuals.norm_squared() - better.minimum.residuals.norm_squared();
+    let (variance, freedom) = noise(&with, &better);
+    let ratio = gained / variance;
+    let left = better.spectrum.misfit();
+    let explained = if left > 0.0 { 1.0 - (left / misfit).powi(2) } else { gained / misfit.powi(2) };
     Some(Explanation {
         setting: trial.effect.setting(&with.rig, value),
         effect: trial.effect,
         value,
-        explained: (1.0 - (better.spectrum.misfit() / found.spectrum.misfit()).powi(2)).max(0.0),
+        explained: explained.clamp(0.0, 1.0),
         chance: (chance(ratio, freedom) * tried as f64).min(1.0),
         as_good_as_best: false,
         ratio,
@@ -194,20 +238,19 @@ fn fit(model: &Model, found: &Found, trial: &Trial, tried: usize) -> Option<Expl
     })
 }
 
-/// F, and the degrees of freedom below its line.
-fn f_ratio(with: &Model, before: &Found, after: &Found) -> (f64, f64) {
-    let residuals = &after.minimum.residuals;
+/// Variance of what is left along one direction, and the independent residuals that tell it.
+fn noise(model: &Model, found: &Found) -> (f64, f64) {
+    let residuals = &found.minimum.residuals;
     let (mut squares, mut products) = (0.0, 0.0);
-    for block in with.blocks() {
+    for block in model.blocks() {
         let of = &residuals.as_slice()[block.rows];
         squares += of.iter().map(|r| r * r).sum::<f64>();
         products += of.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
     }
     let rho = (products / squares).clamp(0.0, 0.999);
     let worth = (1.0 + rho) / (1.0 - rho);
-    let freedom = after.rows().saturating_sub(with.parameters.len()).max(1) as f64;
-    let gained = before.minimum.residuals.norm_squared() - residuals.norm_squared();
-    (gained / (worth * residuals.norm_squared() / freedom), freedom / worth)
+    let freedom = found.rows().saturating_sub(model.unknowns()).max(1) as f64;
+    (worth * squares / freedom, freedom / worth)
 }
 
 /// How often F is above `ratio` by chance.
@@ -226,11 +269,13 @@ impl Effect {
         let fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
         match self.change {
             Change::Number { path, .. } if fitted(path) => None,
-            Change::Number { path, with, size, .. } => {
+            Change::Number { path, with, size, least } => {
                 let settings: Vec<String> = with.iter().map(ToString::to_string).collect();
                 let rig = rig.with_settings(&settings).ok()?;
-                let value = rig.optional_number(path)? + part * size;
-                rig.with_numbers(&[(path, value)]).ok()
+                let start = rig.optional_number(path)?;
+                let value = start + part * size;
+                let possible = value >= start.min(least);
+                possible.then(|| rig.with_numbers(&[(path, value.max(least))]).ok())?
             }
             Change::Switch(path) => {
                 let turned = !rig.switch(path);
