@@ -104,6 +104,24 @@ pub fn closed_loop(start: Start) {
     }
 }
 
+/// A first move that comes late: until then the drive holds the count of its first sample.
+///
+/// # Panics
+/// When a record is not the simulation, or does not replay equal.
+pub fn a_late_first_move(start: Start) {
+    for name in ["servo-a", "servo-b-tuned"] {
+        let rig = rig(name, &["test.duration_s=0.8", "test.moves=[[0.4, 12000]]"]);
+        let target = start(&rig);
+        assert_equal_in_every_integer(&*target, &rig);
+        let mut client = target.connect().expect("a rig that answers");
+        run_on(&mut client, &rig);
+        let replay = replayed(&mut client);
+        assert_eq!(replay.first, None, "{}, {name}", target.name());
+        let first = replay.recorded[0];
+        assert_eq!(first.error, 0, "{}, {name}: it holds where it is", target.name());
+    }
+}
+
 /// Commands to the servo-drives in open loop, to where the limit of the drive stage is met.
 ///
 /// # Panics

@@ -38,6 +38,11 @@ fn the_record_of_the_emulated_board_is_the_simulation_of_the_other_built_in_rigs
 }
 
 #[test]
+fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_emulated_board() {
+    body::a_late_first_move(emulated_board);
+}
+
+#[test]
 fn the_record_of_an_emulated_stepper_drive_is_the_simulation() {
     body::stepper(emulated_board);
 }

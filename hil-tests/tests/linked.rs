@@ -20,6 +20,11 @@ fn the_record_of_a_board_whose_plant_is_at_a_port_is_the_simulation() {
 }
 
 #[test]
+fn a_drive_whose_first_move_comes_late_stays_where_it_is() {
+    body::a_late_first_move(linked);
+}
+
+#[test]
 fn each_start_begins_from_the_same_state_though_inputs_are_on_their_way() {
     body::each_start_begins_from_the_same_state(linked);
 }

@@ -32,6 +32,11 @@ fn the_record_of_the_virtual_rig_is_the_simulation_in_open_loop() {
 }
 
 #[test]
+fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_virtual_rig() {
+    body::a_late_first_move(virtual_rig);
+}
+
+#[test]
 fn the_record_of_a_stepper_drive_is_the_simulation() {
     body::stepper(virtual_rig);
 }

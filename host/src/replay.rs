@@ -13,7 +13,7 @@
 //!   What comes from outside (a stop, a late sample, a silent host) is in no sample: the record ends before
 //!   it.
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
-//!   learned, whether a run that begins with the setpoint 0 began with a move.
+//!   learned, whether a run that begins with a setpoint that is held anyway began with a move to it.
 //!
 //! Not in the file, and so no part of the replay: a move to the setpoint that holds already (it matters to
 //! what is learned of the null only), and pressures that were bad in the last samples before the start.

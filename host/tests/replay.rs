@@ -127,11 +127,18 @@ struct Run {
     path: Vec<Sample>,
     /// The sample before which a stop comes from outside.
     stop: usize,
+    /// What is held before the first move: the count of the first sample, or 0 with an older firmware.
+    held_first: Option<i32>,
 }
 
 fn any_run() -> impl Strategy<Value = Run> {
-    (any_parameters(), any_moves(), any_path(), 1usize..2000).prop_map(
-        |(mut parameters, mut moves, path, stop)| {
+    (any_parameters(), any_moves(), any_path(), 1usize..2000, any::<bool>()).prop_map(
+        |(mut parameters, mut moves, path, stop, older)| {
+            let held_first = older.then_some(0);
+            if moves[0].0 > 0 && moves[0].1 == held_first.unwrap_or(path[0].position) {
+                // A move to what is held already is not seen.
+                moves[0].1 += 1;
+            }
             if parameters.get(id::ON_ARRIVAL) == Some(1) && stop % 2 == 0 {
                 let first = moves[0].0;
                 moves.iter_mut().for_each(|(at, _)| *at = first);
@@ -143,7 +150,7 @@ fn any_run() -> impl Strategy<Value = Run> {
             {
                 set(&mut parameters, &ENDLESS);
             }
-            Run { parameters, moves, path, stop }
+            Run { parameters, moves, path, stop, held_first }
         },
     )
 }
@@ -152,6 +159,7 @@ fn any_run() -> impl Strategy<Value = Run> {
 fn record(run: &Run) -> Result<Vec<RecordedSample>, Refusal> {
     let config = Config::new(&run.parameters).expect("they go together");
     let mut sequence = Sequence::new(run.path.len() as u32);
+    sequence.held_first = run.held_first;
     for &(at_sample, target) in &run.moves {
         sequence.push(Move { at_sample, target }).expect("room");
     }

@@ -58,8 +58,7 @@ struct Pairs {
 
 fn run_a_pair(folder: &Path, figures: &mut Pairs) {
     let rig = virtual_rig("servo-b-tuned");
-    let programs =
-        TESTS.map(|(name, _)| spawn(folder, &format!("run {name}.toml --port {}", rig.port())));
+    let programs = TESTS.map(|(name, _)| spawn(folder, &format!("run {name}.toml --port {}", rig.port())));
     let succeeded = programs.map(|mut program| program.wait().expect("it was started").success());
     figures.pairs += 1;
     figures.successes += succeeded.iter().filter(|&&success| success).count() as u32;
@@ -93,7 +92,8 @@ fn an_import_that_is_cut_anywhere_leaves_the_old_configuration_or_the_new_one() 
     let (old, new) = (Parameters::default(), Rig::builtin("servo-a-tuned").expect("built in").parameters());
     let (mut random, mut mixtures, mut taken) = (Random(21), 0, 0);
     let imports = cases("PNEUDRIVE_IMPORTS", 150);
-    let carried = |rig: &SimulatedRig| rig.change(|simulation| simulation.up.carried + simulation.down.carried);
+    let carried =
+        |rig: &SimulatedRig| rig.change(|simulation| simulation.up.carried + simulation.down.carried);
     let whole = {
         let rig = SimulatedRig::with_record(&[]);
         rig.connect().expect("an answer").import_parameters(&new).expect("a good line");
@@ -175,6 +175,11 @@ fn programs_that_never_read_do_not_slow_the_others() {
         begun.elapsed().as_secs_f64()
     };
     let [alone, beside_one, beside_three] = [0, 1, 3].map(timed);
-    println!("run: {alone:.2} s alone, {beside_one:.2} s beside one that never reads, {beside_three:.2} s beside three");
-    assert!(beside_three < alone + 1.0, "{alone:.2} s alone, {beside_three:.2} s beside three that never read");
+    println!(
+        "run: {alone:.2} s alone, {beside_one:.2} s beside one that never reads, {beside_three:.2} s beside three"
+    );
+    assert!(
+        beside_three < alone + 1.0,
+        "{alone:.2} s alone, {beside_three:.2} s beside three that never read"
+    );
 }

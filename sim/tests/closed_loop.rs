@@ -195,3 +195,17 @@ fn advancing_a_plant_by_its_commands_repeats_the_run_that_they_come_from() {
         assert_eq!((sample.position, sample.spool), (pair[1].position, pair[1].spool), "{}", pair[1].index);
     }
 }
+
+/// Once its setpoint was 0 until then, and it went for full retraction.
+#[test]
+fn a_drive_whose_first_move_comes_late_stays_where_it_is_until_then() {
+    let settings = ["test.moves=[[1.0, 12000]]", "test.duration_s=2"].map(str::to_owned);
+    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let rig =
+        Rig::read_with("servo-b-tuned", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
+    let run = run(&rig, Accuracy::of(&rig)).expect("a transient");
+    let held = run.observations.iter().take_while(|seen| seen.setpoint == 8192);
+    assert_eq!(held.count(), 770, "8192 is the count of k = 0; 770 * 1.3 ms is the first sample from 1 s on");
+    let before = &positions(&run, 0.0, 1.0);
+    assert!(peak_to_peak(before) < 1.0, "{} mm", peak_to_peak(before));
+}

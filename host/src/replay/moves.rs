@@ -58,36 +58,38 @@ fn open_loop(config: &Config, recorded: &[RecordedSample], referenced: bool) -> 
     Ok(Plan { sequence: sequence(config, &moves, recorded.len())?, referenced, inferred })
 }
 
-/// The setpoint is 0 before the first move, so a run that begins with 0 may have begun with a move or not.
-/// That is of importance only where a move to 0 ends at rest, and so teaches the null offset.
+/// Before the first move a drive holds the count of its first sample; one with a firmware before version 5 of the
+/// protocol held 0. A run that begins with one of these setpoints may have begun with a move to it or not. That
+/// matters only where such a move ends at rest, and so teaches the null offset.
 fn closed_loop(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>, ReplayError> {
     let found = setpoints(recorded)?;
     let inferred: Vec<bool> = found.iter().map(|setpoint| setpoint.inferred).collect();
+    let counts: Vec<i32> = found.iter().map(|setpoint| setpoint.counts).collect();
+    let first = counts.first().copied();
+    let held_first =
+        first.filter(|&first| first == 0 || recorded.first().is_some_and(|k| k.position == first));
     let plan = |moves: &[Move]| {
-        let sequence = sequence(config, moves, recorded.len())?;
+        let mut sequence = sequence(config, moves, recorded.len())?;
+        sequence.held_first = held_first;
         Ok(Plan { sequence, referenced: true, inferred: inferred.clone() })
     };
-    let moves = changes(&found);
+    let moves = changes(held_first, &counts);
     let mut plans = vec![plan(&moves)?];
-    let begins_with_zero = moves.first().is_none_or(|first| first.at_sample > 0);
-    let allowed = (config.limits.end_min..=config.limits.end_max).contains(&0);
-    if begins_with_zero && allowed && config.law.learning_gain > 0 {
-        plans.extend(plan(&[&[Move::default()], moves.as_slice()].concat()));
+    let allowed = |target: &i32| (config.limits.end_min..=config.limits.end_max).contains(target);
+    if let Some(target) = held_first.filter(allowed)
+        && config.law.learning_gain > 0
+    {
+        plans.extend(plan(&[&[Move { at_sample: 0, target }], moves.as_slice()].concat()));
     }
     Ok(plans)
 }
 
-/// A move wherever the setpoint changes.
-fn changes(setpoints: &[Setpoint]) -> Vec<Move> {
-    let mut target = 0;
-    let mut moves = Vec::new();
-    for (at_sample, setpoint) in (0..).zip(setpoints) {
-        if setpoint.counts != target {
-            target = setpoint.counts;
-            moves.push(Move { at_sample, target });
-        }
-    }
-    moves
+/// A move wherever the setpoint changes, from the one that was held before.
+fn changes(held_first: Option<i32>, setpoints: &[i32]) -> Vec<Move> {
+    let before = std::iter::once(held_first).chain(setpoints.iter().copied().map(Some));
+    let pairs = (0..).zip(before.zip(setpoints));
+    let changed = pairs.filter(|(_, (before, now))| *before != Some(**now));
+    changed.map(|(at_sample, (_, &target))| Move { at_sample, target }).collect()
 }
 
 /// The sequence of these moves. It ends with one behind the last sample, if there is room: with `on_arrival` a
@@ -215,10 +217,11 @@ mod tests {
     }
 
     #[test]
-    fn the_setpoint_before_the_first_move_is_zero() {
-        let setpoints: Vec<Setpoint> =
-            [0, 0, 7, 7, 0].map(|counts| Setpoint { counts, inferred: false }).to_vec();
-        let expected = [Move { at_sample: 2, target: 7 }, Move { at_sample: 4, target: 0 }];
-        assert_eq!(changes(&setpoints), expected);
+    fn a_move_begins_where_the_setpoint_is_another_one_than_before() {
+        let setpoints = [9, 9, 7, 7, 9];
+        let behind = [Move { at_sample: 2, target: 7 }, Move { at_sample: 4, target: 9 }];
+        assert_eq!(changes(Some(9), &setpoints), behind, "9 was held");
+        let first = Move { at_sample: 0, target: 9 };
+        assert_eq!(changes(None, &setpoints), [first, behind[0], behind[1]]);
     }
 }

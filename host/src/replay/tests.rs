@@ -40,8 +40,19 @@ fn file(parameters: &Parameters, first_index: i32, samples: Vec<RecordedSample>)
 
 /// What the recorder stores of a run over these positions.
 fn record(parameters: &Parameters, moves: &[(u32, i32)], positions: &[i32]) -> Vec<RecordedSample> {
+    record_held(None, parameters, moves, positions)
+}
+
+/// The same by a controller that holds something else before its first move than the count of k = 0.
+fn record_held(
+    held_first: Option<i32>,
+    parameters: &Parameters,
+    moves: &[(u32, i32)],
+    positions: &[i32],
+) -> Vec<RecordedSample> {
     let config = Config::new(parameters).expect("they go together");
     let mut sequence = Sequence::new(100_000);
+    sequence.held_first = held_first;
     for &(at_sample, target) in moves {
         sequence.push(Move { at_sample, target }).expect("room");
     }
@@ -209,6 +220,19 @@ fn a_move_that_comes_to_its_setpoint_after_the_forced_exit_teaches_nothing() {
     let early = [[8590; 12], [8590; 12], [8590; 12]].concat();
     let command = |positions: &[i32]| record(&values, &moves, positions)[35].command;
     assert_ne!(command(&late), command(&early), "one that arrives in time does");
+}
+
+/// Older firmware held 0 until then, which is full retraction; its records are what they are.
+#[test]
+fn a_record_whose_first_move_comes_late_replays_with_either_firmware() {
+    for (held_first, on_arrival) in [(None, 0), (Some(0), 0), (None, 1), (Some(0), 1)] {
+        let values = parameters(&[(id::ON_ARRIVAL, on_arrival), (id::LEARNING_GAIN, 50)]);
+        let samples = record_held(held_first, &values, &[(5, 9000), (20, 8300)], &walk());
+        let setpoint = samples[0].position + i32::from(samples[0].error);
+        assert_eq!(setpoint, held_first.unwrap_or(8192));
+        let replay = replay(&file(&values, 0, samples)).expect("a whole record");
+        assert_eq!((replay.first, replay.equal_samples()), (None, walk().len()), "{held_first:?}");
+    }
 }
 
 #[test]

@@ -121,7 +121,7 @@ impl State {
             check_moves(config, sequence)?;
         }
         self.supervisor.start(config.law.control_loop, self.location)?;
-        self.begin_anew(Sequencer::new(sequence));
+        self.begin_anew(Sequencer::new(sequence, config.law.control_loop == Loop::Closed));
         Ok(())
     }
 
@@ -228,7 +228,7 @@ impl State {
             self.sequencer.close()
         } else if running {
             self.observation.index = self.sequencer.taken();
-            self.sequencer.advance(&config.motion, sequence)
+            self.sequencer.advance(&config.motion, sequence, position)
         } else {
             false
         };

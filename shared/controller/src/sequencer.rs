@@ -12,6 +12,8 @@
 //! - or at the forced exit, arrived or not.
 //!
 //! A sequence may repeat: its moves come again and again, a round after the other, until the run is over.
+//!
+//! Before the first move a closed loop holds the count of sample k = 0, and an open loop is at null.
 
 /// The most moves one sequence holds.
 pub const MAX_MOVES: usize = 64;
@@ -52,11 +54,15 @@ pub struct Sequence {
     round: u32,
     /// Samples of the run: the run is done after sample number `duration_samples`.
     pub duration_samples: u32,
+    /// What is held before the first move, instead of the count of sample k = 0: older firmware held 0, and its
+    /// records are replayed so. Unit: counts.
+    pub held_first: Option<i32>,
 }
 
 impl Default for Sequence {
     fn default() -> Self {
-        Sequence { moves: [Move::default(); MAX_MOVES], len: 0, round: 0, duration_samples: 0 }
+        let moves = [Move::default(); MAX_MOVES];
+        Sequence { moves, len: 0, round: 0, duration_samples: 0, held_first: None }
     }
 }
 
@@ -160,19 +166,25 @@ pub struct Sequencer {
     outside_at: u32,
     arrived_at: u32,
     ended: bool,
+    /// Whether the first sample is to be held until the first move.
+    holds_first: bool,
 }
 
 impl Sequencer {
-    /// At the beginning of a run: the setpoint is 0 before the first move.
-    pub(crate) fn new(sequence: &Sequence) -> Sequencer {
+    /// At the beginning of a run. `closed`: moves are positions, and the first one is held until they come.
+    pub(crate) fn new(sequence: &Sequence, closed: bool) -> Sequencer {
         let mut sequencer = Sequencer::default();
         sequencer.look_ahead(sequence);
+        if closed && sequencer.next_at > 0 {
+            sequencer.holds_first = true;
+            sequencer.next_at = 0;
+        }
         sequencer
     }
 
-    /// Takes sample k. Whether it ends a move that rests.
-    pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
-        let rested = self.is_due(config) && self.move_on(config, sequence);
+    /// Takes sample k, at which the axis is at `position`. Whether it ends a move that rests.
+    pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
+        let rested = self.is_due(config) && self.move_on(config, sequence, position);
         self.taken = self.taken.saturating_add(1);
         rested
     }
@@ -185,8 +197,13 @@ impl Sequencer {
     /// Begins the moves that are due, of which the last one holds. Whether one before it rests.
     #[cold]
     #[inline(never)]
-    fn move_on(&mut self, config: &MotionConfig, sequence: &Sequence) -> bool {
+    fn move_on(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
         let mut rested = false;
+        if self.holds_first {
+            self.holds_first = false;
+            self.setpoint = sequence.held_first.unwrap_or(position);
+            self.look_ahead(sequence);
+        }
         while self.is_due(config)
             && let Some(next) = sequence.moves().get(self.next_move)
         {
@@ -296,11 +313,14 @@ mod tests {
         MotionConfig { on_arrival: false, tolerance: 2, monitoring: 0, dwell: 0, forced_exit: 100 };
     const FAST: MotionConfig = MotionConfig { on_arrival: true, ..TIMED };
 
+    /// Where the axis is.
+    const STANDS: i32 = 5;
+
     /// The setpoints while an axis has these errors.
     fn setpoints(config: &MotionConfig, sequence: &Sequence, errors: &[i32]) -> (Vec<i32>, Sequencer) {
-        let mut sequencer = Sequencer::new(sequence);
+        let mut sequencer = Sequencer::new(sequence, true);
         let seen = errors.iter().map(|&error| {
-            sequencer.advance(config, sequence);
+            sequencer.advance(config, sequence, STANDS);
             sequencer.judge(config, error);
             sequencer.setpoint()
         });
@@ -338,16 +358,19 @@ mod tests {
     }
 
     #[test]
-    fn before_the_first_move_the_setpoint_is_zero() {
-        assert_eq!(setpoints(&TIMED, &sequence(&[(1, 7)], 9), &[0]).0, [0]);
+    fn before_the_first_move_the_axis_stays_where_it_is_unless_something_else_is_said() {
+        let mut late = sequence(&[(2, 7)], 9);
+        assert_eq!(setpoints(&TIMED, &late, &[0, 9, 9]).0, [STANDS, STANDS, 7]);
+        late.held_first = Some(0);
+        assert_eq!(setpoints(&FAST, &late, &[0, 9, 9]).0, [0, 0, 7]);
     }
 
     #[test]
     fn a_run_of_n_samples_ends_with_sample_n() {
         let sequence = sequence(&[(0, 1)], 3);
-        let mut sequencer = Sequencer::new(&sequence);
+        let mut sequencer = Sequencer::new(&sequence, true);
         let over: [bool; 4] = core::array::from_fn(|_| {
-            sequencer.advance(&TIMED, &sequence);
+            sequencer.advance(&TIMED, &sequence, STANDS);
             sequencer.is_over(&TIMED, &sequence)
         });
         assert_eq!(over, [false, false, false, true]);
@@ -410,7 +433,7 @@ mod tests {
         let mut sequence = sequence(&[(1, 10), (3, 20)], 10);
         sequence.repeat_every(4).expect("behind the last move");
         let (setpoints, sequencer) = setpoints(&TIMED, &sequence, &[9; 11]);
-        assert_eq!(setpoints, [0, 10, 10, 20, 20, 10, 10, 20, 20, 10, 10]);
+        assert_eq!(setpoints, [STANDS, 10, 10, 20, 20, 10, 10, 20, 20, 10, 10]);
         assert_eq!((sequencer.begun(&sequence), sequencer.not_reached()), (5, 4));
         assert!(sequencer.is_over(&TIMED, &sequence));
     }
@@ -431,13 +454,13 @@ mod tests {
     fn rounds_go_on_to_the_last_sample_that_can_be_counted() {
         let mut sequence = sequence(&[(0, 10), (2, 20)], u32::MAX - 1);
         sequence.repeat_every(4).expect("behind the last move");
-        let mut sequencer = Sequencer::new(&sequence);
+        let mut sequencer = Sequencer::new(&sequence, true);
         sequencer.taken = u32::MAX - 7;
         sequencer.round_at = u32::MAX - 7;
         sequencer.look_ahead(&sequence);
         let mut seen = Vec::new();
         while !sequencer.is_over(&TIMED, &sequence) {
-            sequencer.advance(&TIMED, &sequence);
+            sequencer.advance(&TIMED, &sequence, STANDS);
             seen.push(sequencer.setpoint());
         }
         assert_eq!(seen, [10, 10, 20, 20, 10, 10, 20]);

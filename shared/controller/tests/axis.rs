@@ -119,6 +119,26 @@ fn a_closed_loop_that_holds_after_its_run_may_push_against_what_stands() {
     assert_eq!(bench.mode(), Mode::Done);
 }
 
+/// Once the setpoint was 0 until the first move came: full retraction.
+#[test]
+fn before_its_first_move_a_closed_loop_holds_the_count_of_its_first_sample() {
+    let mut bench = Bench::running(&[], &[(3, 9000)]);
+    for (position, error) in [(8192, 0), (8200, -8), (8190, 2)] {
+        bench.take(at(position));
+        let seen = bench.state.observation();
+        assert_eq!((seen.setpoint, seen.error), (8192, error), "at {position}");
+    }
+    bench.take(at(8192));
+    assert_eq!(bench.state.observation().setpoint, 9000, "the move has come");
+    assert_eq!(bench.state.sequencer().begun(&bench.sequence), 1, "what was held before is no move");
+}
+
+#[test]
+fn before_its_first_move_an_open_loop_is_at_null() {
+    let mut bench = Bench::running(&[OPEN_LOOP], &[(2, 700)]);
+    assert_eq!([8192, 8192, 8192].map(|position| bench.take(at(position))), [0, 0, 700]);
+}
+
 #[test]
 fn setpoints_beyond_a_software_end_position_are_refused_before_they_move_anything() {
     let ends = [(id::END_MIN_COUNTS, 1000), (id::END_MAX_COUNTS, 2000)];

@@ -237,6 +237,24 @@ impl Reader<'_> {
             let message = "is [time in s, duration in s, counts]: the duration above 0, whole counts";
             self.problem_at_key("test.impulse", message.to_owned());
         }
+        self.check_impulse_stands_on_a_move(rig);
+    }
+
+    /// Before the first move a closed loop holds where it is, which no file knows.
+    fn check_impulse_stands_on_a_move(&mut self, rig: &Rig) {
+        let closed = rig.word("controller.loop") == "closed";
+        if let (Some(Value::Numbers(impulse)), Some(Value::Moves(moves))) =
+            (rig.value("test.impulse"), rig.value("test.moves"))
+            && let Some((first, _)) = moves.first()
+            && closed
+            && rig.value("test.targets").is_none()
+            && impulse[0] < *first
+        {
+            let message = format!(
+                "begins before the first move, at {first} s: there is no setpoint for it to stand on"
+            );
+            self.problem_at_key("test.impulse", message);
+        }
     }
 
     /// A setpoint that the cylinder cannot reach is a slip of units as a rule.

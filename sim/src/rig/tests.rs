@@ -251,6 +251,16 @@ fn an_impulse_stands_on_top_of_the_moves() {
     }
 }
 
+/// Once its setpoint was its height above 0, near full retraction.
+#[test]
+fn an_impulse_before_the_first_setpoint_is_refused_and_before_the_first_command_is_not() {
+    let late = "[test]\nmoves = [[0.5, 9000]]\nimpulse = [0.2, 0.1, 50]\n";
+    let message = only_problem(late);
+    assert!(message.contains("test.impulse: begins before the first move, at 0.5 s"), "{message}");
+    let open = read(&format!("[controller]\nloop = \"open\"\n{}", late.replace("9000", "90")));
+    assert_eq!(open.moves(), [(0.2, 50), (0.3, 0), (0.5, 90)]);
+}
+
 #[test]
 fn a_pressure_that_the_drive_cannot_have_is_an_open_sensors_where_the_range_shows_it() {
     let of = |text: &str| {
