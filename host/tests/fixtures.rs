@@ -7,11 +7,13 @@ use pneudrive::replay::replay;
 use pneudrive::target::TargetFile;
 
 /// File, samples, index of the first, parameters in its header.
-const FILES: [(&str, usize, i32, usize); 2] = [
+const FILES: [(&str, usize, i32, usize); 3] = [
     // By the first version that recorded (966ae64), over protocol version 1.
     ("TARGET-1-first.DAT", 79, -2, 29),
     // By the first version with protocol version 3.
     ("TARGET-1-protocol-3.DAT", 77, 0, 54),
+    // With protocol version 4: its first move comes late, and the setpoint is 0 until then.
+    ("TARGET-1-protocol-4.DAT", 77, 0, 54),
 ];
 
 #[test]

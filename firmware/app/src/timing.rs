@@ -117,6 +117,7 @@ mod tests {
         delay_us: NonZeroU32::new(500).unwrap(),
         late_sample_us: 100,
         host_silence_ms: 0,
+        hold_ms: 0,
     };
 
     /// A clock after samples at these times, each with an output 510 us later; who is idle settles.

@@ -187,8 +187,8 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
         "Config { first_id: 7, values: [1000, 2000] }"
     );
     assert_eq!(
-        bench.ask(RequestBody::ConfigGet { first_id: id::NO_MOTION_COUNTS, count: 2 }),
-        "Refused(UnknownParameter { id: 54 })"
+        bench.ask(RequestBody::ConfigGet { first_id: id::HOLD_MS, count: 2 }),
+        "Refused(UnknownParameter { id: 55 })"
     );
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());

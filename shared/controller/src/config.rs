@@ -42,6 +42,8 @@ pub struct Timing {
     pub late_sample_us: u32,
     /// Silence of the host that is a fault while a move runs, milliseconds; 0: none is.
     pub host_silence_ms: u32,
+    /// How long an enabled drive stands without a host before it is disarmed, milliseconds.
+    pub hold_ms: u32,
 }
 
 /// Which parameters do not go together.
@@ -99,6 +101,7 @@ impl Default for Config {
                 delay_us: DELAY_US,
                 late_sample_us: 100,
                 host_silence_ms: 500,
+                hold_ms: 60_000,
             },
             estimator: EstimatorConfig { velocity_window: 5, acceleration_window: 3 },
             law: LawConfig {
@@ -179,6 +182,7 @@ impl Config {
                 delay_us,
                 late_sample_us: unsigned(id::LATE_SAMPLE_US),
                 host_silence_ms: unsigned(id::HOST_SILENCE_MS),
+                hold_ms: unsigned(id::HOLD_MS),
             },
             estimator: EstimatorConfig {
                 velocity_window: unsigned(id::VELOCITY_WINDOW_SAMPLES) as u8,
@@ -336,6 +340,7 @@ mod tests {
             (id::LATE_SAMPLE_US, 9),
             (id::HOST_SILENCE_MS, 10),
             (id::ENCODER_STEP_COUNTS, 11),
+            (id::HOLD_MS, 12),
         ])
         .expect("they go together");
         assert_eq!((config.law.control_loop, config.law.kind), (Loop::Open, LawKind::Proportional));
@@ -348,7 +353,7 @@ mod tests {
         assert!(config.encoder_inverted);
         assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: 2048, inverted: true }));
         assert_eq!((config.timing.late_sample_us, config.timing.host_silence_ms), (9, 10));
-        assert_eq!(config.limits.encoder_step, 11);
+        assert_eq!((config.limits.encoder_step, config.timing.hold_ms), (11, 12));
     }
 
     #[test]

@@ -62,6 +62,7 @@ pub mod id {
     pub const PULSE_WIDTH_US: u16 = 51;
     pub const DIRECTION_SETUP_US: u16 = 52;
     pub const NO_MOTION_COUNTS: u16 = 53;
+    pub const HOLD_MS: u16 = 54;
     /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
     pub const GAIN_PROFILE: u16 = 256;
 }
@@ -117,7 +118,7 @@ const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
 #[rustfmt::skip]
-pub static TABLE: [Parameter; 54] = [
+pub static TABLE: [Parameter; 55] = [
     scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
     scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
     scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
@@ -171,6 +172,7 @@ pub static TABLE: [Parameter; 54] = [
     scalar!(PULSE_WIDTH_US, "pulse_width_us", "us", 1, 1000, 10, "", "Length of a stepper's pulse."),
     scalar!(DIRECTION_SETUP_US, "direction_setup_us", "us", 1, 1000, 10, "", "A stepper's direction stands so long before the pulse."),
     scalar!(NO_MOTION_COUNTS, "no_motion_counts", "counts", 0, COUNT_MAX, 40, "", "So far from where it stood an axis has moved, for no_motion_ms and homing_still_ms: a stop gives way a little, and dither shakes."),
+    scalar!(HOLD_MS, "hold_ms", "ms", 0, HOUR_MS, 60_000, "", "An enabled drive that stands, armed or holding its last setpoint, is disarmed this long after its host has gone."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

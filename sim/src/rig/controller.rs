@@ -56,6 +56,7 @@ impl Rig {
             (id::ENCODER_STEP_COUNTS, (step / pulse_m).ceil() as i32),
             (id::LATE_SAMPLE_US, whole("safety.late_sample_us")),
             (id::HOST_SILENCE_MS, scaled("safety.host_silence_s", 1e3)),
+            (id::HOLD_MS, scaled("safety.hold_s", 1e3)),
             (id::ENCODER_INVERTED, i32::from(self.integer("encoder.polarity") < 0)),
             (id::ENCODER_PM_PER_COUNT, scaled("encoder.mm_per_count", 1e9)),
             (id::SENSOR_BITS, whole("sensors.bits")),

@@ -373,6 +373,7 @@ pub static KEYS: &[Key] = &[
     number("safety.position_margin_mm", 3.0, 0.0, 1000.0, "", "How far outside the stroke the position may be before the supervisor trips."),
     number("safety.max_speed_m_s", 5.0, 1e-3, 100.0, "", "A faster step of the encoder trips the supervisor."),
     number("safety.host_silence_s", 0.5, 0.0, 3600.0, "", "Silence of the host that trips a running move or homing run; 0: off."),
+    number("safety.hold_s", 60.0, 0.0, 3600.0, "", "An enabled drive that stands, armed or holding its last setpoint, is disarmed this long after its host has gone."),
     switch("safety.sensor_watch", true, "", "Whether a pressure at an end of its converter trips, if no pressure of the drive can be there."),
     number("safety.no_motion_s", 0.5, 0.0, 3600.0, "", "A run in closed loop that asks for more than half of the valve and does not move for so long trips; 0: off."),
     key("safety.end_min_mm", Kind::Number { min: -1000.0, max: 20_000.0 }, Default::Absent("none"), "", "Software end position: lower setpoints are refused, an open loop pushes no further."),

@@ -220,7 +220,7 @@ mod tests {
         for end in 0..text.len() {
             std::fs::write(&cut, &text[..end]).expect("written");
             let error = format!("{:#}", importable(&cut.display().to_string()).expect_err("cut"));
-            let reasons = ["is empty", "54 parameters, and ", "its last line has no end", "line "];
+            let reasons = ["is empty", "55 parameters, and ", "its last line has no end", "line "];
             assert!(reasons.iter().any(|reason| error.contains(reason)), "{end}: {error}");
         }
     }
