@@ -1,0 +1,140 @@
+//! Changes of parameters and test: while the drive is disarmed.
+
+use core::borrow::BorrowMut;
+
+use pneudrive_controller::config::ConfigError;
+use pneudrive_controller::drive::DriveConfig;
+use pneudrive_controller::parameters::{SetError, id};
+use pneudrive_controller::sequencer::SequenceError;
+use pneudrive_controller::{Config, Move, Parameters, Refusal};
+
+use super::{Control, Test};
+use crate::board::Board;
+use crate::recorder::Recorder;
+use crate::store::NotStored;
+use crate::timing::Clock;
+
+/// Why a change of the configuration was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangeError {
+    /// Not now.
+    Refused(Refusal),
+    /// Not this value.
+    Value(SetError),
+    /// Not with the other parameters.
+    Inconsistent(ConfigError),
+}
+
+/// Why the parameters were not stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveRefused {
+    /// Not now.
+    NotNow(Refusal),
+    /// The flash did not take them.
+    NotStored,
+}
+
+/// Why a move was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MoveError {
+    /// Not now.
+    Refused(Refusal),
+    /// Not here.
+    Sequence(SequenceError),
+}
+
+impl<R: BorrowMut<Recorder>> Control<R> {
+    /// Changes parameters with consecutive ids: all of them or none.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, or with the id of the first value that is wrong.
+    pub fn set_parameters(
+        &mut self,
+        first_id: u16,
+        values: impl Iterator<Item = i32>,
+    ) -> Result<(), (u16, ChangeError)> {
+        self.must_be_disarmed().map_err(|refusal| (first_id, ChangeError::Refused(refusal)))?;
+        let mut changed = self.parameters().clone();
+        let mut id = first_id;
+        for value in values {
+            changed.set(id, value).map_err(|error| (id, ChangeError::Value(error)))?;
+            id = id.saturating_add(1);
+        }
+        let config = Config::new(&changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        self.forget_what_depends(&changed, &config);
+        self.configuration.replace(changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        self.clock = Clock::default();
+        Ok(())
+    }
+
+    /// A new meaning of counts takes the reference with it, a new timing, loop or drive stage the moves,
+    /// and a record is not to be read with parameters that it was not taken with.
+    fn forget_what_depends(&mut self, changed: &Parameters, config: &Config) {
+        let encoder = |p: &Parameters| (p.get(id::ENCODER_PM_PER_COUNT), p.get(id::ENCODER_INVERTED));
+        if encoder(changed) != encoder(self.parameters()) {
+            self.state.supervisor.clear_referenced();
+        }
+        let meaning = |c: &Config| (c.timing, c.law.control_loop, matches!(c.drive, DriveConfig::Dac(_)));
+        if meaning(config) != meaning(self.config()) {
+            self.test = Test::default();
+        }
+        if changed != self.parameters() {
+            self.recorder.borrow_mut().empty();
+        }
+    }
+
+    /// Takes over a whole set of parameters, as from storage after a reset.
+    ///
+    /// # Errors
+    /// When they do not go together; nothing is changed then.
+    pub fn load_parameters(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
+        self.configuration.replace(parameters)
+    }
+
+    /// Stores the parameters for the next reset.
+    ///
+    /// # Errors
+    /// When the drive is enabled, or the flash does not take them.
+    pub fn save_parameters(&mut self, board: &mut impl Board) -> Result<(), SaveRefused> {
+        self.must_be_disarmed().map_err(SaveRefused::NotNow)?;
+        if self.spool_walks() {
+            return Err(SaveRefused::NotNow(Refusal::ValveNotAtNull));
+        }
+        self.configuration.save(board.store()).map_err(|NotStored| SaveRefused::NotStored)
+    }
+
+    /// Takes a new test, which has no moves yet.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed.
+    pub fn set_test(&mut self, test: Test) -> Result<(), Refusal> {
+        self.must_be_disarmed()?;
+        self.test = test;
+        self.recorder.borrow_mut().empty();
+        Ok(())
+    }
+
+    /// Appends a move to the test.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, the moves are too many or out of order.
+    pub fn push_move(&mut self, next: Move) -> Result<(), MoveError> {
+        self.must_be_disarmed().map_err(MoveError::Refused)?;
+        self.test.sequence.push(next).map_err(MoveError::Sequence)
+    }
+
+    /// The test ends with this sample, and its moves come again every `round` samples; 0: once.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, or a move lies behind the round.
+    pub fn set_span(&mut self, last_sample: u32, round: u32) -> Result<(), MoveError> {
+        self.must_be_disarmed().map_err(MoveError::Refused)?;
+        self.test.sequence.repeat_every(round).map_err(MoveError::Sequence)?;
+        self.test.sequence.duration_samples = last_sample;
+        Ok(())
+    }
+
+    pub(super) fn must_be_disarmed(&self) -> Result<(), Refusal> {
+        if self.state.supervisor.drives() { Err(Refusal::NotDisarmed) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,116 @@
+//! Requests that enable, move and disable the drive.
+
+use core::borrow::BorrowMut;
+
+use pneudrive_controller::drive::MAX_COUNTS;
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Fault, Mode, Refusal};
+
+use super::Control;
+use crate::board::Board;
+use crate::recorder::Recorder;
+use crate::timing::Clock;
+
+impl<R: BorrowMut<Recorder>> Control<R> {
+    /// Enables the drive with the valve at null, and empties the recorder. What the last run has learned
+    /// of the valve's null becomes part of the parameters, and of those that are stored.
+    ///
+    /// # Errors
+    /// The supervisor's refusal, and that of a drive whose stored configuration is lost.
+    pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        if self.configuration.is_lost() {
+            return Err(Refusal::NoConfiguration);
+        }
+        self.log_fault(board);
+        self.take_over_null_offset(board);
+        self.state.supervisor.arm()?;
+        self.logged = false;
+        // Storing has stalled the processor: what was late while disarmed is no fault.
+        self.clock = Clock::default();
+        self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);
+        Ok(())
+    }
+
+    /// The next run starts where the last one has learned to. Between runs only, and not before the next
+    /// one: a record is read with the parameters that it was taken with.
+    fn take_over_null_offset(&mut self, board: &mut impl Board) {
+        let learned = self.state.learned_null_offset();
+        if learned == 0 || matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
+            return;
+        }
+        let largest = i32::from(MAX_COUNTS);
+        let mut changed = self.parameters().clone();
+        let old = changed.get(id::NULL_OFFSET_COUNTS).unwrap_or(0);
+        let new = old.saturating_add(learned).clamp(-largest, largest);
+        let was_saved = self.configuration.is_saved();
+        if changed.set(id::NULL_OFFSET_COUNTS, new).is_ok() && self.configuration.replace(changed).is_ok() {
+            self.state.forget_null_offset();
+        }
+        if was_saved && !self.state.supervisor.drives() {
+            // What cannot be stored is learned again after the next reset.
+            let _ = self.configuration.save(board.store());
+        }
+    }
+
+    /// Disables the drive.
+    pub fn disarm(&mut self) {
+        self.state.supervisor.disarm();
+    }
+
+    /// Runs the test from the next sample on.
+    ///
+    /// # Errors
+    /// The controller's refusal.
+    pub fn start(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.record();
+        self.state.start(self.configuration.config(), &self.test.sequence)?;
+        self.recorder.borrow_mut().start();
+        self.clock = Clock::default();
+        self.host_heard(board);
+        board.run_begins(self.configuration.config());
+        Ok(())
+    }
+
+    /// Stops at once: a fault that only arming leaves.
+    pub fn stop(&mut self) {
+        self.trip(Fault::Stop);
+    }
+
+    /// A fault that the board has found, such as why it was reset.
+    pub fn trip(&mut self, fault: Fault) {
+        self.state.supervisor.trip(fault);
+    }
+
+    /// The axis stands at `counts` now: counts mean positions from here on.
+    ///
+    /// # Errors
+    /// When the drive is enabled.
+    pub fn reference(&mut self, counts: i32) -> Result<(), Refusal> {
+        self.must_be_disarmed()?;
+        self.state.reference(counts);
+        Ok(())
+    }
+
+    /// Homes the axis from the next sample on.
+    ///
+    /// # Errors
+    /// The controller's refusal.
+    pub fn home(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.record();
+        self.state.home()?;
+        self.host_heard(board);
+        // What is kept from before has positions of another origin.
+        self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);
+        Ok(())
+    }
+
+    /// Counts mean positions as they are: a simulated rig.
+    ///
+    /// # Errors
+    /// When the drive is enabled.
+    pub fn set_referenced(&mut self) -> Result<(), Refusal> {
+        self.must_be_disarmed()?;
+        self.state.supervisor.set_referenced();
+        Ok(())
+    }
+}

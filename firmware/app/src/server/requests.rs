@@ -1,0 +1,128 @@
+//! Requests, carried out one by one: what each does, and what is answered.
+
+use core::borrow::BorrowMut;
+
+use pneudrive_controller::Move;
+use pneudrive_controller::parameters::SetError;
+use pneudrive_controller::sequencer::SequenceError;
+use pneudrive_protocol::{
+    CURRENT_VERSION, MIN_VERSION, Refused, ReplyBody, Request, RequestBody, UNTIL_STOPPED,
+};
+
+use super::answers::{chunk, config, config_state, digest, events, motion, record_info, status};
+use super::{FIRMWARE, Scratch};
+use crate::board::Board;
+use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
+use crate::recorder::{CAPACITY, Recorder};
+use crate::stream::Stream;
+
+/// Carries out a request.
+pub(super) fn carry_out<'a, B: Board>(
+    request: &Request<'a>,
+    control: &'a mut Control<impl BorrowMut<Recorder>>,
+    board: &'a mut B,
+    damaged_frames: u32,
+    stream: &mut Stream,
+    scratch: &'a mut Scratch,
+) -> ReplyBody<'a> {
+    match request.body {
+        RequestBody::Info => ReplyBody::Info {
+            min_version: MIN_VERSION,
+            version: CURRENT_VERSION,
+            firmware: FIRMWARE,
+            build: board.build(),
+            board: board.name(),
+            record_capacity: CAPACITY as u32,
+        },
+        RequestBody::Status => ReplyBody::Status(status(control, damaged_frames)),
+        RequestBody::ConfigGet { first_id, count } => config(control, first_id, count, scratch),
+        RequestBody::ConfigSet { first_id, values } => {
+            done(control.set_parameters(first_id, values.iter()).map_err(|(id, error)| {
+                let place = usize::from(id.saturating_sub(first_id));
+                change_refused(id, values.iter().nth(place).unwrap_or(0), error)
+            }))
+        }
+        RequestBody::Arm => done(control.arm(board).map_err(not_now)),
+        RequestBody::Disarm => {
+            control.disarm();
+            ReplyBody::Done
+        }
+        RequestBody::Start => done(control.start(board).map_err(not_now)),
+        RequestBody::Stop => {
+            control.stop();
+            ReplyBody::Done
+        }
+        RequestBody::Reference { position_counts } => {
+            done(control.reference(position_counts).map_err(not_now))
+        }
+        RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => {
+            let last_sample = duration_us / control.config().timing.period_us;
+            done(control.set_test(Test::new(name, last_sample, decimation, pre_trigger)).map_err(not_now))
+        }
+        RequestBody::TestMove { time_us, target } => {
+            let next = Move::at_time_us(time_us, control.config().timing.period_us, target);
+            done(control.push_move(next).map_err(move_refused))
+        }
+        RequestBody::TestSpan { last_sample, .. } if last_sample > UNTIL_STOPPED => {
+            ReplyBody::Refused(Refused::TestTooLong)
+        }
+        RequestBody::TestSpan { last_sample, round } => {
+            done(control.set_span(last_sample, round).map_err(move_refused))
+        }
+        RequestBody::Home => done(control.home(board).map_err(not_now)),
+        RequestBody::Motion => ReplyBody::Motion(motion(control)),
+        RequestBody::ConfigSave => done(control.save_parameters(board).map_err(|refused| match refused {
+            SaveRefused::NotNow(refusal) => not_now(refusal),
+            SaveRefused::NotStored => Refused::NotStored,
+        })),
+        RequestBody::ConfigState => ReplyBody::ConfigState(config_state(control.configuration())),
+        RequestBody::Events { first, count } => events(board.store(), first, count, scratch),
+        RequestBody::Timing => {
+            let [interval, latency] = control.timing();
+            ReplyBody::Timing { interval, latency }
+        }
+        RequestBody::RecordInfo => record_info(control),
+        RequestBody::RecordRead { first, count } => chunk(control, first, count, scratch),
+        RequestBody::RecordChunk { crc32, first, count } => match digest(control, 0) {
+            Some(crc) if crc == crc32 => chunk(control, first, count, scratch),
+            _ => ReplyBody::Refused(Refused::OtherRecord),
+        },
+        RequestBody::StreamBegin { every, batch } => {
+            stream.begin(request.sequence, every, batch);
+            ReplyBody::Done
+        }
+        RequestBody::StreamGrant { until } => {
+            stream.grant(until);
+            ReplyBody::Done
+        }
+        RequestBody::StreamRead { first, count } => stream.read(first, count, scratch),
+    }
+}
+
+fn done<'a>(result: Result<(), Refused<'a>>) -> ReplyBody<'a> {
+    match result {
+        Ok(()) => ReplyBody::Done,
+        Err(refused) => ReplyBody::Refused(refused),
+    }
+}
+
+fn not_now<'a>(refusal: pneudrive_controller::Refusal) -> Refused<'a> {
+    Refused::NotNow(refusal.code())
+}
+
+fn move_refused<'a>(error: MoveError) -> Refused<'a> {
+    match error {
+        MoveError::Refused(refusal) => not_now(refusal),
+        MoveError::Sequence(SequenceError::Full) => Refused::TooManyMoves,
+        MoveError::Sequence(SequenceError::OutOfOrder) => Refused::MovesOutOfOrder,
+    }
+}
+
+fn change_refused<'a>(id: u16, value: i32, error: ChangeError) -> Refused<'a> {
+    match error {
+        ChangeError::Refused(refusal) => not_now(refusal),
+        ChangeError::Value(SetError::UnknownId) => Refused::UnknownParameter { id },
+        ChangeError::Value(SetError::OutOfRange) => Refused::OutOfRange { id, value },
+        ChangeError::Inconsistent(error) => Refused::Inconsistent { advice: error.advice() },
+    }
+}
