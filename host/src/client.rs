@@ -1,5 +1,6 @@
 //! Requests to a rig, each asked again until it is answered.
 
+mod owner;
 mod parameters;
 mod record;
 mod stream;
@@ -10,11 +11,12 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_protocol::{
-    Accumulator, CURRENT_VERSION, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply, ReplyBody, Request,
+    Accumulator, CURRENT_VERSION, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply, ReplyBody, Request,
     RequestBody, Status, UNTIL_STOPPED, decode_reply, encode_and_know, frame,
 };
 use pneudrive_sim::Rig;
 
+pub use owner::Commander;
 pub use parameters::RigParameters;
 pub use record::{Pieces, Record, RecordChanged, RecordHead};
 
@@ -42,6 +44,10 @@ pub struct Client {
     /// Bytes that came and were not looked at yet.
     heard: std::vec::IntoIter<u8>,
     sequence: u16,
+    /// Tells its requests from those of other hosts.
+    session: u32,
+    /// Whether it has armed the drive, or taken it over.
+    commands: bool,
     /// The newest version that the rig speaks.
     version: u16,
     repeats: u32,
@@ -87,6 +93,8 @@ impl Client {
             accumulator: Accumulator::new(),
             heard: Vec::new().into_iter(),
             sequence: begin,
+            session: owner::any_session(),
+            commands: false,
             version: MIN_VERSION,
             repeats: 0,
             said: Recent::default(),
@@ -144,8 +152,8 @@ impl Client {
 
     fn send(&mut self, request: Request<'_>) -> Result<()> {
         let mut frame = [0; MAX_FRAME];
-        let (frame, crc32) =
-            encode_and_know(&request, &mut frame).ok_or_else(|| anyhow!("a request is too long to send"))?;
+        let (frame, crc32) = encode_and_know(&InSession { request, session: self.session }, &mut frame)
+            .ok_or_else(|| anyhow!("a request is too long to send"))?;
         self.said.add(crc32);
         self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
     }
@@ -236,22 +244,6 @@ impl Client {
             ReplyBody::Status(status) => Ok(*status),
             other => Err(unexpected(other)),
         })
-    }
-
-    /// Enables the drive.
-    ///
-    /// # Errors
-    /// When it is refused or not answered.
-    pub fn arm(&mut self) -> Result<()> {
-        self.ask_done(RequestBody::Arm)
-    }
-
-    /// Disables the drive.
-    ///
-    /// # Errors
-    /// When it is not answered.
-    pub fn disarm(&mut self) -> Result<()> {
-        self.ask_done(RequestBody::Disarm)
     }
 
     /// Stops at once.

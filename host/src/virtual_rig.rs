@@ -244,7 +244,10 @@ impl VirtualRig {
             door.admit();
             let mut heard = false;
             door.callers.retain_mut(|caller| {
-                let Ok(count) = caller.read(&mut bytes) else { return false };
+                let Ok(count) = caller.read(&mut bytes) else {
+                    caller.server.host_goes(&mut self.control);
+                    return false;
+                };
                 heard |= count > 0;
                 let control = &mut self.control;
                 let Ok(()) = caller.server.receive(&bytes[..count], control, &mut self.board, &mut replies);

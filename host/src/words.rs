@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use pneudrive_controller::{Fault, Refusal};
-use pneudrive_protocol::{CURRENT_VERSION, Refused};
+use pneudrive_protocol::{CURRENT_VERSION, Presence, Refused, code};
 use pneudrive_sim::Decision;
 
 /// The protocol version of a rig, and what comes of it if it is not that of this program.
@@ -16,13 +16,15 @@ pub(crate) fn protocol(version: u16) -> String {
             )
         }
         Ordering::Less => {
-            let lacks: [(u16, &str); 3] = [
-                (2, "homing, stored parameters, fault log, "),
-                (3, "streams, "),
+            let lacks: [(u16, &str); 4] = [
+                (2, "homing, stored parameters, fault log"),
+                (3, "streams"),
                 (4, "tests that repeat or last for hours"),
+                (5, "rule that one host commands"),
             ];
-            let lacks: String =
+            let lacks: Vec<&str> =
                 lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
+            let lacks = lacks.join(", ");
             format!(
                 "version {version}; this program speaks {CURRENT_VERSION}: the firmware is older and has no {lacks}; flash a newer one for that"
             )
@@ -109,7 +111,7 @@ pub(crate) fn fault_meaning(code: u8) -> &'static str {
 /// Why the rig refused, and what to do.
 pub(crate) fn refusal(refused: &Refused<'_>) -> String {
     match refused {
-        Refused::NotNow(code) => match Refusal::from_code(*code) {
+        Refused::NotNow(refusal) => match Refusal::from_code(*refusal) {
             Some(Refusal::NotArmed) => {
                 "the drive is not armed; arm it first (`pneudrive device arm`). To ask a disarmed drive for a move trips it"
                     .to_owned()
@@ -134,7 +136,8 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
                 "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
             }
             Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
-            None => format!("refused for a reason that this version does not know (code {code})"),
+            None if *refusal == code::OWNED => "another host commands the drive".to_owned(),
+            None => format!("refused for a reason that this version does not know (code {refusal})"),
         },
         Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
         Refused::OutOfRange { id, value } => out_of_range(*id, *value),
@@ -146,10 +149,31 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
         Refused::RecordRange { samples } => format!("the record has only {samples} samples"),
         Refused::NotStored => "the board could not write its flash".to_owned(),
         Refused::OtherRecord => "its record is another one by now; record again".to_owned(),
+        Refused::Owned(owner) => owned(owner.presence, owner.host, owner.silent_ms),
         Refused::Unknown => {
             "the firmware does not know this request; it is older than this program".to_owned()
         }
     }
+}
+
+/// Who commands the drive, and what another host can do about it.
+pub(crate) fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
+    let host = commander(host);
+    match presence {
+        Presence::There => format!(
+            "{host} commands the drive and was heard {:.2} s ago; wait until it has ended, or stop the drive (`pneudrive device stop`)",
+            f64::from(silent_ms) / 1e3
+        ),
+        Presence::Gone => {
+            format!("{host} has armed the drive and gone; disarm it first (`pneudrive device disarm`)")
+        }
+        Presence::Nobody => "nobody commands the drive any more; try again".to_owned(),
+    }
+}
+
+/// A host by its name.
+pub(crate) fn commander(host: &str) -> &str {
+    if host.is_empty() { "a program of version 4 of the protocol or older" } else { host }
 }
 
 fn out_of_range(id: u16, value: i32) -> String {
@@ -168,10 +192,11 @@ mod tests {
 
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
-        assert_eq!(protocol(4), "version 4");
-        assert!(protocol(3).contains("is older and has no tests that repeat or last for hours;"));
+        assert_eq!(protocol(5), "version 5");
+        assert!(protocol(4).contains("is older and has no rule that one host commands;"));
+        assert!(protocol(3).contains("has no tests that repeat or last for hours, rule that"));
         assert!(protocol(2).contains("has no streams, tests that"));
         assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
-        assert!(protocol(5).starts_with("version 5; this program is older and speaks 4:"));
+        assert!(protocol(6).starts_with("version 6; this program is older and speaks 5:"));
     }
 }

@@ -6,8 +6,8 @@ use pneudrive::target::TargetFile;
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::{
-    MAX_FRAME, Refused, Reply, ReplyBody, Request, RequestBody, UNTIL_STOPPED, decode_reply, decode_request,
-    encode,
+    MAX_FRAME, Mode, Refused, Reply, ReplyBody, Request, RequestBody, UNTIL_STOPPED, decode_reply,
+    decode_request, encode,
 };
 use pneudrive_sim::Rig;
 use simulated_link::{Random, SimulatedRig, any_samples};
@@ -41,6 +41,10 @@ fn info(sequence: u16, min_version: u16, version: u16) -> Option<Vec<u8>> {
 /// The version that a request came with.
 fn version_of(body: &RequestBody<'_>) -> u16 {
     match body {
+        RequestBody::ArmAs { .. }
+        | RequestBody::TakeOver { .. }
+        | RequestBody::Leave
+        | RequestBody::Owner => 5,
         RequestBody::TestSpan { .. } => 4,
         RequestBody::RecordChunk { .. }
         | RequestBody::StreamBegin { .. }
@@ -97,6 +101,10 @@ fn version_2(message: &[u8]) -> Option<Vec<u8>> {
 
 fn version_3(message: &[u8]) -> Option<Vec<u8>> {
     older(message, 3, id::HOMING_SWITCH)
+}
+
+fn version_4(message: &[u8]) -> Option<Vec<u8>> {
+    older(message, 4, id::HOMING_SWITCH)
 }
 
 fn version_9(message: &[u8]) -> Option<Vec<u8>> {
@@ -192,6 +200,18 @@ fn an_older_rig_takes_the_parameters_that_it_has_unless_one_that_it_lacks_would_
 }
 
 #[test]
+fn a_rig_that_knows_no_owner_is_armed_and_disarmed_by_whoever_asks() {
+    for older in [version_2, version_3, version_4] {
+        let rig = SimulatedRig::with_record(&[]).with_firmware(older);
+        let [mut one, mut other] = [(); 2].map(|()| rig.connect().expect("an answer"));
+        one.arm().expect("as ever");
+        assert_eq!(other.owner().expect("nothing is asked"), None);
+        other.disarm().expect("as ever");
+        assert_eq!(one.status().expect("an answer").mode, Mode::Disarmed);
+    }
+}
+
+#[test]
 fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let samples = any_samples(&mut Random(7), 100);
     let rig = SimulatedRig::with_record(&samples).with_firmware(version_9);
@@ -199,7 +219,7 @@ fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_9);
     let error = rig.connect().err().expect("no common version").to_string();
     assert!(
-        error.contains("speaks protocol versions 9 to 9, this program 1 to 4; update the older"),
+        error.contains("speaks protocol versions 9 to 9, this program 1 to 5; update the older"),
         "{error}"
     );
 }

@@ -2,6 +2,7 @@
 
 mod changes;
 mod commands;
+mod host;
 mod test;
 
 use core::borrow::BorrowMut;
@@ -15,6 +16,7 @@ pub use test::{NAME_BYTES, Test};
 
 use crate::board::Board;
 use crate::configuration::Configuration;
+use crate::ownership::Ownership;
 use crate::recorder::Recorder;
 use crate::store::{NotStored, Store};
 use crate::timing::Clock;
@@ -32,7 +34,7 @@ pub struct Control<R = Recorder> {
     clock: Clock,
     /// The mode at the present sample, until that is recorded.
     sampled: Option<Mode>,
-    host_heard_ms: Option<u64>,
+    ownership: Ownership,
     /// Whether the fault that the drive is in stands in the log.
     logged: bool,
 }
@@ -48,7 +50,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             recorder,
             clock: Clock::default(),
             sampled: None,
-            host_heard_ms: None,
+            ownership: Ownership::default(),
             logged: false,
         }
     }
@@ -133,19 +135,6 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if off_us > timing.late_sample_us && self.state.supervisor.drives() {
             self.state.supervisor.trip(Fault::LateSample);
         }
-    }
-
-    fn watch_host(&mut self, board: &impl Board) {
-        let (Some(now), Some(heard)) = (board.host_clock_ms(), self.host_heard_ms) else { return };
-        let limit = u64::from(self.config().timing.host_silence_ms);
-        if limit > 0 && now.saturating_sub(heard) > limit && self.state.supervisor.moves() {
-            self.state.supervisor.trip(Fault::HostSilent);
-        }
-    }
-
-    /// The host was heard just now.
-    pub fn host_heard(&mut self, board: &impl Board) {
-        self.host_heard_ms = board.host_clock_ms();
     }
 
     /// Mean interval of the samples since the clock was restarted, ns; the period before there are two.

@@ -24,6 +24,8 @@ pub mod control;
 pub mod fault_log;
 pub mod flash_bus;
 pub mod lock_step;
+pub mod name;
+pub mod ownership;
 pub mod plant_bus;
 pub mod plant_link;
 pub mod ram_flash;

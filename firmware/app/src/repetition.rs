@@ -1,7 +1,7 @@
 //! Requests that come late a second time, behind later ones: an echo of the line, or of a host that asked
 //! again while the answer was on its way.
 
-use pneudrive_protocol::{Recent, RequestBody, decode_request};
+use pneudrive_protocol::{InSession, MessageError, Recent, RequestBody};
 
 /// Requests that are remembered.
 const REMEMBERED: usize = 8;
@@ -11,11 +11,11 @@ const REMEMBERED: usize = 8;
 pub(crate) struct CarriedOut(Recent<REMEMBERED>);
 
 impl CarriedOut {
-    /// Whether a request that changes something was carried out before; from now on it was. Also across
-    /// hosts: one that asks the same under the same number by chance (1 in 65,536) gets no answer.
-    pub(crate) fn has(&mut self, message: &[u8], crc32: u32) -> bool {
-        let Ok(request) = decode_request(message) else { return false };
-        if only_reads(&request.body) {
+    /// Whether a request that changes something was carried out before; from now on it was. Hosts of version 4 and
+    /// older share a session: one that asks the same under the same number by chance (1 in 65,536) gets no answer.
+    pub(crate) fn has(&mut self, asked: &Result<InSession<'_>, MessageError>, crc32: u32) -> bool {
+        let Ok(asked) = asked else { return false };
+        if only_reads(&asked.request.body) {
             return false;
         }
         let before = self.0.holds(crc32);
@@ -42,5 +42,6 @@ fn only_reads(body: &RequestBody<'_>) -> bool {
             | Body::RecordChunk { .. }
             | Body::StreamRead { .. }
             | Body::StreamGrant { .. }
+            | Body::Owner
     )
 }

@@ -10,9 +10,10 @@ mod requests;
 use core::borrow::BorrowMut;
 
 use embedded_io::Write;
+use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, Event, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, Recent, RecordedSample,
-    Refused, Reply, ReplyBody, StreamedSample, decode_request, encode_and_know, frame,
+    Accumulator, CHUNK_SAMPLES, Event, InSession, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
+    Recent, RecordedSample, Refused, Reply, ReplyBody, StreamedSample, encode_and_know, frame,
 };
 
 use answers::{DIGEST_BETWEEN, digest};
@@ -43,6 +44,8 @@ pub struct Server {
     said: Recent<SAID>,
     reply: [u8; MAX_FRAME],
     stream: Stream,
+    /// The session that has asked last.
+    session: u32,
 }
 
 impl Default for Server {
@@ -54,6 +57,7 @@ impl Default for Server {
             said: Recent::default(),
             reply: [0; MAX_FRAME],
             stream: Stream::default(),
+            session: OLD_HOSTS,
         }
     }
 }
@@ -94,11 +98,15 @@ impl Server {
             if self.said.holds(crc32) {
                 continue;
             }
-            control.host_heard(board);
+            let asked = InSession::decode(message);
+            if let Ok(asked) = asked {
+                control.host_heard(asked.session, board);
+                self.session = asked.session;
+            }
             let framed = match self.answered {
                 Some((answered, framed)) if answered == crc32 => framed,
-                _ if self.carried_out.has(message, crc32) => continue,
-                _ => answer(message, control, board, damaged, &mut self.stream, &mut self.reply),
+                _ if self.carried_out.has(&asked, crc32) => continue,
+                _ => answer(&asked, control, board, damaged, &mut self.stream, &mut self.reply),
             };
             self.answered = Some((crc32, framed));
             if let Some((len, crc32)) = framed {
@@ -114,6 +122,14 @@ impl Server {
     pub fn attend(&mut self, control: &mut Control<impl BorrowMut<Recorder>>) {
         self.stream.observe(control.state().observation());
         let _ = digest(control, DIGEST_BETWEEN);
+    }
+
+    /// The link to the host is closed, where a link can be: an owner at its end has gone. Hosts of version 4 and older
+    /// may have others beside them and are waited for.
+    pub fn host_goes(&self, control: &mut Control<impl BorrowMut<Recorder>>) {
+        if self.session != OLD_HOSTS {
+            control.host_leaves(self.session);
+        }
     }
 
     /// Whether the stream waits for its host ([`Stream::is_full`]).
@@ -137,10 +153,10 @@ impl Server {
     }
 }
 
-/// Carries out the request in a message and frames its reply; none for a message that does not even have
-/// a number to answer under.
+/// Carries out a request and frames its reply; none for a message that does not even have a number to answer
+/// under.
 fn answer<B: Board>(
-    message: &[u8],
+    asked: &Result<InSession<'_>, MessageError>,
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut B,
     damaged_frames: u32,
@@ -148,10 +164,10 @@ fn answer<B: Board>(
     frame: &mut [u8; MAX_FRAME],
 ) -> Framed {
     let mut scratch = SCRATCH;
-    let reply = match decode_request(message) {
-        Ok(request) => Reply {
-            sequence: request.sequence,
-            body: carry_out(&request, control, board, damaged_frames, stream, &mut scratch),
+    let reply = match asked {
+        Ok(asked) => Reply {
+            sequence: asked.request.sequence,
+            body: carry_out(asked, control, board, damaged_frames, stream, &mut scratch),
         },
         Err(error) => match error.sequence {
             Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },

@@ -12,6 +12,7 @@ impl Client {
     /// When it is refused or not answered.
     pub fn home(&mut self) -> Result<()> {
         self.needs_version(2, "homing")?;
+        self.take_over()?;
         self.ask_done(RequestBody::Home)
     }
 

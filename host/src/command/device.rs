@@ -6,11 +6,13 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use pneudrive_protocol::{ConfigState, HISTOGRAM_BINS, Mode, Motion, Spread, Status, UNTIL_STOPPED};
+use pneudrive_protocol::{
+    ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
+};
 
 use super::interrupts::Interrupts;
 use crate::cli::{Device, DeviceAction};
-use crate::client::Client;
+use crate::client::{Client, Commander};
 use crate::words;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
@@ -141,6 +143,16 @@ fn moves(motion: &Motion) -> String {
     format!("number {} {arrival}, {} not reached{learned}", motion.begun, motion.not_reached)
 }
 
+/// Who commands the drive, in words.
+fn words_of(owner: &Commander) -> String {
+    let (host, silent_s) = (words::commander(&owner.host), f64::from(owner.silent_ms) / 1e3);
+    match owner.presence {
+        Presence::Nobody => "nobody".to_owned(),
+        Presence::There => format!("{host}, heard {silent_s:.2} s ago"),
+        Presence::Gone => format!("{host}, which has gone; heard {silent_s:.2} s ago"),
+    }
+}
+
 fn status(client: &mut Client) -> Result<()> {
     let status = client.status()?;
     let Status { fault, index, duration_samples, .. } = status;
@@ -160,6 +172,9 @@ fn status(client: &mut Client) -> Result<()> {
     say!("referenced  {}", if status.referenced { "yes" } else { "no" });
     if let Some(motion) = motion {
         say!("moves       {}", moves(&motion));
+    }
+    if let Some(owner) = client.owner()? {
+        say!("owner       {}", words_of(&owner));
     }
     say!("setpoint    {} counts", status.setpoint);
     say!("position    {} counts", status.position);

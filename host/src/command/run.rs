@@ -74,6 +74,7 @@ pub(super) fn run_test(
         ),
         _ => {}
     }
+    warn_of_other_hosts(client)?;
     client.disarm()?;
     if with_parameters {
         client.import_parameters(&rig.parameters())?;
@@ -93,7 +94,7 @@ pub(super) fn run_test(
     };
     let interrupts = Interrupts::watch();
     client.arm()?;
-    let ready = wait_for_null(client, rig).and_then(|()| wait_for_samples_before(rig, &interrupts));
+    let ready = wait_for_null(client, rig).and_then(|()| wait_for_samples_before(client, rig, &interrupts));
     if let Err(error) = ready.and_then(|()| client.start()) {
         client.disarm()?;
         stream.map_or(Ok(()), |stream| stream.end(client))?;
@@ -118,8 +119,18 @@ pub(super) fn run_test(
     followed.and(ended)
 }
 
-/// The armed rig records what the test wants from before its start.
-fn wait_for_samples_before(rig: &Rig, interrupts: &Interrupts) -> Result<()> {
+/// Firmware before version 5 of the protocol obeys every host.
+fn warn_of_other_hosts(client: &mut Client) -> Result<()> {
+    if client.info()?.version < 5 {
+        eprintln!(
+            "note: its firmware obeys every program that talks to the rig, also one that runs another test; use it alone"
+        );
+    }
+    Ok(())
+}
+
+/// The armed rig records what the test wants from before its start. The rig hears of its owner meanwhile.
+fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
     let samples = rig.integer("test.pre_trigger") * rig.integer("test.decimation").max(1);
     let period = Duration::from_micros(rig.period_us().get().into());
     let begin = Instant::now();
@@ -127,7 +138,8 @@ fn wait_for_samples_before(rig: &Rig, interrupts: &Interrupts) -> Result<()> {
         if interrupts.seen().load(Ordering::Relaxed) {
             bail!("stopped before the start, as you asked");
         }
-        std::thread::sleep(period.max(Duration::from_millis(5)));
+        client.status()?;
+        std::thread::sleep(period.clamp(Duration::from_millis(5), Duration::from_millis(50)));
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use pneudrive::port::BAUD;
+use pneudrive_protocol::{MAX_FRAME, decode_request, encode};
 
 use super::{Older, Simulation};
 
@@ -150,8 +151,10 @@ pub fn hear_as(older: Older, byte: u8, rig: &mut Simulation, replies: &mut Vec<u
     match older(&message) {
         Some(reply) => replies.extend(reply),
         None => {
-            let mut frame = [0; pneudrive_protocol::MAX_FRAME];
-            let frame = pneudrive_protocol::frame::encode(&message, &mut frame).expect("it came in one");
+            let mut frame = [0; MAX_FRAME];
+            // An older firmware knows nothing of sessions.
+            let request = decode_request(&message).expect("a request");
+            let frame = encode(&request, &mut frame).expect("it came in one");
             let Ok(()) = rig.server.receive(frame, &mut rig.control, &mut rig.board, replies);
         }
     }

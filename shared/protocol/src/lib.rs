@@ -7,14 +7,15 @@
 //! # A frame
 //!
 //! ```text
-//! COBS( sequence | body | CRC-32 ) 0x00
-//!       \___ message __/
+//! COBS( sequence | body | session | CRC-32 ) 0x00
+//!       \_______ message _______/
 //! ```
 //!
 //! | part | bytes | holds |
 //! |---|---|---|
 //! | sequence | 1 to 3 | number of the request, `u16` as a varint |
 //! | body | 1 and more | number of the variant as a varint, then its fields in order |
+//! | session | 1 to 5 | of requests, from version 5 on: the [session] of the host, `u32` as a varint |
 //! | CRC-32 | 4 | ISO-HDLC, of the message, little endian |
 //! | COBS | 1 to 3 | what it costs to have no 0x00 in the frame |
 //! | delimiter | 1 | 0x00: the frame is over |
@@ -40,8 +41,8 @@
 //!   old PC can read.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
 //!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v04.rs` those
-//!   that versions 2 to 4 have added. A new version adds a file of its own.
+//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v05.rs` those
+//!   that versions 2 to 5 have added. A new version adds a file of its own.
 //!
 //! # What is promised
 //!
@@ -56,6 +57,7 @@ pub mod frame;
 pub mod message;
 pub mod recent;
 pub mod record;
+pub mod session;
 pub mod stream;
 pub mod values;
 
@@ -63,11 +65,12 @@ pub use event::Event;
 pub use frame::{Accumulator, FrameError};
 pub use message::{
     ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody,
-    Request, RequestBody, Spread, Status, UNTIL_STOPPED, decode_reply, decode_request, encode,
+    Request, RequestBody, Spread, Status, UNTIL_STOPPED, code, decode_reply, decode_request, encode,
     encode_and_know,
 };
 pub use recent::Recent;
 pub use record::{RecordCrc, RecordedSample};
+pub use session::{InSession, Owner, Presence};
 pub use stream::StreamedSample;
 pub use values::Values;
 
@@ -75,7 +78,7 @@ pub use values::Values;
 pub const MIN_VERSION: u16 = 1;
 
 /// The version described here.
-pub const CURRENT_VERSION: u16 = 4;
+pub const CURRENT_VERSION: u16 = 5;
 
 /// The longest message, bytes: sequence and body, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;
@@ -120,6 +123,8 @@ const _: () = {
     assert!(events <= MAX_MESSAGE, "Events");
     let rows = HEADER_BYTES + U32_BYTES + U16_BYTES + MAX_ROWS * StreamedSample::BYTES;
     assert!(rows <= MAX_MESSAGE, "Rows");
+    let session = U32_BYTES;
+    assert!(config + session <= MAX_MESSAGE, "ConfigSet");
     assert!(MIN_VERSION <= CURRENT_VERSION);
     assert!(MAX_VALUES <= u8::MAX as usize, "count of ConfigGet");
     assert!(CHUNK_SAMPLES <= u8::MAX as usize, "count of RecordRead");

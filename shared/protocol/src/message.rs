@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::session::Owner;
 use crate::{MAX_MESSAGE, Values, frame};
 
 /// What can be sent: a [`Request`] or a [`Reply`].
@@ -138,6 +139,20 @@ pub enum RequestBody<'a> {
         /// The moves come again every so many samples; 0: they come once.
         round: u32,
     },
+    /// Version 5. Enables the drive as [`RequestBody::Arm`] does. The session that asks owns it from now on.
+    ArmAs {
+        /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
+        host: &'a str,
+    },
+    /// Version 5. The session that asks owns an enabled drive whose owner has gone. Nothing else is changed.
+    TakeOver {
+        /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
+        host: &'a str,
+    },
+    /// Version 5. The owner goes and leaves the drive as it is: nobody need wait until its silence is noticed.
+    Leave,
+    /// Version 5. Who commands the drive? Answered by [`ReplyBody::Owner`].
+    Owner,
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
@@ -223,6 +238,8 @@ pub enum ReplyBody<'a> {
         /// [`StreamedSample::BYTES`](crate::StreamedSample::BYTES) each.
         rows: &'a [u8],
     },
+    /// Version 5. Who commands the drive.
+    Owner(#[serde(borrow)] Owner<'a>),
 }
 
 /// What the drive is doing.
@@ -349,7 +366,7 @@ pub struct RecordInfo<'a> {
 /// Why a request was not carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refused<'a> {
-    /// The mode of the drive forbids it; with the controller's code of the refusal.
+    /// The mode of the drive forbids it; with the controller's code of the refusal, or one from [`code`].
     NotNow(u8),
     /// There is no parameter of this id.
     UnknownParameter {
@@ -387,6 +404,15 @@ pub enum Refused<'a> {
     NotStored,
     /// Version 3. The record is not the one that was named.
     OtherRecord,
+    /// Version 5. Another host commands the drive, or has armed it and gone.
+    Owned(#[serde(borrow)] Owner<'a>),
+}
+
+/// Codes of [`Refused::NotNow`] that are not the controller's, which stay below 128. A host of any version can read
+/// the answer.
+pub mod code {
+    /// To a host of version 4 or older: what [`Refused::Owned`](super::Refused::Owned) says to others.
+    pub const OWNED: u8 = 128;
 }
 
 /// The message is not one of this version, though it came whole: a later version's, most likely.
@@ -420,7 +446,7 @@ pub fn encode_and_know<'out>(message: &impl Message, out: &'out mut [u8]) -> Opt
 /// # Errors
 /// For a message that is no request of this version.
 pub fn decode_request(message: &[u8]) -> Result<Request<'_>, MessageError> {
-    let (sequence, body) = decode(message)?;
+    let (sequence, body, _later) = decode(message)?;
     Ok(Request { sequence, body })
 }
 
@@ -429,16 +455,19 @@ pub fn decode_request(message: &[u8]) -> Result<Request<'_>, MessageError> {
 /// # Errors
 /// For a message that is no reply of this version.
 pub fn decode_reply(message: &[u8]) -> Result<Reply<'_>, MessageError> {
-    let (sequence, body) = decode(message)?;
+    let (sequence, body, _later) = decode(message)?;
     Ok(Reply { sequence, body })
 }
 
-/// The sequence number first, on its own: it is known whatever the body turns out to be.
-fn decode<'a, Body: Deserialize<'a>>(message: &'a [u8]) -> Result<(u16, Body), MessageError> {
+/// The sequence number first, on its own: it is known whatever the body turns out to be. Then the body, and what stands
+/// behind it.
+pub(crate) fn decode<'a, Body: Deserialize<'a>>(
+    message: &'a [u8],
+) -> Result<(u16, Body, &'a [u8]), MessageError> {
     let (sequence, rest) = postcard::take_from_bytes(message).map_err(|_| MessageError { sequence: None })?;
-    let (body, _later) =
+    let (body, later) =
         postcard::take_from_bytes(rest).map_err(|_| MessageError { sequence: Some(sequence) })?;
-    Ok((sequence, body))
+    Ok((sequence, body, later))
 }
 
 #[cfg(test)]

@@ -5,25 +5,36 @@ use core::borrow::BorrowMut;
 use pneudrive_controller::drive::MAX_COUNTS;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Refusal};
+use pneudrive_protocol::session::OLD_HOSTS;
 
 use super::Control;
 use crate::board::Board;
+use crate::ownership::Ownership;
 use crate::recorder::Recorder;
 use crate::timing::Clock;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
-    /// Enables the drive with the valve at null, and empties the recorder. What the last run has learned
-    /// of the valve's null becomes part of the parameters, and of those that are stored.
+    /// Enables the drive with the valve at null, and empties the recorder; whoever asks without a session owns it.
+    /// What the last run has learned of the valve's null becomes part of the parameters, and of those that are stored.
     ///
     /// # Errors
     /// The supervisor's refusal, and that of a drive whose stored configuration is lost.
     pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.arm_as(OLD_HOSTS, "", board)
+    }
+
+    /// The same, for a host that owns the drive from now on.
+    ///
+    /// # Errors
+    /// As for [`Control::arm`].
+    pub fn arm_as(&mut self, session: u32, host: &str, board: &mut impl Board) -> Result<(), Refusal> {
         if self.configuration.is_lost() {
             return Err(Refusal::NoConfiguration);
         }
         self.log_fault(board);
         self.take_over_null_offset(board);
         self.state.supervisor.arm()?;
+        self.ownership = Ownership::of(session, host, board.host_clock_ms());
         self.logged = false;
         // Storing has stalled the processor: what was late while disarmed is no fault.
         self.clock = Clock::default();
@@ -66,7 +77,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.state.start(self.configuration.config(), &self.test.sequence)?;
         self.recorder.borrow_mut().start();
         self.clock = Clock::default();
-        self.host_heard(board);
+        self.ownership.refresh(board.host_clock_ms());
         board.run_begins(self.configuration.config());
         Ok(())
     }
@@ -98,7 +109,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     pub fn home(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         self.record();
         self.state.home()?;
-        self.host_heard(board);
+        self.ownership.refresh(board.host_clock_ms());
         // What is kept from before has positions of another origin.
         self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);
         Ok(())

@@ -5,26 +5,32 @@ use core::borrow::BorrowMut;
 use pneudrive_controller::Move;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::SequenceError;
+use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
-    CURRENT_VERSION, MIN_VERSION, Refused, ReplyBody, Request, RequestBody, UNTIL_STOPPED,
+    CURRENT_VERSION, InSession, MIN_VERSION, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED, code,
 };
 
 use super::answers::{chunk, config, config_state, digest, events, motion, record_info, status};
 use super::{FIRMWARE, Scratch};
 use crate::board::Board;
 use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
+use crate::ownership::Need;
 use crate::recorder::{CAPACITY, Recorder};
 use crate::stream::Stream;
 
-/// Carries out a request.
+/// Carries out a request, unless another host commands the drive.
 pub(super) fn carry_out<'a, B: Board>(
-    request: &Request<'a>,
+    asked: &InSession<'a>,
     control: &'a mut Control<impl BorrowMut<Recorder>>,
     board: &'a mut B,
     damaged_frames: u32,
     stream: &mut Stream,
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
+    let InSession { request, session } = *asked;
+    if !control.allows(session, Need::of(&request.body), board) {
+        return ReplyBody::Refused(owned(session, control.owner(board)));
+    }
     match request.body {
         RequestBody::Info => ReplyBody::Info {
             min_version: MIN_VERSION,
@@ -42,7 +48,14 @@ pub(super) fn carry_out<'a, B: Board>(
                 change_refused(id, values.iter().nth(place).unwrap_or(0), error)
             }))
         }
-        RequestBody::Arm => done(control.arm(board).map_err(not_now)),
+        RequestBody::Arm => done(control.arm_as(session, "", board).map_err(not_now)),
+        RequestBody::ArmAs { host } => done(control.arm_as(session, host, board).map_err(not_now)),
+        RequestBody::TakeOver { host } => done(control.take_over(session, host, board).map_err(not_now)),
+        RequestBody::Leave => {
+            control.host_leaves(session);
+            ReplyBody::Done
+        }
+        RequestBody::Owner => ReplyBody::Owner(control.owner(board)),
         RequestBody::Disarm => {
             control.disarm();
             ReplyBody::Done
@@ -97,6 +110,11 @@ pub(super) fn carry_out<'a, B: Board>(
         }
         RequestBody::StreamRead { first, count } => stream.read(first, count, scratch),
     }
+}
+
+/// Who commands the drive, in words that the host of this session knows.
+fn owned(session: u32, owner: Owner<'_>) -> Refused<'_> {
+    if session == OLD_HOSTS { Refused::NotNow(code::OWNED) } else { Refused::Owned(owner) }
 }
 
 fn done<'a>(result: Result<(), Refused<'a>>) -> ReplyBody<'a> {

@@ -5,7 +5,7 @@ use pneudrive_app::store::NoStore;
 use pneudrive_app::{App, Board};
 use pneudrive_controller::{Command, Config, Mode, Refusal, Sample};
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, MAX_FRAME, RecordCrc, RecordedSample, Refused, ReplyBody, Request,
+    Accumulator, CHUNK_SAMPLES, InSession, MAX_FRAME, RecordCrc, RecordedSample, Refused, ReplyBody, Request,
     RequestBody, decode_reply, encode,
 };
 
@@ -57,6 +57,8 @@ pub struct Bench {
     pub app: Box<App>,
     pub board: FakeBoard,
     pub sequence: u16,
+    /// The host that asks; 0: one of version 4 or older.
+    pub session: u32,
 }
 
 impl Bench {
@@ -85,7 +87,12 @@ impl Bench {
     pub fn frame(&mut self, body: RequestBody<'_>) -> Vec<u8> {
         self.sequence += 1;
         let request = Request { sequence: self.sequence, body };
-        encode(&request, &mut [0; MAX_FRAME]).expect("fits").to_vec()
+        let mut frame = [0; MAX_FRAME];
+        let framed = match self.session {
+            0 => encode(&request, &mut frame),
+            session => encode(&InSession { request, session }, &mut frame),
+        };
+        framed.expect("fits").to_vec()
     }
 
     pub fn ask_for<T>(&mut self, body: RequestBody<'_>, take: impl Fn(ReplyBody<'_>) -> T) -> T {
@@ -119,8 +126,8 @@ impl Bench {
         self.app.control.state().supervisor.mode()
     }
 
-    /// A closed-loop test of `samples` samples, ready to start.
-    pub fn armed(&mut self, samples: u32, decimation: u16, pre_trigger: u16) {
+    /// A closed-loop test of `samples` samples.
+    pub fn test(&mut self, samples: u32, decimation: u16, pre_trigger: u16) {
         self.done(RequestBody::TestBegin {
             name: "bench",
             duration_us: samples * 1300,
@@ -129,6 +136,11 @@ impl Bench {
         });
         self.done(RequestBody::TestMove { time_us: 0, target: 500 });
         self.done(RequestBody::TestMove { time_us: 5200, target: -500 });
+    }
+
+    /// The same, ready to start.
+    pub fn armed(&mut self, samples: u32, decimation: u16, pre_trigger: u16) {
+        self.test(samples, decimation, pre_trigger);
         self.done(RequestBody::Arm);
     }
 

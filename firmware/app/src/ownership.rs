@@ -1,0 +1,150 @@
+//! Which host commands an enabled drive.
+//!
+//! The session that arms a drive owns it until the drive is disarmed or trips. While the owner is there, other hosts may
+//! read and stop, nothing else. An owner that has said that it leaves, or has been silent for longer than
+//! `host_silence_ms`, is gone: any host may then disarm the drive, arm it anew or take it over.
+//!
+//! | presence | the owner may | others may |
+//! |---|---|---|
+//! | [`Presence::Nobody`] | (there is none) | everything |
+//! | [`Presence::There`] | everything | read, stop |
+//! | [`Presence::Gone`] | come back, if it was only silent | read, stop, disarm, arm, take over |
+
+use pneudrive_protocol::{Presence, RequestBody, session};
+
+use crate::name::Name;
+
+/// What a host calls itself.
+pub type HostName = Name<{ session::HOST_BYTES }>;
+
+/// What a request needs of its host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// Nothing: it reads, or it stops the drive.
+    Nothing,
+    /// That no other host commands the drive: it ends a command, or begins one.
+    NoOtherOwner,
+    /// To command the drive, if anybody does.
+    Command,
+}
+
+impl Need {
+    /// What this request needs.
+    #[must_use]
+    pub fn of(body: &RequestBody<'_>) -> Need {
+        use RequestBody as Body;
+        match body {
+            Body::Info
+            | Body::Status
+            | Body::ConfigGet { .. }
+            | Body::Stop
+            | Body::RecordInfo
+            | Body::RecordRead { .. }
+            | Body::Motion
+            | Body::ConfigState
+            | Body::Events { .. }
+            | Body::Timing
+            | Body::RecordChunk { .. }
+            | Body::StreamBegin { .. }
+            | Body::StreamGrant { .. }
+            | Body::StreamRead { .. }
+            | Body::Leave
+            | Body::Owner => Need::Nothing,
+            Body::Arm | Body::ArmAs { .. } | Body::TakeOver { .. } | Body::Disarm => Need::NoOtherOwner,
+            Body::ConfigSet { .. }
+            | Body::Start
+            | Body::Reference { .. }
+            | Body::TestBegin { .. }
+            | Body::TestMove { .. }
+            | Body::TestSpan { .. }
+            | Body::Home
+            | Body::ConfigSave => Need::Command,
+        }
+    }
+}
+
+/// The session that has armed the drive last, and how long ago it was heard. By default the hosts of version 4 and
+/// older, which have no session of their own.
+#[derive(Clone, Debug, Default)]
+pub struct Ownership {
+    session: u32,
+    host: HostName,
+    /// None on a board that does not judge silence.
+    heard_ms: Option<u64>,
+    left: bool,
+}
+
+impl Ownership {
+    /// A host that has just been heard.
+    #[must_use]
+    pub fn of(session: u32, host: &str, now_ms: Option<u64>) -> Ownership {
+        Ownership { session, host: Name::new(host), heard_ms: now_ms, left: false }
+    }
+
+    /// A request of this session has come.
+    pub fn heard(&mut self, session: u32, now_ms: Option<u64>) {
+        if session == self.session && !self.left {
+            self.heard_ms = now_ms;
+        }
+    }
+
+    /// The owner is heard, whoever it is.
+    pub fn refresh(&mut self, now_ms: Option<u64>) {
+        self.heard_ms = now_ms;
+    }
+
+    /// The session says that it leaves; that of another one changes nothing.
+    pub fn leave(&mut self, session: u32) {
+        self.left |= session == self.session;
+    }
+
+    /// For how long the owner has been silent, milliseconds; 0 where silence is not judged.
+    #[must_use]
+    pub fn silent_ms(&self, now_ms: Option<u64>) -> u64 {
+        now_ms.zip(self.heard_ms).map_or(0, |(now, heard)| now.saturating_sub(heard))
+    }
+
+    /// For how long the owner has been gone, milliseconds; None while it is there. It is gone once it leaves, or after
+    /// `silence_ms` of silence; 0: silence is not judged.
+    #[must_use]
+    pub fn gone_for_ms(&self, now_ms: Option<u64>, silence_ms: u32) -> Option<u64> {
+        let (silent, limit) = (self.silent_ms(now_ms), u64::from(silence_ms));
+        match self.left {
+            true => Some(silent),
+            false if limit > 0 && silent > limit => Some(silent - limit),
+            false => None,
+        }
+    }
+
+    /// Whether the owner of an enabled drive is there.
+    #[must_use]
+    pub fn presence(&self, now_ms: Option<u64>, silence_ms: u32) -> Presence {
+        match self.gone_for_ms(now_ms, silence_ms) {
+            None => Presence::There,
+            Some(_) => Presence::Gone,
+        }
+    }
+
+    /// Whether a session may do what has this need, with the owner present or not.
+    #[must_use]
+    pub fn allows(&self, session: u32, need: Need, presence: Presence) -> bool {
+        let owns = session == self.session && presence == Presence::There;
+        match need {
+            Need::Nothing => true,
+            Need::NoOtherOwner => owns || presence != Presence::There,
+            Need::Command => owns || presence == Presence::Nobody,
+        }
+    }
+
+    /// The owner's session; [`session::OLD_HOSTS`] for hosts of version 4 or older.
+    #[must_use]
+    pub fn session(&self) -> u32 {
+        self.session
+    }
+
+    /// What the owner calls itself.
+    #[must_use]
+    pub fn host(&self) -> &str {
+        self.host.as_str()
+    }
+}

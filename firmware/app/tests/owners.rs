@@ -1,0 +1,190 @@
+//! Two hosts and older ones at one drive: the one that has armed it commands, the others read and stop.
+
+mod bench;
+
+use bench::Bench;
+use pneudrive_controller::{Fault, Mode, Refusal};
+use pneudrive_protocol::{ReplyBody, RequestBody, code};
+
+const ONE: u32 = 0xfeed_beef;
+const OTHER: u32 = 7;
+const OLD: u32 = 0;
+
+/// A bench with a clock, whose drive the host `ONE` has armed for a test of 1000 samples.
+fn armed_by_one() -> Bench {
+    let mut bench = Bench::referenced();
+    bench.board.host_clock_ms = Some(1000);
+    bench.test(1000, 1, 0);
+    bench.session = ONE;
+    bench.done(RequestBody::ArmAs { host: "one" });
+    bench
+}
+
+impl Bench {
+    fn is_owned(&mut self, body: RequestBody<'_>) {
+        let refused = self.ask(body);
+        assert!(refused.starts_with("Refused(Owned(") && refused.contains("host: \"one\""), "{refused}");
+    }
+
+    fn owner(&mut self) -> (String, u32, u32) {
+        self.ask_for(RequestBody::Owner, |reply| match reply {
+            ReplyBody::Owner(owner) => (format!("{:?}", owner.presence), owner.session, owner.silent_ms),
+            other => panic!("{other:?}"),
+        })
+    }
+
+    fn waits(&mut self, ms: u64) {
+        self.board.host_clock_ms = self.board.host_clock_ms.map(|now| now + ms);
+        self.samples(1);
+    }
+}
+
+#[test]
+fn while_its_owner_is_there_another_host_reads_and_stops_and_does_nothing_else() {
+    let mut bench = armed_by_one();
+    bench.session = OTHER;
+    for body in [
+        RequestBody::Disarm,
+        RequestBody::Arm,
+        RequestBody::ArmAs { host: "other" },
+        RequestBody::TakeOver { host: "other" },
+        RequestBody::Start,
+        RequestBody::Home,
+        RequestBody::Reference { position_counts: 5 },
+        RequestBody::ConfigSave,
+        RequestBody::TestMove { time_us: 9000, target: 1 },
+        RequestBody::TestSpan { last_sample: 5, round: 0 },
+    ] {
+        bench.is_owned(body);
+    }
+    assert_eq!(bench.mode(), Mode::Armed);
+    for body in [
+        RequestBody::Info,
+        RequestBody::Status,
+        RequestBody::ConfigGet { first_id: 1, count: 2 },
+        RequestBody::RecordInfo,
+        RequestBody::Motion,
+        RequestBody::ConfigState,
+        RequestBody::Events { first: 0, count: 1 },
+        RequestBody::Timing,
+        RequestBody::StreamBegin { every: 0, batch: 1 },
+    ] {
+        let reply = bench.ask(body);
+        assert!(!reply.starts_with("Refused"), "{body:?}: {reply}");
+    }
+    bench.done(RequestBody::Leave);
+    assert_eq!(bench.owner(), ("There".to_owned(), ONE, 0), "who does not own it cannot leave it");
+    bench.done(RequestBody::Stop);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::Stop));
+    assert_eq!(bench.owner(), ("Nobody".to_owned(), 0, 0), "a trip ends the ownership");
+    bench.done(RequestBody::ArmAs { host: "other" });
+    assert_eq!(bench.owner(), ("There".to_owned(), OTHER, 0));
+}
+
+#[test]
+fn an_old_host_is_told_in_words_that_it_knows_that_another_one_commands() {
+    let mut bench = armed_by_one();
+    bench.session = OLD;
+    for body in [RequestBody::Disarm, RequestBody::Arm, RequestBody::Start] {
+        assert_eq!(bench.ask(body), format!("Refused(NotNow({}))", code::OWNED), "{body:?}");
+    }
+    bench.done(RequestBody::Stop);
+    bench.done(RequestBody::Arm);
+    assert_eq!(bench.owner(), ("There".to_owned(), OLD, 0), "all old hosts are one session");
+    bench.session = OTHER;
+    let refused = bench.ask(RequestBody::Disarm);
+    assert!(refused.contains("There, session: 0"), "{refused}");
+}
+
+#[test]
+fn an_owner_that_leaves_or_falls_silent_can_be_disarmed_and_taken_over_but_not_started() {
+    for leaves in [true, false] {
+        for body in [
+            RequestBody::Disarm,
+            RequestBody::ArmAs { host: "other" },
+            RequestBody::TakeOver { host: "other" },
+        ] {
+            let mut bench = armed_by_one();
+            if leaves {
+                bench.done(RequestBody::Leave);
+            } else {
+                bench.waits(501);
+            }
+            bench.session = OTHER;
+            assert_eq!(bench.owner(), ("Gone".to_owned(), ONE, if leaves { 0 } else { 501 }));
+            bench.is_owned(RequestBody::Start);
+            bench.done(body);
+            if body == RequestBody::Disarm {
+                assert_eq!(bench.mode(), Mode::Disarmed);
+            } else {
+                assert_eq!(bench.owner(), ("There".to_owned(), OTHER, 0));
+                bench.done(RequestBody::Start);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_owner_that_was_only_silent_commands_again_unless_another_host_has_taken_over() {
+    let mut bench = armed_by_one();
+    bench.waits(501);
+    bench.ask(RequestBody::Status);
+    assert_eq!(bench.owner(), ("There".to_owned(), ONE, 0));
+    bench.waits(501);
+    bench.session = OTHER;
+    bench.done(RequestBody::TakeOver { host: "other" });
+    bench.session = ONE;
+    let refused = bench.ask(RequestBody::Start);
+    assert!(refused.contains("host: \"other\""), "{refused}");
+}
+
+#[test]
+fn an_owner_that_has_left_must_take_over_as_anybody_else() {
+    let mut bench = armed_by_one();
+    bench.done(RequestBody::Leave);
+    bench.is_owned(RequestBody::Start);
+    bench.done(RequestBody::TakeOver { host: "one" });
+    bench.done(RequestBody::Start);
+}
+
+#[test]
+fn nobody_takes_over_what_nobody_has_armed() {
+    let mut bench = Bench::referenced();
+    bench.session = OTHER;
+    bench.refused(RequestBody::TakeOver { host: "other" }, Refusal::NotArmed);
+    assert_eq!(bench.mode(), Mode::Disarmed);
+}
+
+/// A monitor kept a drive moving for fifteen seconds after its host had been killed.
+#[test]
+fn the_silence_of_the_owner_trips_a_run_whoever_else_talks() {
+    let mut bench = armed_by_one();
+    bench.done(RequestBody::Start);
+    bench.session = OTHER;
+    for _ in 0..5 {
+        bench.waits(100);
+        bench.ask(RequestBody::Status);
+        assert_eq!(bench.mode(), Mode::Running);
+    }
+    bench.waits(1);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent));
+}
+
+#[test]
+fn an_owner_that_leaves_while_its_drive_moves_is_missed_as_if_it_were_silent() {
+    let mut bench = armed_by_one();
+    bench.done(RequestBody::Start);
+    bench.done(RequestBody::Leave);
+    bench.waits(500);
+    bench.ask(RequestBody::Status);
+    assert_eq!(bench.mode(), Mode::Running);
+    bench.waits(1);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent));
+}
+
+#[test]
+fn a_name_of_a_host_that_is_too_long_is_cut() {
+    let mut bench = Bench::referenced();
+    bench.done(RequestBody::ArmAs { host: &"n".repeat(60) });
+    assert!(bench.ask(RequestBody::Owner).contains(&format!("\"{}\"", "n".repeat(32))));
+}
