@@ -1,5 +1,6 @@
 //! Requests to a rig, each asked again until it is answered.
 
+mod change;
 mod owner;
 mod parameters;
 mod record;
@@ -14,7 +15,6 @@ use pneudrive_protocol::{
     Accumulator, CURRENT_VERSION, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply, ReplyBody, Request,
     RequestBody, Status, UNTIL_STOPPED, decode_reply, encode_and_know, frame,
 };
-use pneudrive_sim::Rig;
 
 pub use owner::Commander;
 pub use parameters::RigParameters;
@@ -48,6 +48,10 @@ pub struct Client {
     session: u32,
     /// Whether it has armed the drive, or taken it over.
     commands: bool,
+    /// The test that it has downloaded, as a start names it.
+    test_crc32: Option<u32>,
+    /// The parameters that it has read, and their fingerprint on the rig.
+    known: Option<(u32, RigParameters)>,
     /// The newest version that the rig speaks.
     version: u16,
     repeats: u32,
@@ -95,6 +99,8 @@ impl Client {
             sequence: begin,
             session: owner::any_session(),
             commands: false,
+            test_crc32: None,
+            known: None,
             version: MIN_VERSION,
             repeats: 0,
             said: Recent::default(),
@@ -260,48 +266,6 @@ impl Client {
     /// When it is refused or not answered.
     pub fn reference(&mut self, position_counts: i32) -> Result<()> {
         self.ask_done(RequestBody::Reference { position_counts })
-    }
-
-    /// Starts the downloaded test.
-    ///
-    /// # Errors
-    /// When it is refused or not answered.
-    pub fn start(&mut self) -> Result<()> {
-        self.ask_done(RequestBody::Start)
-    }
-
-    /// Downloads the test of a rig.
-    ///
-    /// # Errors
-    /// When it is refused, or the drive is not disarmed.
-    pub fn download_test(&mut self, rig: &Rig) -> Result<()> {
-        self.download_test_until(rig, rig.last_sample())
-    }
-
-    /// The same, but it ends with another sample; with [`UNTIL_STOPPED`], once it is stopped.
-    ///
-    /// # Errors
-    /// When it is refused, the drive is not disarmed, or the firmware too old for such a test.
-    pub fn download_test_until(&mut self, rig: &Rig, last_sample: u32) -> Result<()> {
-        let duration_us = last_sample.checked_mul(rig.period_us().get());
-        let round = rig.sequence().round();
-        if round > 0 || duration_us.is_none() {
-            self.needs_version(4, "a test that repeats its moves or lasts more than 71 minutes")?;
-        }
-        self.ask_done(RequestBody::TestBegin {
-            name: short(rig.name()),
-            duration_us: duration_us.unwrap_or(u32::MAX),
-            decimation: rig.integer("test.decimation") as u16,
-            pre_trigger: rig.integer("test.pre_trigger") as u16,
-        })?;
-        for (time_s, target) in rig.moves() {
-            let time_us = (time_s * 1e6).round() as u32;
-            self.ask_done(RequestBody::TestMove { time_us, target: target as i32 })?;
-        }
-        if round > 0 || duration_us.is_none() {
-            self.ask_done(RequestBody::TestSpan { last_sample, round })?;
-        }
-        Ok(())
     }
 
     /// Follows a run to its end; `progress` is given the status now and then. Stops the rig once

@@ -20,7 +20,7 @@ pub(crate) fn protocol(version: u16) -> String {
                 (2, "homing, stored parameters, fault log"),
                 (3, "streams"),
                 (4, "tests that repeat or last for hours"),
-                (5, "rule that one host commands"),
+                (5, "rule that one host commands, changes that are taken whole"),
             ];
             let lacks: Vec<&str> =
                 lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
@@ -136,6 +136,7 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
                 "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
             }
             Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
+            None if *refusal == code::OTHER_TEST => "the test is that of another program; run again".to_owned(),
             None if *refusal == code::OWNED => "another host commands the drive".to_owned(),
             None => format!("refused for a reason that this version does not know (code {refusal})"),
         },
@@ -150,6 +151,10 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
         Refused::NotStored => "the board could not write its flash".to_owned(),
         Refused::OtherRecord => "its record is another one by now; record again".to_owned(),
         Refused::Owned(owner) => owned(owner.presence, owner.host, owner.silent_ms),
+        Refused::ChangeNotWhole => "a part of what was sent is missing; try again".to_owned(),
+        Refused::OtherTest => {
+            "another program has stated another test, or changed the parameters; run again".to_owned()
+        }
         Refused::Unknown => {
             "the firmware does not know this request; it is older than this program".to_owned()
         }
@@ -193,7 +198,10 @@ mod tests {
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
         assert_eq!(protocol(5), "version 5");
-        assert!(protocol(4).contains("is older and has no rule that one host commands;"));
+        assert!(
+            protocol(4)
+                .contains("is older and has no rule that one host commands, changes that are taken whole;")
+        );
         assert!(protocol(3).contains("has no tests that repeat or last for hours, rule that"));
         assert!(protocol(2).contains("has no streams, tests that"));
         assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));

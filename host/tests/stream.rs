@@ -29,7 +29,7 @@ fn begun(rig: &SimulatedRig, every: u16, settings: &[&str], last_sample: impl Fn
     rig.change(|simulation| simulation.take_samples());
     let mut client = rig.connect().expect("an answer");
     client.import_parameters(&test.parameters()).expect("disarmed");
-    client.download_test_until(&test, last_sample(&test)).expect("disarmed");
+    client.prepare(&test, last_sample(&test), None).expect("disarmed");
     client.stream_begin(every, 769.0).expect("version 3");
     client.arm().expect("in open loop without a reference");
     client.start().expect("armed");

@@ -111,7 +111,7 @@ fn a_download_through_a_pty_takes_95_percent_of_what_the_line_carries() {
     let line = PacedLine::to(rig.port());
     let mut client = Client::connect(&line.port).expect("an answer");
     let test = pneudrive_sim::Rig::builtin("servo-b-tuned").expect("a built-in rig");
-    client.download_test_until(&test, 4385).expect("disarmed");
+    client.prepare(&test, 4385, None).expect("disarmed");
     client.arm().expect("referenced");
     client.start().expect("armed");
     client.follow(&AtomicBool::new(false), |_| {}).expect("no fault");

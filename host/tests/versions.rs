@@ -172,7 +172,7 @@ fn a_test_that_an_older_rig_cannot_keep_is_refused_and_others_are_taken() {
     };
     client.download_test(&test(&[])).expect("as ever");
     for (test, last_sample) in [(test(&["test.repeat_every_s=3"]), 100), (test(&[]), UNTIL_STOPPED)] {
-        let error = client.download_test_until(&test, last_sample).expect_err("too old").to_string();
+        let error = client.prepare(&test, last_sample, None).expect_err("too old").to_string();
         assert!(
             error.contains("repeats its moves or lasts more than 71 minutes, which needs version 4"),
             "{error}"

@@ -4,6 +4,7 @@ mod changes;
 mod commands;
 mod host;
 mod test;
+mod transaction;
 
 use core::borrow::BorrowMut;
 
@@ -13,6 +14,7 @@ use pneudrive_protocol::Spread;
 
 pub use changes::{ChangeError, MoveError, SaveRefused};
 pub use test::{NAME_BYTES, Test};
+pub use transaction::TakeError;
 
 use crate::board::Board;
 use crate::configuration::Configuration;

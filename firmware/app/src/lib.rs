@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 pub mod board;
+pub mod change;
 pub mod configuration;
 pub mod control;
 pub mod fault_log;

@@ -58,7 +58,10 @@ impl Need {
             | Body::TestMove { .. }
             | Body::TestSpan { .. }
             | Body::Home
-            | Body::ConfigSave => Need::Command,
+            | Body::ConfigSave
+            | Body::ChangePart { .. }
+            | Body::ChangeTake { .. }
+            | Body::StartTest { .. } => Need::Command,
         }
     }
 }

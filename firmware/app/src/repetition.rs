@@ -24,8 +24,8 @@ impl CarriedOut {
     }
 }
 
-/// Whether a request may be carried out as often as it comes: it changes nothing, or only raises what may
-/// be sent.
+/// Whether a request may be carried out as often as it comes: it changes nothing, only raises what may be sent, or is a
+/// part of a change that has yet to be taken.
 fn only_reads(body: &RequestBody<'_>) -> bool {
     use RequestBody as Body;
     matches!(
@@ -43,5 +43,6 @@ fn only_reads(body: &RequestBody<'_>) -> bool {
             | Body::StreamRead { .. }
             | Body::StreamGrant { .. }
             | Body::Owner
+            | Body::ChangePart { .. }
     )
 }

@@ -20,6 +20,7 @@ use answers::{DIGEST_BETWEEN, digest};
 use requests::carry_out;
 
 use crate::board::Board;
+use crate::change::Parts;
 use crate::control::Control;
 use crate::recorder::Recorder;
 use crate::repetition::CarriedOut;
@@ -43,9 +44,16 @@ pub struct Server {
     carried_out: CarriedOut,
     said: Recent<SAID>,
     reply: [u8; MAX_FRAME],
-    stream: Stream,
+    talk: Talk,
     /// The session that has asked last.
     session: u32,
+}
+
+/// What goes on over more than one request.
+#[derive(Debug, Default)]
+struct Talk {
+    stream: Stream,
+    change: Parts,
 }
 
 impl Default for Server {
@@ -56,7 +64,7 @@ impl Default for Server {
             carried_out: CarriedOut::default(),
             said: Recent::default(),
             reply: [0; MAX_FRAME],
-            stream: Stream::default(),
+            talk: Talk::default(),
             session: OLD_HOSTS,
         }
     }
@@ -106,7 +114,7 @@ impl Server {
             let framed = match self.answered {
                 Some((answered, framed)) if answered == crc32 => framed,
                 _ if self.carried_out.has(&asked, crc32) => continue,
-                _ => answer(&asked, control, board, damaged, &mut self.stream, &mut self.reply),
+                _ => answer(&asked, control, board, damaged, &mut self.talk, &mut self.reply),
             };
             self.answered = Some((crc32, framed));
             if let Some((len, crc32)) = framed {
@@ -120,7 +128,7 @@ impl Server {
     /// What is to be done between two samples: a row of the stream is gathered, and the CRC of a finished
     /// record goes on. Changes nothing else.
     pub fn attend(&mut self, control: &mut Control<impl BorrowMut<Recorder>>) {
-        self.stream.observe(control.state().observation());
+        self.talk.stream.observe(control.state().observation());
         let _ = digest(control, DIGEST_BETWEEN);
     }
 
@@ -135,7 +143,7 @@ impl Server {
     /// Whether the stream waits for its host ([`Stream::is_full`]).
     #[must_use]
     pub fn waits_for_host(&self) -> bool {
-        self.stream.is_full()
+        self.talk.stream.is_full()
     }
 
     /// Writes what is due unasked: one frame at most. To be called when the port has room for it.
@@ -144,7 +152,7 @@ impl Server {
     /// When the port does not take it.
     pub fn speak<W: Write>(&mut self, port: &mut W) -> Result<(), W::Error> {
         let mut scratch = SCRATCH;
-        let Some((sequence, body)) = self.stream.due(&mut scratch) else { return Ok(()) };
+        let Some((sequence, body)) = self.talk.stream.due(&mut scratch) else { return Ok(()) };
         let mut frame = [0; MAX_FRAME];
         let framed = encode_and_know(&Reply { sequence, body }, &mut frame);
         let Some((frame, crc32)) = framed else { return Ok(()) };
@@ -160,14 +168,14 @@ fn answer<B: Board>(
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut B,
     damaged_frames: u32,
-    stream: &mut Stream,
+    talk: &mut Talk,
     frame: &mut [u8; MAX_FRAME],
 ) -> Framed {
     let mut scratch = SCRATCH;
     let reply = match asked {
         Ok(asked) => Reply {
             sequence: asked.request.sequence,
-            body: carry_out(asked, control, board, damaged_frames, stream, &mut scratch),
+            body: carry_out(asked, control, board, damaged_frames, talk, &mut scratch),
         },
         Err(error) => match error.sequence {
             Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },

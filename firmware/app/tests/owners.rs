@@ -3,18 +3,31 @@
 mod bench;
 
 use bench::Bench;
-use pneudrive_controller::{Fault, Mode, Refusal};
+use pneudrive_app::storage::configuration_hash;
+use pneudrive_controller::{Fault, Mode, Parameters, Refusal};
+use pneudrive_protocol::change::start_crc32;
 use pneudrive_protocol::{ReplyBody, RequestBody, code};
 
 const ONE: u32 = 0xfeed_beef;
 const OTHER: u32 = 7;
 const OLD: u32 = 0;
 
+/// The CRC-32 of the test.
+const TEST: u32 = 5;
+
+/// Starts the test with the parameters of a new rig, which none of these hosts changes.
+fn start() -> RequestBody<'static> {
+    let parameters = configuration_hash(&Parameters::default());
+    RequestBody::StartTest { crc32: start_crc32(TEST, parameters) }
+}
+
 /// A bench with a clock, whose drive the host `ONE` has armed for a test of 1000 samples.
 fn armed_by_one() -> Bench {
     let mut bench = Bench::referenced();
     bench.board.host_clock_ms = Some(1000);
     bench.test(1000, 1, 0);
+    let test = bench.app.control.test().clone().named(TEST);
+    bench.app.control.set_test(test).expect("disarmed");
     bench.session = ONE;
     bench.done(RequestBody::ArmAs { host: "one" });
     bench
@@ -48,7 +61,7 @@ fn while_its_owner_is_there_another_host_reads_and_stops_and_does_nothing_else()
         RequestBody::Arm,
         RequestBody::ArmAs { host: "other" },
         RequestBody::TakeOver { host: "other" },
-        RequestBody::Start,
+        start(),
         RequestBody::Home,
         RequestBody::Reference { position_counts: 5 },
         RequestBody::ConfigSave,
@@ -85,7 +98,7 @@ fn while_its_owner_is_there_another_host_reads_and_stops_and_does_nothing_else()
 fn an_old_host_is_told_in_words_that_it_knows_that_another_one_commands() {
     let mut bench = armed_by_one();
     bench.session = OLD;
-    for body in [RequestBody::Disarm, RequestBody::Arm, RequestBody::Start] {
+    for body in [RequestBody::Disarm, RequestBody::Arm, start()] {
         assert_eq!(bench.ask(body), format!("Refused(NotNow({}))", code::OWNED), "{body:?}");
     }
     bench.done(RequestBody::Stop);
@@ -112,13 +125,13 @@ fn an_owner_that_leaves_or_falls_silent_can_be_disarmed_and_taken_over_but_not_s
             }
             bench.session = OTHER;
             assert_eq!(bench.owner(), ("Gone".to_owned(), ONE, if leaves { 0 } else { 501 }));
-            bench.is_owned(RequestBody::Start);
+            bench.is_owned(start());
             bench.done(body);
             if body == RequestBody::Disarm {
                 assert_eq!(bench.mode(), Mode::Disarmed);
             } else {
                 assert_eq!(bench.owner(), ("There".to_owned(), OTHER, 0));
-                bench.done(RequestBody::Start);
+                bench.done(start());
             }
         }
     }
@@ -134,7 +147,7 @@ fn an_owner_that_was_only_silent_commands_again_unless_another_host_has_taken_ov
     bench.session = OTHER;
     bench.done(RequestBody::TakeOver { host: "other" });
     bench.session = ONE;
-    let refused = bench.ask(RequestBody::Start);
+    let refused = bench.ask(start());
     assert!(refused.contains("host: \"other\""), "{refused}");
 }
 
@@ -142,9 +155,9 @@ fn an_owner_that_was_only_silent_commands_again_unless_another_host_has_taken_ov
 fn an_owner_that_has_left_must_take_over_as_anybody_else() {
     let mut bench = armed_by_one();
     bench.done(RequestBody::Leave);
-    bench.is_owned(RequestBody::Start);
+    bench.is_owned(start());
     bench.done(RequestBody::TakeOver { host: "one" });
-    bench.done(RequestBody::Start);
+    bench.done(start());
 }
 
 #[test]
@@ -159,7 +172,7 @@ fn nobody_takes_over_what_nobody_has_armed() {
 #[test]
 fn the_silence_of_the_owner_trips_a_run_whoever_else_talks() {
     let mut bench = armed_by_one();
-    bench.done(RequestBody::Start);
+    bench.done(start());
     bench.session = OTHER;
     for _ in 0..5 {
         bench.waits(100);
@@ -173,7 +186,7 @@ fn the_silence_of_the_owner_trips_a_run_whoever_else_talks() {
 #[test]
 fn an_owner_that_leaves_while_its_drive_moves_is_missed_as_if_it_were_silent() {
     let mut bench = armed_by_one();
-    bench.done(RequestBody::Start);
+    bench.done(start());
     bench.done(RequestBody::Leave);
     bench.waits(500);
     bench.ask(RequestBody::Status);

@@ -5,8 +5,12 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, lookup};
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
 
+use super::change::Change;
 use super::{Client, unexpected};
 use crate::words;
+
+/// How often parameters are read when they change meanwhile.
+const TRIES: u32 = 3;
 
 /// What a rig runs on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,11 +32,29 @@ impl RigParameters {
 }
 
 impl Client {
-    /// All parameters of the controller.
+    /// All parameters of the controller, as they were in force at one time.
     ///
     /// # Errors
-    /// When the rig does not answer, or has a value that this program does not know.
+    /// When the rig does not answer, has a value that this program does not know, or another program goes on changing
+    /// them.
     pub fn parameters(&mut self) -> Result<RigParameters> {
+        if self.version < 5 {
+            return self.read_blocks();
+        }
+        let mut before = self.config_state()?.hash;
+        for _ in 0..TRIES {
+            let read = self.read_blocks()?;
+            let after = self.config_state()?.hash;
+            if before == after {
+                self.known = Some((after, read.clone()));
+                return Ok(read);
+            }
+            before = after;
+        }
+        bail!("{}: its parameters change while they are read; is another program using the rig?", self.name)
+    }
+
+    fn read_blocks(&mut self) -> Result<RigParameters> {
         let mut read = RigParameters::default();
         for (first_id, count) in blocks() {
             self.read_block(first_id, first_id + u16::from(count), &mut read)?;
@@ -92,26 +114,47 @@ impl Client {
         let mut room = [0; 4 * MAX_VALUES];
         let values = Values::fill(&mut room, values.iter().copied())
             .ok_or_else(|| anyhow!("more than {MAX_VALUES} values at once"))?;
+        self.known = None;
         self.ask_done(RequestBody::ConfigSet { first_id, values })
     }
 
     /// Downloads all parameters that the firmware has, and tells the names of those that it has not: they
-    /// are as by default there.
+    /// are as by default there. All of them are taken or none; firmware before version 5 takes them block by block.
     ///
     /// # Errors
     /// When one is refused, or the drive is not disarmed; before anything is changed when the firmware does
     /// not have a parameter that is not as by default.
     pub fn import_parameters(&mut self, parameters: &Parameters) -> Result<Vec<&'static str>> {
-        let on_rig = self.parameters()?;
-        self.refuse_to_leave_out(&on_rig, parameters)?;
-        for (first_id, count) in blocks() {
-            let ids: Vec<u16> = (first_id..first_id + u16::from(count)).collect();
-            for run in ids.split(|id| on_rig.lacking.contains(id)).filter(|run| !run.is_empty()) {
-                let values: Vec<i32> = run.iter().filter_map(|&id| parameters.get(id)).collect();
-                self.set_parameters(run[0], &values)?;
-            }
+        let mut change = Change::default();
+        if self.version >= 5 {
+            let lacking = self.add_those_it_has(parameters, &mut change)?;
+            return self.take(&change).map(|()| lacking);
+        }
+        let on_rig = self.parameters_for(parameters)?;
+        for (first_id, values) in runs(&on_rig, parameters) {
+            self.set_parameters(first_id, &values)?;
         }
         Ok(on_rig.lacking_names())
+    }
+
+    /// Adds the parameters that the firmware has to a change, and tells the names of the others.
+    pub(super) fn add_those_it_has(
+        &mut self,
+        parameters: &Parameters,
+        change: &mut Change,
+    ) -> Result<Vec<&'static str>> {
+        let on_rig = self.parameters_for(parameters)?;
+        for (first_id, values) in runs(&on_rig, parameters) {
+            change.add_parameters(first_id, &values);
+        }
+        Ok(on_rig.lacking_names())
+    }
+
+    /// The parameters of a rig that is to take these.
+    fn parameters_for(&mut self, parameters: &Parameters) -> Result<RigParameters> {
+        let on_rig = self.parameters()?;
+        self.refuse_to_leave_out(&on_rig, parameters)?;
+        Ok(on_rig)
     }
 
     fn refuse_to_leave_out(&self, on_rig: &RigParameters, parameters: &Parameters) -> Result<()> {
@@ -126,6 +169,16 @@ impl Client {
             default.get(id).unwrap_or(0)
         )
     }
+}
+
+/// First ids and values of the parameters that a rig has.
+fn runs(on_rig: &RigParameters, parameters: &Parameters) -> Vec<(u16, Vec<i32>)> {
+    let ids = blocks().map(|(first_id, count)| (first_id..first_id + u16::from(count)).collect());
+    let has = |ids: Vec<u16>| -> Vec<Vec<u16>> {
+        ids.split(|id| on_rig.lacking.contains(id)).map(<[u16]>::to_vec).collect()
+    };
+    let runs = ids.flat_map(has).filter(|run| !run.is_empty());
+    runs.map(|run| (run[0], run.iter().filter_map(|&id| parameters.get(id)).collect())).collect()
 }
 
 /// First id and length of the blocks in which all parameters are read and written.

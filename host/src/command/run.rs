@@ -76,18 +76,15 @@ pub(super) fn run_test(
     }
     warn_of_other_hosts(client)?;
     client.disarm()?;
-    if with_parameters {
-        client.import_parameters(&rig.parameters())?;
-    }
-    let parameters = client.parameters()?;
-    tell_lacking(&parameters);
     if !with_parameters {
-        compare_parameters(&parameters.values, &rig.parameters(), rig.name())?;
+        compare_parameters(&client.parameters()?.values, &rig.parameters(), rig.name())?;
     }
     if streaming.is_none() {
         warn_of_a_full_recorder(client, rig, last_sample)?;
     }
-    client.download_test_until(rig, last_sample)?;
+    client.prepare(rig, last_sample, with_parameters.then(|| rig.parameters()).as_ref())?;
+    let parameters = client.parameters()?;
+    tell_lacking(&parameters);
     let mut stream = match streaming {
         Some((path, every)) => Some(Streaming::begin(client, rig.name(), &parameters, path, every)?),
         None => None,
@@ -123,7 +120,7 @@ pub(super) fn run_test(
 fn warn_of_other_hosts(client: &mut Client) -> Result<()> {
     if client.info()?.version < 5 {
         eprintln!(
-            "note: its firmware obeys every program that talks to the rig, also one that runs another test; use it alone"
+            "note: its firmware obeys every program that talks to the rig, also one that runs another test, and takes a test move by move; use it alone"
         );
     }
     Ok(())

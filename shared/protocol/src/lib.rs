@@ -52,6 +52,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod change;
 pub mod event;
 pub mod frame;
 pub mod message;
@@ -124,7 +125,10 @@ const _: () = {
     let rows = HEADER_BYTES + U32_BYTES + U16_BYTES + MAX_ROWS * StreamedSample::BYTES;
     assert!(rows <= MAX_MESSAGE, "Rows");
     let session = U32_BYTES;
+    let part = HEADER_BYTES + U32_BYTES + 2 * U16_BYTES + change::PART_BYTES + session;
+    assert!(part <= MAX_MESSAGE, "ChangePart");
     assert!(config + session <= MAX_MESSAGE, "ConfigSet");
+    assert!(change::MAX_CHANGE <= u16::MAX as usize, "first of ChangePart");
     assert!(MIN_VERSION <= CURRENT_VERSION);
     assert!(MAX_VALUES <= u8::MAX as usize, "count of ConfigGet");
     assert!(CHUNK_SAMPLES <= u8::MAX as usize, "count of RecordRead");

@@ -153,6 +153,25 @@ pub enum RequestBody<'a> {
     Leave,
     /// Version 5. Who commands the drive? Answered by [`ReplyBody::Owner`].
     Owner,
+    /// Version 5. A part of a [change](crate::change). The first one begins it anew, others follow without a gap.
+    ChangePart {
+        /// CRC-32 of the whole change.
+        crc32: u32,
+        /// Place of the part's first byte in the change.
+        first: u16,
+        /// The bytes, up to [`PART_BYTES`](crate::change::PART_BYTES).
+        part: &'a [u8],
+    },
+    /// Version 5. Takes the change whose parts have come: all of it or, if anything is refused, nothing.
+    ChangeTake {
+        /// CRC-32 of the whole change.
+        crc32: u32,
+    },
+    /// Version 5. Runs the moves from k = 0 at the next sample, if test and parameters are those that are named.
+    StartTest {
+        /// [`start_crc32`](crate::change::start_crc32) of both.
+        crc32: u32,
+    },
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
@@ -406,6 +425,10 @@ pub enum Refused<'a> {
     OtherRecord,
     /// Version 5. Another host commands the drive, or has armed it and gone.
     Owned(#[serde(borrow)] Owner<'a>),
+    /// Version 5. A part of the change is missing: begin it anew.
+    ChangeNotWhole,
+    /// Version 5. Test or parameters are not those that the start has named.
+    OtherTest,
 }
 
 /// Codes of [`Refused::NotNow`] that are not the controller's, which stay below 128. A host of any version can read
@@ -413,6 +436,8 @@ pub enum Refused<'a> {
 pub mod code {
     /// To a host of version 4 or older: what [`Refused::Owned`](super::Refused::Owned) says to others.
     pub const OWNED: u8 = 128;
+    /// The test that a host of version 4 or older asks to start, or to add a move to, was stated by another host.
+    pub const OTHER_TEST: u8 = 129;
 }
 
 /// The message is not one of this version, though it came whole: a later version's, most likely.

@@ -61,8 +61,13 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             id = id.saturating_add(1);
         }
         let config = Config::new(&changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
-        self.forget_what_depends(&changed, &config);
-        self.configuration.replace(changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        self.put_in_force(changed, &config).map_err(|error| (first_id, ChangeError::Inconsistent(error)))
+    }
+
+    /// Takes parameters and what the law makes of them.
+    pub(super) fn put_in_force(&mut self, changed: Parameters, config: &Config) -> Result<(), ConfigError> {
+        self.forget_what_depends(&changed, config);
+        self.configuration.replace(changed)?;
         self.clock = Clock::default();
         Ok(())
     }
@@ -109,9 +114,13 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// When the drive is not disarmed.
     pub fn set_test(&mut self, test: Test) -> Result<(), Refusal> {
         self.must_be_disarmed()?;
+        self.put_test(test);
+        Ok(())
+    }
+
+    pub(super) fn put_test(&mut self, test: Test) {
         self.test = test;
         self.recorder.borrow_mut().empty();
-        Ok(())
     }
 
     /// Appends a move to the test.

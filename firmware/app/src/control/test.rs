@@ -1,6 +1,7 @@
 //! What was downloaded to be run.
 
 use pneudrive_controller::Sequence;
+use pneudrive_protocol::session::OLD_HOSTS;
 
 use crate::name::Name;
 
@@ -14,6 +15,22 @@ pub struct Test {
     pub(super) decimation: u16,
     pub(super) pre_trigger: u16,
     pub(super) sequence: Sequence,
+    origin: Origin,
+}
+
+/// Where a test comes from: only its author adds to it and starts it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Origin {
+    /// Stated request by request, by a host of this session.
+    Session(u32),
+    /// Taken whole, with this CRC-32.
+    Whole(u32),
+}
+
+impl Default for Origin {
+    fn default() -> Self {
+        Origin::Session(OLD_HOSTS)
+    }
 }
 
 impl Test {
@@ -21,7 +38,34 @@ impl Test {
     #[must_use]
     pub fn new(name: &str, duration_samples: u32, decimation: u16, pre_trigger: u16) -> Test {
         let sequence = Sequence::new(duration_samples);
-        Test { name: Name::new(name), decimation, pre_trigger, sequence }
+        Test { name: Name::new(name), decimation, pre_trigger, sequence, origin: Origin::default() }
+    }
+
+    /// The same, by the host of this session.
+    #[must_use]
+    pub fn by(self, session: u32) -> Test {
+        Test { origin: Origin::Session(session), ..self }
+    }
+
+    /// The same, to be known by this CRC-32.
+    #[must_use]
+    pub fn named(self, crc32: u32) -> Test {
+        Test { origin: Origin::Whole(crc32), ..self }
+    }
+
+    /// Whether the host of this session has stated it.
+    #[must_use]
+    pub fn is_by(&self, session: u32) -> bool {
+        self.origin == Origin::Session(session)
+    }
+
+    /// The CRC-32 by which a start names it; None if it was stated request by request.
+    #[must_use]
+    pub fn crc32(&self) -> Option<u32> {
+        match self.origin {
+            Origin::Whole(crc32) => Some(crc32),
+            Origin::Session(_) => None,
+        }
     }
 
     /// The name.

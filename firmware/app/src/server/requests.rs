@@ -2,21 +2,21 @@
 
 use core::borrow::BorrowMut;
 
-use pneudrive_controller::Move;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::SequenceError;
+use pneudrive_controller::{Mode, Move};
 use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
     CURRENT_VERSION, InSession, MIN_VERSION, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED, code,
 };
 
 use super::answers::{chunk, config, config_state, digest, events, motion, record_info, status};
-use super::{FIRMWARE, Scratch};
+use super::{FIRMWARE, Scratch, Talk};
 use crate::board::Board;
-use crate::control::{ChangeError, Control, MoveError, SaveRefused, Test};
+use crate::change::{NotWhole, Parts};
+use crate::control::{ChangeError, Control, MoveError, SaveRefused, TakeError, Test};
 use crate::ownership::Need;
 use crate::recorder::{CAPACITY, Recorder};
-use crate::stream::Stream;
 
 /// Carries out a request, unless another host commands the drive.
 pub(super) fn carry_out<'a, B: Board>(
@@ -24,7 +24,7 @@ pub(super) fn carry_out<'a, B: Board>(
     control: &'a mut Control<impl BorrowMut<Recorder>>,
     board: &'a mut B,
     damaged_frames: u32,
-    stream: &mut Stream,
+    talk: &mut Talk,
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
     let InSession { request, session } = *asked;
@@ -60,7 +60,13 @@ pub(super) fn carry_out<'a, B: Board>(
             control.disarm();
             ReplyBody::Done
         }
-        RequestBody::Start => done(control.start(board).map_err(not_now)),
+        RequestBody::Start if others_test(control, |test| test.is_by(session)) => {
+            ReplyBody::Refused(other_test(session))
+        }
+        RequestBody::StartTest { crc32 } if others_test(control, |_| control.is_named(crc32)) => {
+            ReplyBody::Refused(Refused::OtherTest)
+        }
+        RequestBody::Start | RequestBody::StartTest { .. } => done(control.start(board).map_err(not_now)),
         RequestBody::Stop => {
             control.stop();
             ReplyBody::Done
@@ -70,7 +76,11 @@ pub(super) fn carry_out<'a, B: Board>(
         }
         RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => {
             let last_sample = duration_us / control.config().timing.period_us;
-            done(control.set_test(Test::new(name, last_sample, decimation, pre_trigger)).map_err(not_now))
+            let test = Test::new(name, last_sample, decimation, pre_trigger).by(session);
+            done(control.set_test(test).map_err(not_now))
+        }
+        RequestBody::TestMove { .. } | RequestBody::TestSpan { .. } if !control.test().is_by(session) => {
+            ReplyBody::Refused(other_test(session))
         }
         RequestBody::TestMove { time_us, target } => {
             let next = Move::at_time_us(time_us, control.config().timing.period_us, target);
@@ -82,6 +92,10 @@ pub(super) fn carry_out<'a, B: Board>(
         RequestBody::TestSpan { last_sample, round } => {
             done(control.set_span(last_sample, round).map_err(move_refused))
         }
+        RequestBody::ChangePart { crc32, first, part } => {
+            done(talk.change.add(crc32, first, part).map_err(|NotWhole| Refused::ChangeNotWhole))
+        }
+        RequestBody::ChangeTake { crc32 } => take(control, &mut talk.change, crc32),
         RequestBody::Home => done(control.home(board).map_err(not_now)),
         RequestBody::Motion => ReplyBody::Motion(motion(control)),
         RequestBody::ConfigSave => done(control.save_parameters(board).map_err(|refused| match refused {
@@ -101,20 +115,54 @@ pub(super) fn carry_out<'a, B: Board>(
             _ => ReplyBody::Refused(Refused::OtherRecord),
         },
         RequestBody::StreamBegin { every, batch } => {
-            stream.begin(request.sequence, every, batch);
+            talk.stream.begin(request.sequence, every, batch);
             ReplyBody::Done
         }
         RequestBody::StreamGrant { until } => {
-            stream.grant(until);
+            talk.stream.grant(until);
             ReplyBody::Done
         }
-        RequestBody::StreamRead { first, count } => stream.read(first, count, scratch),
+        RequestBody::StreamRead { first, count } => talk.stream.read(first, count, scratch),
     }
 }
 
 /// Who commands the drive, in words that the host of this session knows.
 fn owned(session: u32, owner: Owner<'_>) -> Refused<'_> {
     if session == OLD_HOSTS { Refused::NotNow(code::OWNED) } else { Refused::Owned(owner) }
+}
+
+/// Whether an armed drive has a test to run, and it is not the one that is meant.
+fn others_test<R: BorrowMut<Recorder>>(control: &Control<R>, is_meant: impl Fn(&Test) -> bool) -> bool {
+    let (mode, test) = (control.state().supervisor.mode(), control.test());
+    mode == Mode::Armed && !test.sequence().moves().is_empty() && !is_meant(test)
+}
+
+/// The test is another host's, in words that the host of this session knows.
+fn other_test<'a>(session: u32) -> Refused<'a> {
+    if session == OLD_HOSTS { Refused::NotNow(code::OTHER_TEST) } else { Refused::OtherTest }
+}
+
+/// Takes the change whose parts have come, and forgets them.
+fn take<'a>(control: &mut Control<impl BorrowMut<Recorder>>, parts: &mut Parts, crc32: u32) -> ReplyBody<'a> {
+    let taken = match parts.whole(crc32) {
+        Ok(change) => control.take_change(change).map_err(take_refused),
+        Err(NotWhole) => Err(Refused::ChangeNotWhole),
+    };
+    if taken.is_ok() {
+        parts.clear();
+    }
+    done(taken)
+}
+
+fn take_refused<'a>(error: TakeError) -> Refused<'a> {
+    match error {
+        TakeError::Refused(refusal) => not_now(refusal),
+        TakeError::Value { id, value, error } => change_refused(id, value, ChangeError::Value(error)),
+        TakeError::Inconsistent(error) => Refused::Inconsistent { advice: error.advice() },
+        TakeError::Sequence(error) => move_refused(MoveError::Sequence(error)),
+        TakeError::TooLong => Refused::TestTooLong,
+        TakeError::Malformed => Refused::Unknown,
+    }
 }
 
 fn done<'a>(result: Result<(), Refused<'a>>) -> ReplyBody<'a> {

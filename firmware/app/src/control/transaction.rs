@@ -1,0 +1,95 @@
+//! Parameters and a test that are taken together, or not at all: while the drive is disarmed.
+
+use core::borrow::BorrowMut;
+
+use pneudrive_controller::config::ConfigError;
+use pneudrive_controller::parameters::SetError;
+use pneudrive_controller::sequencer::SequenceError;
+use pneudrive_controller::{Config, Move, Parameters, Refusal};
+use pneudrive_protocol::UNTIL_STOPPED;
+use pneudrive_protocol::change::{Entries, Entry, start_crc32, test_crc32};
+
+use super::{Control, Test};
+use crate::recorder::Recorder;
+
+/// Why a change was not taken. Nothing was changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TakeError {
+    /// Not now.
+    Refused(Refusal),
+    /// Not this value.
+    Value {
+        /// Id of the parameter.
+        id: u16,
+        /// The value.
+        value: i32,
+        /// What is wrong with it.
+        error: SetError,
+    },
+    /// The parameters do not go together.
+    Inconsistent(ConfigError),
+    /// Not this move.
+    Sequence(SequenceError),
+    /// The test lasts more samples than can be counted.
+    TooLong,
+    /// The bytes are no change: moves without a test, two tests, or what this version does not know.
+    Malformed,
+}
+
+/// What the drive will have once the whole change has been read.
+struct Draft {
+    parameters: Parameters,
+    test: Option<Test>,
+}
+
+impl Draft {
+    fn add(&mut self, entry: Entry<'_>) -> Result<(), TakeError> {
+        match entry {
+            Entry::Parameters { first_id, values } => {
+                (first_id..).zip(values.iter()).try_for_each(|(id, value)| {
+                    let set = self.parameters.set(id, value);
+                    set.map_err(|error| TakeError::Value { id, value, error })
+                })
+            }
+            Entry::Test { .. } if self.test.is_some() => Err(TakeError::Malformed),
+            Entry::Test { last_sample, .. } if last_sample > UNTIL_STOPPED => Err(TakeError::TooLong),
+            Entry::Test { name, last_sample, round, decimation, pre_trigger } => {
+                let mut test = Test::new(name, last_sample, decimation, pre_trigger);
+                test.sequence.repeat_every(round).map_err(TakeError::Sequence)?;
+                self.test = Some(test);
+                Ok(())
+            }
+            Entry::Move { at_sample, target } => {
+                let test = self.test.as_mut().ok_or(TakeError::Malformed)?;
+                test.sequence.push(Move { at_sample, target }).map_err(TakeError::Sequence)
+            }
+        }
+    }
+}
+
+impl<R: BorrowMut<Recorder>> Control<R> {
+    /// Takes a change: all of it or nothing.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, or with what is wrong first.
+    pub fn take_change(&mut self, change: &[u8]) -> Result<(), TakeError> {
+        self.must_be_disarmed().map_err(TakeError::Refused)?;
+        let mut draft = Draft { parameters: self.parameters().clone(), test: None };
+        for entry in Entries::of(change) {
+            draft.add(entry.map_err(|_| TakeError::Malformed)?)?;
+        }
+        let config = Config::new(&draft.parameters).map_err(TakeError::Inconsistent)?;
+        self.put_in_force(draft.parameters, &config).map_err(TakeError::Inconsistent)?;
+        if let Some(test) = draft.test {
+            self.put_test(test.named(test_crc32(change)));
+        }
+        Ok(())
+    }
+
+    /// Whether test and parameters are those that this CRC-32 names ([`start_crc32`]).
+    #[must_use]
+    pub fn is_named(&self, crc32: u32) -> bool {
+        let hash = self.configuration().hash();
+        self.test().crc32().is_some_and(|test| start_crc32(test, hash) == crc32)
+    }
+}

@@ -1,0 +1,185 @@
+//! Parameters and a test are taken whole or not at all, and a start names them.
+
+mod bench;
+
+use bench::Bench;
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Mode, Refusal};
+use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
+use pneudrive_protocol::{RequestBody, UNTIL_STOPPED, Values, code, frame};
+
+const ONE: u32 = 11;
+const OTHER: u32 = 22;
+
+const TEST: Entry<'_> = test_of("whole", 100);
+const FIRST: Entry<'_> = Entry::Move { at_sample: 0, target: 500 };
+const SECOND: Entry<'_> = Entry::Move { at_sample: 4, target: -500 };
+
+const fn test_of(name: &str, last_sample: u32) -> Entry<'_> {
+    Entry::Test { name, last_sample, round: 0, decimation: 1, pre_trigger: 0 }
+}
+
+fn change(entries: &[Entry<'_>]) -> Vec<u8> {
+    let mut room = [0; PART_BYTES];
+    entries.iter().flat_map(|entry| entry.write(&mut room).expect("room").to_vec()).collect()
+}
+
+/// Parameters as an entry.
+fn parameters(first_id: u16, values: &[i32]) -> Vec<u8> {
+    let mut room = [0; 256];
+    let values = Values::fill(&mut room, values.iter().copied()).expect("room");
+    change(&[Entry::Parameters { first_id, values }])
+}
+
+impl Bench {
+    /// A referenced bench, asked by a host of version 5.
+    fn of(session: u32) -> Bench {
+        Bench { session, ..Bench::referenced() }
+    }
+
+    fn take(&mut self, change: &[u8]) -> String {
+        let crc32 = frame::crc32(change);
+        for (index, part) in change.chunks(7).enumerate() {
+            self.done(RequestBody::ChangePart { crc32, first: 7 * index as u16, part });
+        }
+        self.ask(RequestBody::ChangeTake { crc32 })
+    }
+
+    fn start(&mut self, change: &[u8]) -> String {
+        let parameters = self.app.control.configuration().hash();
+        self.ask(RequestBody::StartTest { crc32: start_crc32(test_crc32(change), parameters) })
+    }
+
+    fn gain(&self) -> i32 {
+        self.app.control.parameters().get(id::VELOCITY_GAIN).expect("there is one")
+    }
+
+    fn test_is(&self) -> (&str, u32, usize) {
+        let test = self.app.control.test();
+        (test.name(), test.sequence().duration_samples, test.sequence().moves().len())
+    }
+}
+
+#[test]
+fn parameters_and_test_are_taken_together_and_run() {
+    let mut bench = Bench::of(ONE);
+    let whole = [parameters(id::VELOCITY_GAIN, &[77]), change(&[TEST, FIRST, SECOND])].concat();
+    assert_eq!(bench.take(&whole), "Done");
+    assert_eq!((bench.gain(), bench.test_is()), (77, ("whole", 100, 2)));
+    bench.done(RequestBody::ArmAs { host: "one" });
+    assert_eq!(bench.start(&whole), "Done");
+    bench.samples(102);
+    assert_eq!(bench.mode(), Mode::Done);
+    assert_eq!(bench.record().1.len(), 101);
+}
+
+#[test]
+fn of_a_change_that_is_wrong_anywhere_nothing_is_taken() {
+    let good = [parameters(id::VELOCITY_GAIN, &[1]), change(&[TEST, FIRST, SECOND])].concat();
+    let early = Entry::Move { at_sample: 3, target: 0 };
+    let cases: [(Vec<u8>, &str); 9] = [
+        (parameters(id::VELOCITY_GAIN, &[70_000]), "OutOfRange"),
+        (parameters(200, &[1]), "UnknownParameter { id: 200 }"),
+        (parameters(id::DELAY_US, &[5000]), "delay_us must be less than period_us"),
+        (change(&[early]), "MovesOutOfOrder"),
+        (change(&[SECOND; 64]), "TooManyMoves"),
+        (change(&[TEST]), "Unknown"),
+        (vec![99], "Unknown"),
+        (vec![2], "Unknown"),
+        (vec![0, 1, 3, 1, 2, 3], "Unknown"),
+    ];
+    for (wrong, refused) in cases {
+        let mut bench = Bench::of(ONE);
+        let before = bench.gain();
+        let reply = bench.take(&[&good[..], &wrong].concat());
+        assert!(reply.starts_with("Refused(") && reply.contains(refused), "{reply}, not {refused}");
+        assert_eq!((bench.gain(), bench.test_is()), (before, ("", 0, 0)), "{refused}");
+    }
+    let mut bench = Bench::of(ONE);
+    assert_eq!(bench.take(&change(&[FIRST])), "Refused(Unknown)", "moves of no test");
+    assert_eq!(bench.take(&change(&[test_of("long", UNTIL_STOPPED + 1)])), "Refused(TestTooLong)");
+    let repeats = Entry::Test { name: "r", last_sample: 9, round: 4, decimation: 1, pre_trigger: 0 };
+    assert_eq!(
+        bench.take(&change(&[repeats, FIRST, SECOND])),
+        "Refused(MovesOutOfOrder)",
+        "behind its round"
+    );
+}
+
+#[test]
+fn a_change_is_taken_only_once_all_its_parts_have_come() {
+    let mut bench = Bench::of(ONE);
+    let whole = change(&[TEST, FIRST, SECOND]);
+    let crc32 = frame::crc32(&whole);
+    let part = |range: std::ops::Range<usize>| RequestBody::ChangePart {
+        crc32,
+        first: range.start as u16,
+        part: &whole[range],
+    };
+    let not_whole = "Refused(ChangeNotWhole)";
+    bench.done(part(0..5));
+    assert_eq!(bench.ask(part(6..8)), not_whole, "a byte was lost");
+    assert_eq!(bench.ask(RequestBody::ChangeTake { crc32 }), not_whole);
+    bench.done(part(5..whole.len()));
+    bench.done(part(0..5));
+    bench.done(RequestBody::ChangeTake { crc32 });
+    assert_eq!(bench.test_is(), ("whole", 100, 2));
+    assert_eq!(bench.ask(RequestBody::ChangeTake { crc32 }), not_whole, "it has been taken");
+}
+
+#[test]
+fn nothing_is_taken_by_an_enabled_drive() {
+    let mut bench = Bench::of(ONE);
+    bench.done(RequestBody::ArmAs { host: "one" });
+    let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
+    assert_eq!(bench.take(&change(&[TEST, FIRST])), refused);
+    assert_eq!(bench.test_is(), ("", 0, 0));
+}
+
+#[test]
+fn what_another_host_has_changed_meanwhile_does_not_start() {
+    let [mine, theirs] = [change(&[TEST, FIRST, SECOND]), change(&[TEST, FIRST])];
+    let gain = parameters(id::VELOCITY_GAIN, &[9]);
+    let hash = |bench: &Bench| bench.app.control.configuration().hash();
+    for other in [&theirs, &gain] {
+        let mut bench = Bench::of(ONE);
+        assert_eq!(bench.take(&mine), "Done");
+        let meant = start_crc32(test_crc32(&mine), hash(&bench));
+        bench.session = OTHER;
+        assert_eq!(bench.take(other), "Done");
+        bench.session = ONE;
+        bench.done(RequestBody::ArmAs { host: "one" });
+        assert_eq!(bench.ask(RequestBody::StartTest { crc32: meant }), "Refused(OtherTest)");
+        assert_eq!(bench.ask(RequestBody::Start), "Refused(OtherTest)", "an unnamed start names nothing");
+        assert_eq!(bench.mode(), Mode::Armed);
+    }
+}
+
+#[test]
+fn a_test_that_was_stated_step_by_step_is_started_and_added_to_by_hosts_of_its_session_alone() {
+    let mut bench = Bench::of(0);
+    bench.test(100, 1, 0);
+    bench.session = ONE;
+    assert_eq!(bench.ask(RequestBody::TestMove { time_us: 9000, target: 7 }), "Refused(OtherTest)");
+    bench.done(RequestBody::ArmAs { host: "one" });
+    assert_eq!(bench.ask(RequestBody::Start), "Refused(OtherTest)");
+    bench.done(RequestBody::Disarm);
+    assert_eq!(bench.take(&change(&[TEST, FIRST])), "Done");
+    bench.session = 0;
+    let refused = format!("Refused(NotNow({}))", code::OTHER_TEST);
+    assert_eq!(bench.ask(RequestBody::TestMove { time_us: 9000, target: 7 }), refused);
+    assert_eq!(bench.ask(RequestBody::TestSpan { last_sample: 7, round: 0 }), refused);
+    bench.done(RequestBody::Arm);
+    assert_eq!(bench.ask(RequestBody::Start), refused);
+    assert_eq!(bench.test_is(), ("whole", 100, 1));
+}
+
+#[test]
+fn a_change_of_parameters_alone_leaves_a_test_that_still_means_the_same() {
+    let mut bench = Bench::of(ONE);
+    assert_eq!(bench.take(&change(&[TEST, FIRST, SECOND])), "Done");
+    assert_eq!(bench.take(&parameters(id::VELOCITY_GAIN, &[3])), "Done");
+    assert_eq!(bench.test_is(), ("whole", 100, 2));
+    assert_eq!(bench.take(&parameters(id::PERIOD_US, &[1400])), "Done");
+    assert_eq!(bench.test_is(), ("", 0, 0), "its samples would mean other times");
+}

@@ -1,0 +1,173 @@
+//! Parameters and a test that a rig takes together or not at all (version 5 of the protocol), and the start that names
+//! them. An older rig takes them request by request.
+
+use anyhow::{Result, anyhow, bail};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::id;
+use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
+use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, frame};
+use pneudrive_sim::Rig;
+
+use super::{Client, RigParameters, short, unexpected};
+use crate::words;
+
+/// How often a change is begun anew when the rig has lost a part of it.
+const TRIES: u32 = 3;
+
+/// A change as it is sent.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Change(Vec<u8>);
+
+impl Change {
+    fn add(&mut self, entry: &Entry<'_>) {
+        let mut room = [0; PART_BYTES];
+        let bytes =
+            entry.write(&mut room).expect("names are short, and values no more than a message carries");
+        self.0.extend_from_slice(bytes);
+    }
+
+    /// Adds parameters of consecutive ids.
+    pub(super) fn add_parameters(&mut self, first_id: u16, values: &[i32]) {
+        for (block, values) in values.chunks(MAX_VALUES).enumerate() {
+            let mut room = [0; 4 * MAX_VALUES];
+            let values = Values::fill(&mut room, values.iter().copied()).expect("a block");
+            self.add(&Entry::Parameters { first_id: first_id + (block * MAX_VALUES) as u16, values });
+        }
+    }
+
+    /// Adds the test of a rig, which ends with this sample.
+    fn add_test(&mut self, rig: &Rig, last_sample: u32) {
+        let sequence = rig.sequence();
+        self.add(&Entry::Test {
+            name: short(rig.name()),
+            last_sample,
+            round: sequence.round(),
+            decimation: rig.integer("test.decimation") as u16,
+            pre_trigger: rig.integer("test.pre_trigger") as u16,
+        });
+        for next in sequence.moves() {
+            self.add(&Entry::Move { at_sample: next.at_sample, target: next.target });
+        }
+    }
+}
+
+impl Client {
+    /// Downloads the test of a rig.
+    ///
+    /// # Errors
+    /// When it is refused, or the drive is not disarmed.
+    pub fn download_test(&mut self, rig: &Rig) -> Result<()> {
+        self.prepare(rig, rig.last_sample(), None).map(drop)
+    }
+
+    /// The same, but it ends with another sample (with [`UNTIL_STOPPED`](pneudrive_protocol::UNTIL_STOPPED), once it is stopped), and parameters are
+    /// downloaded with it. Tells the names of those that the firmware does not have, as
+    /// [`Client::import_parameters`] does.
+    ///
+    /// # Errors
+    /// When it is refused, the drive is not disarmed, or the firmware too old for such a test. Nothing is changed then;
+    /// firmware before version 5 may have taken a part.
+    pub fn prepare(
+        &mut self,
+        rig: &Rig,
+        last_sample: u32,
+        parameters: Option<&Parameters>,
+    ) -> Result<Vec<&'static str>> {
+        if self.version < 5 {
+            let lacking = parameters.map(|parameters| self.import_parameters(parameters)).transpose()?;
+            self.download_step_by_step(rig, last_sample)?;
+            return Ok(lacking.unwrap_or_default());
+        }
+        let mut change = Change::default();
+        let lacking = match parameters {
+            Some(parameters) => self.add_those_it_has(parameters, &mut change)?,
+            None => Vec::new(),
+        };
+        change.add_test(rig, last_sample);
+        self.take(&change)?;
+        self.test_crc32 = Some(test_crc32(&change.0));
+        Ok(lacking)
+    }
+
+    /// Has the rig take a change, whole.
+    pub(super) fn take(&mut self, change: &Change) -> Result<()> {
+        self.known = None;
+        for _ in 0..TRIES {
+            if self.send_and_take(&change.0)? {
+                return Ok(());
+            }
+        }
+        bail!(
+            "{}: parts of a change were lost again and again; is another program using the port?",
+            self.name
+        )
+    }
+
+    /// False when the rig has lost a part.
+    fn send_and_take(&mut self, bytes: &[u8]) -> Result<bool> {
+        let crc32 = frame::crc32(bytes);
+        for (index, part) in bytes.chunks(PART_BYTES).enumerate() {
+            let first = (index * PART_BYTES) as u16;
+            if !self.done_or_not_whole(RequestBody::ChangePart { crc32, first, part })? {
+                return Ok(false);
+            }
+        }
+        self.done_or_not_whole(RequestBody::ChangeTake { crc32 })
+    }
+
+    fn done_or_not_whole(&mut self, body: RequestBody<'_>) -> Result<bool> {
+        let name = self.name.clone();
+        self.ask_for_any(body, |reply| match reply {
+            ReplyBody::Done => Ok(true),
+            ReplyBody::Refused(Refused::ChangeNotWhole) => Ok(false),
+            ReplyBody::Refused(refused) => Err(anyhow!("{name}: {}", words::refusal(refused))),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// As firmware before version 5 takes a test.
+    fn download_step_by_step(&mut self, rig: &Rig, last_sample: u32) -> Result<()> {
+        let duration_us = last_sample.checked_mul(rig.period_us().get());
+        let round = rig.sequence().round();
+        let spans = round > 0 || duration_us.is_none();
+        if spans {
+            self.needs_version(4, "a test that repeats its moves or lasts more than 71 minutes")?;
+        }
+        self.ask_done(RequestBody::TestBegin {
+            name: short(rig.name()),
+            duration_us: duration_us.unwrap_or(u32::MAX),
+            decimation: rig.integer("test.decimation") as u16,
+            pre_trigger: rig.integer("test.pre_trigger") as u16,
+        })?;
+        for (time_s, target) in rig.moves() {
+            let time_us = (time_s * 1e6).round() as u32;
+            self.ask_done(RequestBody::TestMove { time_us, target: target as i32 })?;
+        }
+        if spans { self.ask_done(RequestBody::TestSpan { last_sample, round }) } else { Ok(()) }
+    }
+
+    /// Starts the test that this client has downloaded, with the parameters that it has read, if it has.
+    ///
+    /// # Errors
+    /// When it is refused or not answered; also when another program has changed test or parameters since.
+    pub fn start(&mut self) -> Result<()> {
+        let Some(test) = self.test_crc32.filter(|_| self.version >= 5) else {
+            return self.ask_done(RequestBody::Start);
+        };
+        // The drive is armed: its parameters stay what they are from here on.
+        let parameters = self.config_state()?.hash;
+        if let Some((_, before)) = self.known.take_if(|(hash, _)| *hash != parameters) {
+            let now = self.parameters()?;
+            if !differ_by_what_was_learned(&before, &now) {
+                bail!("{}: another program has changed its parameters; run again", self.name);
+            }
+        }
+        self.ask_done(RequestBody::StartTest { crc32: start_crc32(test, parameters) })
+    }
+}
+
+/// Arming makes what the last run has learned of the valve's null a parameter.
+fn differ_by_what_was_learned(before: &RigParameters, now: &RigParameters) -> bool {
+    let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && was.0 != id::NULL_OFFSET_COUNTS;
+    !before.values.iter().zip(now.values.iter()).any(differs)
+}
