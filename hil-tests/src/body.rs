@@ -7,11 +7,12 @@ pub mod soak;
 pub mod stream;
 
 use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
 
 use pneudrive::client::{Client, Record};
 use pneudrive::replay::{Replay, replay};
 use pneudrive::target::TargetFile;
-use pneudrive_controller::Observation;
+use pneudrive_controller::{Fault, Observation};
 use pneudrive_protocol::{Mode, RecordedSample};
 use pneudrive_sim::{Accuracy, Rig, run};
 
@@ -120,6 +121,29 @@ pub fn a_late_first_move(start: Start) {
         let first = replay.recorded[0];
         assert_eq!(first.error, 0, "{}, {name}: it holds where it is", target.name());
     }
+}
+
+/// A jump of the encoder after the moves of a run: the plant lives on, and what is wrong with it trips the drive.
+///
+/// # Panics
+/// When nothing notices it, or the record is not the simulation of the run.
+pub fn a_fault_after_the_moves(start: Start) {
+    let event = "faults.event=[{kind = \"encoder-jump\", at_s = 0.6, counts = 1000}]";
+    let rig = rig("servo-b-tuned", &["test.duration_s=0.4", "test.moves=[[0.0, 9000]]", event]);
+    let target = start(&rig);
+    let mut client = target.connect().expect("a rig that answers");
+    run_on(&mut client, &rig);
+    let record = client.record(|_, _| {}).expect("a record");
+    let mut status = client.status().expect("an answer");
+    let begun = Instant::now();
+    while status.mode == Mode::Done && begun.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(20));
+        status = client.status().expect("an answer");
+    }
+    let tripped = (status.mode, status.fault);
+    assert_eq!(tripped, (Mode::Fault, Fault::EncoderStep.code()), "{}", target.name());
+    let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
+    assert_is_the_simulation(target.name(), &record, &simulated);
 }
 
 /// Commands to the servo-drives in open loop, to where the limit of the drive stage is met.

@@ -43,6 +43,11 @@ fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_emulated_board()
 }
 
 #[test]
+fn a_fault_after_the_moves_of_a_run_trips_the_drive_that_holds() {
+    body::a_fault_after_the_moves(emulated_board);
+}
+
+#[test]
 fn the_record_of_an_emulated_stepper_drive_is_the_simulation() {
     body::stepper(emulated_board);
 }

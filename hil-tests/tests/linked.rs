@@ -25,6 +25,11 @@ fn a_drive_whose_first_move_comes_late_stays_where_it_is() {
 }
 
 #[test]
+fn a_fault_after_the_moves_of_a_run_trips_the_drive_that_holds() {
+    body::a_fault_after_the_moves(linked);
+}
+
+#[test]
 fn each_start_begins_from_the_same_state_though_inputs_are_on_their_way() {
     body::each_start_begins_from_the_same_state(linked);
 }

@@ -125,7 +125,7 @@ impl PlantServer {
     fn answer(&mut self, outputs: Outputs) -> Result<Inputs, IntegrationError> {
         match outputs.next {
             Next::Stay => {}
-            Next::Advance => {
+            Next::Advance | Next::Hold => {
                 self.plant.command(outputs.command);
                 self.plant.next_sample()?;
                 self.time.advance();

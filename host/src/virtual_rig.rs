@@ -1,7 +1,8 @@
 //! The virtual rig: the firmware's application on the simulated plant, behind a port.
 //!
-//! It behaves as the board does, over the same protocol. Between runs the plant stands frozen, first in
-//! the initial state of its test and then where the run ended, unless it is live; a start resets it.
+//! It behaves as the board does, over the same protocol. After the moves of a run the drive holds
+//! and the plant lives on. In a disabled drive, and in an armed one, it stands frozen, first in the initial state of its
+//! test and then where it was left, unless it is live; a start resets it.
 //! Over TCP several programs may talk to it at once, so that a `stop` reaches it while a run is
 //! followed.
 
@@ -56,7 +57,7 @@ struct VirtualBoard {
     name: String,
     pace: Pace,
     plant: Plant,
-    running: bool,
+    mode: Mode,
     period_us: u64,
     time_us: u64,
     /// From the sample's instant to now.
@@ -81,7 +82,7 @@ impl VirtualBoard {
             on_run: Box::new(|_| {}),
             pace,
             plant,
-            running: false,
+            mode: Mode::Disarmed,
             time_us: 0,
             since_sample_us: 0,
             k: 0,
@@ -92,8 +93,12 @@ impl VirtualBoard {
         }
     }
 
+    fn is_on_its_way(&self) -> bool {
+        matches!(self.mode, Mode::Running | Mode::Homing)
+    }
+
     fn moves(&self) -> bool {
-        self.running || self.pace.live
+        self.mode == Mode::Done || self.is_on_its_way() || self.pace.live
     }
 
     /// To the next sample instant; a frozen plant stays as it is.
@@ -109,7 +114,7 @@ impl VirtualBoard {
 
     /// How late the present sample is.
     fn lateness_us(&self) -> u64 {
-        if self.running { u64::from(self.late.lateness_of(self.k)) } else { 0 }
+        if self.is_on_its_way() { u64::from(self.late.lateness_of(self.k)) } else { 0 }
     }
 }
 
@@ -164,7 +169,7 @@ impl Board for VirtualBoard {
     /// The plant's clock is that of the configuration, which may not be the rig file's any more; a live
     /// plant keeps its own.
     fn run_begins(&mut self, config: &Config) {
-        self.running = true;
+        self.mode = Mode::Running;
         self.k = 0;
         let seed = self.seeds.begin();
         (self.on_run)(self.seeds.runs());
@@ -277,7 +282,8 @@ impl VirtualRig {
             return Ok(false);
         }
         if self.board.pace.fast {
-            let moves = self.board.moves();
+            // Nobody waits for a drive that holds.
+            let moves = self.board.is_on_its_way() || self.board.pace.live;
             for _ in 0..if moves { SAMPLES_AT_ONCE } else { 1 } {
                 self.tick(callers)?;
             }
@@ -312,7 +318,7 @@ impl VirtualRig {
         for caller in callers {
             caller.server.attend(&mut self.control);
         }
-        self.board.running = matches!(self.control.state().supervisor.mode(), Mode::Running | Mode::Homing);
+        self.board.mode = self.control.state().supervisor.mode();
         self.board.next_sample();
         self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))
     }

@@ -88,10 +88,10 @@ impl<S: Store> LockStep<S> {
     pub fn outputs(
         &mut self,
         control: &Control<impl BorrowMut<Recorder>>,
-        ran: bool,
+        next: Next,
         ticks: Ticks,
     ) -> Outputs {
-        let next = self.begin.take().unwrap_or(if ran { Next::Advance } else { Next::Stay });
+        let next = self.begin.take().unwrap_or(next);
         let timing = &control.config().timing;
         self.now_us -= u64::from(self.tempo.late_us);
         self.passes(timing.period_us.get().saturating_sub(timing.delay_us.get()));
@@ -105,10 +105,14 @@ impl<S: Store> LockStep<S> {
         Some(Outputs { command: self.command, next, ticks: Ticks::default() })
     }
 
-    /// Whether the plant moves in the mode that a sample has led to.
+    /// What becomes of the plant in the mode that a sample has led to.
     #[must_use]
-    pub fn runs(mode: Mode) -> bool {
-        matches!(mode, Mode::Running | Mode::Homing)
+    pub fn next(mode: Mode) -> Next {
+        match mode {
+            Mode::Running | Mode::Homing => Next::Advance,
+            Mode::Done => Next::Hold,
+            Mode::Disarmed | Mode::Armed | Mode::Fault(_) => Next::Stay,
+        }
     }
 }
 

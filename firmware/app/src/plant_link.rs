@@ -118,6 +118,6 @@ fn sampled<S: Store>(
 ) -> Outputs {
     board.latch(&Inputs::from_bytes(bytes), Tempo::of(&bytes));
     let ticks = run_control(control, board, stopwatch);
-    let ran = LockStep::<S>::runs(control.state().supervisor.mode());
-    board.outputs(control, ran, ticks)
+    let next = LockStep::<S>::next(control.state().supervisor.mode());
+    board.outputs(control, next, ticks)
 }

@@ -4,7 +4,7 @@ mod bench;
 
 use bench::Bench;
 use pneudrive_app::storage::configuration_hash;
-use pneudrive_controller::{Fault, Mode, Parameters, Refusal};
+use pneudrive_controller::{Command, Fault, Mode, Parameters, Refusal};
 use pneudrive_protocol::change::start_crc32;
 use pneudrive_protocol::{ReplyBody, RequestBody, code};
 
@@ -200,4 +200,60 @@ fn a_name_of_a_host_that_is_too_long_is_cut() {
     let mut bench = Bench::referenced();
     bench.done(RequestBody::ArmAs { host: &"n".repeat(60) });
     assert!(bench.ask(RequestBody::Owner).contains(&format!("\"{}\"", "n".repeat(32))));
+}
+
+/// An armed drive of `ONE`, its run over.
+fn done_by_one() -> Bench {
+    let mut bench = armed_by_one();
+    bench.done(start());
+    bench.samples(1002);
+    assert_eq!(bench.mode(), Mode::Done);
+    bench
+}
+
+#[test]
+fn a_drive_that_holds_or_is_armed_is_disarmed_without_a_fault_a_minute_after_its_owner_is_gone() {
+    for bench in [armed_by_one(), done_by_one()] {
+        let mut silent = bench;
+        let before = silent.mode();
+        silent.session = OTHER;
+        silent.waits(60_500);
+        silent.ask(RequestBody::Status);
+        assert_eq!(silent.mode(), before, "half a second of silence and a minute");
+        silent.waits(1);
+        assert_eq!(silent.mode(), Mode::Disarmed, "another host that looks on holds nothing");
+        assert_eq!(silent.board.driven.last(), Some(&Command::OFF));
+        assert_eq!(silent.ask(RequestBody::Events { first: 0, count: 1 }), NO_EVENTS);
+    }
+    let mut left = done_by_one();
+    left.done(RequestBody::Leave);
+    left.waits(60_000);
+    assert_eq!(left.mode(), Mode::Done);
+    left.waits(1);
+    assert_eq!(left.mode(), Mode::Disarmed);
+}
+
+/// The log of a drive without a fault.
+const NO_EVENTS: &str = "Events { total: 0, first: 0, events: [] }";
+
+#[test]
+fn a_drive_whose_owner_is_heard_holds_as_long_as_it_likes() {
+    let mut bench = done_by_one();
+    for _ in 0..1000 {
+        bench.waits(400);
+        bench.ask(RequestBody::Status);
+    }
+    assert_eq!(bench.mode(), Mode::Done, "for 400 s");
+}
+
+#[test]
+fn a_drive_that_holds_and_is_pushed_at_a_wide_open_valve_without_moving_trips() {
+    let mut bench = armed_by_one();
+    bench.done(start());
+    bench.samples(1000);
+    bench.board.stands = true;
+    bench.samples(2);
+    assert_eq!(bench.mode(), Mode::Done);
+    bench.samples(600);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::NoMotion));
 }

@@ -6,7 +6,7 @@
 //! stops the virtual processor, so the two run in lock step and a sample can't come late.
 //!
 //! What a run records does not depend on when the bytes of the protocol arrive: between runs the plant
-//! stands frozen, and the first sample after a start is k = 0 from the initial state.
+//! stands frozen, or is held where it is, and the first sample after a start is k = 0 from the initial state.
 //!
 //! | module | holds |
 //! |---|---|
@@ -83,13 +83,15 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
     while let Some((inputs, tempo)) = bus.exchange(outputs, request)? {
         board.latch(&inputs, tempo);
         let ticks = run_control(control, &mut board, &clock);
-        let ran = EmulatedBoard::runs(control.state().supervisor.mode());
+        let next = EmulatedBoard::next(control.state().supervisor.mode());
         request = listen(&mut server, control, &mut board, &mut uart, &clock);
         server.attend(control);
         let Ok(()) = server.speak(&mut uart);
         let _ = control.tidy_up(&mut board);
-        outputs = board.outputs(control, ran, ticks);
-        if inputs.frozen && outputs.next == Next::Stay {
+        outputs = board.outputs(control, next, ticks);
+        let stands = inputs.frozen && outputs.next == Next::Stay;
+        // Nobody waits for a drive that holds; one that keeps step with the wall clock is waited for by its plant.
+        if stands || (outputs.next == Next::Hold && !tempo.in_step) {
             clock.rest(control.config().timing.period_us.get());
         }
         watchdog.feed();

@@ -14,7 +14,7 @@ use super::interrupts::Interrupts;
 use super::streaming::Streaming;
 use super::{Progress, load_rig, tell_lacking};
 use crate::cli::Run;
-use crate::client::Client;
+use crate::client::{Client, RigParameters};
 use crate::words;
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
@@ -30,6 +30,7 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     say!("{}: done", rig.name());
     if rig.word("controller.loop") == "closed" {
         say!("the drive holds its last setpoint; `pneudrive device disarm` releases it");
+        tell_hold(&client.parameters()?);
     }
     say!("next: pneudrive record --port {}", arguments.port.port);
     Ok(())
@@ -114,6 +115,15 @@ pub(super) fn run_test(
     // The file is ended first, whatever became of the run.
     let ended = stream.map_or(Ok(()), |stream| stream.end(client));
     followed.and(ended)
+}
+
+/// Says how long the drive holds without a host.
+fn tell_hold(parameters: &RigParameters) {
+    let hold_ms = parameters.values.get(id::HOLD_MS).filter(|_| !parameters.lacking.contains(&id::HOLD_MS));
+    match hold_ms {
+        Some(ms) => say!("left alone, a rig in real time is disarmed after {} s", f64::from(ms) / 1e3),
+        None => eprintln!("note: its firmware holds for ever: it has no hold_ms"),
+    }
 }
 
 /// Firmware before version 5 of the protocol obeys every host.

@@ -91,7 +91,8 @@ impl Figures {
             self.add_instructions(instructions(outputs.ticks.sample), instructions(outputs.ticks.output));
         }
         self.is_first = matches!(outputs.next, Next::Begin { .. });
-        self.since = (outputs.next != Next::Stay).then_some(ended);
+        let runs = matches!(outputs.next, Next::Advance | Next::Begin { .. });
+        self.since = runs.then_some(ended);
     }
 
     /// Takes in the ticks of a request.

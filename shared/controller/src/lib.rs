@@ -246,14 +246,13 @@ impl State {
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
         let largest = i32::from(config.drive.largest());
-        // Only in a run: the plant of a simulated rig stands frozen afterwards, whatever holds it.
-        let runs = self.supervisor.mode() == Mode::Running;
+        let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
         let closed = config.law.control_loop == Loop::Closed;
         let evidence = Evidence {
             motion,
             input,
             referenced: self.supervisor.is_referenced(),
-            pushes: runs && closed && 2 * i32::from(self.observation.command).abs() > largest,
+            pushes: holds_or_runs && closed && 2 * i32::from(self.observation.command).abs() > largest,
         };
         self.supervisor.watch(&config.limits, &evidence);
     }

@@ -5,7 +5,7 @@
 //! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
 //! | a raw pressure at or beyond an end of its converter, for some samples | [`Fault::SensorRange`] |
-//! | in a run, a closed loop that asks for more than half of the valve and does not move | [`Fault::NoMotion`] |
+//! | in a run and behind its moves, a closed loop that asks for more than half of the valve and does not move | [`Fault::NoMotion`] |
 //!
 //! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
 //! stuck spool.
@@ -71,7 +71,7 @@ pub(crate) struct Evidence<'a> {
     pub input: &'a Sample,
     /// Whether counts mean positions.
     pub referenced: bool,
-    /// Whether the command in force is a running closed loop's, and asks for more than half of the valve.
+    /// Whether the command in force is that of a closed loop which runs or holds, and asks for more than half of the valve.
     pub pushes: bool,
 }
 

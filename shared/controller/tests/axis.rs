@@ -110,13 +110,15 @@ fn a_stop_that_gives_way_a_little_is_no_motion() {
     assert_eq!(bench.mode(), Mode::Running, "41 are");
 }
 
-/// A simulated plant stands frozen after its run, and what is held there must not trip.
+/// It was watched in a run alone, since simulated plants stood frozen behind it.
 #[test]
-fn a_closed_loop_that_holds_after_its_run_may_push_against_what_stands() {
+fn a_closed_loop_that_holds_after_its_run_trips_as_one_that_runs_when_it_pushes_and_moves_nothing() {
     let mut bench = Bench::running(&[(id::NO_MOTION_MS, 13)], FAR);
     bench.sequence.duration_samples = 3;
-    assert_eq!(bench.hold(at(100), 100), 2048);
+    assert_eq!(bench.hold(at(100), 10), 2048);
     assert_eq!(bench.mode(), Mode::Done);
+    bench.take(at(100));
+    assert_eq!(bench.mode(), Mode::Fault(Fault::NoMotion));
 }
 
 /// Once the setpoint was 0 until the first move came: full retraction.

@@ -11,15 +11,29 @@ use crate::ownership::{Need, Ownership};
 use crate::recorder::Recorder;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
-    /// A drive that moves trips once its owner has been silent for too long. Requests of other hosts do not count.
+    /// Looks whether the owner is gone, on a board that judges silence.
     #[inline(always)]
     pub(super) fn watch_host(&mut self, board: &impl Board) {
-        if !self.state.supervisor.moves() {
-            return;
+        if let Some(now_ms) = board.host_clock_ms() {
+            self.watch_owner(now_ms);
         }
-        let limit_ms = self.config().timing.host_silence_ms;
-        if limit_ms > 0 && self.ownership.silent_ms(board.host_clock_ms()) > u64::from(limit_ms) {
-            self.state.supervisor.trip(Fault::HostSilent);
+    }
+
+    /// What becomes of a drive whose owner is gone: one that moves trips at once, one that is armed or holds is
+    /// disarmed after `hold_ms`. Requests of other hosts do not count.
+    #[inline(never)]
+    fn watch_owner(&mut self, now_ms: u64) {
+        let timing = &self.config().timing;
+        let silence_ms = timing.host_silence_ms;
+        if self.state.supervisor.moves() {
+            if silence_ms > 0 && self.ownership.silent_ms(Some(now_ms)) > u64::from(silence_ms) {
+                self.state.supervisor.trip(Fault::HostSilent);
+            }
+        } else if self.state.supervisor.drives() {
+            let gone_for_ms = self.ownership.gone_for_ms(Some(now_ms), silence_ms);
+            if gone_for_ms.is_some_and(|gone| gone > u64::from(timing.hold_ms)) {
+                self.state.supervisor.disarm();
+            }
         }
     }
 
