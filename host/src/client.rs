@@ -36,6 +36,18 @@ const SAID: usize = 32;
 /// How long a rig may say nothing of use.
 const PATIENCE: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
 
+/// The token of this program, from the environment variable `PNEUDRIVE_TOKEN`; None where it is empty or not set.
+///
+/// # Errors
+/// When it is no text.
+pub fn token() -> Result<Option<String>> {
+    match std::env::var("PNEUDRIVE_TOKEN") {
+        Ok(token) => Ok(Some(token).filter(|token| !token.is_empty())),
+        Err(std::env::VarError::NotPresent) => Ok(None),
+        Err(error) => Err(error).context("PNEUDRIVE_TOKEN"),
+    }
+}
+
 /// A connection to a rig.
 pub struct Client {
     link: Box<dyn Link>,
@@ -108,6 +120,11 @@ impl Client {
         };
         // Ends whatever an earlier program left half said.
         client.link.write(&[0]).with_context(|| format!("cannot write to {name}"))?;
+        if name.starts_with("tcp://")
+            && let Some(token) = token()?
+        {
+            client.say_token(&token)?;
+        }
         client.version = client.info()?.version;
         Ok(client)
     }

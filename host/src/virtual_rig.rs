@@ -6,9 +6,9 @@
 //! Over TCP several programs may talk to it at once, so that a `stop` reaches it while a run is
 //! followed.
 
-use std::convert::Infallible;
-use std::io::{self, Read, Write};
-use std::net::TcpListener;
+mod caller;
+mod door;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -18,14 +18,17 @@ use anyhow::{Context, Result, bail};
 use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
-use pneudrive_app::{Board, Control, Server};
+use pneudrive_app::{Board, Control};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::kept_flash::KeptFlash;
 use crate::noise::RunSeeds;
-use crate::port::{is_wait, read_some, write_within};
 use crate::punctuality::LateSample;
+
+use caller::Caller;
+pub use caller::Token;
+pub use door::Door;
 
 /// How a virtual rig runs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -243,27 +246,9 @@ impl VirtualRig {
     /// # Errors
     /// When the simulation cannot go on.
     pub fn serve(&mut self, door: &mut Door, stop: &AtomicBool) -> Result<()> {
-        let mut bytes = [0; 1024];
-        let mut replies = Vec::new();
         while !stop.load(Ordering::Relaxed) {
             door.admit();
-            let mut heard = false;
-            door.callers.retain_mut(|caller| {
-                let Ok(count) = caller.read(&mut bytes) else {
-                    caller.server.host_goes(&mut self.control);
-                    return false;
-                };
-                heard |= count > 0;
-                let control = &mut self.control;
-                let Ok(()) = caller.server.receive(&bytes[..count], control, &mut self.board, &mut replies);
-                if self.board.store.flash().is_dark() {
-                    return false;
-                }
-                let Ok(()) = speak(&mut caller.server, &mut replies);
-                let written = caller.write(&replies);
-                replies.clear();
-                written.is_ok()
-            });
+            let heard = self.hear(&mut door.callers);
             if self.board.store.flash().is_dark() {
                 return Ok(());
             }
@@ -274,6 +259,20 @@ impl VirtualRig {
             }
         }
         Ok(())
+    }
+
+    /// Carries out what has come, and lets go of callers that have gone. Whether anything has come.
+    fn hear(&mut self, callers: &mut Vec<Caller>) -> bool {
+        let mut heard = false;
+        callers.retain_mut(|caller| {
+            let Ok(count) = caller.hear(&mut self.control, &mut self.board) else {
+                caller.server.host_goes(&mut self.control);
+                return false;
+            };
+            heard |= count > 0;
+            !self.board.store.flash().is_dark() && caller.speak().is_ok()
+        });
+        heard
     }
 
     /// Takes the samples that are due; whether there were any that moved the plant.
@@ -365,106 +364,5 @@ impl Background {
 impl Drop for Background {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-    }
-}
-
-/// Where a virtual rig listens, and who talks to it.
-pub struct Door {
-    listener: Option<TcpListener>,
-    callers: Vec<Caller>,
-    name: String,
-    /// The far end of a pty, held open so that ours lives without a client.
-    _held: Option<Box<dyn Send>>,
-}
-
-/// All that is due unasked: many samples may have been taken since the last look.
-fn speak(server: &mut Server, replies: &mut Vec<u8>) -> Result<(), Infallible> {
-    let mut said = None;
-    while said != Some(replies.len()) {
-        said = Some(replies.len());
-        server.speak(replies)?;
-    }
-    Ok(())
-}
-
-/// Bytes to and from a caller.
-trait Stream: Read + Write + Send {}
-
-impl<T: Read + Write + Send> Stream for T {}
-
-/// A program that talks to the rig, with a server of its own.
-struct Caller {
-    port: Box<dyn Stream>,
-    server: Server,
-}
-
-/// How long the rig waits for a caller that takes nothing.
-const TAKE_WAIT: Duration = Duration::from_millis(100);
-
-impl Caller {
-    fn new(port: impl Stream + 'static) -> Caller {
-        Caller { port: Box::new(port), server: Server::default() }
-    }
-
-    /// Bytes that have come; an error when the caller has gone.
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        read_some(&mut *self.port, bytes)
-    }
-
-    /// What a caller does not take is lost, as on a serial line: it will ask again.
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        write_within(&mut *self.port, bytes, TAKE_WAIT)
-            .or_else(|error| if is_wait(&error) { Ok(()) } else { Err(error) })
-    }
-}
-
-impl Door {
-    /// A door at `pty` or `tcp:HOST:PORT`.
-    ///
-    /// # Errors
-    /// When the address cannot be listened at, or there are no ptys.
-    pub fn open(at: &str) -> Result<Door> {
-        match at.strip_prefix("tcp:").map(|address| address.trim_start_matches("//")) {
-            Some(address) => {
-                let listener =
-                    TcpListener::bind(address).with_context(|| format!("cannot listen at {at}"))?;
-                listener.set_nonblocking(true)?;
-                let name = format!("tcp://{}", listener.local_addr()?);
-                Ok(Door { listener: Some(listener), callers: Vec::new(), name, _held: None })
-            }
-            None if at == "pty" => Door::open_pty(),
-            None => bail!("--listen takes pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000; not {at:?}"),
-        }
-    }
-
-    #[cfg(unix)]
-    fn open_pty() -> Result<Door> {
-        use serialport::SerialPort;
-        let (mut master, slave) = serialport::TTYPort::pair().context("cannot open a pty")?;
-        master.set_timeout(Duration::from_millis(1))?;
-        let name = format!("pty:{}", slave.name().context("the pty has no name")?);
-        let callers = vec![Caller::new(master)];
-        Ok(Door { listener: None, callers, name, _held: Some(Box::new(slave)) })
-    }
-
-    #[cfg(not(unix))]
-    fn open_pty() -> Result<Door> {
-        bail!("there are no ptys on this system; listen at tcp:127.0.0.1:4000")
-    }
-
-    /// The port's name for a client.
-    #[must_use]
-    pub fn port_name(&self) -> &str {
-        &self.name
-    }
-
-    /// Lets in who is waiting.
-    fn admit(&mut self) {
-        let waiting = self.listener.as_ref().and_then(|listener| listener.accept().ok());
-        if let Some((stream, _)) = waiting
-            && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok()
-        {
-            self.callers.push(Caller::new(stream));
-        }
     }
 }

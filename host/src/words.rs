@@ -136,6 +136,9 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
                 "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
             }
             Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
+            None if *refusal == code::TOKEN => {
+                "it asks for a token; set PNEUDRIVE_TOKEN to the one that the rig was started with".to_owned()
+            }
             None if *refusal == code::OTHER_TEST => "the test is that of another program; run again".to_owned(),
             None if *refusal == code::OWNED => "another host commands the drive".to_owned(),
             None => format!("refused for a reason that this version does not know (code {refusal})"),

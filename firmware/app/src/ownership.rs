@@ -49,7 +49,8 @@ impl Need {
             | Body::StreamGrant { .. }
             | Body::StreamRead { .. }
             | Body::Leave
-            | Body::Owner => Need::Nothing,
+            | Body::Owner
+            | Body::Token { .. } => Need::Nothing,
             Body::Arm | Body::ArmAs { .. } | Body::TakeOver { .. } | Body::Disarm => Need::NoOtherOwner,
             Body::ConfigSet { .. }
             | Body::Start

@@ -43,6 +43,7 @@ fn only_reads(body: &RequestBody<'_>) -> bool {
             | Body::StreamRead { .. }
             | Body::StreamGrant { .. }
             | Body::Owner
+            | Body::Token { .. }
             | Body::ChangePart { .. }
     )
 }

@@ -2,8 +2,8 @@
 
 use std::hash::{BuildHasher, RandomState};
 
-use anyhow::{Result, bail};
-use pneudrive_protocol::{Owner, Presence, ReplyBody, Request, RequestBody, session};
+use anyhow::{Context, Result, bail};
+use pneudrive_protocol::{Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
 
 use super::{Client, unexpected};
 use crate::words;
@@ -83,6 +83,16 @@ impl Client {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Says the token to a rig, which may ask for it, or be too old to.
+    pub(super) fn say_token(&mut self, token: &str) -> Result<()> {
+        let name = self.name.clone();
+        let said = self.ask_for_any(RequestBody::Token { token }, |reply| match reply {
+            ReplyBody::Done | ReplyBody::Refused(Refused::Unknown) => Ok(()),
+            other => Err(unexpected(other)),
+        });
+        said.with_context(|| format!("{name}: was it started with another PNEUDRIVE_TOKEN?"))
     }
 
     /// Disables the drive.

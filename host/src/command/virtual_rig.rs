@@ -2,11 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 use super::load_choice;
 use crate::cli::Virtual;
-use crate::virtual_rig::{Door, Pace, VirtualRig};
+use crate::client::token;
+use crate::virtual_rig::{Door, Pace, Token, VirtualRig};
 
 pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     let nominal = load_choice(&arguments.rig)?;
@@ -14,12 +15,16 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
         Some(fraction) => nominal.spread(fraction, arguments.seed)?,
         None => nominal,
     };
-    let mut door = Door::open(&arguments.listen)?;
+    let token = token()?.as_deref().map(Token::new).transpose().context("PNEUDRIVE_TOKEN")?;
+    let mut door = Door::open_with(&arguments.listen, token)?;
     let port = door.port_name().to_owned();
     let (name, noise) = (rig.name().to_owned(), rig.number("sensors.noise_counts"));
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
     say!("{name} is on {port}");
+    if door.asks_for_a_token() {
+        say!("it obeys programs that have the same PNEUDRIVE_TOKEN; the token travels in the clear");
+    }
     if noise > 0.0 && arguments.live {
         say!("sensor noise of {noise} counts all the time, so a live rig repeats no run");
     } else if noise > 0.0 {

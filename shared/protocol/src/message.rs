@@ -172,6 +172,11 @@ pub enum RequestBody<'a> {
         /// [`start_crc32`](crate::change::start_crc32) of both.
         crc32: u32,
     },
+    /// Version 5. Lets a host in where a rig is reached over a network. Elsewhere it changes nothing.
+    Token {
+        /// What host and rig both know.
+        token: &'a str,
+    },
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
@@ -438,6 +443,8 @@ pub mod code {
     pub const OWNED: u8 = 128;
     /// The test that a host of version 4 or older asks to start, or to add a move to, was stated by another host.
     pub const OTHER_TEST: u8 = 129;
+    /// The rig asks for a [token](super::RequestBody::Token) before anything else.
+    pub const TOKEN: u8 = 130;
 }
 
 /// The message is not one of this version, though it came whole: a later version's, most likely.

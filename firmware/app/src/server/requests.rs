@@ -55,6 +55,7 @@ pub(super) fn carry_out<'a, B: Board>(
             control.host_leaves(session);
             ReplyBody::Done
         }
+        RequestBody::Token { .. } => ReplyBody::Done,
         RequestBody::Owner => ReplyBody::Owner(control.owner(board)),
         RequestBody::Disarm => {
             control.disarm();

@@ -1,0 +1,91 @@
+//! Where a virtual rig listens, and who talks to it.
+
+use std::net::TcpListener;
+#[cfg(unix)]
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+
+use super::caller::{Caller, Token};
+
+/// The door.
+pub struct Door {
+    listener: Option<TcpListener>,
+    token: Option<Token>,
+    pub(super) callers: Vec<Caller>,
+    name: String,
+    /// The far end of a pty, held open so that ours lives without a client.
+    _held: Option<Box<dyn Send>>,
+}
+
+impl Door {
+    /// A door at `pty` or `tcp:HOST:PORT`, of this machine alone.
+    ///
+    /// # Errors
+    /// When the address cannot be listened at, can be reached from a network, or there are no ptys.
+    pub fn open(at: &str) -> Result<Door> {
+        Door::open_with(at, None)
+    }
+
+    /// The same, for programs that know the token. At an address that can be reached from a network there must be one.
+    ///
+    /// # Errors
+    /// When the address cannot be listened at, lacks a token, or there are no ptys.
+    pub fn open_with(at: &str, token: Option<Token>) -> Result<Door> {
+        match at.strip_prefix("tcp:").map(|address| address.trim_start_matches("//")) {
+            Some(address) => {
+                let listener =
+                    TcpListener::bind(address).with_context(|| format!("cannot listen at {at}"))?;
+                listener.set_nonblocking(true)?;
+                let local = listener.local_addr()?;
+                if token.is_none() && !local.ip().is_loopback() {
+                    bail!(
+                        "{at} can be reached from the network, and whoever reaches it moves the drive: set the same PNEUDRIVE_TOKEN here and for the programs that may, or listen at tcp:127.0.0.1:{}",
+                        local.port()
+                    );
+                }
+                let name = format!("tcp://{local}");
+                Ok(Door { listener: Some(listener), token, callers: Vec::new(), name, _held: None })
+            }
+            None if at == "pty" => Door::open_pty(),
+            None => bail!("--listen takes pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000; not {at:?}"),
+        }
+    }
+
+    #[cfg(unix)]
+    fn open_pty() -> Result<Door> {
+        use serialport::SerialPort;
+        let (mut master, slave) = serialport::TTYPort::pair().context("cannot open a pty")?;
+        master.set_timeout(Duration::from_millis(1))?;
+        let name = format!("pty:{}", slave.name().context("the pty has no name")?);
+        let callers = vec![Caller::new(master, None)];
+        Ok(Door { listener: None, token: None, callers, name, _held: Some(Box::new(slave)) })
+    }
+
+    #[cfg(not(unix))]
+    fn open_pty() -> Result<Door> {
+        bail!("there are no ptys on this system; listen at tcp:127.0.0.1:4000")
+    }
+
+    /// The port's name for a client.
+    #[must_use]
+    pub fn port_name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether programs must know a token.
+    #[must_use]
+    pub fn asks_for_a_token(&self) -> bool {
+        self.token.is_some()
+    }
+
+    /// Lets in who is waiting.
+    pub(super) fn admit(&mut self) {
+        let waiting = self.listener.as_ref().and_then(|listener| listener.accept().ok());
+        if let Some((stream, _)) = waiting
+            && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok()
+        {
+            self.callers.push(Caller::new(stream, self.token.clone()));
+        }
+    }
+}
