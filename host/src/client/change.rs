@@ -171,3 +171,28 @@ fn differ_by_what_was_learned(before: &RigParameters, now: &RigParameters) -> bo
     let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && was.0 != id::NULL_OFFSET_COUNTS;
     !before.values.iter().zip(now.values.iter()).any(differs)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_controller::sequencer::MAX_MOVES;
+    use pneudrive_protocol::change::{Entries, MAX_CHANGE};
+
+    #[test]
+    fn all_parameters_and_the_longest_test_fit_in_a_change() {
+        let mut change = Change::default();
+        let ids: Vec<u16> = Parameters::default().iter().map(|(id, _)| id).collect();
+        for run in ids.chunk_by(|a, b| a + 1 == *b) {
+            change.add_parameters(run[0], &vec![i32::MIN; run.len()]);
+        }
+        let name = "n".repeat(pneudrive_app::control::NAME_BYTES);
+        let (last_sample, round) = (u32::MAX, u32::MAX);
+        let (decimation, pre_trigger) = (u16::MAX, u16::MAX);
+        change.add(&Entry::Test { name: &name, last_sample, round, decimation, pre_trigger });
+        for _ in 0..MAX_MOVES {
+            change.add(&Entry::Move { at_sample: u32::MAX, target: i32::MIN });
+        }
+        assert!(change.0.len() <= MAX_CHANGE, "{} of {MAX_CHANGE} bytes", change.0.len());
+        assert!(Entries::of(&change.0).all(|entry| entry.is_ok()));
+    }
+}

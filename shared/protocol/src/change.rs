@@ -10,7 +10,7 @@ use crate::record::RecordCrc;
 use crate::{MAX_MESSAGE, Values};
 
 /// The longest change, bytes.
-pub const MAX_CHANGE: usize = 3072;
+pub const MAX_CHANGE: usize = 2560;
 
 /// The most of it that one message carries, bytes.
 pub const PART_BYTES: usize = MAX_MESSAGE - 64;
