@@ -170,11 +170,12 @@ fn example(name: &str, arguments: &[&str]) -> Result<()> {
 
 /// The tests of the link, as often as CI has no time for; they print what came of it.
 pub fn soak_link(tally: &mut Tally) {
-    let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream"];
+    let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream", "--test", "two_hosts"];
     let arguments = [&["test", "--package", "pneudrive"], &tests[..], &["--", "--nocapture"]].concat();
     tally.check("soak of the link", || {
         let mut command = in_root(&arguments);
-        run(command.env("PNEUDRIVE_DOWNLOADS", "100000").env("PNEUDRIVE_KILLS", "1000"))
+        command.env("PNEUDRIVE_DOWNLOADS", "100000").env("PNEUDRIVE_KILLS", "1000");
+        run(command.env("PNEUDRIVE_PAIRS", "40").env("PNEUDRIVE_IMPORTS", "1500"))
     });
 }
 
