@@ -51,32 +51,54 @@ impl Page {
     /// When the file cannot be written or is not of this program, or the plotting library has no script
     /// to put into it.
     pub fn write(&self, path: &Path) -> Result<()> {
+        self.write_with(path, None)
+    }
+
+    /// Writes the page with a figure behind its first note, before everything else: the one that answers what the
+    /// page is asked.
+    ///
+    /// # Errors
+    /// As [`Page::write`].
+    pub fn write_led_by(&self, path: &Path, lead: &Figure) -> Result<()> {
+        self.write_with(path, Some(lead))
+    }
+
+    fn write_with(&self, path: &Path, lead: Option<&Figure>) -> Result<()> {
         run_folder::refuse_foreign(path, GENERATOR)?;
-        let [head, script, body] = self.pieces("")?;
+        let [head, script, body] = self.pieces("", lead)?;
         run_folder::put_pieces(path, &[head.as_bytes(), script.as_bytes(), body.as_bytes()])
     }
 
-    /// What stands before the script, the script, and the rest; `mark` goes into the head.
+    /// What stands before the script, the script, and the rest; `mark` goes into the head, and `lead` before the tables.
     ///
     /// # Errors
     /// When the plotting library has no script to put into it.
-    pub(crate) fn pieces(&self, mark: &str) -> Result<[Cow<'static, str>; 3]> {
-        let script = if self.figures.is_empty() { "" } else { plotly_script()? };
+    pub(crate) fn pieces(&self, mark: &str, lead: Option<&Figure>) -> Result<[Cow<'static, str>; 3]> {
+        let script = if self.figures.is_empty() && lead.is_none() { "" } else { plotly_script()? };
         let title = escaped(&self.title);
         let head = format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{GENERATOR}{mark}\n<title>{title}</title>\n\
              <style>{STYLE}</style>\n"
         );
-        let body = format!("\n</head>\n<body>\n<h1>{title}</h1>\n{}</body>\n</html>\n", self.content());
+        let body = format!("\n</head>\n<body>\n<h1>{title}</h1>\n{}</body>\n</html>\n", self.content(lead));
         Ok([head.into(), script.into(), body.into()])
     }
 
-    /// Notes, tables and figures.
-    fn content(&self) -> String {
-        let notes = self.notes.iter().map(|note| format!("<p>{}</p>\n", escaped(note)));
+    /// The first note, the lead, the other notes, tables and figures.
+    fn content(&self, lead: Option<&Figure>) -> String {
+        let note = |note: &String| format!("<p>{}</p>\n", escaped(note));
+        let (first, others) = self.notes.split_at(self.notes.len().min(1));
+        let lead = lead.map(|figure| section(0, figure));
         let tables = self.tables.iter().map(Table::to_html);
         let figures = (1..).zip(&self.figures).map(|(n, figure)| section(n, figure));
-        notes.chain(tables).chain(figures).collect()
+        first
+            .iter()
+            .map(note)
+            .chain(lead)
+            .chain(others.iter().map(note))
+            .chain(tables)
+            .chain(figures)
+            .collect()
     }
 }
 
@@ -194,7 +216,7 @@ mod tests {
     }
 
     fn html(page: &Page) -> String {
-        page.pieces("").expect("a page").concat()
+        page.pieces("", None).expect("a page").concat()
     }
 
     #[test]
@@ -236,6 +258,16 @@ mod tests {
     fn a_page_without_graphs_carries_no_script() {
         let html = html(&Page { figures: Vec::new(), ..page() });
         assert!(!html.contains("<script"));
+    }
+
+    #[test]
+    fn a_lead_stands_between_the_first_note_and_all_else() {
+        let lead = Figure { heading: "the lead".to_owned(), ..page().figures[0].clone() };
+        let led = Page { notes: vec!["first".to_owned(), "second".to_owned()], ..page() };
+        let html = led.pieces(Some(&lead)).expect("a page")[2].to_string();
+        let places =
+            ["<p>first", "<h2>the lead", "<p>second", "<h2>moves", "figure-1"].map(|part| html.find(part));
+        assert!(places.is_sorted() && places.iter().all(Option::is_some), "{places:?}");
     }
 
     #[test]

@@ -73,7 +73,7 @@ pub fn write(
     }
     if let Some(page) = page {
         let mark = format!("<meta name=\"{IDENTITY}\" content=\"{identity}\">");
-        let pieces = page.pieces(&mark)?;
+        let pieces = page.pieces(&mark, None)?;
         set.add(PAGE, &pieces.each_ref().map(|piece| piece.as_bytes()))?;
     }
     set.add(RUN, &[(serde_json::to_string_pretty(&description)? + "\n").as_bytes()])?;
