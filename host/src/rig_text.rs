@@ -19,6 +19,20 @@ pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<St
     Ok(document.to_string())
 }
 
+/// The text without some keys of a table.
+///
+/// # Errors
+/// When the text is no TOML.
+pub fn without(text: &str, table: &str, keys: &[&str]) -> Result<String> {
+    let mut document: DocumentMut = text.parse().context("the rig file")?;
+    if let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) {
+        for key in keys {
+            table.remove(key);
+        }
+    }
+    Ok(document.to_string())
+}
+
 /// Puts an item where a path such as `load.mass_kg` leads.
 pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
     let Some((table, name)) = path.split_once('.') else {
@@ -76,6 +90,9 @@ mod tests {
             with,
             "# A rig.\nname = \"x\"\n\n[load]\nmass_kg = 2.5  # measured\nviscous_n_s_per_m = 30.0 # C(18)\n\n[valve]\nmodel = \"flow-node\"  # measured\n"
         );
+        let less = without(text, "load", &["mass_kg", "incline_deg"]).expect("TOML");
+        assert_eq!(less, "# A rig.\nname = \"x\"\n\n[load]\nviscous_n_s_per_m = 30.0 # C(18)\n");
+        assert_eq!(without(text, "test", &["moves"]).expect("TOML"), text);
         assert!(with_settings("[load", &settings, "measured").is_err());
         assert!(with_settings(text, &["load.mass_kg".to_owned()], "measured").is_err());
     }
