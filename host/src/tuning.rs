@@ -1,44 +1,51 @@
-//! Gains for a drive: a step there and back, judged at the worst of all rigs within a stated spread.
+//! Gains for a drive: a step there and back, on every rig and at every place of a stated spread.
 //!
 //! ```text
-//! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on every rig of the spread -> worst cost
-//!        ^______________________ differential evolution ______________________________________________|
+//! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on the corners of the spread -> worst cost
+//!        ^______________________ differential evolution _______________________________________________|
+//! the best few -> neighbours of the file's rig -> the one with the least cost -> fresh draws -> how often it meets the goal
 //! ```
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`gains`] | what is looked for, in units that fit every rig, and the keys that it becomes |
+//! | [`held`] | which keys a user may hold |
 //! | [`goal`] | what is asked of a step, and what a run costs |
-//! | [`spread`] | the rigs that the drive may turn out to be |
+//! | [`spread`] | the rigs that the drive may turn out to be, and the places and directions of its steps |
 //! | [`trial`] | the step on a rig |
 //! | [`mod@search`] | differential evolution |
+//! | [`drive`] | candidates on many rigs, and how far that is |
 //! | [`obstacle`] | which parameter of the rig is in the way |
+//! | [`proportion`] | how often a goal is met, and how well that is known |
 //! | [`report`] | the page, and the rig file |
 //!
 //! The same seed finds the same gains, whatever the number of threads.
 
+pub mod drive;
 pub mod gains;
+mod gene;
 pub mod goal;
+pub mod held;
 pub mod obstacle;
+pub mod proportion;
 pub mod report;
 pub mod search;
 pub mod spread;
 pub mod trial;
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Result;
-use pneudrive_sim::Rig;
 
-pub use gains::Space;
+pub use drive::{Progress, Stage};
+pub use gains::{Place, Space};
 pub use goal::{Goal, Performance};
 pub use obstacle::Obstacle;
+pub use proportion::Proportion;
 pub use spread::{Relative, Variant};
 
-use crate::parallel;
-use search::{Budget, Outcome, search};
-use trial::Trial;
+use drive::{Drive, Meter};
+use search::Budget;
 
 /// What is to be done.
 #[derive(Clone, Debug)]
@@ -47,44 +54,65 @@ pub struct Task {
     pub source: (String, String),
     /// Keys that are typed, as `key=value`.
     pub settings: Vec<String>,
+    /// Keys that no search changes, as `key=value`.
+    pub held: Vec<String>,
     /// What is asked of a step.
     pub goal: Goal,
     /// By how much the rig may be another one.
     pub spread: Relative,
-    /// How long is looked for.
+    /// Lowest and highest position of a step, mm; None: as far as the rig allows.
+    pub between_mm: [Option<f64>; 2],
+    /// How many draws the gains are judged on.
+    pub draws: usize,
+    /// How long is looked for; no generation: the gains of the file are judged.
     pub budget: Budget,
     /// How many threads look.
     pub threads: NonZeroUsize,
 }
 
 /// Gains and what they do.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// As `key=value`; none: those of the file.
     pub settings: Vec<String>,
-    /// On every variant, in their order.
-    pub performances: Vec<Performance>,
+    /// Where they lie in the ranges that were searched; none: those of the file.
+    pub places: Vec<Place>,
+    /// On what they were tuned on.
+    pub tuned_on: Vec<Performance>,
+    /// On the rig of the file and its neighbours; none where that was not looked at.
+    pub neighbours: Vec<Performance>,
+    /// On the fresh draws.
+    pub fresh: Vec<Performance>,
 }
 
 impl Found {
-    /// The worst of all variants.
+    /// The worst of what they were tuned on, and of the neighbours of the file's rig.
     #[must_use]
     pub fn cost(&self, goal: &Goal) -> f64 {
-        self.performances.iter().map(|one| one.cost(goal)).fold(0.0, f64::max)
+        let all = self.tuned_on.iter().chain(&self.neighbours);
+        all.map(|one| one.cost(goal)).fold(0.0, f64::max)
     }
 
-    /// On how many variants the goal is met.
+    /// On how many of the fresh draws the goal is met.
     #[must_use]
-    pub fn met(&self, goal: &Goal) -> usize {
-        self.performances.iter().filter(|one| one.meets(goal)).count()
+    pub fn met(&self, goal: &Goal) -> Proportion {
+        met(&self.fresh, goal)
     }
+}
+
+/// On how many runs the goal is met.
+#[must_use]
+pub fn met(all: &[Performance], goal: &Goal) -> Proportion {
+    Proportion { met: all.iter().filter(|one| one.meets(goal)).count(), of: all.len() }
 }
 
 /// What came out.
 #[derive(Clone, Debug)]
 pub struct Tuned {
-    /// The rigs that all was judged on; the first one is the file's.
-    pub variants: Vec<Variant>,
+    /// What gains were tuned on; the first one is the rig of the file.
+    pub tuned_on: Vec<Variant>,
+    /// What gains are judged on.
+    pub fresh: Vec<Variant>,
     /// The gains of the file.
     pub before: Found,
     /// The gains that were found; those of the file, if no better ones were.
@@ -97,104 +125,56 @@ pub struct Tuned {
     pub runs: usize,
 }
 
-/// Looks for gains. `progress` is given generations done and in all, and the best cost so far.
+impl Tuned {
+    /// Whether other gains than those of the file were found.
+    #[must_use]
+    pub fn is_changed(&self) -> bool {
+        !self.after.settings.is_empty()
+    }
+}
+
+/// So many of the last generation are checked with the neighbours of the file's rig.
+const FINALISTS: usize = 3;
+
+/// Looks for gains, and tells `progress` how far it is.
 ///
 /// # Errors
-/// When the rig has no gains to look for, or the step does not fit into its stroke.
-pub fn tune(task: &Task, mut progress: impl FnMut(usize, usize, f64)) -> Result<Tuned> {
+/// When the rig has no gains to look for, a key cannot be held, or the step does not fit into its stroke.
+pub fn tune(task: &Task, mut progress: impl FnMut(Progress)) -> Result<Tuned> {
+    held::check(task)?;
     let drive = Drive::of(task, &[])?;
-    let variants = spread::all(&task.spread, task.budget.seed);
-    let suspects = obstacle::suspects(&drive.trial.rig);
-    let later = Budget { generations: obstacle::generations(task.budget.generations), ..task.budget };
-    let all = task.budget.generations + suspects.len() * later.generations;
-    let (counter, mut done) = (AtomicUsize::new(0), 0);
-    let mut progress = |best: f64| {
-        done += 1;
-        progress(done, all, best);
+    let (tuned_on, fresh) = (
+        spread::tuned_on(&task.spread, task.budget.seed),
+        spread::fresh(&task.spread, task.budget.seed, task.draws),
+    );
+    let mut meter = Meter::new(&mut progress);
+    meter.begin(Stage::Search, task.budget.runs(tuned_on.len()));
+    let outcome = drive.search(&task.budget, &[], &tuned_on, &mut meter);
+    let finalists = &outcome.population[..outcome.population.len().min(FINALISTS)];
+    let finalists: Vec<Option<&[f64]>> =
+        std::iter::once(None).chain(finalists.iter().map(|shares| Some(shares.as_slice()))).collect();
+    meter.begin(Stage::Finalists, finalists.len() * (tuned_on.len() + drive::NEIGHBOURS));
+    let mut finalists: Vec<Found> =
+        finalists.iter().map(|shares| drive.finalist(*shares, &tuned_on, &mut meter)).collect();
+    let best = (0..finalists.len())
+        .min_by(|&a, &b| finalists[a].cost(&task.goal).total_cmp(&finalists[b].cost(&task.goal)));
+    let mut after = finalists.swap_remove(best.unwrap_or(0));
+    let mut before = if after.settings.is_empty() { after.clone() } else { finalists.swap_remove(0) };
+    meter.begin(Stage::Draws, fresh.len() * if after.settings.is_empty() { 1 } else { 2 });
+    after.fresh = drive.judged(&after.settings, &fresh, &mut meter);
+    before.fresh = if after.settings.is_empty() {
+        after.fresh.clone()
+    } else {
+        drive.judged(&before.settings, &fresh, &mut meter)
     };
-    let outcome = drive.search(&task.budget, &[], &counter, &mut progress);
-    let before = drive.judged(&[], &variants, &counter);
-    let mut after = drive.judged(&drive.space.settings(&outcome.best), &variants, &counter);
-    if after.cost(&task.goal) >= before.cost(&task.goal) {
-        after = before.clone();
-    }
-    let mut obstacles = Vec::new();
-    if after.met(&task.goal) < variants.len() {
-        for suspect in suspects {
-            let drive = Drive::of(task, &suspect.settings)?;
-            let without = drive.search(&later, &outcome.population, &counter, &mut progress);
-            let found = drive.judged(&drive.space.settings(&without.best), &variants, &counter);
-            obstacles.push(Obstacle { suspect, found });
-        }
-    }
-    let runs = counter.load(Ordering::Relaxed);
-    Ok(Tuned { variants, before, after, progress: outcome.history, obstacles, runs })
-}
-
-/// A rig to be tuned, and what its genes mean: in its own counts and samples.
-struct Drive<'a> {
-    task: &'a Task,
-    trial: Trial,
-    space: Space,
-}
-
-impl Drive<'_> {
-    /// The rig of a task; `more` keys are set.
-    fn of<'a>(task: &'a Task, more: &[String]) -> Result<Drive<'a>> {
-        let trial = Trial::of(task, more)?;
-        let space = Space::of(&trial.rig, task.goal.settled_mm)?;
-        Ok(Drive { task, trial, space })
-    }
-
-    fn search(
-        &self,
-        budget: &Budget,
-        start: &[Vec<f64>],
-        counter: &AtomicUsize,
-        progress: impl FnMut(f64),
-    ) -> Outcome {
-        let corners = spread::corners(&self.task.spread);
-        let costs = |genes: &[Vec<f64>], limits: &[f64]| self.costs(genes, limits, &corners, counter);
-        search(self.space.len(), budget, start, costs, progress)
-    }
-
-    /// The cost of each candidate: its worst corner. One that is above its limit is not looked at any further.
-    fn costs(
-        &self,
-        genes: &[Vec<f64>],
-        limits: &[f64],
-        corners: &[Variant],
-        counter: &AtomicUsize,
-    ) -> Vec<f64> {
-        let worst = |(genes, limit): &(&Vec<f64>, f64)| {
-            let settings = self.space.settings(genes);
-            let mut worst = 0.0_f64;
-            for corner in corners {
-                counter.fetch_add(1, Ordering::Relaxed);
-                worst = worst.max(self.trial.run(&settings, corner).cost(&self.task.goal));
-                if worst >= *limit {
-                    break;
-                }
-            }
-            worst
-        };
-        let jobs: Vec<(&Vec<f64>, f64)> = genes.iter().zip(limits.iter().copied()).collect();
-        parallel::map(&jobs, self.task.threads, worst, |_| {})
-    }
-
-    /// Gains on every variant.
-    fn judged(&self, settings: &[String], variants: &[Variant], counter: &AtomicUsize) -> Found {
-        counter.fetch_add(variants.len(), Ordering::Relaxed);
-        let run = |variant: &Variant| self.trial.run(settings, variant);
-        let performances = parallel::map(variants, self.task.threads, run, |_| {});
-        Found { settings: settings.to_vec(), performances }
-    }
-}
-
-/// The rig file of a task.
-fn read(task: &Task, more: &[String]) -> Result<Rig> {
-    let settings: Vec<String> = task.settings.iter().chain(more).cloned().collect();
-    Ok(Rig::read_with(&task.source.0, &task.source.1, &settings)?)
+    let met = after.met(&task.goal);
+    let obstacles = if met.met < met.of && task.budget.generations > 0 {
+        obstacle::search(task, &drive, &outcome.population, [&tuned_on, &fresh], &mut meter)?
+    } else {
+        Vec::new()
+    };
+    let runs = meter.runs();
+    Ok(Tuned { tuned_on, fresh, before, after, progress: outcome.history, obstacles, runs })
 }
 
 #[cfg(test)]

@@ -169,11 +169,23 @@ pub struct Tune {
     /// By how much the supply pressure may differ
     #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
     pub supply: f64,
+    /// No step goes below this position, mm [default: the software end position, else as far as it may overshoot]
+    #[arg(long = "lowest", value_name = "MM", value_parser = position)]
+    pub lowest_mm: Option<f64>,
+    /// No step goes above this position, mm
+    #[arg(long = "highest", value_name = "MM", value_parser = position)]
+    pub highest_mm: Option<f64>,
+    /// Hold a key, such as operator.dither_mm=0, or operator.dither_mm as the file has it; may be given again
+    #[arg(long = "fix", value_name = "KEY[=VALUE]")]
+    pub fixed: Vec<String>,
+    /// Draws from the spread that the gains are judged on; the search does not see them
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = draws)]
+    pub draws: usize,
     /// Candidates at a time
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = several)]
     pub population: usize,
-    /// How often all of them have successors
-    #[arg(long, value_name = "N", default_value_t = 25, value_parser = several)]
+    /// Generations of them; 0: only judge the gains of the file
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = generations)]
     pub generations: usize,
     /// The same seed finds the same gains
     #[arg(long, default_value_t = 1)]
@@ -188,7 +200,25 @@ fn positive(text: &str) -> Result<f64, String> {
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err("must be above 0".to_owned()) }
 }
 
+fn position(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err("must not be below 0".to_owned()) }
+}
+
 fn several(text: &str) -> Result<usize, String> {
+    whole(text, 2)
+}
+
+fn draws(text: &str) -> Result<usize, String> {
+    whole(text, 1)
+}
+
+fn generations(text: &str) -> Result<usize, String> {
+    whole(text, 0)
+}
+
+fn whole(text: &str, least: usize) -> Result<usize, String> {
     let value: usize = text.parse().map_err(|_| "not a whole number".to_owned())?;
-    if (2..=10_000).contains(&value) { Ok(value) } else { Err("must be between 2 and 10000".to_owned()) }
+    let is_allowed = (least..=10_000).contains(&value);
+    is_allowed.then_some(value).ok_or_else(|| format!("must be between {least} and 10000"))
 }

@@ -1,14 +1,15 @@
 //! `pneudrive tune`.
 
 use anyhow::Result;
+use pneudrive_sim::rig::keys;
 
-use super::{Progress, rig_text};
+use super::{Progress, load_choice, rig_text};
 use crate::cli::Tune;
 use crate::page::GENERATOR;
 use crate::parallel::processors;
 use crate::run_folder::{make_writable, put, refuse_foreign};
 use crate::tuning::search::Budget;
-use crate::tuning::{Goal, Relative, Task, report, tune};
+use crate::tuning::{Goal, Relative, Stage, Task, report, tune};
 
 pub(super) fn execute(arguments: &Tune) -> Result<()> {
     let (page, rig) = (arguments.out.join("tune.html"), arguments.out.join("tuned.toml"));
@@ -16,31 +17,54 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     refuse_foreign(&page, GENERATOR)?;
     refuse_foreign(&rig, report::MARK)?;
     let task = task(arguments)?;
-    let mut progress = Progress::of("tuning", "generations");
-    let tuned = tune(&task, |done, all, _| progress.at(done as u64, all as u64))?;
-    progress.done();
-    report::page(&task, &tuned)?.write(&page)?;
+    let mut shown: Option<(Stage, Progress)> = None;
+    let tuned = tune(&task, |at| {
+        let bar = match shown.take() {
+            Some((stage, bar)) if stage == at.stage => bar,
+            before => {
+                before.into_iter().for_each(|(_, bar)| bar.done());
+                Progress::of(name(at.stage), "runs")
+            }
+        };
+        let (_, bar) = shown.insert((at.stage, bar));
+        bar.at(at.done as u64, at.all as u64);
+    })?;
+    shown.into_iter().for_each(|(_, bar)| bar.done());
+    report::write_page(&task, &tuned, &page)?;
     put(&rig, &report::rig_file(&task, &tuned)?)?;
-    let figures = report::figures(&tuned, &task.goal);
-    say!("{}\n{}", figures.heading, figures.to_text());
+    report::notes(&task, &tuned).iter().for_each(|note| say!("{note}"));
+    let mut tables =
+        vec![report::tables::judged(&tuned, &task.goal), report::tables::neighbours(&tuned, &task.goal)];
     if !tuned.obstacles.is_empty() {
-        let obstacles = report::obstacles(&tuned.obstacles, &task.goal);
-        say!("{}\n{}", obstacles.heading, obstacles.to_text());
+        tables.push(report::tables::obstacles(&tuned.obstacles, &task.goal));
     }
-    say!("{}\n{}: tuned.toml, tune.html", report::verdict(&task, &tuned), arguments.out.display());
+    tables.iter().for_each(|table| say!("\n{}\n{}", table.heading, table.to_text().trim_end()));
+    say!("\n{}: tuned.toml, tune.html", arguments.out.display());
     Ok(())
+}
+
+fn name(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Search => "tuning",
+        Stage::Finalists => "checking",
+        Stage::Draws => "fresh draws",
+        Stage::Obstacles => "obstacles",
+    }
 }
 
 fn task(arguments: &Tune) -> Result<Task> {
     Ok(Task {
         source: rig_text(&arguments.rig.rig)?,
         settings: arguments.rig.settings.clone(),
+        held: held(arguments)?,
         goal: Goal {
             step_mm: arguments.step_mm,
             settled_mm: arguments.settled_mm,
             overshoot_percent: arguments.overshoot_percent,
         },
         spread: Relative { load: arguments.load, friction: arguments.friction, supply: arguments.supply },
+        between_mm: [arguments.lowest_mm, arguments.highest_mm],
+        draws: arguments.draws,
         budget: Budget {
             population: arguments.population,
             generations: arguments.generations,
@@ -48,4 +72,16 @@ fn task(arguments: &Tune) -> Result<Task> {
         },
         threads: arguments.threads.unwrap_or_else(processors),
     })
+}
+
+/// The keys that are held, as `key=value`: one without a value keeps that of the file.
+fn held(arguments: &Tune) -> Result<Vec<String>> {
+    let with_value = |key: &String| {
+        if key.contains('=') || keys::find(key.trim()).is_none() {
+            return Ok(key.clone());
+        }
+        let rig = load_choice(&arguments.rig)?;
+        Ok(rig.value(key.trim()).map_or_else(|| key.clone(), |value| format!("{}={value}", key.trim())))
+    };
+    arguments.fixed.iter().map(with_value).collect()
 }

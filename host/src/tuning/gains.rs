@@ -10,53 +10,14 @@
 //! ```
 //!
 //! with `full` the command that opens the valve whole and T the sample period; and beside them the dead band, the
-//! null offset and, where the valve has one, the dither.
+//! null offset and, where the valve has one, the dither. Keys that are held keep the rig's value, and genes that set
+//! nothing else are left out. A held profile keeps its span, too, and its last entry is K_far.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
+use pneudrive_sim::rig::Value;
 
-/// A gene: from 0 to 1 a range of something.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Gene {
-    low: f64,
-    high: f64,
-    logarithmic: bool,
-}
-
-const fn ratio(low: f64, high: f64) -> Gene {
-    Gene { low, high, logarithmic: true }
-}
-
-const fn linear(low: f64, high: f64) -> Gene {
-    Gene { low, high, logarithmic: false }
-}
-
-impl Gene {
-    fn value(&self, share: f64) -> f64 {
-        if self.logarithmic {
-            self.low * libm::pow(self.high / self.low, share)
-        } else {
-            self.low + share * (self.high - self.low)
-        }
-    }
-}
-
-/// Genes in their order; those that a rig has not are skipped.
-const E_NEAR: Gene = ratio(0.15, 30.0);
-const E_FAR: Gene = ratio(3.0, 150.0);
-const E_KNEE: Gene = ratio(0.03, 10.0);
-const T_D: Gene = ratio(0.003, 0.15);
-/// Above, a count of acceleration throws the valve over.
-const T_A: Gene = ratio(0.001, 0.04);
-const VELOCITY_WINDOW: Gene = linear(2.0, 12.0);
-const ACCELERATION_WINDOW: Gene = linear(1.0, 8.0);
-/// Fractions of the distance that counts as settled.
-const DEAD_BAND: Gene = linear(0.0, 1.0);
-/// Fractions of the whole command.
-const NULL_OFFSET: Gene = linear(-0.02, 0.02);
-/// mm of the spool, Hz.
-const DITHER: Gene = linear(0.0, 0.6);
-const DITHER_HZ: Gene = linear(20.0, 120.0);
+use super::gene::{self, Gene};
 
 /// Gains of a profile that are less than this apart are one.
 const ALIKE: f64 = 1.02;
@@ -64,27 +25,40 @@ const ALIKE: f64 = 1.02;
 /// Most that a gain can be.
 const MOST_GAIN: f64 = 65_535.0;
 
+const PROFILE: &str = "controller.gain_profile";
+const SPAN: &str = "controller.profile_span_counts";
+const PROPORTIONAL: &str = "controller.proportional_gain";
+
 /// The genes of a rig.
 #[derive(Clone, Debug)]
 pub struct Space {
-    genes: Vec<Gene>,
-    has_profile: bool,
-    has_dither: bool,
-    mm_per_count: f64,
-    period_s: f64,
-    /// The command that opens the valve whole, times the scale of the law.
-    full: f64,
-    /// The same without the scale, counts.
-    full_counts: f64,
+    rig: Rig,
+    genes: Vec<&'static Gene>,
+    held: Vec<String>,
     settled_mm: f64,
 }
 
+/// What was found of a gene, beside the range that it was looked for in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// What it is.
+    pub what: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What was found.
+    pub value: f64,
+    /// The range that was searched.
+    pub range: [f64; 2],
+    /// Whether what was found is an end of that range which is no natural one: a better value may lie beyond.
+    pub at_limit: bool,
+}
+
 impl Space {
-    /// What there is to be looked for on a rig.
+    /// What there is to be looked for on a rig whose keys `held` stay as they are.
     ///
     /// # Errors
-    /// When its law has no gains.
-    pub fn of(rig: &Rig, settled_mm: f64) -> Result<Space> {
+    /// When its law has no gains, or all of them are held.
+    pub fn of(rig: &Rig, settled_mm: f64, held: &[String]) -> Result<Space> {
         if rig.word("controller.loop") != "closed" || rig.word("controller.model") != "sampled" {
             bail!(
                 "gains are looked for in closed loop, with the controller that is flashed: controller.loop=closed, controller.model=sampled"
@@ -99,23 +73,27 @@ impl Space {
         }
         let has_profile = law == "gain-profile";
         let has_dither = rig.word("operator.model").starts_with("solenoid");
-        let full_counts = match rig.word("operator.model") {
-            "stepper" => rig.integer("operator.max_steps") as f64,
-            _ => 2048.0,
-        };
-        let mut genes = vec![E_FAR, T_D, T_A, VELOCITY_WINDOW, ACCELERATION_WINDOW, DEAD_BAND, NULL_OFFSET];
-        genes.extend(if has_profile { &[E_NEAR, E_KNEE][..] } else { &[] });
-        genes.extend(if has_dither { &[DITHER, DITHER_HZ][..] } else { &[] });
-        Ok(Space {
-            genes,
-            has_profile,
-            has_dither,
-            mm_per_count: rig.number("encoder.mm_per_count"),
-            period_s: rig.number("controller.period_s"),
-            full: full_counts * rig.integer("controller.scale") as f64,
-            full_counts,
-            settled_mm,
-        })
+        let is_held = |key: &str| held.iter().any(|other| other == key);
+        let has_gain = !is_held(if has_profile { PROFILE } else { PROPORTIONAL });
+        let dithers = !(is_held("operator.dither_mm") && rig.number("operator.dither_mm") == 0.0);
+        let genes = [
+            (&gene::E_FAR, has_gain),
+            (&gene::T_D, !is_held("controller.velocity_gain")),
+            (&gene::T_A, !is_held("controller.acceleration_gain")),
+            (&gene::VELOCITY_WINDOW, !is_held("controller.velocity_window_samples")),
+            (&gene::ACCELERATION_WINDOW, !is_held("controller.acceleration_window_samples")),
+            (&gene::DEAD_BAND, !is_held("controller.dead_band_counts")),
+            (&gene::NULL_OFFSET, !is_held("controller.null_offset_counts")),
+            (&gene::E_NEAR, has_profile && has_gain),
+            (&gene::E_KNEE, has_profile && has_gain),
+            (&gene::DITHER, has_dither && !is_held("operator.dither_mm")),
+            (&gene::DITHER_HZ, has_dither && dithers && !is_held("operator.dither_hz")),
+        ];
+        let genes: Vec<_> = genes.into_iter().filter_map(|(gene, is_free)| is_free.then_some(gene)).collect();
+        if genes.is_empty() {
+            bail!("every key that tune looks for is held; hold fewer (--fix)");
+        }
+        Ok(Space { rig: rig.clone(), genes, held: held.to_vec(), settled_mm })
     }
 
     /// How many genes there are.
@@ -133,43 +111,107 @@ impl Space {
     /// What genes from 0 to 1 become, as `key=value`.
     #[must_use]
     pub fn settings(&self, shares: &[f64]) -> Vec<String> {
-        let mut values = self.genes.iter().zip(shares).map(|(gene, share)| gene.value(*share));
-        let mut next = || values.next().expect("as many shares as genes");
-        let gain_at = |error_mm: f64| self.full / (error_mm / self.mm_per_count);
-        let far = gain_at(next());
-        let (t_d, t_a) = (next(), next());
-        let windows = [next().round(), next().round()];
-        let dead_band_counts = (next() * self.settled_mm / self.mm_per_count).floor();
-        let null_counts = (next() * self.full_counts).round();
-        let samples = |time: f64| time / self.period_s;
-        let gain = |value: f64| value.round().clamp(0.0, MOST_GAIN);
-        let mut settings = vec![
-            format!("controller.velocity_gain={}", gain(far * samples(t_d) / windows[0])),
-            format!(
-                "controller.acceleration_gain={}",
-                gain(far * samples(t_a).powi(2) / (windows[0] * windows[1]))
-            ),
-            format!("controller.velocity_window_samples={}", windows[0]),
-            format!("controller.acceleration_window_samples={}", windows[1]),
-            format!("controller.dead_band_counts={dead_band_counts}"),
-            format!("controller.null_offset_counts={null_counts}"),
+        let value = |gene: &Gene| {
+            let place = self.genes.iter().position(|other| other.what == gene.what);
+            place.map(|place| gene.value(shares[place]))
+        };
+        let window = |gene: &Gene, key: &str| value(gene).unwrap_or(self.rig.integer(key) as f64);
+        let windows = [
+            window(&gene::VELOCITY_WINDOW, "controller.velocity_window_samples"),
+            window(&gene::ACCELERATION_WINDOW, "controller.acceleration_window_samples"),
         ];
-        if self.has_profile {
-            settings.extend(self.profile(gain_at(next()).max(far), far, next()));
-        } else {
-            settings.push(format!("controller.proportional_gain={}", gain(far).max(1.0)));
-        }
-        if self.has_dither {
-            settings.push(format!("operator.dither_mm={:.3}", next()));
-            settings.push(format!("operator.dither_hz={:.1}", next()));
-        }
-        settings
+        let far = value(&gene::E_FAR).map_or_else(|| self.held_gain(), |mm| self.gain_at(mm));
+        let samples = |time: f64| time / self.rig.number("controller.period_s");
+        let gain = |value: f64| value.round().clamp(0.0, MOST_GAIN).to_string();
+        let kv = value(&gene::T_D).map(|t_d| gain(far * samples(t_d) / windows[0]));
+        let ka = value(&gene::T_A).map(|t_a| gain(far * samples(t_a).powi(2) / (windows[0] * windows[1])));
+        let dead_band = value(&gene::DEAD_BAND).map(|share| (share * self.settled_mm / self.mm()).floor());
+        let null = value(&gene::NULL_OFFSET).map(|percent| (percent / 100.0 * self.full_counts()).round());
+        let profile = match (value(&gene::E_NEAR), value(&gene::E_KNEE)) {
+            (Some(near), Some(knee)) => self.profile(self.gain_at(near).max(far), far, knee).map(Some),
+            _ => [None, None],
+        };
+        let proportional = value(&gene::E_FAR).filter(|_| !self.has_profile());
+        let [span, profile] = profile;
+        let settings = [
+            ("controller.velocity_gain", kv),
+            ("controller.acceleration_gain", ka),
+            ("controller.velocity_window_samples", Some(windows[0].to_string())),
+            ("controller.acceleration_window_samples", Some(windows[1].to_string())),
+            ("controller.dead_band_counts", dead_band.map(|counts| counts.to_string())),
+            ("controller.null_offset_counts", null.map(|counts| counts.to_string())),
+            (SPAN, span),
+            (PROFILE, profile),
+            (PROPORTIONAL, proportional.map(|_| gain(far.max(1.0)))),
+            ("operator.dither_mm", value(&gene::DITHER).map(|mm| format!("{mm:.3}"))),
+            ("operator.dither_hz", value(&gene::DITHER_HZ).map(|hz| format!("{hz:.1}"))),
+        ];
+        let free = settings.into_iter().filter(|(key, _)| self.held.iter().all(|held| held != key));
+        free.filter_map(|(key, value)| Some(format!("{key}={}", value?))).collect()
     }
 
-    /// The profile, as long as it is another than at large errors, in spans of a sixth of the knee.
+    /// Where genes from 0 to 1 lie in their ranges.
+    #[must_use]
+    pub fn places(&self, shares: &[f64]) -> Vec<Place> {
+        let place = |(gene, share): (&&'static Gene, &f64)| Place {
+            what: gene.what,
+            unit: gene.unit,
+            value: gene.value(*share),
+            range: [gene.value(0.0), gene.value(1.0)],
+            at_limit: gene.is_at_limit(*share),
+        };
+        self.genes.iter().zip(shares).map(place).collect()
+    }
+
+    /// Keys among settings whose gain is the largest that the controller takes.
+    #[must_use]
+    pub fn saturated(settings: &[String]) -> Vec<&str> {
+        let most = MOST_GAIN.to_string();
+        let is_most = |value: &str| value.trim_matches(['[', ']']).split(", ").any(|entry| entry == most);
+        settings
+            .iter()
+            .filter_map(|one| one.split_once('='))
+            .filter(|one| is_most(one.1))
+            .map(|one| one.0)
+            .collect()
+    }
+
+    fn has_profile(&self) -> bool {
+        self.rig.word("controller.law") == "gain-profile"
+    }
+
+    fn mm(&self) -> f64 {
+        self.rig.number("encoder.mm_per_count")
+    }
+
+    /// The command that opens the valve whole, counts.
+    fn full_counts(&self) -> f64 {
+        match self.rig.word("operator.model") {
+            "stepper" => self.rig.integer("operator.max_steps") as f64,
+            _ => 2048.0,
+        }
+    }
+
+    /// The gain that opens the valve whole at an error.
+    fn gain_at(&self, error_mm: f64) -> f64 {
+        self.full_counts() * self.rig.integer("controller.scale") as f64 / (error_mm / self.mm())
+    }
+
+    /// The gain at large errors where it is held.
+    fn held_gain(&self) -> f64 {
+        match self.rig.value(PROFILE) {
+            Some(Value::Integers(entries)) if self.has_profile() => {
+                entries.last().map_or(0.0, |last| *last as f64)
+            }
+            _ => self.rig.integer(PROPORTIONAL) as f64,
+        }
+    }
+
+    /// Span and profile, as long as it is another than at large errors, in spans of a sixth of the knee or as held.
     fn profile(&self, near: f64, far: f64, knee_mm: f64) -> [String; 2] {
-        let knee = knee_mm / self.mm_per_count;
-        let span = (knee / 6.0).round().max(1.0);
+        let knee = knee_mm / self.mm();
+        let is_held = self.held.iter().any(|key| key == SPAN);
+        let span = if is_held { self.rig.integer(SPAN) as f64 } else { (knee / 6.0).round().max(1.0) };
         let entry = |i: usize| {
             let error = (i as f64 + 0.5) * span;
             (far + (near - far) / (1.0 + (error / knee).powi(2))).round().clamp(0.0, MOST_GAIN)
@@ -177,9 +219,6 @@ impl Space {
         let last = far.round().clamp(0.0, MOST_GAIN);
         let near = (0..255).map(entry).take_while(|gain| *gain > ALIKE * last);
         let entries: Vec<String> = near.chain([last]).map(|gain| gain.to_string()).collect();
-        [
-            format!("controller.profile_span_counts={span}"),
-            format!("controller.gain_profile=[{}]", entries.join(", ")),
-        ]
+        [span.to_string(), format!("[{}]", entries.join(", "))]
     }
 }

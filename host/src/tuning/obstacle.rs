@@ -1,15 +1,48 @@
 //! Which parameter of the rig is in the way: the search goes on, each time on a rig without one of its
 //! imperfections.
 
+use anyhow::Result;
 use pneudrive_sim::Rig;
 
-use super::Found;
+use super::drive::{Drive, Meter, Stage};
+use super::search::Budget;
 use super::spread::FRICTION;
+use super::{Found, Task, Variant};
 
-/// Generations of the search on each of them, for those that the gains were found in: it goes on from there.
+/// The search on each of them: it goes on from the better half of the last generation, for a third of the time.
 #[must_use]
-pub fn generations(of_search: usize) -> usize {
-    of_search.div_ceil(3)
+pub fn budget(of_search: &Budget) -> Budget {
+    Budget {
+        population: of_search.population.div_ceil(2).max(2),
+        generations: of_search.generations.div_ceil(3),
+        ..*of_search
+    }
+}
+
+/// The best gains on the rig without each of its imperfections.
+///
+/// # Errors
+/// When there is no such rig.
+pub(super) fn search(
+    task: &Task,
+    drive: &Drive,
+    start: &[Vec<f64>],
+    [tuned_on, fresh]: [&[Variant]; 2],
+    meter: &mut Meter,
+) -> Result<Vec<Obstacle>> {
+    let (suspects, budget) = (suspects(&drive.trial.rig), budget(&task.budget));
+    let each = budget.runs(tuned_on.len()) + tuned_on.len() + fresh.len();
+    meter.begin(Stage::Obstacles, suspects.len() * each);
+    let found = |suspect: Suspect| {
+        let without = Drive::of(task, &suspect.settings)?;
+        let outcome = without.search(&budget, start, tuned_on, meter);
+        let settings = without.space.settings(&outcome.population[0]);
+        let places = without.space.places(&outcome.population[0]);
+        let tuned_on = without.judged(&settings, tuned_on, meter);
+        let fresh = without.judged(&settings, fresh, meter);
+        Ok(Obstacle { suspect, found: Found { settings, places, tuned_on, neighbours: Vec::new(), fresh } })
+    };
+    suspects.into_iter().map(found).collect()
 }
 
 /// An imperfection, and the keys of a rig without it.

@@ -23,6 +23,14 @@ pub struct Budget {
     pub seed: u64,
 }
 
+impl Budget {
+    /// Runs that a search needs at most, of candidates that make so many each.
+    #[must_use]
+    pub fn runs(&self, each: usize) -> usize {
+        self.population * self.generations * each
+    }
+}
+
 /// Range of F, and C.
 const SCALE: [f64; 2] = [0.4, 0.9];
 const CROSSING: f64 = 0.8;
@@ -30,9 +38,7 @@ const CROSSING: f64 = 0.8;
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// The best candidate.
-    pub best: Vec<f64>,
-    /// The last generation.
+    /// The last generation, the best candidate first.
     pub population: Vec<Vec<f64>>,
     /// The least cost of each generation.
     pub history: Vec<f64>,
@@ -44,8 +50,7 @@ pub fn search(
     dimensions: usize,
     budget: &Budget,
     start: &[Vec<f64>],
-    costs: impl Fn(&[Vec<f64>], &[f64]) -> Vec<f64>,
-    mut progress: impl FnMut(f64),
+    mut costs: impl FnMut(&[Vec<f64>], &[f64]) -> Vec<f64>,
 ) -> Outcome {
     let mut random = ChaCha8Rng::seed_from_u64(budget.seed);
     let mut share = || unit_interval(&mut random);
@@ -67,9 +72,11 @@ pub fn search(
             }
         }
         history.push(cost[least(&cost)]);
-        progress(cost[least(&cost)]);
     }
-    Outcome { best: population[least(&cost)].clone(), population, history }
+    let mut order: Vec<usize> = (0..population.len()).collect();
+    order.sort_by(|&a, &b| cost[a].total_cmp(&cost[b]));
+    let population = order.into_iter().map(|place| population[place].clone()).collect();
+    Outcome { population, history }
 }
 
 fn least(cost: &[f64]) -> usize {
@@ -116,8 +123,8 @@ mod tests {
 
     #[test]
     fn the_bottom_of_a_bent_valley_is_found() {
-        let outcome = search(3, &BUDGET, &[], costs, |_| {});
-        for (found, bottom) in outcome.best.iter().zip([0.7, 0.49, 0.2]) {
+        let outcome = search(3, &BUDGET, &[], costs);
+        for (found, bottom) in outcome.population[0].iter().zip([0.7, 0.49, 0.2]) {
             assert!((found - bottom).abs() < 1e-3, "{outcome:?}");
         }
         assert!(outcome.history.is_sorted_by(|a, b| a >= b), "it never gets worse");
@@ -126,28 +133,18 @@ mod tests {
 
     #[test]
     fn a_seed_finds_the_same_and_a_start_is_gone_on_from() {
-        let outcome = search(3, &BUDGET, &[], costs, |_| {});
-        assert_eq!(outcome, search(3, &BUDGET, &[], costs, |_| {}));
-        let on = search(3, &Budget { generations: 1, ..BUDGET }, &outcome.population, costs, |_| {});
-        assert_eq!(on.best, outcome.best);
+        let outcome = search(3, &BUDGET, &[], costs);
+        assert_eq!(outcome, search(3, &BUDGET, &[], costs));
+        let on = search(3, &Budget { generations: 1, ..BUDGET }, &outcome.population, costs);
+        assert_eq!(on.population[0], outcome.population[0]);
     }
 
     #[test]
     fn a_candidate_is_told_what_it_must_beat() {
-        let outcome = search(
-            3,
-            &BUDGET,
-            &[],
-            |candidates, limits| {
-                candidates.iter().zip(limits).map(|(x, limit)| cost(x).min(*limit + 1.0)).collect()
-            },
-            |_| {},
-        );
-        assert_eq!(
-            outcome,
-            search(3, &BUDGET, &[], costs, |_| {}),
-            "what is above its limit does not matter"
-        );
+        let outcome = search(3, &BUDGET, &[], |candidates, limits| {
+            candidates.iter().zip(limits).map(|(x, limit)| cost(x).min(*limit + 1.0)).collect()
+        });
+        assert_eq!(outcome, search(3, &BUDGET, &[], costs), "what is above its limit does not matter");
     }
 
     #[test]

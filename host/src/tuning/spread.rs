@@ -1,4 +1,7 @@
-//! The rigs that a drive may turn out to be: corners of the stated spread, and draws within it.
+//! What a drive may meet: the rigs that it may turn out to be, and the places and directions of its steps.
+//!
+//! Gains are tuned on the corners of the stated spread, each with a step at either end of the way that the drive has
+//! and one between. They are judged on draws from all of it that no search has seen.
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::unit_interval;
@@ -16,10 +19,7 @@ pub struct Relative {
     pub supply: f64,
 }
 
-/// Draws within the spread that gains are judged on beside its corners.
-const DRAWS: usize = 16;
-
-/// A rig of the spread: factors on what the file says.
+/// A rig of the spread, as factors on what the file says, and the step that it makes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
     /// On the mass.
@@ -28,6 +28,10 @@ pub struct Variant {
     pub friction: f64,
     /// On the supply pressure.
     pub supply: f64,
+    /// Where the step lies on the way that the drive has: 0 at its retracted end, 1 at its extended end.
+    pub place: f64,
+    /// Whether the step extends; then it retracts again. False: the other way round.
+    pub extends: bool,
 }
 
 /// What is friction of the load.
@@ -39,11 +43,25 @@ pub(super) const FRICTION: [&str; 5] = [
     "load.viscous_n_s_per_m",
 ];
 
-impl Variant {
-    /// The rig of the file.
-    pub const NOMINAL: Variant = Variant { load: 1.0, friction: 1.0, supply: 1.0 };
+/// Of the random numbers: those that gains are tuned on, and those that they are judged on.
+const TUNED_ON: u64 = 0;
+const FRESH: u64 = 1;
 
-    /// What it makes of a rig, as `key=value`.
+impl Relative {
+    /// The keys that it draws.
+    pub fn keys(&self) -> impl Iterator<Item = &'static str> {
+        let drawn = |by: f64, keys: &'static [&'static str]| if by > 0.0 { keys } else { &[] };
+        let load = drawn(self.load, &["load.mass_kg"]);
+        let supply = drawn(self.supply, &["supply.pressure_pa"]);
+        load.iter().chain(drawn(self.friction, &FRICTION)).chain(supply).copied()
+    }
+}
+
+impl Variant {
+    /// The rig of the file, extending about the middle.
+    pub const NOMINAL: Variant = Variant { load: 1.0, friction: 1.0, supply: 1.0, place: 0.5, extends: true };
+
+    /// What it makes of a rig, as `key=value`; without the step.
     #[must_use]
     pub fn settings(&self, rig: &Rig) -> Vec<String> {
         let factors = [("load.mass_kg", self.load), ("supply.pressure_pa", self.supply)];
@@ -52,7 +70,7 @@ impl Variant {
         scaled.map(|(key, factor)| format!("{key}={:?}", factor * rig.number(key))).collect()
     }
 
-    /// In words.
+    /// The rig in words.
     #[must_use]
     pub fn name(&self) -> String {
         let percent = |what: &str, factor: f64| {
@@ -65,7 +83,7 @@ impl Variant {
     }
 }
 
-/// The rig of the file, and every combination of the ends of the spread.
+/// The rig of the file, and every combination of the ends of the spread, all in mid-stroke.
 #[must_use]
 pub fn corners(spread: &Relative) -> Vec<Variant> {
     let ends = |by: f64| if by == 0.0 { vec![1.0] } else { vec![1.0 - by, 1.0 + by] };
@@ -73,7 +91,7 @@ pub fn corners(spread: &Relative) -> Vec<Variant> {
     for &load in &ends(spread.load) {
         for &friction in &ends(spread.friction) {
             for &supply in &ends(spread.supply) {
-                all.push(Variant { load, friction, supply });
+                all.push(Variant { load, friction, supply, ..Variant::NOMINAL });
             }
         }
     }
@@ -81,18 +99,38 @@ pub fn corners(spread: &Relative) -> Vec<Variant> {
     all
 }
 
-/// The corners, and draws between them.
+/// What gains are tuned on: the step of the file's rig in mid-stroke, and on each corner a step at either end of the
+/// way and one drawn between, in directions that take turns.
 #[must_use]
-pub fn all(spread: &Relative, seed: u64) -> Vec<Variant> {
-    let mut all = corners(spread);
-    if all.len() > 1 {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut draw = |by: f64| 1.0 + by * (2.0 * unit_interval(&mut random) - 1.0);
-        all.extend((0..DRAWS).map(|_| Variant {
-            load: draw(spread.load),
-            friction: draw(spread.friction),
-            supply: draw(spread.supply),
-        }));
+pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
+    let mut random = stream(seed, TUNED_ON);
+    let mut all = vec![Variant::NOMINAL];
+    for corner in corners(spread) {
+        for place in [0.0, unit_interval(&mut random), 1.0] {
+            all.push(Variant { place, extends: all.len() % 2 == 0, ..corner.clone() });
+        }
     }
     all
+}
+
+/// What gains are judged on: draws from all of the spread, and of place and direction.
+#[must_use]
+pub fn fresh(spread: &Relative, seed: u64, count: usize) -> Vec<Variant> {
+    let mut random = stream(seed, FRESH);
+    let mut share = || unit_interval(&mut random);
+    let draw = |by: f64, share: f64| 1.0 + by * (2.0 * share - 1.0);
+    let one = |_| Variant {
+        load: draw(spread.load, share()),
+        friction: draw(spread.friction, share()),
+        supply: draw(spread.supply, share()),
+        place: share(),
+        extends: share() < 0.5,
+    };
+    (0..count).map(one).collect()
+}
+
+fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(stream);
+    random
 }

@@ -1,60 +1,77 @@
-//! The step on a rig: from before the middle of the stroke to behind it, and back.
+//! The step on a rig: from somewhere on the stroke in either direction, and back.
 
 use anyhow::{Result, bail};
-use pneudrive_sim::{Accuracy, Rig, run};
+use pneudrive_sim::rig::Problems;
+use pneudrive_sim::{Accuracy, Rig, Run, run};
 
-use super::{Task, Variant, read};
+use super::drive::spacing;
+use super::goal::{Goal, Performance};
+use super::{Task, Variant};
+use crate::ensemble::run_ensemble;
 use crate::evaluation::{Motion, Move, moves};
+use crate::rig_text;
 use crate::run_folder::StoredRun;
 use crate::transient::Transient;
 use crate::words::fault_name;
 
-use super::goal::{Goal, Performance};
-
 /// Before the step the drive holds for so long, s; each way it then has so long.
 const HOLD_S: f64 = 0.1;
-const STEP_S: f64 = 1.5;
+pub(super) const STEP_S: f64 = 1.5;
+
+/// What a rig's own test says of moves, rows and records: the step has its own.
+const SCHEDULE: [&str; 7] =
+    ["moves", "targets", "repeat_every_s", "impulse", "trace_period_s", "decimation", "pre_trigger"];
 
 /// A rig with the step as its test.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// The rig of the file, with the step.
+    /// The rig of the file, with the step about the middle of its way.
     pub rig: Rig,
-    /// Its file and what is set in it.
+    /// Its file without a schedule, and what is set in it.
     source: (String, String),
     settings: Vec<String>,
     goal: Goal,
+    way: Way,
+}
+
+/// Where a step may lie, and how far it goes, counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Way {
+    low: i64,
+    high: i64,
+    step: i64,
+    mm_per_count: f64,
 }
 
 impl Trial {
     /// The step of a task; `more` keys are set.
     ///
     /// # Errors
-    /// When the step does not fit into the stroke, or a key is wrong.
+    /// When the step does not fit between the ends, or a key is wrong.
     pub fn of(task: &Task, more: &[String]) -> Result<Trial> {
-        let rig = read(task, more)?;
-        let (stroke_mm, step_mm) = (1e3 * rig.number("actuator.stroke_m"), task.goal.step_mm);
-        if step_mm > 0.9 * stroke_mm {
-            bail!(
-                "a step of {step_mm} mm does not fit into the stroke of {stroke_mm:.0} mm; make it shorter (--step)"
-            );
-        }
-        let settings: Vec<String> =
-            task.settings.iter().chain(more).cloned().chain(step(&rig, step_mm)).collect();
-        let rig = Rig::read_with(&task.source.0, &task.source.1, &settings)?;
-        Ok(Trial { rig, source: task.source.clone(), settings, goal: task.goal })
+        let is_schedule = |setting: &String| {
+            let key = setting.split('=').next().unwrap_or_default().trim();
+            SCHEDULE.iter().any(|name| key.strip_prefix("test.") == Some(name))
+        };
+        let typed = || task.settings.iter().chain(&task.held).chain(more);
+        let settings: Vec<String> = typed().filter(|setting| !is_schedule(setting)).cloned().collect();
+        // The lines of the file as it is are those that a message must name.
+        let (name, text) = &task.source;
+        let as_it_is = Rig::read_with(name, text, &typed().cloned().collect::<Vec<_>>());
+        let without = |problems| as_it_is.clone().err().unwrap_or(problems);
+        let source =
+            (name.clone(), rig_text::without(text, "test", &SCHEDULE).unwrap_or_else(|_| text.clone()));
+        let bare = with_moves(&source, &unlimited(&settings), "test.moves=[[0.0, 0]]").map_err(without)?;
+        let way = Way::of(&bare, task)?;
+        let trial = Trial { rig: bare, source, settings, goal: task.goal, way };
+        let rig = trial.rig_of(&[], &Variant::NOMINAL)?;
+        Ok(Trial { rig, ..trial })
     }
 
     /// The step with these gains on a variant of the rig.
     #[must_use]
     pub fn run(&self, gains: &[String], variant: &Variant) -> Performance {
-        match self.transient(gains, variant) {
-            Ok((_, moves)) => {
-                let steps: Vec<&Move> = moves.iter().skip(1).collect();
-                Performance::of(&steps, self.goal.step_mm, STEP_S)
-            }
-            Err(failure) => Performance::failed(failure),
-        }
+        self.transient(gains, variant).map_or_else(Performance::failed, |(_, moves)| self.performance(&moves))
     }
 
     /// The same: its transient, and its moves.
@@ -62,30 +79,127 @@ impl Trial {
     /// # Errors
     /// Why it did not come to its end.
     pub fn transient(&self, gains: &[String], variant: &Variant) -> Result<(Transient, Vec<Move>), String> {
-        let settings: Vec<String> =
-            self.settings.iter().chain(gains).cloned().chain(variant.settings(&self.rig)).collect();
-        let rig = Rig::read_with(&self.source.0, &self.source.1, &settings).map_err(|all| all.to_string())?;
+        let rig = self.rig_of(gains, variant).map_err(|problems| problems.to_string())?;
         let run = run(&rig, Accuracy::of_draw(&rig)).map_err(|error| error.to_string())?;
+        self.measured(&rig, &run)
+    }
+
+    /// The step on the rig of the file and on its neighbours, the rig of the file first.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub fn neighbours(&self, gains: &[String]) -> Result<Vec<Performance>> {
+        let rig = self.rig_of(gains, &Variant::NOMINAL)?;
+        let measure = |rig: &Rig, run: &Run| {
+            self.measured(rig, run).map_or_else(Performance::failed, |(_, moves)| self.performance(&moves))
+        };
+        let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing(), measure, |_, _| {})?;
+        Ok(ensemble.measured)
+    }
+
+    /// The rig of the file with these gains.
+    ///
+    /// # Errors
+    /// When a gain is out of its range.
+    pub fn with(&self, gains: &[String]) -> Result<Rig, Problems> {
+        self.rig_of(gains, &Variant::NOMINAL)
+    }
+
+    /// What a step there and back has shown.
+    #[must_use]
+    pub fn performance(&self, moves: &[Move]) -> Performance {
+        let steps: Vec<&Move> = moves.iter().skip(1).collect();
+        Performance::of(&steps, self.goal.step_mm, STEP_S)
+    }
+
+    /// From where to where the step of a variant goes, mm.
+    #[must_use]
+    pub fn ends_mm(&self, variant: &Variant) -> [f64; 2] {
+        self.way.setpoints(variant).map(|counts| counts as f64 * self.way.mm_per_count)
+    }
+
+    /// Between which positions every step lies, mm.
+    #[must_use]
+    pub fn way_mm(&self) -> [f64; 2] {
+        [self.way.low, self.way.high].map(|counts| counts as f64 * self.way.mm_per_count)
+    }
+
+    fn measured(&self, rig: &Rig, run: &Run) -> Result<(Transient, Vec<Move>), String> {
         if let Some((fault, k)) = run.fault {
             return Err(format!("{} at sample {k}", fault_name(fault)));
         }
-        let transient = Transient::of_run("", &StoredRun::of(&rig, &run));
+        let transient = Transient::of_run("", &StoredRun::of(rig, run));
         let moves = moves(&transient, &Motion::of(&transient), None, self.goal.settled_mm);
         Ok((transient, moves))
     }
+
+    fn rig_of(&self, gains: &[String], variant: &Variant) -> Result<Rig, Problems> {
+        let own = variant.settings(&self.rig).into_iter().chain(self.way.step(variant));
+        let settings: Vec<String> = self.settings.iter().chain(gains).cloned().chain(own).collect();
+        with_moves(&self.source, &settings, &self.way.moves(variant))
+    }
 }
 
-/// The step as a test, as `key=value`: it starts half a count beside its first setpoint, since a start on the edge
-/// of a count is ill-defined.
-fn step(rig: &Rig, step_mm: f64) -> Vec<String> {
-    let mm = rig.number("encoder.mm_per_count");
-    let middle_mm = 500.0 * rig.number("actuator.stroke_m");
-    let low = ((middle_mm - step_mm / 2.0) / mm).round();
-    let high = low + (step_mm / mm).round();
-    let (up, down) = (HOLD_S, HOLD_S + STEP_S);
-    vec![
-        format!("test.moves=[[0.0, {low}], [{up:?}, {high}], [{down:?}, {low}]]"),
-        format!("test.duration_s={:?}", HOLD_S + 2.0 * STEP_S),
-        format!("test.position_m={:?}", (low + 0.5) * mm / 1e3),
-    ]
+/// The rig of a source with settings and moves, which are timed: none waits for an arrival.
+fn with_moves((name, text): &(String, String), settings: &[String], moves: &str) -> Result<Rig, Problems> {
+    let timed = [moves.to_owned(), "controller.exit_on_dead_band=false".to_owned()];
+    let settings: Vec<String> = settings.iter().cloned().chain(timed).collect();
+    Rig::read_with(name, text, &settings)
+}
+
+/// Settings with which a rig is valid whatever its software ends are: an open loop has no setpoints.
+fn unlimited(settings: &[String]) -> Vec<String> {
+    settings.iter().cloned().chain(["controller.loop=open".to_owned()]).collect()
+}
+
+impl Way {
+    /// Between the positions that are typed and the software ends; from the ends of the stroke a step keeps the
+    /// distance that it may overshoot by, or settle within.
+    fn of(rig: &Rig, task: &Task) -> Result<Way> {
+        let (mm, goal) = (rig.number("encoder.mm_per_count"), &task.goal);
+        let clear_mm = goal.settled_mm.max(goal.step_mm * goal.overshoot_percent / 100.0);
+        let stroke_mm = 1e3 * rig.number("actuator.stroke_m");
+        let [lowest, highest] = task.between_mm;
+        let ends = [lowest, rig.optional_number("safety.end_min_mm")].into_iter().flatten();
+        let low_mm = ends.fold(clear_mm, f64::max);
+        let ends = [highest, rig.optional_number("safety.end_max_mm")].into_iter().flatten();
+        let high_mm = ends.fold(stroke_mm - clear_mm, f64::min);
+        let way = Way {
+            low: (low_mm / mm).ceil() as i64,
+            high: (high_mm / mm).floor() as i64,
+            step: (goal.step_mm / mm).round() as i64,
+            mm_per_count: mm,
+        };
+        if way.step > way.high - way.low {
+            bail!(
+                "a step of {} mm does not fit between {low_mm:.1} and {high_mm:.1} mm of the stroke of {stroke_mm:.0} mm; make it shorter (--step), or the way longer (--lowest, --highest, safety.end_min_mm, safety.end_max_mm)",
+                goal.step_mm
+            );
+        }
+        Ok(way)
+    }
+
+    /// The setpoints before and after the step of a variant, counts.
+    fn setpoints(&self, variant: &Variant) -> [i64; 2] {
+        let free = (self.high - self.low - self.step) as f64;
+        let low = self.low + (variant.place * free).round() as i64;
+        let ends = [low, low + self.step];
+        if variant.extends { ends } else { [ends[1], ends[0]] }
+    }
+
+    fn moves(&self, variant: &Variant) -> String {
+        let [from, to] = self.setpoints(variant);
+        let (there, back) = (HOLD_S, HOLD_S + STEP_S);
+        format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]")
+    }
+
+    /// The rest of the test, as `key=value`: it starts half a count beside its first setpoint, since a start on the
+    /// edge of a count is ill-defined.
+    fn step(&self, variant: &Variant) -> [String; 2] {
+        let [from, _] = self.setpoints(variant);
+        [
+            format!("test.duration_s={:?}", HOLD_S + 2.0 * STEP_S),
+            format!("test.position_m={:?}", (from as f64 + 0.5) * self.mm_per_count / 1e3),
+        ]
+    }
 }

@@ -1,0 +1,175 @@
+//! Candidates on many rigs, and how far that is.
+
+use anyhow::Result;
+
+use super::search::{Budget, Outcome, search};
+use super::trial::Trial;
+use super::{Found, Performance, Space, Task, Variant, held};
+use crate::ensemble::Spacing;
+use crate::parallel;
+
+/// Runs of the file's rig and its neighbours.
+pub(super) const NEIGHBOURS: usize = 8;
+
+/// What a tuning is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Looks for gains.
+    Search,
+    /// Holds the best few against the neighbours of the file's rig.
+    Finalists,
+    /// Judges them on fresh draws.
+    Draws,
+    /// Looks for what is in the way.
+    Obstacles,
+}
+
+impl Stage {
+    /// All of them, in their order.
+    pub const ALL: [Stage; 4] = [Stage::Search, Stage::Finalists, Stage::Draws, Stage::Obstacles];
+}
+
+/// How far a stage of a tuning is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// What it is at.
+    pub stage: Stage,
+    /// Runs that are done, or no longer needed: a candidate that is worse than what it must beat is given up.
+    pub done: usize,
+    /// Runs of this stage.
+    pub all: usize,
+}
+
+/// Counts runs.
+pub(super) struct Meter<'a> {
+    tell: &'a mut dyn FnMut(Progress),
+    at: Progress,
+    /// Runs of all stages that were made.
+    runs: usize,
+}
+
+impl<'a> Meter<'a> {
+    pub fn new(tell: &'a mut dyn FnMut(Progress)) -> Meter<'a> {
+        Meter { tell, at: Progress { stage: Stage::Search, done: 0, all: 0 }, runs: 0 }
+    }
+
+    /// A stage begins that needs so many runs.
+    pub fn begin(&mut self, stage: Stage, all: usize) {
+        self.at = Progress { stage, done: 0, all };
+        (self.tell)(self.at);
+    }
+
+    /// So many more runs of the stage need not be made any more.
+    fn done(&mut self, runs: usize) {
+        self.at.done += runs;
+        (self.tell)(self.at);
+    }
+
+    pub fn runs(&self) -> usize {
+        self.runs
+    }
+}
+
+/// A rig to be tuned, and what its genes mean: in its own counts and samples.
+pub(super) struct Drive<'a> {
+    pub task: &'a Task,
+    pub trial: Trial,
+    pub space: Space,
+}
+
+impl Drive<'_> {
+    /// The rig of a task; `more` keys are set.
+    pub fn of<'a>(task: &'a Task, more: &[String]) -> Result<Drive<'a>> {
+        let trial = Trial::of(task, more)?;
+        let space = Space::of(&trial.rig, task.goal.settled_mm, &held::keys(task))?;
+        Ok(Drive { task, trial, space })
+    }
+
+    /// The last generation of a search; of none, nothing.
+    pub fn search(
+        &self,
+        budget: &Budget,
+        start: &[Vec<f64>],
+        variants: &[Variant],
+        meter: &mut Meter,
+    ) -> Outcome {
+        if budget.generations == 0 {
+            return Outcome { population: Vec::new(), history: Vec::new() };
+        }
+        let mut order: Vec<usize> = (0..variants.len()).collect();
+        let mut refused = vec![0_usize; variants.len()];
+        let costs = |genes: &[Vec<f64>], limits: &[f64]| {
+            let ordered: Vec<&Variant> = order.iter().map(|&place| &variants[place]).collect();
+            let found = self.costs(genes, limits, &ordered, meter);
+            for place in found.iter().filter_map(|one| one.given_up_at) {
+                refused[order[place]] += 1;
+            }
+            // What has refused most candidates comes first: a poor one then costs a run or two.
+            order.sort_by_key(|&place| (std::cmp::Reverse(refused[place]), place));
+            found.iter().map(|one| one.worst).collect()
+        };
+        search(self.space.len(), budget, start, costs)
+    }
+
+    /// The cost of each candidate: its worst variant. One that is above its limit is not looked at any further.
+    fn costs(
+        &self,
+        genes: &[Vec<f64>],
+        limits: &[f64],
+        variants: &[&Variant],
+        meter: &mut Meter,
+    ) -> Vec<Cost> {
+        let cost = |(genes, limit): &(&Vec<f64>, f64)| {
+            let settings = self.space.settings(genes);
+            let mut cost = Cost { worst: 0.0, given_up_at: None, runs: 0 };
+            for (place, variant) in variants.iter().enumerate() {
+                cost.runs += 1;
+                cost.worst = cost.worst.max(self.trial.run(&settings, variant).cost(&self.task.goal));
+                if cost.worst > *limit {
+                    cost.given_up_at = Some(place);
+                    break;
+                }
+            }
+            cost
+        };
+        let jobs: Vec<(&Vec<f64>, f64)> = genes.iter().zip(limits.iter().copied()).collect();
+        let costs = parallel::map(&jobs, self.task.threads, cost, |_| meter.done(variants.len()));
+        meter.runs += costs.iter().map(|one| one.runs).sum::<usize>();
+        costs
+    }
+
+    /// A candidate of the last generation, or the gains of the file, on what it was tuned on and on the neighbours of
+    /// the file's rig.
+    pub fn finalist(&self, shares: Option<&[f64]>, tuned_on: &[Variant], meter: &mut Meter) -> Found {
+        let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
+        let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
+        let performances = self.judged(&settings, tuned_on, meter);
+        let neighbours = self.trial.neighbours(&settings);
+        meter.runs += NEIGHBOURS;
+        meter.done(NEIGHBOURS);
+        let neighbours = neighbours.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);
+        Found { settings, places, tuned_on: performances, neighbours, fresh: Vec::new() }
+    }
+
+    /// Gains on every variant.
+    pub fn judged(&self, settings: &[String], variants: &[Variant], meter: &mut Meter) -> Vec<Performance> {
+        let run = |variant: &Variant| self.trial.run(settings, variant);
+        let performances = parallel::map(variants, self.task.threads, run, |_| meter.done(1));
+        meter.runs += variants.len();
+        performances
+    }
+}
+
+/// What a candidate costs.
+struct Cost {
+    /// The cost of its worst variant, as far as it was looked at.
+    worst: f64,
+    /// Which variant put it above its limit.
+    given_up_at: Option<usize>,
+    runs: usize,
+}
+
+/// The neighbours that a finalist is checked with.
+pub(super) fn spacing() -> Spacing {
+    Spacing { runs: NEIGHBOURS, ..Spacing::default() }
+}

@@ -1,0 +1,77 @@
+//! Genes: each a quantity, and the range that it is looked for in.
+
+/// A quantity, and its range as a share from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Gene {
+    /// What it is.
+    pub what: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    low: f64,
+    high: f64,
+    scale: Scale,
+    /// Whether its lower end is a natural one: zero of what cannot be negative.
+    from_nothing: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Scale {
+    Linear,
+    Logarithmic,
+    /// Whole numbers.
+    Whole,
+}
+
+/// This part of the range at its ends counts as its end.
+const END: f64 = 0.02;
+
+const fn gene(what: &'static str, unit: &'static str, [low, high]: [f64; 2], scale: Scale) -> Gene {
+    Gene { what, unit, low, high, scale, from_nothing: false }
+}
+
+impl Gene {
+    /// The quantity at a share of its range.
+    pub fn value(&self, share: f64) -> f64 {
+        let linear = self.low + share * (self.high - self.low);
+        match self.scale {
+            Scale::Linear => linear,
+            Scale::Logarithmic => self.low * libm::pow(self.high / self.low, share),
+            Scale::Whole => linear.round(),
+        }
+    }
+
+    /// Whether it is at an end of its range beyond which there may be something better.
+    pub fn is_at_limit(&self, share: f64) -> bool {
+        let is_at = |end: f64| match self.scale {
+            Scale::Whole => self.value(share) == self.value(end),
+            Scale::Linear | Scale::Logarithmic => (share - end).abs() <= END,
+        };
+        is_at(1.0) || (is_at(0.0) && !self.from_nothing)
+    }
+
+    const fn from_nothing(self) -> Gene {
+        Gene { from_nothing: true, ..self }
+    }
+}
+
+use Scale::{Linear, Logarithmic, Whole};
+
+pub(super) const E_NEAR: Gene =
+    gene("error that opens the valve whole, by the gain at small errors", "mm", [0.15, 30.0], Logarithmic);
+pub(super) const E_FAR: Gene =
+    gene("error that opens the valve whole, by the gain at large errors", "mm", [3.0, 150.0], Logarithmic);
+pub(super) const E_KNEE: Gene =
+    gene("error at which the profile is halfway between", "mm", [0.03, 10.0], Logarithmic);
+pub(super) const T_D: Gene = gene("time of the velocity feedback, T_d", "s", [0.003, 0.15], Logarithmic);
+/// Above, a count of acceleration throws the valve over.
+pub(super) const T_A: Gene = gene("time of the acceleration feedback, T_a", "s", [0.001, 0.04], Logarithmic);
+pub(super) const VELOCITY_WINDOW: Gene = gene("window of the velocity", "samples", [2.0, 12.0], Whole);
+pub(super) const ACCELERATION_WINDOW: Gene =
+    gene("window of the acceleration", "samples", [1.0, 8.0], Whole).from_nothing();
+/// Fractions of the distance that counts as settled.
+pub(super) const DEAD_BAND: Gene =
+    gene("dead band, of the distance that counts as settled", "", [0.0, 1.0], Linear).from_nothing();
+/// Of the whole command.
+pub(super) const NULL_OFFSET: Gene = gene("null offset, of the whole command", "%", [-2.0, 2.0], Linear);
+pub(super) const DITHER: Gene = gene("dither of the spool", "mm", [0.0, 0.6], Linear).from_nothing();
+pub(super) const DITHER_HZ: Gene = gene("frequency of the dither", "Hz", [20.0, 120.0], Linear);

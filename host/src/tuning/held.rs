@@ -1,0 +1,47 @@
+//! Keys that a user holds: no search changes them.
+
+use anyhow::{Result, bail};
+use pneudrive_sim::rig::value_of_setting;
+
+use super::Task;
+
+/// What the step sets itself.
+const OF_THE_STEP: [&str; 4] = ["test.moves", "test.targets", "test.duration_s", "test.position_m"];
+
+/// The keys that are held.
+#[must_use]
+pub fn keys(task: &Task) -> Vec<String> {
+    task.held.iter().map(|setting| key(setting).to_owned()).collect()
+}
+
+fn key(setting: &str) -> &str {
+    setting.split_once('=').map_or(setting, |(key, _)| key).trim()
+}
+
+/// Whether all keys can be held.
+///
+/// # Errors
+/// Which one cannot, why, and what can: a key that there is not, one that the spread draws, one that the step sets.
+pub fn check(task: &Task) -> Result<()> {
+    for setting in &task.held {
+        let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
+        let key = key.trim();
+        if let Err(problem) = value_of_setting(key, value.trim()) {
+            bail!("--fix {setting}: {problem}. {CAN_BE_HELD}");
+        }
+        if task.spread.keys().any(|drawn| drawn == key) {
+            bail!(
+                "--fix {setting}: the spread draws {key}; give its value by --set and its spread as 0% (--load, --friction, --supply). {CAN_BE_HELD}"
+            );
+        }
+        if OF_THE_STEP.contains(&key) {
+            bail!(
+                "--fix {setting}: the step itself sets {key}; see --step, --lowest and --highest. {CAN_BE_HELD}"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// What may be held.
+const CAN_BE_HELD: &str = "Of what is looked for, these can be held: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; and any other key of a rig";
