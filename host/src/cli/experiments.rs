@@ -160,6 +160,9 @@ pub struct Tune {
     /// The most that it may overshoot, % of the step
     #[arg(long = "overshoot", value_name = "PERCENT", default_value_t = 1.0, value_parser = positive)]
     pub overshoot_percent: f64,
+    /// Time that the drive has, there as well as back, s; a longer one shows more of whether it comes to rest
+    #[arg(long = "time", value_name = "S", default_value_t = 1.5, value_parser = time)]
+    pub time_s: f64,
     /// By how much the mass of the load may differ
     #[arg(long, value_name = "PERCENT", default_value = "30%", value_parser = percent)]
     pub load: f64,
@@ -198,6 +201,13 @@ pub struct Tune {
 fn positive(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err("must be above 0".to_owned()) }
+}
+
+/// In whole milliseconds.
+fn time(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    let is_allowed = (0.1..=100.0).contains(&value);
+    is_allowed.then(|| (1e3 * value).round() / 1e3).ok_or_else(|| "must be between 0.1 and 100".to_owned())
 }
 
 fn position(text: &str) -> Result<f64, String> {

@@ -61,6 +61,7 @@ fn task(arguments: &Tune) -> Result<Task> {
             step_mm: arguments.step_mm,
             settled_mm: arguments.settled_mm,
             overshoot_percent: arguments.overshoot_percent,
+            time_s: arguments.time_s,
         },
         spread: Relative { load: arguments.load, friction: arguments.friction, supply: arguments.supply },
         between_mm: [arguments.lowest_mm, arguments.highest_mm],

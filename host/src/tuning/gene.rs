@@ -10,8 +10,8 @@ pub(super) struct Gene {
     low: f64,
     high: f64,
     scale: Scale,
-    /// Whether its lower end is a natural one: zero of what cannot be negative.
-    from_nothing: bool,
+    /// Whether its ends are natural ones, beyond which there is nothing to be looked for.
+    natural: [bool; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ enum Scale {
 const END: f64 = 0.02;
 
 const fn gene(what: &'static str, unit: &'static str, [low, high]: [f64; 2], scale: Scale) -> Gene {
-    Gene { what, unit, low, high, scale, from_nothing: false }
+    Gene { what, unit, low, high, scale, natural: [false; 2] }
 }
 
 impl Gene {
@@ -46,11 +46,18 @@ impl Gene {
             Scale::Whole => self.value(share) == self.value(end),
             Scale::Linear | Scale::Logarithmic => (share - end).abs() <= END,
         };
-        is_at(1.0) || (is_at(0.0) && !self.from_nothing)
+        let [low, high] = self.natural;
+        (is_at(0.0) && !low) || (is_at(1.0) && !high)
     }
 
-    const fn from_nothing(self) -> Gene {
-        Gene { from_nothing: true, ..self }
+    /// Its lower end is the least that there can be.
+    const fn from_least(self) -> Gene {
+        Gene { natural: [true, self.natural[1]], ..self }
+    }
+
+    /// Its upper end is the most that makes sense.
+    const fn to_most(self) -> Gene {
+        Gene { natural: [self.natural[0], true], ..self }
     }
 }
 
@@ -65,13 +72,14 @@ pub(super) const E_KNEE: Gene =
 pub(super) const T_D: Gene = gene("time of the velocity feedback, T_d", "s", [0.003, 0.15], Logarithmic);
 /// Above, a count of acceleration throws the valve over.
 pub(super) const T_A: Gene = gene("time of the acceleration feedback, T_a", "s", [0.001, 0.04], Logarithmic);
-pub(super) const VELOCITY_WINDOW: Gene = gene("window of the velocity", "samples", [2.0, 12.0], Whole);
+pub(super) const VELOCITY_WINDOW: Gene =
+    gene("window of the velocity", "samples", [1.0, 12.0], Whole).from_least();
 pub(super) const ACCELERATION_WINDOW: Gene =
-    gene("window of the acceleration", "samples", [1.0, 8.0], Whole).from_nothing();
-/// Fractions of the distance that counts as settled.
+    gene("window of the acceleration", "samples", [1.0, 8.0], Whole).from_least();
+/// A wider one forbids to settle.
 pub(super) const DEAD_BAND: Gene =
-    gene("dead band, of the distance that counts as settled", "", [0.0, 1.0], Linear).from_nothing();
+    gene("dead band, of the distance that counts as settled", "", [0.0, 1.0], Linear).from_least().to_most();
 /// Of the whole command.
 pub(super) const NULL_OFFSET: Gene = gene("null offset, of the whole command", "%", [-2.0, 2.0], Linear);
-pub(super) const DITHER: Gene = gene("dither of the spool", "mm", [0.0, 0.6], Linear).from_nothing();
+pub(super) const DITHER: Gene = gene("dither of the spool", "mm", [0.0, 0.6], Linear).from_least();
 pub(super) const DITHER_HZ: Gene = gene("frequency of the dither", "Hz", [20.0, 120.0], Linear);

@@ -15,6 +15,8 @@ pub struct Goal {
     pub settled_mm: f64,
     /// The most that it may go beyond it, % of the step.
     pub overshoot_percent: f64,
+    /// How long it has, there as well as back, s.
+    pub time_s: f64,
 }
 
 /// A step that is within the distance only later than this part of its time has not settled: it passes by.

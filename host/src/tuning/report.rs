@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::trial::{STEP_S, Trial};
+use super::trial::Trial;
 use super::{Goal, Space, Task, Tuned, met};
 use crate::page::Page;
 use crate::rig_text;
@@ -125,7 +125,7 @@ fn limits(tuned: &Tuned) -> Option<String> {
 
 /// What was asked for.
 fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
-    let Goal { step_mm, settled_mm, overshoot_percent } = task.goal;
+    let Goal { step_mm, settled_mm, overshoot_percent, time_s } = task.goal;
     let percent = |what: &str, by: f64| format!("{what} \u{b1}{:.0} %", 100.0 * by);
     let [low, high] = trial.way_mm();
     let held = match task.held.as_slice() {
@@ -133,7 +133,7 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
         held => format!(" Held: {}.", held.join(", ")),
     };
     format!(
-        "Asked for: {step_mm} mm there and back, {STEP_S} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the corners of the spread with a step at either end of that way and one between; the cost of gains is that of their worst trial: the settling time, and more for what is not as asked. They are judged on {} draws from the whole spread that the search has not seen.{held} {} runs, seed {}.",
+        "Asked for: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the corners of the spread with a step at either end of that way and one between; the cost of gains is that of their worst trial: the settling time, and more for what is not as asked. They are judged on {} draws from the whole spread that the search has not seen.{held} {} runs, seed {}.",
         percent("load", task.spread.load),
         percent("friction", task.spread.friction),
         percent("supply", task.spread.supply),

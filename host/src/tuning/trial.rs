@@ -14,9 +14,8 @@ use crate::run_folder::StoredRun;
 use crate::transient::Transient;
 use crate::words::fault_name;
 
-/// Before the step the drive holds for so long, s; each way it then has so long.
+/// Before the step the drive holds for so long, s.
 const HOLD_S: f64 = 0.1;
-pub(super) const STEP_S: f64 = 1.5;
 
 /// What a rig's own test says of moves, rows and records: the step has its own.
 const SCHEDULE: [&str; 7] =
@@ -34,13 +33,15 @@ pub struct Trial {
     way: Way,
 }
 
-/// Where a step may lie, and how far it goes, counts.
+/// Where a step may lie, and how far it goes, counts; and how long it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Way {
     low: i64,
     high: i64,
     step: i64,
     mm_per_count: f64,
+    /// How long the drive has, there as well as back.
+    time_s: f64,
 }
 
 impl Trial {
@@ -109,7 +110,7 @@ impl Trial {
     #[must_use]
     pub fn performance(&self, moves: &[Move]) -> Performance {
         let steps: Vec<&Move> = moves.iter().skip(1).collect();
-        Performance::of(&steps, self.goal.step_mm, STEP_S)
+        Performance::of(&steps, self.goal.step_mm, self.goal.time_s)
     }
 
     /// From where to where the step of a variant goes, mm.
@@ -169,6 +170,7 @@ impl Way {
             high: (high_mm / mm).floor() as i64,
             step: (goal.step_mm / mm).round() as i64,
             mm_per_count: mm,
+            time_s: goal.time_s,
         };
         if way.step > way.high - way.low {
             bail!(
@@ -189,7 +191,7 @@ impl Way {
 
     fn moves(&self, variant: &Variant) -> String {
         let [from, to] = self.setpoints(variant);
-        let (there, back) = (HOLD_S, HOLD_S + STEP_S);
+        let (there, back) = (HOLD_S, HOLD_S + self.time_s);
         format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]")
     }
 
@@ -198,7 +200,7 @@ impl Way {
     fn step(&self, variant: &Variant) -> [String; 2] {
         let [from, _] = self.setpoints(variant);
         [
-            format!("test.duration_s={:?}", HOLD_S + 2.0 * STEP_S),
+            format!("test.duration_s={:?}", HOLD_S + 2.0 * self.time_s),
             format!("test.position_m={:?}", (from as f64 + 0.5) * self.mm_per_count / 1e3),
         ]
     }

@@ -7,7 +7,7 @@ use crate::evaluation::Move;
 use crate::page::{Curve, Figure, Look, Panel};
 use crate::parallel;
 use crate::transient::{CHANNELS, COMMAND, POSITION, SETPOINT, SPOOL, Transient};
-use crate::tuning::trial::{STEP_S, Trial};
+use crate::tuning::trial::Trial;
 use crate::tuning::{Goal, Task, Tuned, Variant};
 
 /// What is drawn of the file's rig, from top to bottom.
@@ -44,7 +44,7 @@ pub fn draws(task: &Task, trial: &Trial, tuned: &Tuned) -> Figure {
     close.extend([goal.settled_mm, -goal.settled_mm].map(|bound| Curve {
         look: Look::Dashed,
         colour: Some(ASKED),
-        ..Curve::new("settled within", vec![0.0, STEP_S], vec![bound; 2])
+        ..Curve::new("settled within", vec![0.0, goal.time_s], vec![bound; 2])
     }));
     Figure {
         heading: format!("the steps there and back of {} fresh draws", tuned.fresh.len()),
@@ -84,8 +84,9 @@ pub fn places(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Figure {
     let all = || tuned.fresh.iter().zip(&tuned.after.fresh);
     let points = |name: &str, colour, is_met: bool, settles: bool| {
         let these = all().filter(|(_, one)| one.meets(goal) == is_met && one.settling_s.is_some() == settles);
-        let (x, y) =
-            these.map(|(variant, one)| (trial.ends_mm(variant)[0], one.settling_s.unwrap_or(STEP_S))).unzip();
+        let (x, y) = these
+            .map(|(variant, one)| (trial.ends_mm(variant)[0], one.settling_s.unwrap_or(goal.time_s)))
+            .unzip();
         Curve { look: Look::Points, colour: Some(colour), ..Curve::new(name, x, y) }
     };
     let curves = vec![
