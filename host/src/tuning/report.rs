@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::trial::Trial;
-use super::{Goal, Space, Task, Tuned, met};
+use super::{Found, Goal, Proportion, Space, Task, Tuned, met};
 use crate::page::Page;
 use crate::rig_text;
 
@@ -89,21 +89,34 @@ fn nominal(task: &Task, tuned: &Tuned) -> String {
     format!("The rig of the file, in mid-stroke, {how}.")
 }
 
-/// What is in the way, if the goal is not met everywhere.
+/// What is in the way, if the goal is not met everywhere: of meeting it, or else of settling at all.
 fn reason(task: &Task, tuned: &Tuned) -> Option<String> {
-    let count = |one: &super::Obstacle| one.found.met(&task.goal);
-    let after = tuned.after.met(&task.goal);
-    let most = tuned.obstacles.iter().map(|one| count(one).met).max()?;
-    let with = tuned.obstacles.iter().filter(|one| count(one).met == most);
-    let with = with.map(|one| one.suspect.what).collect::<Vec<_>>().join("; or with ");
-    let most = super::Proportion { met: most, ..after };
-    // Beyond chance: the intervals do not overlap.
-    let is_more = most.interval()[0] > after.interval()[1];
-    Some(if is_more {
-        format!("With {with}, it is met in {most} of them.")
-    } else {
-        "No single imperfection that was taken away changes that by more than chance may.".to_owned()
-    })
+    let met = |found: &Found| found.met(&task.goal);
+    let settled = |found: &Found| {
+        let met = found.fresh.iter().filter(|one| one.settling_s.is_some()).count();
+        Proportion { met, of: found.fresh.len() }
+    };
+    if tuned.obstacles.is_empty() {
+        return None;
+    }
+    let better =
+        remover(tuned, &met).map(|(what, count)| format!("With {what}, it is met in {count} of them."));
+    let better = better.or_else(|| {
+        let (what, count) = remover(tuned, &settled)?;
+        let own = settled(&tuned.after);
+        Some(format!("With {what}, the drive settles in {count} of them, instead of in {own}."))
+    });
+    let none = "No single imperfection that was taken away changes that by more than chance may.";
+    Some(better.unwrap_or_else(|| none.to_owned()))
+}
+
+/// The imperfections without which most draws are as they should be, and how many, if that is beyond chance: if the
+/// interval does not overlap that of the rig as it is.
+fn remover(tuned: &Tuned, count: &dyn Fn(&Found) -> Proportion) -> Option<(String, Proportion)> {
+    let most = tuned.obstacles.iter().map(|one| count(&one.found)).max_by_key(|count| count.met)?;
+    let with = tuned.obstacles.iter().filter(|one| count(&one.found) == most).map(|one| one.suspect.what);
+    let is_more = most.interval()[0] > count(&tuned.after).interval()[1];
+    is_more.then(|| (with.collect::<Vec<_>>().join("; or with "), most))
 }
 
 /// What lies at an end of what was searched: there may be something better beyond it.
