@@ -51,12 +51,12 @@ impl Gene {
     }
 
     /// Its lower end is the least that there can be.
-    const fn from_least(self) -> Gene {
+    const fn bounded_below(self) -> Gene {
         Gene { natural: [true, self.natural[1]], ..self }
     }
 
     /// Its upper end is the most that makes sense.
-    const fn to_most(self) -> Gene {
+    const fn bounded_above(self) -> Gene {
         Gene { natural: [self.natural[0], true], ..self }
     }
 }
@@ -73,13 +73,15 @@ pub(super) const T_D: Gene = gene("time of the velocity feedback, T_d", "s", [0.
 /// Above, a count of acceleration throws the valve over.
 pub(super) const T_A: Gene = gene("time of the acceleration feedback, T_a", "s", [0.001, 0.04], Logarithmic);
 pub(super) const VELOCITY_WINDOW: Gene =
-    gene("window of the velocity", "samples", [1.0, 12.0], Whole).from_least();
+    gene("window of the velocity", "samples", [1.0, 12.0], Whole).bounded_below();
 pub(super) const ACCELERATION_WINDOW: Gene =
-    gene("window of the acceleration", "samples", [1.0, 8.0], Whole).from_least();
+    gene("window of the acceleration", "samples", [1.0, 8.0], Whole).bounded_below();
 /// A wider one forbids to settle.
 pub(super) const DEAD_BAND: Gene =
-    gene("dead band, of the distance that counts as settled", "", [0.0, 1.0], Linear).from_least().to_most();
+    gene("dead band, of the distance that counts as settled", "", [0.0, 1.0], Linear)
+        .bounded_below()
+        .bounded_above();
 /// Of the whole command.
 pub(super) const NULL_OFFSET: Gene = gene("null offset, of the whole command", "%", [-2.0, 2.0], Linear);
-pub(super) const DITHER: Gene = gene("dither of the spool", "mm", [0.0, 0.6], Linear).from_least();
+pub(super) const DITHER: Gene = gene("dither of the spool", "mm", [0.0, 0.6], Linear).bounded_below();
 pub(super) const DITHER_HZ: Gene = gene("frequency of the dither", "Hz", [20.0, 120.0], Linear);
