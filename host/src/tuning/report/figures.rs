@@ -50,8 +50,8 @@ pub fn draws(task: &Task, trial: &Trial, tuned: &Tuned) -> Figure {
         heading: format!("the steps there and back of {} fresh draws", tuned.fresh.len()),
         across: "time since the step, s".to_owned(),
         panels: vec![
-            Panel::new("way gone, mm", vec![curve(false, &way), curve(true, &way)]),
-            Panel::new("beyond the setpoint, mm", close),
+            Panel::new("way gone, mm", shown(vec![curve(false, &way), curve(true, &way)])),
+            Panel::new("beyond the setpoint, mm", shown(close)),
         ],
         ..Figure::default()
     }
@@ -71,6 +71,11 @@ fn add(transient: &Transient, step: &Move, of: &dyn Fn(f64, f64) -> f64, x: &mut
     }
     x.push(0.0);
     y.push(f64::NAN);
+}
+
+/// The curves that show something.
+fn shown(curves: Vec<Curve>) -> Vec<Curve> {
+    curves.into_iter().filter(|curve| curve.y.iter().any(|value| value.is_finite())).collect()
 }
 
 /// A page holds many of them.
@@ -97,7 +102,7 @@ pub fn places(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Figure {
     Figure {
         heading: "settling time over where the step begins, the later of there and back".to_owned(),
         across: "begins at, mm".to_owned(),
-        panels: vec![Panel::new("settles after, s", curves)],
+        panels: vec![Panel::new("settles after, s", shown(curves))],
         ..Figure::default()
     }
 }
