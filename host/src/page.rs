@@ -264,7 +264,7 @@ mod tests {
     fn a_lead_stands_between_the_first_note_and_all_else() {
         let lead = Figure { heading: "the lead".to_owned(), ..page().figures[0].clone() };
         let led = Page { notes: vec!["first".to_owned(), "second".to_owned()], ..page() };
-        let html = led.pieces(Some(&lead)).expect("a page")[2].to_string();
+        let html = led.pieces("", Some(&lead)).expect("a page")[2].to_string();
         let places =
             ["<p>first", "<h2>the lead", "<p>second", "<h2>moves", "figure-1"].map(|part| html.find(part));
         assert!(places.is_sorted() && places.iter().all(Option::is_some), "{places:?}");
