@@ -44,12 +44,12 @@ pub(crate) fn decision(decision: &Decision) -> String {
     });
     let edge = edge.unwrap_or_default();
     match decision.undecided_from_s {
-        None => format!("decided: positions are off by {error} at most, as estimated{edge}"),
+        None => format!("decided: positions are off by about {error}, as estimated{edge}"),
         Some(_) if decision.error_m.is_infinite() => {
             "undecided: no other tolerance runs to compare with; write another --tolerance".to_owned()
         }
         Some(since) => format!(
-            "undecided from {since:.4} s on: the exact transient may be another one there; positions are off by {error} at most, as estimated{edge}; a smaller --tolerance may decide it"
+            "undecided from {since:.4} s on: the exact transient may be another one there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may decide it"
         ),
     }
 }

@@ -10,8 +10,8 @@
 //! positions of the run, and e the estimate of their error so far:
 //!
 //! ```text
-//! e_k = max over j <= k of |y_j - y_j(100 tolerance)| / 10     first, as it costs little
-//! e_k = max over j <= k of |y_j - y_j(tolerance / 100)|        where that leaves the run undecided
+//! e_k = max over j <= k of |y_j - y_j(100 tolerance)| / 10     first, as it costs little, up to 1e-4
+//! e_k = max over j <= k of |y_j - y_j(tolerance / 100)|        where that leaves the run undecided, down to 1e-13
 //! decided:  distance of y_k to an edge > e_k, and e_k < 10 um, at every sample
 //! ```
 //!
@@ -28,7 +28,7 @@ use crate::sensors::Sensors;
 /// A run whose positions are estimated to be more wrong than this is not decided, m.
 pub const LARGEST_ERROR_M: f64 = 1e-5;
 
-/// How much coarser and finer the other integrations are.
+/// How much coarser and finer the other integrations are. Beyond [`COARSEST`] there is no coarser one.
 const DECADES: f64 = 100.0;
 
 /// Part of the distance to the coarser run that counts as the run's own error.
@@ -36,6 +36,8 @@ const OF_COARSER: f64 = 0.1;
 
 /// The loosest and the tightest tolerance that tell anything.
 const COARSEST: f64 = 1e-4;
+/// The other integration of a coarse run must not be coarse itself.
+const FINE: f64 = 1e-7;
 const FINEST: f64 = 1e-13;
 
 /// What is known of the exactness of a run.
@@ -73,15 +75,17 @@ impl Decision {
 /// Tells whether a run of a rig, integrated as told, is decided.
 ///
 /// # Errors
-/// When neither the coarser nor the finer integration can go on.
+/// When the finer integration cannot go on.
 pub fn decide(rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<Decision, IntegrationError> {
     let other = |tolerance: f64| readings(rig, Accuracy { tolerance, ..accuracy }, run);
     let judge = |other: &[Reading], part: f64| Judge::new(rig).judge(run, other, part);
-    let coarser = (DECADES * accuracy.tolerance).min(COARSEST);
-    let first = other(coarser).map(|readings| judge(&readings, OF_COARSER));
-    let finer = (accuracy.tolerance / DECADES).max(FINEST);
+    let [coarser, finer] = [DECADES * accuracy.tolerance, (accuracy.tolerance / DECADES).clamp(FINEST, FINE)];
+    let first = (coarser <= COARSEST).then(|| other(coarser)).and_then(Result::ok);
+    let first = first.map(|readings| judge(&readings, OF_COARSER));
     match first {
-        Ok(decision) if decision.is_decided() || finer >= accuracy.tolerance => Ok(decision),
+        Some(decision) if decision.is_decided() => Ok(decision),
+        // No finer integration is left to compare with.
+        _ if finer >= accuracy.tolerance => Ok(first.unwrap_or(Decision::UNKNOWN)),
         _ => Ok(judge(&other(finer)?, 1.0)),
     }
 }
@@ -124,6 +128,7 @@ impl Judge {
     fn judge(mut self, run: &Run, other: &[Reading], part: f64) -> Decision {
         let mut decision = Decision { closest_edge: None, error_m: 0.0, undecided_from_s: None };
         let mut pressure_error = 0.0_f64;
+        let common = run.readings.len().min(other.len());
         for (k, (own, other)) in (0u64..).zip(run.readings.iter().zip(other)) {
             let at_s = seconds(k * self.period_us);
             let apart = |i: usize| part * (own.pressures[i] - other.pressures[i]).abs();
@@ -139,6 +144,10 @@ impl Judge {
             if doubtful && decision.undecided_from_s.is_none() {
                 decision.undecided_from_s = Some(at_s);
             }
+        }
+        // One of them tripped, and what the other did from there on has nothing to be held against.
+        if run.readings.len() != other.len() && decision.is_decided() {
+            decision.undecided_from_s = Some(seconds(common as u64 * self.period_us));
         }
         decision
     }

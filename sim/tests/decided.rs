@@ -77,3 +77,20 @@ fn a_coarse_run_that_flips_a_count_says_from_when_on_it_is_undecided() {
     }
     assert!(parted >= 5, "only {parted} parted");
 }
+
+/// Whatever the tolerance, a run is held against another one, and never against itself.
+#[test]
+fn at_any_tolerance_a_run_that_says_so_is_decided() {
+    for (name, rig) in ["servo-a", "servo-b-tuned", "burrows"].map(|name| (name, Rig::builtin(name))) {
+        let rig = rig.expect("a built-in rig").with_numbers(&[("test.duration_s", 0.8)]).expect("valid");
+        let fine = run(&rig, finely(&rig)).expect("a run");
+        for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-13] {
+            let accuracy = Accuracy { tolerance, ..Accuracy::of(&rig) };
+            let own = run(&rig, accuracy).expect("a run");
+            let decision = decide(&rig, accuracy, &own).expect("a decision");
+            let off = apart(&own, &fine, decision.undecided_from_s.unwrap_or(f64::INFINITY));
+            assert!(off < AGREES, "{name} at {tolerance:e}: {off:e} m off, {decision:?}");
+            assert!(decision.error_m > 0.0, "{name} at {tolerance:e} was held against itself");
+        }
+    }
+}
