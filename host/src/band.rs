@@ -85,7 +85,9 @@ impl Band {
         }
         let mut band = Band::default();
         for (number, line) in lines {
-            let values: Vec<f64> = line.split(',').filter_map(|cell| cell.parse().ok()).collect();
+            let number_of = |cell: &str| cell.parse().ok().filter(|value: &f64| value.is_finite());
+            let values: Option<Vec<f64>> = line.split(',').map(number_of).collect();
+            let values = values.unwrap_or_default();
             let (time, ends) = values
                 .split_first()
                 .filter(|(_, ends)| ends.len() == 2 * CHANNELS.len())

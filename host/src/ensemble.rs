@@ -4,19 +4,24 @@
 //! whether a piston sticks here or a count further on. One run is then one draw of many. Its neighbours show what the
 //! others look like, and every figure of the run is stated as the range over all of them.
 //!
-//! With a relative change s, the neighbours i = 1..n lie evenly around the nominal rig,
+//! With a relative change s, the neighbours i = 0, 1, ... lie around the nominal rig,
 //!
 //! ```text
-//! mass (1 + s cos a_i),   position + s stroke sin a_i,   a_i = 2 pi (i - 1/3) / n
+//! mass (1 + s cos a_i),   position + s stroke sin a_i,   a_i = 2 pi (b_i + 1/24)
 //! ```
+//!
+//! with b_i = 0, 1/2, 1/4, 3/4, 1/8, ... , the binary digits of i behind the point in the reverse order (van der Corput):
+//! nearly even for any number of them, and more of them are the same ones and others, so that a range only grows.
 //!
 //! The nominal run is integrated until it is decided (see [`pneudrive_sim::decision`]); its neighbours are draws, for
 //! which a coarser tolerance will do.
 
 use std::f64::consts::TAU;
+use std::num::NonZeroUsize;
 use std::sync::Mutex;
 
 use anyhow::{Context, Result};
+use pneudrive_controller::Fault;
 use pneudrive_sim::rig::Problems;
 use pneudrive_sim::{Accuracy, Decision, Rig, Run, decide, run, run_watched};
 
@@ -51,6 +56,17 @@ pub struct Judged {
     pub band: Option<Band>,
     /// How many neighbours it has, and how far away.
     pub spacing: Spacing,
+    /// What went wrong with its neighbours.
+    pub lost: Lost,
+}
+
+/// Neighbours that did not come to the end of their run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Lost {
+    /// Faults of those whose supervisor tripped; their figures are among the others.
+    pub tripped: Vec<Fault>,
+    /// Why the others have no run: beyond the limits of a key, or what the integrator says.
+    pub failed: Vec<String>,
 }
 
 /// A run and what was measured of it and of its neighbours.
@@ -58,7 +74,7 @@ pub struct Judged {
 pub struct Ensemble<T> {
     /// The nominal run.
     pub nominal: Judged,
-    /// What was measured of each run, the nominal one first.
+    /// What was measured of each run, the nominal one first; nothing of a neighbour that has no run.
     pub measured: Vec<T>,
 }
 
@@ -66,19 +82,24 @@ pub struct Ensemble<T> {
 enum Job {
     Nominal,
     Decision,
-    Neighbour(usize),
+    Neighbour(Rig),
 }
 
-/// The rigs around a rig.
-///
-/// # Errors
-/// When a neighbour is not valid: the file's values lie at a limit.
-pub fn neighbours(rig: &Rig, spacing: Spacing) -> Result<Vec<Rig>, Problems> {
+/// What came of it.
+enum Done<T> {
+    Measured(T, Option<Fault>),
+    Decided(Decision),
+    Failed(String),
+}
+
+/// The rigs around a rig; in the place of one that is not valid, as a value lies at a limit of its key, what is wrong.
+#[must_use]
+pub fn neighbours(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
     let (mass, position) = (rig.number("load.mass_kg"), rig.number("test.position_m"));
     let stroke = rig.number("actuator.stroke_m");
     let count = spacing.runs.saturating_sub(1);
     let neighbour = |i: usize| {
-        let angle = TAU * (i as f64 + 2.0 / 3.0) / count as f64;
+        let angle = TAU * (van_der_corput(i) + 1.0 / 24.0);
         let place = position + spacing.relative * stroke * libm::sin(angle);
         rig.with_numbers(&[
             ("load.mass_kg", mass * (1.0 + spacing.relative * libm::cos(angle))),
@@ -88,64 +109,78 @@ pub fn neighbours(rig: &Rig, spacing: Spacing) -> Result<Vec<Rig>, Problems> {
     (0..count).map(neighbour).collect()
 }
 
-/// Runs a rig and its neighbours on all processors, and measures each. `progress` is given what is done and what is
-/// to do, in samples of one run.
+/// The binary digits of a number behind the point, in the reverse order.
+fn van_der_corput(number: usize) -> f64 {
+    let reversed = (number as u32).reverse_bits();
+    f64::from(reversed) / 2f64.powi(32)
+}
+
+/// Runs a rig and its neighbours on all processors, and measures each. `progress` is given what is done and what is to
+/// do, in samples of one run.
 ///
 /// # Errors
-/// When a run cannot be simulated.
+/// When the rig itself cannot be simulated. What happens to neighbours stands in [`Judged::lost`].
 pub fn run_ensemble<T: Send>(
+    rig: &Rig,
+    accuracy: Accuracy,
+    spacing: Spacing,
+    measure: impl Fn(&Rig, &Run) -> T + Sync,
+    progress: impl FnMut(u64, u64),
+) -> Result<Ensemble<T>> {
+    run_ensemble_on(parallel::processors(), rig, accuracy, spacing, measure, progress)
+}
+
+/// The same on so many threads.
+///
+/// # Errors
+/// As [`run_ensemble`].
+pub fn run_ensemble_on<T: Send>(
+    threads: NonZeroUsize,
     rig: &Rig,
     accuracy: Accuracy,
     spacing: Spacing,
     measure: impl Fn(&Rig, &Run) -> T + Sync,
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Ensemble<T>> {
-    let others =
-        neighbours(rig, spacing).context("a neighbour of this rig is not valid; write --ensemble 1")?;
     let samples = u64::from(rig.last_sample()).max(1);
-    let all = samples * (others.len() as u64 + 2);
+    let all = samples * (spacing.runs as u64 + 1);
     let nominal = run_watched(rig, accuracy, |done, _| progress(u64::from(done), all))
         .with_context(|| format!("{} cannot be simulated", rig.name()))?;
     let band = Mutex::new(Band::of(&nominal));
-    let jobs: Vec<Job> =
-        [Job::Nominal, Job::Decision].into_iter().chain((0..others.len()).map(Job::Neighbour)).collect();
-    let draw = Accuracy { tolerance: Accuracy::of_draw(rig).tolerance.max(accuracy.tolerance), ..accuracy };
-    let done = parallel::map(
-        &jobs,
-        parallel::processors(),
-        |job| match job {
-            Job::Nominal => Ok(Done::Measured(measure(rig, &nominal))),
-            Job::Decision => Ok(Done::Decided(decide(rig, accuracy, &nominal).unwrap_or(Decision::UNKNOWN))),
-            Job::Neighbour(i) => {
-                let one = run(&others[*i], draw)
-                    .with_context(|| format!("a neighbour of {} cannot be simulated", rig.name()))?;
-                band.lock().expect("no thread panics with it").include(&one);
-                Ok(Done::Measured(measure(&others[*i], &one)))
-            }
-        },
-        |done| progress(samples * (done as u64).max(1), all),
-    );
-    let (mut measured, mut decision) = (Vec::with_capacity(spacing.runs), None);
-    for one in done.into_iter().collect::<Result<Vec<_>>>()? {
-        match one {
-            Done::Measured(figures) => measured.push(figures),
-            Done::Decided(found) => decision = Some(found),
+    let mut lost = Lost::default();
+    let mut jobs = vec![Job::Nominal, Job::Decision];
+    for neighbour in neighbours(rig, spacing) {
+        match neighbour {
+            Ok(neighbour) => jobs.push(Job::Neighbour(neighbour)),
+            Err(problems) => lost.failed.push(problems.to_string().replace('\n', "; ")),
         }
     }
-    let band = band.into_inner().expect("no thread panics with it");
-    let nominal = Judged {
-        run: nominal,
-        accuracy,
-        decision: decision.expect("it is one of the jobs"),
-        band: (!others.is_empty()).then_some(band),
-        spacing,
+    let draw = Accuracy { tolerance: Accuracy::of_draw(rig).tolerance.max(accuracy.tolerance), ..accuracy };
+    let carry_out = |job: &Job| match job {
+        Job::Nominal => Done::Measured(measure(rig, &nominal), None),
+        Job::Decision => Done::Decided(decide(rig, accuracy, &nominal).unwrap_or(Decision::UNKNOWN)),
+        Job::Neighbour(neighbour) => match run(neighbour, draw) {
+            Ok(one) => {
+                band.lock().expect("no thread panics with it").include(&one);
+                Done::Measured(measure(neighbour, &one), one.fault.map(|(fault, _)| fault))
+            }
+            Err(error) => Done::Failed(error.to_string()),
+        },
     };
-    Ok(Ensemble { nominal, measured })
-}
-
-enum Done<T> {
-    Measured(T),
-    Decided(Decision),
+    let done = parallel::map(&jobs, threads, carry_out, |done| progress(samples * (done as u64).max(1), all));
+    let (mut measured, mut decision) = (Vec::with_capacity(spacing.runs), Decision::UNKNOWN);
+    for one in done {
+        match one {
+            Done::Measured(figures, fault) => {
+                measured.push(figures);
+                lost.tripped.extend(fault);
+            }
+            Done::Decided(found) => decision = found,
+            Done::Failed(why) => lost.failed.push(why),
+        }
+    }
+    let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
+    Ok(Ensemble { nominal: Judged { run: nominal, accuracy, decision, band, spacing, lost }, measured })
 }
 
 #[cfg(test)]
@@ -158,10 +193,13 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_lie_evenly_around_the_rig_at_the_distance_asked_for() {
-        let spacing = Spacing { runs: 8, relative: 1e-5 };
-        let others = neighbours(&rig(), spacing).expect("valid");
-        assert_eq!(others.len(), 7);
+    fn neighbours_lie_around_the_rig_at_the_distance_asked_for_and_more_of_them_are_the_same_and_others() {
+        let rigs = |runs| -> Vec<Rig> {
+            let spacing = Spacing { runs, relative: 1e-5 };
+            neighbours(&rig(), spacing).into_iter().collect::<Result<_, _>>().expect("valid")
+        };
+        let others = rigs(9);
+        assert_eq!(others.len(), 8);
         let change = |path: &str, scale: f64| -> Vec<f64> {
             let nominal = rig().number(path);
             others.iter().map(|other| (other.number(path) - nominal) / (scale * 1e-5)).collect()
@@ -172,7 +210,9 @@ mod tests {
             assert!((mass.hypot(*position) - 1.0).abs() < 1e-6, "{mass} {position}");
         }
         assert!(mass.iter().sum::<f64>().abs() < 1e-6 && position.iter().sum::<f64>().abs() < 1e-6);
-        assert!(neighbours(&rig(), Spacing { runs: 1, relative: 1e-5 }).expect("none").is_empty());
+        let masses = |rigs: &[Rig]| rigs.iter().map(|rig| rig.number("load.mass_kg")).collect::<Vec<_>>();
+        assert_eq!(masses(&rigs(5)), masses(&others)[..4]);
+        assert!(rigs(1).is_empty());
     }
 
     #[test]
@@ -201,5 +241,30 @@ mod tests {
         let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {}).expect("a run");
         assert!(found.nominal.band.is_none() && found.measured.len() == 1);
         assert!(found.nominal.decision.closest_edge.is_some());
+    }
+
+    /// At the largest mass that the key takes, heavier neighbours are none.
+    #[test]
+    fn neighbours_beyond_the_limits_are_told_and_the_run_is_there() {
+        let rig = rig().with_numbers(&[("load.mass_kg", 1e5)]).expect("valid");
+        let found = run_ensemble(&rig, Accuracy::of(&rig), Spacing::default(), |_, _| (), |_, _| {});
+        let found = found.expect("the rig itself runs");
+        let failed = found.nominal.lost.failed;
+        assert!((1..7).contains(&failed.len()) && found.measured.len() == 8 - failed.len());
+        assert!(failed[0].contains("load.mass_kg"), "{failed:?}");
+    }
+
+    /// Without velocity feedback a load of 60 kg swings into its ends, or not, by a few percent of it.
+    #[test]
+    fn neighbours_that_trip_are_told_where_the_run_itself_does_not() {
+        let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let settings = ["controller.velocity_gain=0", "load.mass_kg=60"].map(str::to_owned);
+        let rig = Rig::read_with("heavy", text, &settings).unwrap_or_else(|problems| panic!("{problems}"));
+        let spacing = Spacing { runs: 8, relative: 0.1 };
+        let found = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, run| run.fault.is_some(), |_, _| {});
+        let found = found.expect("runs");
+        let tripped = found.measured.iter().filter(|tripped| **tripped).count();
+        assert!(found.nominal.run.fault.is_none() && tripped > 0, "{:?}", found.measured);
+        assert_eq!(found.nominal.lost.tripped.len(), tripped);
     }
 }

@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use pneudrive_sim::{Accuracy, Decision, Rig, run};
 
 use crate::deviation::{Deviation, deviations};
@@ -145,6 +145,9 @@ impl Climbed {
         let time = timed(plan)?;
         let transient = |rig: &Rig, run: &_| Transient::of_run(&name, &StoredRun::of(rig, run));
         let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
+        if let Some(why) = ensemble.nominal.lost.failed.first() {
+            bail!("{name}: a neighbour cannot be simulated; write a smaller --change: {why}");
+        }
         Ok(Climbed { nominal: ensemble.nominal, time, transients: ensemble.measured })
     }
 

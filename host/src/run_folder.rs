@@ -183,6 +183,8 @@ fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>]) -> serde_json::Valu
         "ensemble": judged.band.as_ref().map(|_| json!({
             "runs": judged.spacing.runs,
             "relative_change": judged.spacing.relative,
+            "tripped": judged.lost.tripped.iter().map(|fault| words::fault_name(*fault)).collect::<Vec<_>>(),
+            "not_simulated": judged.lost.failed,
         })),
         "moves": evaluation::to_json(moves),
         "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),

@@ -6,6 +6,8 @@ use pneudrive_controller::{Fault, Refusal};
 use pneudrive_protocol::{CURRENT_VERSION, Presence, Refused, code};
 use pneudrive_sim::Decision;
 
+use crate::ensemble::Lost;
+
 /// The protocol version of a rig, and what comes of it if it is not that of this program.
 pub(crate) fn protocol(version: u16) -> String {
     match version.cmp(&CURRENT_VERSION) {
@@ -52,6 +54,24 @@ pub(crate) fn decision(decision: &Decision) -> String {
             "undecided from {since:.4} s on: the exact transient may be another one there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may decide it"
         ),
     }
+}
+
+/// What went wrong with the neighbours of a run, if something did.
+pub(crate) fn lost(lost: &Lost) -> Option<String> {
+    let tripped = (!lost.tripped.is_empty()).then(|| {
+        let mut names: Vec<&str> = lost.tripped.iter().map(|fault| fault_name(*fault)).collect();
+        names.sort_unstable();
+        names.dedup();
+        format!("{} of them tripped: {}", lost.tripped.len(), names.join(", "))
+    });
+    let failed = lost.failed.first().map(|why| {
+        format!(
+            "{} of them cannot be simulated, and the ranges lack them; the first: {why}",
+            lost.failed.len()
+        )
+    });
+    let both: Vec<String> = tripped.into_iter().chain(failed).collect();
+    (!both.is_empty()).then(|| both.join("; "))
 }
 
 /// A small length in the unit that suits it.

@@ -113,6 +113,10 @@ fn the_points_of_a_grid_tell_whether_they_are_decided_and_have_neighbours_on_req
         let [end, least, most] = [2, 3, 4].map(|cell| ranged[cell].parse::<f64>().expect("mm"));
         assert!(least <= end && end <= most && least < most, "{one}");
     }
+    let twice = GRID.replace("end = {", "end_least = \"end_mm\"\nend = {");
+    fs::write(folder.path().join("s.toml"), twice).expect("written");
+    let refused = transcript(folder.path(), "sweep s.toml --ensemble 3 --out twice");
+    assert!(refused.contains("two columns end_least") && refused.ends_with("= 1"), "{refused}");
     fs::write(folder.path().join("s.toml"), format!("ensemble = 8\n{SWEEP}")).expect("written");
     let refused = transcript(folder.path(), "sweep s.toml --out drawn");
     assert!(refused.contains("draws are an ensemble already"), "{refused}");

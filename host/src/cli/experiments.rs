@@ -115,7 +115,7 @@ pub struct Merge {
 }
 
 fn figures() -> String {
-    let lines = FIGURES.iter().map(|figure| format!("  {:<20}{}\n", figure.name, figure.meaning));
+    let lines = FIGURES.iter().map(|figure| format!("  {:<22}{}\n", figure.name, figure.meaning));
     format!("Figures of a move:\n{}", lines.collect::<String>())
 }
 

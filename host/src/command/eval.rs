@@ -15,6 +15,7 @@ use crate::page::{Curve, Figure, GENERATOR, Page, Panel};
 use crate::report;
 use crate::run_folder::{StoredRun, is_trace, put, refuse_foreign, rig_of};
 use crate::transient::{CHANNELS, Transient};
+use crate::words;
 
 /// Names of the columns behind the channels in a CSV file.
 const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
@@ -69,7 +70,8 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     if spacing.runs == 1 {
         return Ok((vec![own], Some(ALONE.to_owned())));
     }
-    let rig = rig_of(&arguments.file)?;
+    // Older programs had values that this one does not take.
+    let Ok(rig) = rig_of(&arguments.file) else { return Ok((vec![own], Some(OTHER.to_owned()))) };
     let accuracy = stored.accuracy.unwrap_or(Accuracy::of(&rig));
     let mut progress = Progress::new("simulating its neighbours");
     let measure = |rig: &Rig, run: &Run| {
@@ -80,9 +82,11 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     progress.done();
     let Ensemble { nominal, measured } = ensemble?;
     if is_trace(&arguments.file, &nominal.run)? {
+        let lost = words::lost(&nominal.lost).map_or_else(String::new, |lost| format!(" {lost}."));
         let rest = format!(
-            "Least and most are over {} runs whose mass and starting position differ by up to {:e} (of the mass, of the stroke).",
-            spacing.runs, spacing.relative
+            "Least and most are over {} runs whose mass and starting position differ by up to {:e} (of the mass, of the stroke).{lost}",
+            measured.len(),
+            spacing.relative
         );
         return Ok((measured, Some(rest)));
     }

@@ -47,7 +47,7 @@ fn read(folder: &Path) -> Result<(&Path, Kept, About)> {
 
 /// The sweep that a journal is of.
 fn sweep_of(about: &About) -> Result<Sweep> {
-    let sweep = Sweep::read(about.sweep.clone(), |_| Ok(about.rig.clone()))?;
+    let sweep = Sweep::read(about.sweep.clone(), |_| Ok(about.rig.clone()))?.with_ensemble(about.ensemble)?;
     ensure!(
         format!("{:016x}", sweep.identity()) == about.identity,
         "these shards were run by {}; merge them with it",

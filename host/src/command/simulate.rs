@@ -57,6 +57,7 @@ pub(super) fn figures(rig: &Rig, run: &Run) -> Vec<Move> {
 
 /// A line about a run, one that tells whether it is decided, and one about its neighbours.
 pub(super) fn notes(rig: &Rig, judged: &Judged) -> Vec<String> {
+    let lost = judged.band.as_ref().and_then(|_| words::lost(&judged.lost));
     let neighbours = judged.band.as_ref().map(|_| {
         let Spacing { runs, relative } = judged.spacing;
         format!(
@@ -64,7 +65,11 @@ pub(super) fn notes(rig: &Rig, judged: &Judged) -> Vec<String> {
             runs - 1
         )
     });
-    [summary(rig, &judged.run), words::decision(&judged.decision)].into_iter().chain(neighbours).collect()
+    [summary(rig, &judged.run), words::decision(&judged.decision)]
+        .into_iter()
+        .chain(neighbours)
+        .chain(lost)
+        .collect()
 }
 
 /// One line about a run.

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_sim::rig::builtin;
-use toml_edit::{DocumentMut, value};
 
 use super::{Progress, rig_text};
 use crate::cli;
@@ -49,28 +48,16 @@ fn folder_of(file: &Path) -> PathBuf {
 fn read(arguments: &cli::Sweep) -> Result<Sweep> {
     let file = &arguments.file;
     let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
-    let text = match arguments.ensemble {
-        Some(runs) => with_ensemble(text, runs),
-        None => text,
-    };
     let beside = |rig: &str| {
         let place = file.parent().unwrap_or(Path::new("")).join(rig);
         let rig = if builtin(rig).is_some() { rig.to_owned() } else { place.display().to_string() };
         let (name, text) = rig_text(&rig)?;
         Ok(Source { name, text })
     };
-    Ok(Sweep::read(Source { name: file.display().to_string(), text }, beside)?)
-}
-
-/// The text of a sweep with another `ensemble`, as if it stood in the file: a journal keeps it, and shards are merged by
-/// it. What is no TOML stays as it is, for the reader to tell.
-fn with_ensemble(text: String, runs: u16) -> String {
-    match text.parse::<DocumentMut>() {
-        Ok(mut document) => {
-            document["ensemble"] = value(i64::from(runs));
-            document.to_string()
-        }
-        Err(_) => text,
+    let sweep = Sweep::read(Source { name: file.display().to_string(), text }, beside)?;
+    match arguments.ensemble {
+        Some(runs) => Ok(sweep.with_ensemble(usize::from(runs))?),
+        None => Ok(sweep),
     }
 }
 

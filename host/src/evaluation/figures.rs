@@ -89,11 +89,14 @@ fn one_to_json(moves: &[Option<&Move>]) -> Value {
     let mut fields: Map<String, Value> =
         figures.map(|figure| (figure.name.to_owned(), ranged(&figure.of))).collect();
     fields.insert("limit_cycle_swing_mm".to_owned(), ranged(&|one| one.limit_cycle.swing_mm()));
+    fields.insert("limit_cycle_hz".to_owned(), ranged(&|one| one.limit_cycle.frequency_hz()));
     let [at_rest, swinging, undecided] = endings(moves);
     fields.insert(
         "limit_cycle_runs".to_owned(),
         json!({ "none": at_rest, "sustained": swinging, "undecided": undecided }),
     );
     fields.insert("air_litres_anr".to_owned(), ranged(&|one| Some(one.air?.litres)));
+    fields.insert("air_litres_anr_at_least".to_owned(), ranged(&|one| Some(one.air?.least)));
+    fields.insert("air_litres_anr_at_most".to_owned(), ranged(&|one| Some(one.air?.most)));
     Value::Object(fields)
 }

@@ -61,6 +61,8 @@ pub struct Oscillation {
 /// Why a limit cycle cannot be decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt {
+    /// The move lasts for less time than a rest is told from.
+    TooShort,
     /// The drive stands still, but not for long enough.
     JustStopped,
     /// The drive stands still, but its pressures still change.
@@ -91,6 +93,7 @@ pub enum Doubt {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
+            Doubt::TooShort => write!(f, "it lasts for less than {REST_S} s"),
             Doubt::JustStopped => {
                 f.write_str("it stands still at the end, but has not done so for long enough")
             }
@@ -151,6 +154,9 @@ impl LimitCycle {
     /// What the positions of a move (mm) over time (s) show, and the pressures of its chambers (kPa).
     #[must_use]
     pub fn of(time: &[f64], position: &[f64], pressures: [&[f64]; 2], mm_per_count: f64) -> LimitCycle {
+        if duration(time) < REST_S {
+            return LimitCycle::Undecided(Doubt::TooShort);
+        }
         let still_mm = still_band(position, mm_per_count);
         let rest_s = rest(time, position, still_mm);
         let earlier = swings(time, position, still_mm);
@@ -204,6 +210,15 @@ impl LimitCycle {
     pub fn or_worse(self, other: LimitCycle) -> LimitCycle {
         let rank = |one: &LimitCycle| one.swing_mm().unwrap_or(f64::INFINITY);
         if rank(&other) > rank(&self) { other } else { self }
+    }
+
+    /// How often it swings, Hz; None unless it does.
+    #[must_use]
+    pub fn frequency_hz(&self) -> Option<f64> {
+        match self {
+            LimitCycle::Sustained(seen) => Some(seen.frequency_hz),
+            LimitCycle::None { .. } | LimitCycle::Undecided(_) => None,
+        }
     }
 
     /// The swing from peak to peak, mm: 0 of a drive at rest, None where it is not decided.

@@ -1,7 +1,7 @@
 //! The figures of moves in words.
 
 use super::figures::{FIGURES, Figure, InRuns, TOP_SPEED, endings, in_runs, range};
-use super::{Air, LimitCycle, Move};
+use super::{Air, Doubt, LimitCycle, Move};
 use crate::page::Table;
 use crate::range::Range;
 
@@ -65,29 +65,34 @@ impl Cell {
     }
 }
 
-/// Swing and frequency of a limit cycle; the swing with its smallest and largest cycle.
+/// Swing and frequency of a limit cycle.
 fn limit_cycle(moves: &InRuns) -> [Cell; 2] {
-    let all: Vec<LimitCycle> = moves.iter().flatten().map(|one| one.limit_cycle).collect();
+    let broke_off = LimitCycle::Undecided(Doubt::NoMove);
+    let all: Vec<LimitCycle> = moves.iter().map(|one| one.map_or(broke_off, |one| one.limit_cycle)).collect();
     // What is not decidable may be any swing.
     let swing = |one: &&LimitCycle| one.swing_mm().unwrap_or(f64::INFINITY);
     let by_swing = |a: &&LimitCycle, b: &&LimitCycle| swing(a).total_cmp(&swing(b));
     let ends = all.iter().min_by(by_swing).zip(all.iter().max_by(by_swing));
     let Some((least, most)) = ends else { return Default::default() };
-    let ([own, own_hz], [least, least_hz], [most, most_hz]) = (cycle(&all[0]), cycle(least), cycle(most));
-    if least == most {
-        return [own, own_hz].map(|own| Cell { own, ..Cell::default() });
-    }
-    [Cell { own, least, most }, Cell { own: own_hz, least: least_hz, most: most_hz }]
+    let ends = [least, most].map(|one| match one {
+        LimitCycle::Sustained(seen) => format!("{:.3}", seen.swing_mm),
+        other => cycle(other),
+    });
+    let hertz: Vec<Option<f64>> = all.iter().map(LimitCycle::frequency_hz).collect();
+    let frequency = Cell::of_range(Range::of(&hertz), 2);
+    let [least, most] = if least == most { Default::default() } else { ends };
+    [Cell { own: cycle(&all[0]), least, most }, frequency]
 }
 
-fn cycle(limit_cycle: &LimitCycle) -> [String; 2] {
+/// A swing with its smallest and largest cycle.
+fn cycle(limit_cycle: &LimitCycle) -> String {
     match limit_cycle {
-        LimitCycle::None { .. } => ["none".to_owned(), "-".to_owned()],
+        LimitCycle::None { .. } => "none".to_owned(),
         LimitCycle::Sustained(seen) => {
             let [least, most] = seen.range_mm;
-            [format!("{:.3} ({least:.3} to {most:.3})", seen.swing_mm), format!("{:.2}", seen.frequency_hz)]
+            format!("{:.3} ({least:.3} to {most:.3})", seen.swing_mm)
         }
-        LimitCycle::Undecided(_) => ["not decidable".to_owned(), "-".to_owned()],
+        LimitCycle::Undecided(_) => "not decidable".to_owned(),
     }
 }
 
@@ -98,7 +103,12 @@ fn air(moves: &InRuns) -> Cell {
     };
     let decimals = (2.0 - (most - least).max(1e-3).log10()).floor().clamp(0.0, 3.0) as usize;
     let own = format!("{litres:.decimals$} ({least:.decimals$} to {most:.decimals$})");
-    Cell { own, ..Cell::of_range(range(moves, |one| Some(one.air?.litres)), decimals) }
+    let [least, most] = [range(moves, |one| Some(one.air?.least)), range(moves, |one| Some(one.air?.most))];
+    let ends = least.ends.zip(most.ends).map(|([least, _], [_, most])| [least, most]);
+    if moves.len() == 1 {
+        return Cell { own, ..Cell::default() };
+    }
+    Cell { own, ..Cell::of_range(Range { ends, ..range(moves, |one| Some(one.air?.litres)) }, decimals) }
 }
 
 /// What the limit cycles of moves rest on, a sentence each: why one is not decidable, what none means, and where

@@ -82,7 +82,7 @@ impl Outcome {
         let name = self.name;
         match self.vibration() {
             LimitCycle::Sustained(Oscillation { swing_mm, frequency_hz, .. }) => {
-                format!("{name}: vibrates by {:.1} mm at {frequency_hz:.1} Hz", swing_mm / 2.0)
+                format!("{name}: vibrates by +-{:.1} mm at {frequency_hz:.1} Hz", swing_mm / 2.0)
             }
             LimitCycle::None { .. } => format!("{name}: comes to rest"),
             LimitCycle::Undecided(doubt) => format!("{name}: whether it vibrates is not decidable; {doubt}"),

@@ -1,7 +1,7 @@
 //! Runs the drives of studies, each with its neighbours on all processors. A drive that several studies ask for is run
 //! once.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use pneudrive_sim::rig::builtin;
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -59,6 +59,9 @@ fn run_one((name, settings): Drive, spacing: Spacing) -> Result<Vec<Outcome>> {
     let rig = Rig::read_with(name, text, &settings)?;
     let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, Outcome::of, |_, _| {})
         .with_context(|| format!("{name} with {settings:?} cannot be simulated"))?;
+    if let Some(why) = ensemble.nominal.lost.failed.first() {
+        bail!("a neighbour of {name} with {settings:?} cannot be simulated; write a smaller --change: {why}");
+    }
     let mut outcomes = ensemble.measured;
     outcomes[0].transient = Transient::of_run(name, &StoredRun::of_judged(&rig, &ensemble.nominal));
     Ok(outcomes)

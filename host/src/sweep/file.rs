@@ -85,9 +85,44 @@ impl Sweep {
             source: source.clone(),
         };
         reader.check_size(&sweep);
+        if let Some(message) = sweep.column_twice() {
+            reader.problem(None, "metrics", message);
+        }
         if reader.problems.is_empty() { Ok(sweep) } else { Err(Problems(reader.problems)) }
     }
 }
+
+impl Sweep {
+    /// The same with another number of runs a point.
+    ///
+    /// # Errors
+    /// When its points are draws, or two columns of the result would have one name.
+    pub fn with_ensemble(self, runs: usize) -> Result<Sweep, Problems> {
+        let sweep = Sweep { ensemble: runs, ..self };
+        let wrong = match sweep.is_drawn() && runs > 1 {
+            true => Some(DRAWS.to_owned()),
+            false => sweep.column_twice(),
+        };
+        let problem = |message| {
+            let mut reader = Reader::new(&sweep.source.name, "");
+            reader.problem(None, "ensemble", message);
+            Problems(reader.problems)
+        };
+        wrong.map(problem).map_or(Ok(()), Err)?;
+        Ok(sweep)
+    }
+
+    /// What is wrong if two columns of the result have one name.
+    fn column_twice(&self) -> Option<String> {
+        let header = self.header();
+        let names: Vec<&str> = header.split(',').collect();
+        let twice = (1..names.len()).find(|&place| names[..place].contains(&names[place]))?;
+        Some(format!("the result would have two columns {}; choose another name", names[twice]))
+    }
+}
+
+/// Why draws have no neighbours.
+const DRAWS: &str = "draws are an ensemble already; take ensemble out";
 
 impl Reader<'_> {
     /// The rig with its settings.
@@ -141,7 +176,7 @@ impl Reader<'_> {
         let Some(entry) = self.entry(top, "ensemble") else { return 1 };
         let runs =
             count(entry.item, 1, MOST_RUNS).and_then(|runs| match axes.iter().any(|axis| axis.drawn) {
-                true if runs > 1 => Err("draws are an ensemble already; take ensemble out".to_owned()),
+                true if runs > 1 => Err(DRAWS.to_owned()),
                 _ => Ok(runs),
             });
         self.note(&entry, runs).unwrap_or(1)

@@ -31,6 +31,8 @@ pub struct About {
     pub sweep: Source,
     /// The file of its rig.
     pub rig: Source,
+    /// Runs of a point.
+    pub ensemble: usize,
 }
 
 impl About {
@@ -40,6 +42,7 @@ impl About {
             program: format!("pneudrive {}", env!("CARGO_PKG_VERSION")),
             sweep: sweep.source.clone(),
             rig: sweep.rig_source.clone(),
+            ensemble: sweep.ensemble,
         }
     }
 
@@ -50,6 +53,7 @@ impl About {
             "program": self.program,
             "sweep": source(&self.sweep),
             "rig": source(&self.rig),
+            "ensemble": self.ensemble,
         })
         .to_string()
     }
@@ -65,6 +69,7 @@ impl About {
             program: text(&value["program"])?,
             sweep: source(&value["sweep"])?,
             rig: source(&value["rig"])?,
+            ensemble: value["ensemble"].as_u64().map_or(1, |runs| runs as usize),
         })
     }
 }

@@ -11,6 +11,8 @@ pub struct Figure {
     pub meaning: &'static str,
     /// Its value; None if the move does not show it.
     of: fn(&Move) -> Option<f64>,
+    /// Whether only a move that goes somewhere has it: in a sum, others do not count.
+    of_a_way: bool,
 }
 
 /// Another number each time a figure is computed in another way: rows from before are then of another sweep.
@@ -18,9 +20,9 @@ pub(super) const REVISION: u32 = 3;
 
 /// All of them.
 pub const FIGURES: [Figure; 11] = [
-    figure("rise_s", "from 10 % to 90 % of the way", |one| one.rise_s),
-    figure("overshoot_mm", "how far it goes beyond the setpoint", |one| one.overshoot_mm),
-    figure("overshoot_percent", "the same, of the way", |one| {
+    figure_of_a_way("rise_s", "from 10 % to 90 % of the way", |one| one.rise_s),
+    figure_of_a_way("overshoot_mm", "how far it goes beyond the setpoint", |one| one.overshoot_mm),
+    figure_of_a_way("overshoot_percent", "the same, of the way", |one| {
         Some(100.0 * one.overshoot_mm? / (one.to_mm? - one.from_mm).abs())
     }),
     figure(
@@ -54,7 +56,11 @@ pub const FIGURES: [Figure; 11] = [
 ];
 
 const fn figure(name: &'static str, meaning: &'static str, of: fn(&Move) -> Option<f64>) -> Figure {
-    Figure { name, meaning, of }
+    Figure { name, meaning, of, of_a_way: false }
+}
+
+const fn figure_of_a_way(name: &'static str, meaning: &'static str, of: fn(&Move) -> Option<f64>) -> Figure {
+    Figure { of_a_way: true, ..figure(name, meaning, of) }
 }
 
 /// Which move.
@@ -64,7 +70,7 @@ pub enum Which {
     Number(usize),
     /// The largest in size of all moves that go further than the tolerance of settling.
     Worst,
-    /// The sum over all moves.
+    /// The sum over all moves; of rise and overshoot, over those that go further than the tolerance of settling.
     Sum,
 }
 
@@ -100,7 +106,7 @@ impl Metric {
                 let first = values.next().ok_or_else(|| format!("{}: nothing moves", self.name))?;
                 Ok(values.fold(first, |all, value| all.zip(value).map(|(a, b)| worst(a, b))))
             }
-            Which::Sum => Ok(moves.iter().map(of).sum()),
+            Which::Sum => Ok(moves.iter().filter(|one| goes(one) || !self.figure.of_a_way).map(of).sum()),
         }
     }
 }
@@ -136,6 +142,7 @@ mod tests {
             from_mm: 0.001,
             to_mm: Some(0.0),
             rise_s: None,
+            overshoot_mm: None,
             limit_cycle: undecided,
             air: air(0.25),
             ..step.clone()
@@ -183,6 +190,7 @@ mod tests {
             assert_eq!(value(name, Which::Sum), Ok(None), "{name}: nor is the sum");
         }
         assert_eq!(value("air_l", Which::Sum), Ok(Some(2.25)));
+        assert_eq!(value("overshoot_mm", Which::Sum), Ok(Some(3.6)), "the hold shows none");
         assert_eq!(value("air_l", Which::Number(4)), Err("m: there is no move 4; the run has 3".to_owned()));
     }
 }

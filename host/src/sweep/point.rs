@@ -1,12 +1,13 @@
 //! One point of a sweep: its run, and its row in the result.
 
 use std::any::Any;
+use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pneudrive_sim::{Rig, Run, run};
 
 use super::{Metric, Sweep};
-use crate::ensemble::{Ensemble, Spacing, run_ensemble};
+use crate::ensemble::{Ensemble, Spacing, run_ensemble_on};
 use crate::evaluation::{Move, moves_of_run};
 use crate::range::Range;
 use crate::words::fault_name;
@@ -109,10 +110,19 @@ fn measured(sweep: &Sweep, point: usize) -> Result<Row, String> {
     }
     let spacing = Spacing { runs: sweep.ensemble, ..Spacing::default() };
     let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, sweep.settled_mm);
-    let ensemble = run_ensemble(&rig, sweep.accuracy_for(&rig), spacing, measure, |_, _| {});
+    // The points go side by side already.
+    let (one, accuracy) = (NonZeroUsize::MIN, sweep.accuracy_for(&rig));
+    let ensemble = run_ensemble_on(one, &rig, accuracy, spacing, measure, |_, _| {});
     let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
     let row = row(sweep, point, &nominal.run, &measured)?;
-    Ok(Row { decided: Some(nominal.decision.is_decided()), ..row })
+    let of_neighbour =
+        nominal.lost.tripped.first().map(|fault| format!("{} of a neighbour", fault_name(*fault)));
+    Ok(Row {
+        decided: Some(nominal.decision.is_decided()),
+        fault: if row.fault.is_empty() { of_neighbour.unwrap_or_default() } else { row.fault },
+        failure: nominal.lost.failed.first().map_or_else(String::new, |why| format!("a neighbour: {why}")),
+        ..row
+    })
 }
 
 /// The row of a run; `moves` has its own, and then those of its neighbours.

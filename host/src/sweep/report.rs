@@ -168,14 +168,18 @@ fn summary(sweep: &Sweep, rows: &[Row]) -> Table {
     let row = |(place, metric): (usize, &super::Metric)| {
         let mut values: Vec<f64> = rows.iter().filter_map(|row| row.metrics[place]).collect();
         values.sort_by(f64::total_cmp);
-        let at = |index: usize| said(values.get(index).copied());
+        let ends = rows.iter().filter_map(|row| *row.ends.get(place)?);
+        let ends = ends.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        let least = values.first().copied().map(|least| ends.map_or(least, |[a, _]| a.min(least)));
+        let most = values.last().copied().map(|most| ends.map_or(most, |[_, b]| b.max(most)));
+        let median = values.get(values.len() / 2).copied();
         let which = match metric.which {
             Which::Number(number) => format!("move {number}"),
             Which::Worst => "worst move".to_owned(),
             Which::Sum => "all moves".to_owned(),
         };
         let about = format!("{}, {which}: {}", metric.figure.name, metric.figure.meaning);
-        let ends = [at(0), at(values.len() / 2), at(values.len().saturating_sub(1))];
+        let ends = [least, median, most].map(said);
         let missing = (rows.len() - values.len()).to_string();
         std::iter::once(metric.name.clone()).chain(ends).chain([missing, about]).collect()
     };

@@ -95,7 +95,8 @@ impl Trial {
             self.measured(rig, run).map_or_else(Performance::failed, |(_, moves)| self.performance(&moves))
         };
         let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing(), measure, |_, _| {})?;
-        Ok(ensemble.measured)
+        let failed = ensemble.nominal.lost.failed.into_iter().map(Performance::failed);
+        Ok(ensemble.measured.into_iter().chain(failed).collect())
     }
 
     /// The rig of the file with these gains.

@@ -249,7 +249,8 @@ fn a_swing_of_less_than_two_counts_is_a_drive_at_rest() {
 #[test]
 fn a_hold_must_last_to_show_that_the_drive_rests() {
     assert!(matches!(seen(|_| 100.0, 0.3), LimitCycle::None { .. }));
-    assert_eq!(seen(|_| 100.0, 0.15), LimitCycle::Undecided(Doubt::JustStopped));
+    assert_eq!(seen(|_| 100.0, 0.15), LimitCycle::Undecided(Doubt::TooShort));
+    assert_eq!(seen(|t| 100.0 * (t / 0.2).min(1.0), 0.35), LimitCycle::Undecided(Doubt::JustStopped));
     assert!(matches!(seen(|_| 100.0, 0.0), LimitCycle::Undecided(_)), "one sample");
     assert!(matches!(LimitCycle::of(&[], &[], [&[], &[]], COUNT_MM), LimitCycle::Undecided(_)));
 }

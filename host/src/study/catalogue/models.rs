@@ -4,7 +4,6 @@
 use super::super::outcome::said;
 use super::super::{Finding, Statement, Study, Variant};
 use super::{APPENDIX_GAINS, TUNED};
-use crate::evaluation::LimitCycle;
 use crate::transient::{POSITION, PRESSURES};
 
 pub(super) const CONTINUOUS: Study = Study {
@@ -62,10 +61,7 @@ pub(super) const EMPIRICAL_OPERATOR: Study = Study {
         Statement {
             thesis: "The frequency of vibration deviates in the position.",
             judge: |runs| {
-                let [analytical, empirical] = [&runs[0], &runs[1]].map(|run| match run.vibration() {
-                    LimitCycle::Sustained(seen) => Some(seen.frequency_hz),
-                    LimitCycle::None { .. } | LimitCycle::Undecided(_) => None,
-                });
+                let [analytical, empirical] = [&runs[0], &runs[1]].map(|run| run.vibration().frequency_hz());
                 let other = empirical.zip(analytical).map(|(one, other)| (one / other - 1.0).abs() > 0.05);
                 let shows = format!("{} for {}", said(empirical, 1, "Hz"), said(analytical, 1, "Hz"));
                 Finding::decided(other, shows)
