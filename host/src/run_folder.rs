@@ -102,10 +102,10 @@ fn checksum(text: &str) -> String {
 /// # Errors
 /// When it cannot.
 pub fn make_writable(folder: &Path) -> Result<()> {
-    let probe = folder.join(format!(".pneudrive-{}.partial", std::process::id()));
+    // A file without a name, or one that goes with the program: a kill leaves none.
     fs::create_dir_all(folder)
-        .and_then(|()| fs::write(&probe, ""))
-        .and_then(|()| fs::remove_file(&probe))
+        .and_then(|()| tempfile::tempfile_in(folder))
+        .map(drop)
         .with_context(|| format!("cannot write into the folder {}; choose another", folder.display()))
 }
 

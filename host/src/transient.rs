@@ -137,10 +137,7 @@ impl Transient {
             name: name.to_owned(),
             time: file.samples.iter().map(|(index, _)| f64::from(*index) * period).collect(),
             channels: [
-                // The error is the setpoint less the position; open loop has neither.
-                channel(&|s| {
-                    if open_loop { f64::NAN } else { (f64::from(s.position) + f64::from(s.error)) * mm }
-                }),
+                setpoints(file, open_loop).into_iter().map(|counts| counts * mm).collect(),
                 channel(&|s| f64::from(s.position) * mm),
                 channel(&|s| scaled(s.pressure_1, pressure)),
                 channel(&|s| scaled(s.pressure_2, pressure)),
@@ -260,6 +257,25 @@ impl Transient {
     }
 }
 
+/// The setpoint of each sample, counts: the error is the setpoint less the position. Open loop has neither. An error at
+/// the limit of its 16 bits does not tell it: it is that of the next sample that does, as a drive comes nearer on its way.
+fn setpoints(file: &TargetFile, open_loop: bool) -> Vec<f64> {
+    let mut next = f64::NAN;
+    let mut setpoints: Vec<f64> = file
+        .samples
+        .iter()
+        .rev()
+        .map(|(_, sample)| {
+            if !open_loop && sample.error != i16::MAX && sample.error != i16::MIN {
+                next = f64::from(sample.position) + f64::from(sample.error);
+            }
+            next
+        })
+        .collect();
+    setpoints.reverse();
+    setpoints
+}
+
 /// Where more than the samples between every Nth are missing.
 fn gaps(file: &TargetFile, period_s: f64) -> Vec<[f64; 2]> {
     let every = file.number("decimation").unwrap_or(1.0);
@@ -285,6 +301,26 @@ pub(crate) fn whole_window(samples: f64) -> Option<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_error_at_the_limit_of_its_bits_tells_no_setpoint_and_the_next_one_does() {
+        let sample = |position: i32, error: i16| RecordedSample {
+            position,
+            pressure_1: 0,
+            pressure_2: 0,
+            command: 0,
+            error,
+            spool: 0,
+        };
+        // A step to 40,000 counts; the last error is not known any more.
+        let samples =
+            [(0, 0), (100, i16::MAX), (5000, i16::MAX), (8000, 32_000), (39_990, 10), (0, i16::MAX)];
+        let samples = (0..).zip(samples.map(|(position, error)| sample(position, error))).collect();
+        let file = TargetFile { header: Vec::new(), samples };
+        let found = setpoints(&file, false);
+        assert_eq!(found[..5], [0.0, 40_000.0, 40_000.0, 40_000.0, 40_000.0]);
+        assert!(found[5].is_nan() && setpoints(&file, true).iter().all(|setpoint| setpoint.is_nan()));
+    }
 
     #[test]
     fn between_samples_a_channel_is_a_straight_line_and_outside_there_is_none() {
