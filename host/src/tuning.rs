@@ -1,7 +1,7 @@
 //! Gains for a drive: a step there and back, on every rig and at every place of a stated spread.
 //!
 //! ```text
-//! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on the corners of the spread -> worst cost
+//! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on the corners of the spread -> mean cost
 //!        ^______________________ differential evolution _______________________________________________|
 //! the best few -> neighbours of the file's rig -> the one with the least cost -> fresh draws -> how often it meets the goal
 //! ```
@@ -86,11 +86,12 @@ pub struct Found {
 }
 
 impl Found {
-    /// The worst of what they were tuned on, and of the neighbours of the file's rig.
+    /// Mean cost of what they were tuned on, and of the worst of the neighbours of the file's rig.
     #[must_use]
     pub fn cost(&self, goal: &Goal) -> f64 {
-        let all = self.tuned_on.iter().chain(&self.neighbours);
-        all.map(|one| one.cost(goal)).fold(0.0, f64::max)
+        let worst = self.neighbours.iter().map(|one| one.cost(goal)).reduce(f64::max);
+        let all = self.tuned_on.iter().map(|one| one.cost(goal)).chain(worst);
+        all.sum::<f64>() / (self.tuned_on.len() + usize::from(worst.is_some())) as f64
     }
 
     /// On how many of the fresh draws the goal is met.

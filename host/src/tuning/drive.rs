@@ -106,12 +106,13 @@ impl Drive<'_> {
             }
             // What has refused most candidates comes first: a poor one then costs a run or two.
             order.sort_by_key(|&place| (std::cmp::Reverse(refused[place]), place));
-            found.iter().map(|one| one.worst).collect()
+            found.iter().map(|one| one.mean).collect()
         };
         search(self.space.len(), budget, start, costs)
     }
 
-    /// The cost of each candidate: its worst variant. One that is above its limit is not looked at any further.
+    /// The cost of each candidate: the mean over the variants. One that is above its limit, whatever the variants that
+    /// are left may show, is not looked at any further.
     fn costs(
         &self,
         genes: &[Vec<f64>],
@@ -121,11 +122,12 @@ impl Drive<'_> {
     ) -> Vec<Cost> {
         let cost = |(genes, limit): &(&Vec<f64>, f64)| {
             let settings = self.space.settings(genes);
-            let mut cost = Cost { worst: 0.0, given_up_at: None, runs: 0 };
+            let mut cost = Cost { mean: 0.0, given_up_at: None, runs: 0 };
             for (place, variant) in variants.iter().enumerate() {
                 cost.runs += 1;
-                cost.worst = cost.worst.max(self.trial.run(&settings, variant).cost(&self.task.goal));
-                if cost.worst > *limit {
+                let of_one = self.trial.run(&settings, variant).cost(&self.task.goal);
+                cost.mean += of_one / variants.len() as f64;
+                if cost.mean > *limit + ROUNDING {
                     cost.given_up_at = Some(place);
                     break;
                 }
@@ -160,10 +162,13 @@ impl Drive<'_> {
     }
 }
 
+/// Sums in another order of the variants differ by less.
+const ROUNDING: f64 = 1e-12;
+
 /// What a candidate costs.
 struct Cost {
-    /// The cost of its worst variant, as far as it was looked at.
-    worst: f64,
+    /// Its mean cost; of one that was given up, that of the variants it was looked at, over all of them.
+    mean: f64,
     /// Which variant put it above its limit.
     given_up_at: Option<usize>,
     runs: usize,

@@ -1,6 +1,15 @@
 //! What is asked of a step, and what a run costs.
 //!
-//! A step costs its settling time; one that does not settle, the time that it had and a second for each time that
+//! The search asks for gains that meet the goal in as many trials as can be, and among those for the fastest. With the
+//! time t that a step has, a trial costs
+//!
+//! ```text
+//! settling / t       if the goal is met: less than 1
+//! 1 + c / (c + 5 s)  if it is not: from 1 to 2
+//! ```
+//!
+//! and gains the mean over their trials. The worst trial alone would not do: where it is out of reach, the search
+//! gives up all others for it. c tells how far a step is from the goal: its settling time; one that does not settle, the time that it had and a second for each time that
 //! its error at the end is the allowed one. What it overshoots too far costs 0.2 s a percent, a limit cycle
 //! 0.5 s and half its swing, and what may be one 0.5 s and half of what it covers in its last quarter. A run that trips costs more than all of that.
 
@@ -24,6 +33,9 @@ const SETTLED_BY: f64 = 0.75;
 
 /// Cost of a run that tripped, or could not be simulated, s.
 const FAILED: f64 = 1e3;
+
+/// A trial so far from the goal costs half of what one without hope costs more than one close to it, s.
+const HALFWAY_S: f64 = 5.0;
 
 /// What a step there and back has shown; of the two the worse.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,9 +90,18 @@ impl Performance {
         }
     }
 
-    /// What it costs, s.
+    /// What it costs in the search, from 0 to 2.
     #[must_use]
     pub fn cost(&self, goal: &Goal) -> f64 {
+        match self.settling_s {
+            Some(settling_s) if self.meets(goal) => settling_s / goal.time_s,
+            _ => 1.0 + self.distance_s(goal) / (self.distance_s(goal) + HALFWAY_S),
+        }
+    }
+
+    /// How far it is from the goal, s.
+    #[must_use]
+    pub fn distance_s(&self, goal: &Goal) -> f64 {
         if !self.failure.is_empty() {
             return FAILED;
         }

@@ -104,17 +104,20 @@ fn performance(there: Move, back: Move) -> Performance {
 }
 
 #[test]
-fn a_step_that_is_as_asked_costs_its_settling_time_and_all_others_more() {
+fn a_step_that_is_as_asked_is_its_settling_time_from_the_goal_and_all_others_are_further() {
     let good = performance(step(), Move { settling_s: Some(0.3), ..step() });
-    assert_eq!((good.cost(&GOAL), good.faults(&GOAL)), (0.4, vec![]));
+    assert_eq!((good.distance_s(&GOAL), good.faults(&GOAL)), (0.4, vec![]));
     let late = performance(step(), Move { settling_s: None, mean_error_mm: Some(-0.2), ..step() });
     assert_eq!(late.faults(&GOAL), ["it does not settle"]);
-    assert!((late.cost(&GOAL) - (1.5 + 4.0)).abs() < 1e-12, "its time, and four times the allowed error");
+    assert!(
+        (late.distance_s(&GOAL) - (1.5 + 4.0)).abs() < 1e-12,
+        "its time, and four times the allowed error"
+    );
     let passing = performance(step(), Move { settling_s: Some(1.4), mean_error_mm: Some(0.1), ..step() });
     assert_eq!((passing.settling_s, passing.faults(&GOAL)), (None, vec!["it does not settle"]));
     let far = performance(step(), Move { overshoot_mm: Some(1.2), ..step() });
     assert_eq!(far.faults(&GOAL), ["it overshoots"]);
-    assert!((far.cost(&GOAL) - (0.4 + 0.2)).abs() < 1e-12, "2 % of the step, 1 % is allowed");
+    assert!((far.distance_s(&GOAL) - (0.4 + 0.2)).abs() < 1e-12, "2 % of the step, 1 % is allowed");
     let cycle = Oscillation {
         swing_mm: 0.2,
         range_mm: [0.2, 0.2],
@@ -124,15 +127,36 @@ fn a_step_that_is_as_asked_costs_its_settling_time_and_all_others_more() {
     };
     let swings = performance(Move { limit_cycle: LimitCycle::Sustained(cycle), ..step() }, step());
     assert_eq!(swings.faults(&GOAL), ["it limit-cycles"]);
-    assert!((swings.cost(&GOAL) - (0.4 + 0.5 + 2.0)).abs() < 1e-12);
+    assert!((swings.distance_s(&GOAL) - (0.4 + 0.5 + 2.0)).abs() < 1e-12);
     let undecided = LimitCycle::Undecided(Doubt::FewCycles);
     let unclear = performance(Move { limit_cycle: undecided, range_mm: 0.1, ..step() }, step());
     assert_eq!(unclear.faults(&GOAL), ["it may limit-cycle"], "what is not decidable is not met");
-    assert!((unclear.cost(&GOAL) - (0.4 + 0.5 + 1.0)).abs() < 1e-12);
+    assert!((unclear.distance_s(&GOAL) - (0.4 + 0.5 + 1.0)).abs() < 1e-12);
     let going_on = performance(step(), Move { overshoot_mm: None, ..step() });
     assert_eq!(going_on.faults(&GOAL), ["it may overshoot"]);
     let failed = Performance::failed("encoder-step at sample 3".to_owned());
-    assert!(failed.cost(&GOAL) > late.cost(&GOAL) && !failed.meets(&GOAL));
+    assert!(failed.distance_s(&GOAL) > late.distance_s(&GOAL) && !failed.meets(&GOAL));
+}
+
+/// Else a trial that no gains can help would be bought with all others.
+#[test]
+fn gains_cost_less_the_more_trials_meet_the_goal() {
+    let good = performance(step(), step());
+    let late = |error_mm: f64| {
+        performance(step(), Move { settling_s: None, mean_error_mm: Some(error_mm), ..step() })
+    };
+    let slow = performance(step(), Move { settling_s: Some(1.0), ..step() });
+    let cost = |all: &[&Performance]| {
+        let tuned_on = all.iter().map(|&one| one.clone()).collect();
+        Found { settings: vec![], places: vec![], tuned_on, neighbours: vec![], fresh: vec![] }.cost(&GOAL)
+    };
+    assert!((good.cost(&GOAL) - 0.4 / 1.5).abs() < 1e-12);
+    assert!(good.cost(&GOAL) < slow.cost(&GOAL) && slow.cost(&GOAL) < 1.0);
+    assert!(1.0 < late(0.06).cost(&GOAL) && late(0.06).cost(&GOAL) < late(0.6).cost(&GOAL));
+    assert!(Performance::failed("a trip".to_owned()).cost(&GOAL) < 2.0);
+    let (hopeless, near) = (late(5.0), late(0.2));
+    assert!(cost(&[&good, &good, &hopeless]) < cost(&[&near, &near, &near]), "two of three are met");
+    assert!(cost(&[&slow, &slow, &near]) < cost(&[&good, &near, &near]));
 }
 
 #[test]

@@ -180,7 +180,7 @@ pub fn search(tuned: &Tuned) -> Figure {
         heading: "the search".to_owned(),
         across: "generation".to_owned(),
         panels: vec![Panel::new(
-            "cost, s",
+            "mean cost of a trial, 0 to 2",
             vec![Curve::new("best so far", generations, tuned.progress.clone())],
         )],
         ..Figure::default()

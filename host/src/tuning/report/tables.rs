@@ -147,8 +147,8 @@ pub fn places(tuned: &Tuned) -> Table {
 pub fn draws(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Table {
     let mut all: Vec<(&Variant, &Performance)> = tuned.fresh.iter().zip(&tuned.after.fresh).collect();
     all.sort_by(|(_, a), (_, b)| {
-        (a.meets(goal), b.cost(goal))
-            .partial_cmp(&(b.meets(goal), a.cost(goal)))
+        (a.meets(goal), b.distance_s(goal))
+            .partial_cmp(&(b.meets(goal), a.distance_s(goal)))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     let row = |(variant, one): (&Variant, &Performance)| {
