@@ -74,8 +74,9 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         ok(folder.path(), arguments);
     }
     // 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once. The neighbours of a run shade six of
-    // them between two edges each. No draw of the tuning meets the goal: its steps are one curve on two graphs, with the
-    // two bounds, and on the third one those that settle and those that do not.
+    // them between two edges each. The tuning keeps
+    // the gains of the file, and no draw meets its goal: the steps are one curve on two graphs, with the two bounds; those
+    // that settle and those that do not are two on the third; then come the profile, four of the file's rig, and the search.
     for (name, graphs, curves) in [
         ("run/report.html", 5, 7 + 12),
         ("eval.html", 7, 9 + 12),
@@ -86,7 +87,7 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         ("pressure-drop.html", 1, 3),
         ("impulse.html", 5, 7 + 12),
         ("ladder.html", 4, 31),
-        ("tune.html", 8, 16),
+        ("tune.html", 8, 12),
     ] {
         let seen = open(browser, profile.path(), &folder.path().join(name));
         assert!(seen.console.is_empty(), "{name}: {:?}", seen.console);
