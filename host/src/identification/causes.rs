@@ -55,8 +55,8 @@ pub enum Change {
     Number {
         /// Its key.
         path: &'static str,
-        /// Settings without which it does nothing.
-        with: &'static [&'static str],
+        /// The choice without which it does nothing.
+        with: Option<Choice>,
         /// What is usual, in the unit of the key.
         size: f64,
         /// The least that can be told from none, in the unit of the key.
@@ -64,8 +64,31 @@ pub enum Change {
     },
     /// A switch that is turned.
     Switch(&'static str),
-    /// The other word of a choice, by its key.
-    Word(&'static str, &'static str),
+    /// The other word of a choice.
+    Word(Choice),
+}
+
+/// A choice by which a rig file has an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Choice {
+    /// Its key.
+    pub path: &'static str,
+    /// The word that has the effect.
+    pub word: &'static str,
+    /// The word that stands for no such effect; any other one is a model of its own, which the effect does not replace.
+    pub none: &'static str,
+}
+
+impl Choice {
+    /// The setting that makes the choice.
+    fn setting(&self) -> String {
+        format!("{}={}", self.path, self.word)
+    }
+
+    /// Whether a rig has the word, or the one for no effect.
+    fn is_open(&self, rig: &Rig) -> bool {
+        [self.word, self.none].contains(&rig.word(self.path))
+    }
 }
 
 /// How well an effect explains a misfit.
@@ -269,8 +292,9 @@ impl Effect {
         let fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
         match self.change {
             Change::Number { path, .. } if fitted(path) => None,
+            Change::Number { with: Some(choice), .. } if !choice.is_open(rig) => None,
             Change::Number { path, with, size, least } => {
-                let settings: Vec<String> = with.iter().map(ToString::to_string).collect();
+                let settings: Vec<String> = with.iter().map(Choice::setting).collect();
                 let rig = rig.with_settings(&settings).ok()?;
                 let start = rig.optional_number(path)?;
                 let value = start + part * size;
@@ -281,10 +305,10 @@ impl Effect {
                 let turned = !rig.switch(path);
                 rig.with_settings(&[format!("{path}={turned}")]).ok()
             }
-            Change::Word(path, word) if rig.word(path) != word => {
-                rig.with_settings(&[format!("{path}={word}")]).ok()
+            Change::Word(choice) if rig.word(choice.path) == choice.none => {
+                rig.with_settings(&[choice.setting()]).ok()
             }
-            Change::Word(..) => None,
+            Change::Word(_) => None,
         }
     }
 
@@ -293,10 +317,10 @@ impl Effect {
         match self.change {
             Change::Number { path, with, .. } => {
                 let number = format!("{path}={:.4}", Shortest(value.map_or(0.0, |(value, _)| value)));
-                with.iter().copied().chain([number.as_str()]).collect::<Vec<_>>().join(" ")
+                with.iter().map(Choice::setting).chain([number]).collect::<Vec<_>>().join(" ")
             }
             Change::Switch(path) => format!("{path}={}", rig.switch(path)),
-            Change::Word(path, word) => format!("{path}={word}"),
+            Change::Word(choice) => choice.setting(),
         }
     }
 }
@@ -321,10 +345,32 @@ mod tests {
     fn every_effect_is_of_a_key_and_of_a_size_in_its_range() {
         let rig = Rig::builtin("servo-b").expect("built in");
         for effect in list::EFFECTS {
-            let (Change::Number { path, .. } | Change::Switch(path) | Change::Word(path, _)) = effect.change;
+            let (Change::Number { path, .. } | Change::Switch(path) | Change::Word(Choice { path, .. })) =
+                effect.change;
             assert!(keys::find(path).is_some(), "{path}");
             let model = Model::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
             assert!(effect.rig(&model, 1.0).is_some(), "{}", effect.name);
+        }
+    }
+
+    /// The names of the effects that are tried on servo-drive B with some settings.
+    fn tried(settings: &[&str]) -> Vec<&'static str> {
+        let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+        let rig = Rig::builtin("servo-b").expect("built in").with_settings(&settings).expect("valid");
+        let model = Model::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
+        let possible = list::EFFECTS.iter().filter(|effect| effect.rig(&model, 1.0).is_some());
+        possible.map(|effect| effect.name).collect()
+    }
+
+    #[test]
+    fn an_effect_does_not_replace_another_model_that_the_rig_file_has_of_it() {
+        for (leakage, is_tried) in [("none", true), ("laminar", true), ("adiabatic", false)] {
+            let tried = tried(&[&format!("actuator.leakage={leakage}")]);
+            assert_eq!(tried.contains(&"leakage past the piston"), is_tried, "{leakage}");
+        }
+        for (force, is_tried) in [("none", true), ("experimental", false)] {
+            let tried = tried(&[&format!("valve.flow_force={force}")]);
+            assert_eq!(tried.contains(&"the force of the flow on the spool"), is_tried, "{force}");
         }
     }
 

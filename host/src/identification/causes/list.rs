@@ -1,9 +1,9 @@
 //! The effects that are tried.
 
-use super::{Change, Effect};
+use super::{Change, Choice, Effect};
 
 const fn number(path: &'static str, size: f64, least: f64) -> Change {
-    Change::Number { path, with: &[], size, least }
+    Change::Number { path, with: None, size, least }
 }
 
 /// In the order in which they are tried.
@@ -27,7 +27,7 @@ pub(super) const EFFECTS: [Effect; 14] = [
         name: "leakage past the piston",
         change: Change::Number {
             path: "actuator.leakage_coefficient",
-            with: &["actuator.leakage=laminar"],
+            with: Some(Choice { path: "actuator.leakage", word: "laminar", none: "none" }),
             size: 1e-9,
             least: 0.0,
         },
@@ -75,12 +75,12 @@ pub(super) const EFFECTS: [Effect; 14] = [
     },
     Effect {
         name: "a discharge that depends on the pressure ratio",
-        change: Change::Word("valve.discharge_model", "perry"),
+        change: Change::Word(Choice { path: "valve.discharge_model", word: "perry", none: "constant" }),
         measure: "record the flow of the open valve over the pressure ratio",
     },
     Effect {
         name: "the force of the flow on the spool",
-        change: Change::Word("valve.flow_force", "analytical"),
+        change: Change::Word(Choice { path: "valve.flow_force", word: "analytical", none: "none" }),
         measure: "compare the strokes of the spool with and without supply pressure",
     },
 ];
