@@ -69,7 +69,8 @@ pub struct Move {
 /// The moves of a transient, in their order.
 ///
 /// `tolerance_mm` is the distance from the setpoint that counts as there; `motion` has the velocities at the
-/// transient's instants; `chambers` tell the air of a record.
+/// transient's instants; `chambers` tell the air of a record, and of both whether the dither hides it. Without them the
+/// rows of a run are taken to follow its dither.
 #[must_use]
 pub fn moves(
     transient: &Transient,
@@ -93,7 +94,7 @@ pub fn moves(
 #[must_use]
 pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
     let transient = Transient::of_run(rig.name(), &StoredRun::of(rig, run));
-    moves(&transient, &Motion::of(&transient), None, tolerance_mm)
+    moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm)
 }
 
 /// A move has settled within this distance of its setpoint, mm, unless a user says otherwise.

@@ -4,7 +4,7 @@ mod program;
 
 use std::path::Path;
 
-use pneudrive::evaluation::{Air, Chambers, Motion, moves};
+use pneudrive::evaluation::{Air, Chambers, Motion, moves, moves_of_run};
 use pneudrive::run_folder::StoredRun;
 use pneudrive::transient::{POSITION, PRESSURES, Transient};
 use pneudrive_sim::rig::builtin;
@@ -176,4 +176,17 @@ fn what_a_record_cannot_show_is_none() {
     let narrow = rig("servo-b-tuned", &["sensors.pressure_max_pa=400000.0".to_owned()]);
     let cut = recorded(&narrow, &run, 1);
     assert_eq!(air(&cut, Some(&Chambers::of(&narrow))), None, "the pressure is beyond its converter");
+}
+
+/// Rows at a whole multiple of the dither's period all see it at one phase: every other row has the same sum.
+#[test]
+fn the_air_of_a_run_whose_rows_do_not_resolve_the_dither_is_not_told() {
+    let air = |period: &str| {
+        let rig = rig("servo-b-tuned", &[format!("test.trace_period_s={period}")]);
+        moves_of_run(&rig, &simulated(&rig), 0.05).iter().map(|one| one.air).collect::<Vec<_>>()
+    };
+    for period in ["0.02", "0.04", "0.004"] {
+        assert!(air(period).iter().all(Option::is_none), "{period} s: {:?}", air(period));
+    }
+    assert!(air("0.001").iter().all(Option::is_some), "twenty rows to a period of the dither");
 }

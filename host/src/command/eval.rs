@@ -30,8 +30,7 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     }
     let transient = stretch(Transient::read(&arguments.file)?, &arguments.stretch)?;
     let motion = Motion::of(&transient);
-    let rig = arguments.rig.as_ref().map(|rig| load_rig(rig, &[])).transpose()?;
-    let chambers = rig.as_ref().map(Chambers::of);
+    let chambers = chambers(arguments)?;
     let own = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
     let (runs, rest) = with_neighbours(arguments, own)?;
     let table = table(&runs, arguments.tolerance);
@@ -44,13 +43,23 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     }
     let page = Page {
         title: format!("{}, evaluated", transient.name),
-        notes: notes(&transient, chambers.is_some()).into_iter().chain(remarks).collect(),
+        notes: notes(&transient, chambers.as_ref()).into_iter().chain(remarks).collect(),
         tables: vec![table],
         figures: vec![Figure::over_time(panels(&transient, &motion))],
     };
     page.write(&arguments.out)?;
     say!("{}", arguments.out.display());
     Ok(())
+}
+
+/// Those of the rig that is named, or else of the rig of a run folder, if this program takes its values.
+fn chambers(arguments: &Eval) -> Result<Option<Chambers>> {
+    let rig = match &arguments.rig {
+        Some(rig) => Some(load_rig(rig, &[])?),
+        None if arguments.file.is_dir() => rig_of(&arguments.file).ok(),
+        None => None,
+    };
+    Ok(rig.as_ref().map(Chambers::of))
 }
 
 /// The moves of a transient and, of a run folder, those of the neighbours of the run; and what the figures rest on.
@@ -76,7 +85,7 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     let mut progress = Progress::new("simulating its neighbours");
     let measure = |rig: &Rig, run: &Run| {
         let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.stretch);
-        moves(&part, &Motion::of(&part), None, arguments.tolerance)
+        moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), arguments.tolerance)
     };
     let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |done, all| progress.at(done, all));
     progress.done();
@@ -101,6 +110,12 @@ const ALONE: &str = "These are figures of one run; what its neighbours make of t
 
 /// What those of a run rest on that comes out otherwise today.
 const OTHER: &str = "This program does not come to the same run from these values: another version has made it, or it was changed. Its figures are of the trace alone.";
+
+/// Why the air is left out.
+const NOT_FOLLOWED: &str = "Air is left out: there are fewer than six samples to a period of the dither, which do not show what it lets in and out. Run or record it with a shorter period.";
+
+/// What the air of a run rests on whose rig is not known.
+const NOT_CHECKED: &str = "This program does not take the values of the run's rig: the air holds only if there are six rows or more to a period of the dither.";
 
 /// Samples: a page of them has 100 MB.
 const MOST_ON_A_PAGE: usize = 250_000;
@@ -151,18 +166,23 @@ pub(super) fn missing(transient: &Transient, [before, after]: &[f64; 2]) -> Erro
     )
 }
 
-fn notes(transient: &Transient, chambers: bool) -> Vec<String> {
+fn notes(transient: &Transient, chambers: Option<&Chambers>) -> Vec<String> {
     let [v, a] = transient.windows;
     let mut notes = vec![format!(
         "Velocity and acceleration are the controller's own: differences over {v} and {a} samples of {:.4} ms.",
         1e3 * transient.period_s()
     )];
     let is_run = transient.inflow_kg_s.is_some();
-    if is_run || chambers {
+    match chambers {
+        Some(chambers) if !chambers.follows_dither(transient) => notes.push(NOT_FOLLOWED.to_owned()),
+        None if is_run => notes.push(NOT_CHECKED.to_owned()),
+        _ => {}
+    }
+    if is_run || chambers.is_some() {
         notes.push("Air is what is let into the chambers, in litres at 20 \u{b0}C, 100 kPa and 65 % relative humidity (ANR, ISO 8778), and in brackets at least and at most. What the valve leaks to the exhaust is not in it.".to_owned());
     }
     if !is_run {
-        notes.push(if chambers {
+        notes.push(if chambers.is_some() {
             "A record has no flows: its air comes from pressures and positions, by the energy balance of chambers that exchange no heat with their walls.".to_owned()
         } else {
             "A record has no flows: --rig tells the cylinder, and with it the air that the moves took."

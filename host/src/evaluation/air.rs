@@ -4,7 +4,8 @@
 //! from the supply to the exhaust does not come into the chambers and is not in it.
 //!
 //! Of a run the flows into the chambers are summed, by the trapezoidal rule; how far the sum over every other row is
-//! from it tells how well it is known. A record has no flows: there the pressures tell ([`filling`]).
+//! from it tells how well it is known. A record has no flows: there the pressures tell ([`filling`]). Rows or samples too
+//! far apart to follow the dither tell nothing: at a multiple of its period all of them see it at one phase.
 
 mod filling;
 mod record;
@@ -38,11 +39,15 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Of a run from its flows, of a record from its pressures and its chambers; None where neither is known.
+    /// Of a run from its flows, of a record from its pressures and its chambers; None where neither is known, or the
+    /// dither of the chambers' rig is not followed.
     pub fn of(transient: &Transient, chambers: Option<&Chambers>) -> Option<Course> {
+        if chambers.is_some_and(|chambers| !chambers.follows_dither(transient)) {
+            return None;
+        }
         match &transient.inflow_kg_s {
             Some(inflow) => Some(Course::of_flows(&transient.time, inflow)),
-            None => record::course(transient, chambers?),
+            None => Some(record::course(transient, chambers?)),
         }
     }
 

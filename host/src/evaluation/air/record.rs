@@ -33,7 +33,7 @@ const MISSING: f64 = 0.005;
 /// Samples in a period of the dither, at least: with fewer its ripple cannot be followed.
 const FEWEST_IN_A_PERIOD: f64 = 6.0;
 
-/// The chambers of a cylinder, to tell air from pressures.
+/// The chambers of a cylinder, to tell air from pressures, and the dither that moves it in and out.
 #[derive(Clone, Copy, Debug)]
 pub struct Chambers {
     actuator: Actuator,
@@ -60,6 +60,17 @@ impl Chambers {
             range_kpa: ["sensors.pressure_min_pa", "sensors.pressure_max_pa"]
                 .map(|key| rig.number(key) / 1e3),
         }
+    }
+
+    /// Samples in a period of the dither; None without one.
+    fn samples_in_a_period(&self, transient: &Transient) -> Option<f64> {
+        self.dither_hz.map(|hz| 1.0 / (hz * transient.period_s()))
+    }
+
+    /// Whether the samples of a transient are close enough to follow the dither: six to its period at least.
+    #[must_use]
+    pub fn follows_dither(&self, transient: &Transient) -> bool {
+        self.samples_in_a_period(transient).is_none_or(|samples| samples >= FEWEST_IN_A_PERIOD)
     }
 
     /// What is known of both chambers at each sample.
@@ -90,22 +101,19 @@ impl Chambers {
     }
 }
 
-/// Air let in up to each sample of a record; None where its samples are too far apart to follow the dither.
-pub(super) fn course(transient: &Transient, chambers: &Chambers) -> Option<Course> {
-    let in_a_period = chambers.dither_hz.map(|hz| 1.0 / (hz * transient.period_s()));
-    if in_a_period.is_some_and(|samples| samples < FEWEST_IN_A_PERIOD) {
-        return None;
-    }
+/// Air let in up to each sample of a record whose samples follow the dither.
+pub(super) fn course(transient: &Transient, chambers: &Chambers) -> Course {
+    let in_a_period = chambers.samples_in_a_period(transient);
     let (n, gas) = (chambers.gas.heat_capacity_ratio, chambers.gas.gas_constant * chambers.temperature);
     let [one, two] =
         chambers.readings(transient).map(|readings| Seen::of(&Filling::of(&readings, n, gas), in_a_period));
     let both = |of: fn(&Seen) -> &Vec<f64>| of(&one).iter().zip(of(&two)).map(|(a, b)| a + b).collect();
-    Some(Course {
+    Course {
         best: both(|seen| &seen.best),
         least: both(|seen| &seen.least),
         most: both(|seen| &seen.most),
         beyond: beyond(transient, chambers.range_kpa),
-    })
+    }
 }
 
 /// Whether a pressure stands at an end of its converter's range.
