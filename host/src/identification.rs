@@ -163,8 +163,8 @@ pub struct Identification {
     pub converged: bool,
     /// What would explain the residuals, where these are more than noise; the best first.
     pub causes: Vec<Explanation>,
-    /// Whether the search converged and what remains is noise: else the model does not explain the data, or another minimum
-    /// does better.
+    /// Whether the search converged and what remains is noise: else the model does not explain the data, another minimum
+    /// does better, or the samples are too few to tell ([`Spectrum::is_judged`]).
     pub fits: bool,
     /// Runs of a transient that the fit took.
     pub runs: usize,

@@ -47,7 +47,15 @@ fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
     let text = fs::read_to_string(folder.path().join("identified/identification.json")).expect("there");
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!((&json["converged"], &json["fits"]), (&true.into(), &true.into()), "{text}");
-    assert_eq!(json["unseen"][0]["key"], "load.stop_stiffness_n_per_m");
+    let unseen = &json["unseen"][0];
+    assert_eq!(unseen["key"], "load.stop_stiffness_n_per_m");
+    assert_eq!(
+        (&unseen["over_prior"], &unseen["taken"]),
+        (&1.0.into(), &unseen["file"]),
+        "nothing depends on it"
+    );
+    assert_eq!((&json["judged"], &json["parameters"][0]["interval_is"]), (&true.into(), &"95 %".into()));
+    assert_eq!(json["parameters"][0]["interval"], json["parameters"][0]["interval_95"]);
     for (i, hidden) in [1.8, 26.0].into_iter().enumerate() {
         let found = &json["parameters"][i];
         let miss = (found["estimate"].as_f64().expect("a number") - hidden).abs();
@@ -62,6 +70,52 @@ fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
         fitted.contains("# identified, 95 % interval:") && fitted.contains("duration_s = 0.45"),
         "{fitted}"
     );
+}
+
+/// The spool moves for a few samples before the record ends.
+const BRIEF: &str = "\
+controller.loop = \"open\"
+operator.dither_mm = 0.0
+test.moves = [[0.0, 0], [0.066, 1200]]
+test.duration_s = 0.07
+";
+
+/// What the terminal and identification.json say of a fit to a brief record.
+fn fit_to_a_brief_record(folder: &Path, text: &str) -> (String, serde_json::Value) {
+    recorded_with(folder, text, &[("operator.spring_n_per_mm", 22.0)]);
+    let printed = transcript(folder, "identify rig.toml TARGET01.DAT --fit operator.spring_n_per_mm");
+    let json = fs::read_to_string(folder.join("identified/identification.json"));
+    (printed, serde_json::from_str(&json.expect("there")).expect("JSON"))
+}
+
+#[test]
+fn channels_with_too_few_samples_to_be_judged_are_named() {
+    let folder = folder();
+    let (printed, json) = fit_to_a_brief_record(folder.path(), BRIEF);
+    let few = json["channels_not_judged"].as_array().expect("channels");
+    assert!(few.contains(&"spool".into()) && !few.contains(&"pressure 1".into()), "{printed}");
+    assert_eq!(json["judged"], true, "by pressure 1");
+    assert!(printed.contains("Too few samples of position,"), "{printed}");
+}
+
+/// Converters of a wide range: the pressures stay within a few counts.
+#[test]
+fn a_fit_to_so_few_samples_that_none_of_it_can_be_judged_is_none() {
+    let folder = folder();
+    let coarse = format!("{BRIEF}sensors.pressure_max_pa = 1e7\n");
+    let (printed, json) = fit_to_a_brief_record(folder.path(), &coarse);
+    assert_eq!((&json["fits"], &json["judged"]), (&false.into(), &false.into()), "{printed}");
+    let told = &json["parameters"][0];
+    assert_eq!(
+        (&told["interval_95"], &told["interval_is"]),
+        (&serde_json::Value::Null, &"not judged".into())
+    );
+    assert!(told["interval"][0].is_number() && told["interval_widened"].is_null(), "{told}");
+    assert!(
+        printed.contains("cannot be judged") && printed.contains("too few samples to judge"),
+        "{printed}"
+    );
+    assert!(printed.ends_with("= 1") && !folder.path().join("identified/fitted.toml").exists(), "{printed}");
 }
 
 /// An extension alone: a constant force makes up for stiction and Coulomb friction together, which the file has nearly

@@ -54,11 +54,19 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     write(arguments, &rig, &recordings, accuracy, &found, tables)?;
     ensure!(
         found.fits,
-        "the model of {} does not explain the transients; {} has what remains, and --despite-misfit writes {FITTED} nevertheless",
-        rig.name(),
+        "{}; {} has what remains, and --despite-misfit writes {FITTED} nevertheless",
+        refusal(&rig, found.spectrum.is_judged()),
         arguments.out.join(PAGE).display()
     );
     Ok(())
+}
+
+/// Why a fit is none.
+fn refusal(rig: &Rig, is_judged: bool) -> String {
+    match is_judged {
+        true => format!("the model of {} does not explain the transients", rig.name()),
+        false => format!("the transients have too few samples to judge the model of {} by", rig.name()),
+    }
 }
 
 /// Writes the fitted rig file, or takes away that of a fit before, whose place this one would have.

@@ -1,5 +1,7 @@
 //! What a fit has found, for a terminal, a page, a program and the next simulation.
 
+mod judged;
+
 use anyhow::Result;
 use pneudrive_sim::follow::Reading;
 use serde_json::{Value, json};
@@ -12,6 +14,7 @@ use super::recording::{CHANNELS, Channel, Recording, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Panel, Table};
 use crate::rig_text;
+use judged::{Intervals, channels_not_judged, not_judged};
 
 /// First line of a fitted rig file: such a file may be written anew.
 pub const FITTED_MARK: &str = "# Fitted by pneudrive identify";
@@ -54,13 +57,9 @@ pub fn parameters(found: &Identification) -> Table {
             paths(&estimate.rests_on),
         ]
     };
-    let columns = ["parameter", "file", "estimate", "standard error", interval_name(found), "rests on"];
+    let columns =
+        ["parameter", "file", "estimate", "standard error", Intervals::of(found).heading(), "rests on"];
     table("parameters", &columns, found.estimates.iter().map(row).collect())
-}
-
-/// What an interval is.
-fn interval_name(found: &Identification) -> &'static str {
-    if found.fits { "95 % interval" } else { "interval, widened by the misfit" }
 }
 
 /// What parameters would be if those that they rest on were known.
@@ -73,7 +72,8 @@ pub fn dependent(found: &Identification) -> Table {
         let by: Vec<String> = known.iter().map(|(path, by)| format!("{by:+.4} per {}", unit(path))).collect();
         Some(vec![estimate.parameter.key.path.to_owned(), exact.join(", "), range(*interval), by.join(", ")])
     };
-    let columns = ["parameter", "were it exact that", "95 % interval then", "and it changes by"];
+    let then = if found.fits { "95 % interval then" } else { "interval then" };
+    let columns = ["parameter", "were it exact that", then, "and it changes by"];
     table("parameters that rest on others", &columns, found.estimates.iter().filter_map(row).collect())
 }
 
@@ -193,7 +193,8 @@ pub fn notes(found: &Identification) -> Vec<String> {
     if !found.converged {
         notes.push("The search did not converge: the estimates are where it ended, and their intervals mean little. Look at the residuals; other starting values or other transients may help.".to_owned());
     }
-    if !found.fits {
+    notes.extend(not_judged(found));
+    if Intervals::of(found) == Intervals::Widened {
         notes.push("More remains than noise: the model does not explain these data, or another minimum does it better. No interval is one of 95 %: each is widened by what an error of the model, as large as the residuals that remain, can do to the estimate. An error that the estimates have taken up is not in it.".to_owned());
     }
     if let Some(best) = found.causes.first().filter(|cause| cause.is_significant()) {
@@ -277,15 +278,17 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         let known = given.known.iter().map(|(path, by)| json!({ "key": path, "changes_by": by }));
         json!({
             "known": known.collect::<Vec<_>>(), "standard_error": given.standard_error,
-            "interval_95": given.interval,
+            "interval_95": found.fits.then_some(given.interval), "interval": given.interval,
         })
     };
+    let intervals = Intervals::of(found);
     let estimate = |e: &Estimate| {
         json!({
             "key": e.parameter.key.path, "unit": e.parameter.key.unit(), "file": e.parameter.start,
             "estimate": e.value, "standard_error": e.standard_error,
             "interval_95": found.fits.then_some(e.interval),
-            "interval_widened": (!found.fits).then_some(e.interval),
+            "interval_widened": (intervals == Intervals::Widened).then_some(e.interval),
+            "interval": e.interval, "interval_is": intervals.word(),
             "part_of_assumptions": e.assumed, "rests_on": shares(&e.rests_on),
             "given": e.given.as_ref().map(given),
         })
@@ -293,7 +296,8 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
     let unseen = found.unseen.iter().map(|unseen| {
         json!({
             "key": unseen.parameter.key.path, "file": unseen.parameter.start, "kept": unseen.value,
-            "confused_with": shares(&unseen.confused_with),
+            "confused_with": shares(&unseen.confused_with), "taken": unseen.value,
+            "over_prior": unseen.over_prior,
         })
     });
     let assumed = found.assumed.iter().map(|parameter| {
@@ -321,6 +325,8 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "transients": recordings.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(),
         "converged": found.converged,
         "fits": found.fits,
+        "judged": found.spectrum.is_judged(),
+        "channels_not_judged": channels_not_judged(found),
         "runs": found.runs,
         "parameters": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "unseen": unseen.collect::<Vec<_>>(),
@@ -350,7 +356,8 @@ pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result
         } else {
             format!(", resting on {}", paths(&estimate.rests_on))
         };
-        let comment = format!("identified, {}: {}{rests}", interval_name(found), range(estimate.interval));
+        let comment =
+            format!("identified, {}: {}{rests}", Intervals::of(found).heading(), range(estimate.interval));
         set(&estimate.parameter, estimate.value, comment);
     }
     for unseen in found.unseen.iter().filter(|unseen| unseen.value != unseen.parameter.start) {

@@ -69,7 +69,7 @@ pub(super) fn search(model: &mut Model, start: Vec<f64>, progress: &mut dyn FnMu
     let mut best = settled(model, near, progress)?;
     let mut from = start;
     for _ in 0..RESTARTS {
-        if best.spectrum.is_noise() {
+        if !best.spectrum.is_more_than_noise() {
             break;
         }
         progress("that is no fit: the search begins at another point");
@@ -119,7 +119,9 @@ fn settled(model: &mut Model, u: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Re
     model.fine = true;
     let mut best = with_its_noise(model, &u, progress)?;
     for _ in 0..LOOKS {
-        let Some(u) = beyond_a_jump(model, &best).filter(|_| !best.spectrum.is_noise()) else { break };
+        let Some(u) = beyond_a_jump(model, &best).filter(|_| best.spectrum.is_more_than_noise()) else {
+            break;
+        };
         progress("the sum of squares jumps beside that: the search goes on there");
         let noise = model.noise;
         let other = with_its_noise(model, &u, progress)?;

@@ -9,7 +9,8 @@
 //!
 //! A model that lacks something leaves slow residuals, whose sum of squares is a small part of all: in a band of their own
 //! they are seen where the total does not show them. Noise is told by the highest band, where no model that is half right
-//! leaves much; that this is not more than in the rests is a test, too.
+//! leaves much; that this is not more than in the rests is a test, too. A channel with too few samples for any of this cannot
+//! be judged; if none can, it is not known whether the model fits.
 
 use std::ops::Range;
 
@@ -23,6 +24,10 @@ use super::recording::CHANNELS;
 
 /// Upper edges of the bands, in parts of half the sampling rate; the last one tells the noise.
 const EDGES: [f64; 6] = [0.03125, 0.0625, 0.125, 0.25, 0.5, 1.0];
+
+/// The edges of the highest band.
+const HIGHEST: f64 = EDGES[EDGES.len() - 2];
+const TOP: f64 = EDGES[EDGES.len() - 1];
 
 /// A band tells something with so many degrees of freedom.
 const FEWEST: f64 = 3.0;
@@ -65,6 +70,8 @@ pub struct Spectrum {
     pub bands: Vec<Band>,
     /// Standard deviation of the noise of each channel, in that which the residuals are told in.
     pub noise: [Option<f64>; CHANNELS.len()],
+    /// Places in [`CHANNELS`] of those whose samples are too few to be judged.
+    pub unjudged: Vec<usize>,
 }
 
 /// A sum of squares and its degrees of freedom.
@@ -101,12 +108,16 @@ struct Transformed {
 /// Residuals and derivatives of a fit, transformed.
 pub struct Transform {
     blocks: Vec<Transformed>,
+    has_samples: [bool; CHANNELS.len()],
 }
 
 impl Transform {
     /// Of the rows of each block.
     pub(super) fn of(blocks: &[Block], residuals: &DVector<f64>, jacobian: &DMatrix<f64>) -> Transform {
         let mut planner = FftPlanner::new();
+        let has_samples = std::array::from_fn(|channel| {
+            blocks.iter().any(|block| block.channel == channel && !block.rows.is_empty())
+        });
         let blocks = blocks.iter().filter(|block| block.rows.len() > 1).map(|block| {
             let Range { start, .. } = block.rows;
             let n = block.rows.len();
@@ -118,7 +129,7 @@ impl Transform {
             let residuals = cosine_transform(&mut planner, residuals.rows(start, n).iter().copied());
             Transformed { channel: block.channel, residuals, derivatives }
         });
-        Transform { blocks: blocks.collect() }
+        Transform { blocks: blocks.collect(), has_samples }
     }
 
     /// The energy of a channel in a band, where the unknowns have this covariance.
@@ -152,39 +163,61 @@ impl Transform {
     pub(super) fn spectrum(&self, covariance: &DMatrix<f64>, rests: [AtRest; CHANNELS.len()]) -> Spectrum {
         let mut spectrum = Spectrum::default();
         for (channel, rest) in rests.into_iter().enumerate() {
-            let [low, top] = [EDGES[EDGES.len() - 2], EDGES[EDGES.len() - 1]];
-            let mut noise = self.energy(channel, [low, top], covariance);
-            if noise.freedom < FEWEST {
-                continue;
+            let noise = self.noise(channel, rest, covariance);
+            let bands = noise.map_or_else(Vec::new, |noise| self.bands(channel, noise, rest, covariance));
+            spectrum.noise[channel] = noise.map(|noise| noise.variance().sqrt());
+            if bands.is_empty() && self.has_samples[channel] {
+                spectrum.unjudged.push(channel);
             }
-            noise.squares = noise.squares.max(rest.rounding.powi(2) * noise.freedom);
-            spectrum.noise[channel] = Some(noise.variance().sqrt());
-            for edges in bands().filter(|edges| edges[1] < top) {
-                let energy = self.energy(channel, edges, covariance);
-                if energy.freedom >= FEWEST {
-                    spectrum.bands.push(Band::of(channel, edges, energy, (noise.variance(), noise.freedom)));
-                }
-            }
-            if rest.freedom >= FEWEST {
-                let resting = (rest.noise.powi(2), rest.freedom);
-                spectrum.bands.push(Band::of(channel, [0.0, top], noise, resting));
-            }
+            spectrum.bands.extend(bands);
         }
         spectrum
+    }
+
+    /// The energy of a channel's highest band, not below that of rounding; None of too few samples.
+    fn noise(&self, channel: usize, rest: AtRest, covariance: &DMatrix<f64>) -> Option<Energy> {
+        let noise = self.energy(channel, [HIGHEST, TOP], covariance);
+        let squares = noise.squares.max(rest.rounding.powi(2) * noise.freedom);
+        (noise.freedom >= FEWEST).then_some(Energy { squares, ..noise })
+    }
+
+    /// The bands of a channel below the highest against its noise, and its noise against that of the rests.
+    fn bands(&self, channel: usize, noise: Energy, rest: AtRest, covariance: &DMatrix<f64>) -> Vec<Band> {
+        let below = bands().filter(|edges| edges[1] < TOP).filter_map(|edges| {
+            let energy = self.energy(channel, edges, covariance);
+            let of = || Band::of(channel, edges, energy, (noise.variance(), noise.freedom));
+            (energy.freedom >= FEWEST).then(of)
+        });
+        let resting = (rest.noise.powi(2), rest.freedom);
+        let at_rest = (rest.freedom >= FEWEST).then(|| Band::of(channel, [0.0, TOP], noise, resting));
+        below.chain(at_rest).collect()
     }
 }
 
 impl Spectrum {
-    /// Whether all that remains is noise.
+    /// Whether the samples of any channel are enough to tell noise from more.
     #[must_use]
-    pub fn is_noise(&self) -> bool {
-        self.loudest().is_none_or(|band| band.chance * self.bands.len() as f64 >= CHANCE)
+    pub fn is_judged(&self) -> bool {
+        !self.bands.is_empty()
     }
 
-    /// Norm of the residuals beyond noise; 0 where all that remains is noise.
+    /// Whether all that remains is noise; not where nothing can be judged.
+    #[must_use]
+    pub fn is_noise(&self) -> bool {
+        self.is_judged() && !self.is_more_than_noise()
+    }
+
+    /// Whether more than noise remains; not where nothing can be judged.
+    #[must_use]
+    pub fn is_more_than_noise(&self) -> bool {
+        self.loudest().is_some_and(|band| band.chance * (self.bands.len() as f64) < CHANCE)
+    }
+
+    /// Norm of the residuals beyond noise; 0 where no more than noise is seen.
     #[must_use]
     pub fn misfit(&self) -> f64 {
-        if self.is_noise() { 0.0 } else { self.bands.iter().map(|band| band.excess).sum::<f64>().sqrt() }
+        let excess = || self.bands.iter().map(|band| band.excess).sum::<f64>().sqrt();
+        if self.is_more_than_noise() { excess() } else { 0.0 }
     }
 
     /// The band that noise explains least.
@@ -317,6 +350,23 @@ mod tests {
         let rest = AtRest { noise: 1.0, freedom: 200.0, rounding: 0.3 };
         let transform = Transform::of(&blocks(), &residuals, &jacobian);
         assert!(!transform.spectrum(&DMatrix::zeros(1, 1), [rest; CHANNELS.len()]).is_noise());
+    }
+
+    /// Of a record of a few samples whose residuals are many times the noise.
+    fn of_few(samples: usize, of_rests: f64) -> Spectrum {
+        let block = [Block { channel: 1, rows: 0..samples }];
+        let (residuals, jacobian) = (DVector::from_element(samples, 50.0), DMatrix::zeros(samples, 1));
+        let rest = AtRest { noise: 1.0, freedom: of_rests, rounding: 0.3 };
+        let transform = Transform::of(&block, &residuals, &jacobian);
+        transform.spectrum(&DMatrix::zeros(1, 1), [rest; CHANNELS.len()])
+    }
+
+    #[test]
+    fn residuals_too_few_to_be_judged_do_not_pass_for_noise() {
+        for (samples, of_rests) in [(1, 200.0), (4, 200.0), (6, 0.0)] {
+            let spectrum = of_few(samples, of_rests);
+            assert!(spectrum.bands.is_empty() && !spectrum.is_noise(), "{samples}: {spectrum:?}");
+        }
     }
 
     /// A fit takes what its column shows: of a constant, one degree of freedom a record, and no noise is left there.

@@ -1,0 +1,61 @@
+//! What a fit's intervals are worth: whether the model explains the data, and whether that can be told.
+
+use crate::identification::Identification;
+use crate::identification::recording::CHANNELS;
+
+/// What the intervals of a fit are.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Intervals {
+    /// Of 95 %.
+    Of95,
+    /// Wider by what a model error as large as the residuals can do.
+    Widened,
+    /// Of noise and priors; nothing tells whether the model fits.
+    NotJudged,
+}
+
+impl Intervals {
+    pub fn of(found: &Identification) -> Intervals {
+        match (found.fits, found.spectrum.is_judged()) {
+            (true, _) => Intervals::Of95,
+            (false, true) => Intervals::Widened,
+            (false, false) => Intervals::NotJudged,
+        }
+    }
+
+    /// The heading of their column.
+    pub fn heading(self) -> &'static str {
+        match self {
+            Intervals::Of95 => "95 % interval",
+            Intervals::Widened => "interval, widened by the misfit",
+            Intervals::NotJudged => "interval of a fit that cannot be judged",
+        }
+    }
+
+    /// For a program.
+    pub fn word(self) -> &'static str {
+        match self {
+            Intervals::Of95 => "95 %",
+            Intervals::Widened => "widened by the misfit",
+            Intervals::NotJudged => "not judged",
+        }
+    }
+}
+
+/// The channels with too few samples to tell noise from more.
+pub(super) fn channels_not_judged(found: &Identification) -> Vec<&'static str> {
+    found.spectrum.unjudged.iter().map(|&channel| CHANNELS[channel].0).collect()
+}
+
+/// What is to be said of them; None where all channels are judged.
+pub(super) fn not_judged(found: &Identification) -> Option<String> {
+    let channels = channels_not_judged(found).join(", ");
+    if !found.spectrum.is_judged() {
+        return Some(format!(
+            "Too few samples count to tell whether more than noise remains ({channels}): whether the model explains these data cannot be judged, and no interval is known to be one of 95 %. Fit longer transients, or more of them."
+        ));
+    }
+    (!channels.is_empty()).then(|| {
+        format!("Too few samples of {channels} count to tell whether more than noise remains there: that the model fits is not judged by them.")
+    })
+}
