@@ -49,7 +49,11 @@ fn a_leak_is_noticed_by_its_trace_where_all_residuals_together_pass_for_noise() 
     let trial = hidden.identify(pneudrive(), folder.path()).expect("an identification");
     println!("{}", trial.summary());
     assert!(!trial.fits);
-    assert!(trial.causes.iter().any(|cause| cause.contains("leakage")), "{:?}", trial.causes);
+    let leak = trial.causes.iter().find(|cause| cause.settings.contains("leakage")).expect("it is named");
+    let (value, error) = leak.value.expect("a leak is a number");
+    let hidden = hidden.truth().expect("valid").number("actuator.leakage_coefficient");
+    assert!((value - hidden).abs() < 3.0 * error, "{leak:?}, hidden {hidden:e}");
+    assert!(value > 5.0 * error, "{leak:?} is told from none");
 }
 
 /// What is recorded of a rig whose values are hidden.

@@ -55,6 +55,15 @@ pub struct Told {
     pub truth: f64,
 }
 
+/// An effect that is said to explain a misfit.
+#[derive(Clone, Debug)]
+pub struct Cause {
+    /// By which a rig file has it.
+    pub settings: String,
+    /// What was found and its standard error, in the unit of the key, if it is a number.
+    pub value: Option<(f64, f64)>,
+}
+
 /// What became of an identification.
 #[derive(Clone, Debug)]
 pub struct Trial {
@@ -62,8 +71,8 @@ pub struct Trial {
     pub told: Vec<Told>,
     /// Whether the model is said to explain the data.
     pub fits: bool,
-    /// Settings that are said to explain a misfit as well as any.
-    pub causes: Vec<String>,
+    /// What is said to explain a misfit as well as any.
+    pub causes: Vec<Cause>,
     /// Keys that are said to be unseen.
     pub unseen: Vec<String>,
     /// Runs of a transient on the model.
@@ -111,9 +120,9 @@ impl Trial {
             list("unseen").iter().filter_map(|unseen| Some(unseen["key"].as_str()?.to_owned())).collect();
         let named = |cause: &&Value| cause["as_good_as_best"] == true && cause["significant"] == true;
         let causes = list("causes");
-        let causes = causes.iter().filter(named).filter_map(|cause| cause["settings"].as_str());
+        let causes = causes.iter().filter(named).map(Cause::of).collect::<Option<_>>();
         Ok(Trial {
-            causes: causes.map(str::to_owned).collect(),
+            causes: causes.context("identification.json lacks settings of a cause")?,
             told: told.context("identification.json lacks numbers")?,
             fits: json["fits"] == true && json["converged"] == true,
             unseen,
@@ -132,7 +141,8 @@ impl Trial {
         let causes = if self.causes.is_empty() {
             String::new()
         } else {
-            format!("; causes: {}", self.causes.join(" or "))
+            let settings: Vec<&str> = self.causes.iter().map(|cause| cause.settings.as_str()).collect();
+            format!("; causes: {}", settings.join(" or "))
         };
         format!(
             "{fits} after {} runs, {:.1} s; missed: {}{causes}",
@@ -143,11 +153,18 @@ impl Trial {
     }
 }
 
+impl Cause {
+    fn of(json: &Value) -> Option<Cause> {
+        let value = json["value"].as_f64().zip(json["standard_error"].as_f64());
+        Some(Cause { settings: json["settings"].as_str()?.to_owned(), value })
+    }
+}
+
 impl Told {
     fn of(json: &Value, truth: &Rig) -> Option<Told> {
         let key = json["key"].as_str()?;
         let number = |name: &str| json[name].as_f64();
-        let ends = json["interval_95"].as_array().or(json["interval_widened"].as_array())?;
+        let ends = json["interval"].as_array()?;
         Some(Told {
             estimate: number("estimate")?,
             standard_error: number("standard_error")?,

@@ -42,7 +42,7 @@ impl Coverage {
     /// Takes in a trial of a rig that has a setting of its own.
     pub fn count_lacking(&mut self, trial: &Trial, lacks: &str) {
         let key = lacks.split(" =").next().unwrap_or(lacks);
-        self.named += u32::from(trial.causes.iter().any(|setting| setting.contains(key)));
+        self.named += u32::from(trial.causes.iter().any(|cause| cause.settings.contains(key)));
         self.count(trial);
     }
 
