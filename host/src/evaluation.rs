@@ -11,7 +11,7 @@
 //! | steady error | mean of `r - x` over the move's last quarter, or over the cycles of a limit cycle | while the drive still moves |
 //! | limit cycle | swing from peak to peak and frequency ([`LimitCycle`]) | says so itself |
 //! | top speed | largest of the velocities, as the controller estimates them | |
-//! | air | what flows into the chambers ([`mod@air`]) | without flows and cylinder |
+//! | air | what flows into the chambers (`evaluation/air.rs`) | without flows and cylinder |
 
 mod air;
 mod figures;

@@ -1,7 +1,7 @@
 //! The folder of a simulated run: trace.csv and run.json, band.csv where the run has neighbours, and its page.
 //!
-//! They are one thing: they are replaced together ([`replacement`]), run.json has the checksums of trace.csv and band.csv, and
-//! the page has the identity of its run, [`IDENTITY`].
+//! They are one thing: they are replaced together (`replacement.rs`), run.json has the checksums of trace.csv and band.csv,
+//! and the page has the identity of its run, [`IDENTITY`].
 
 mod replacement;
 mod stored;

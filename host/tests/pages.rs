@@ -8,7 +8,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use program::{folder, ok, virtual_rig};
+use pneudrive_sim::Rig;
+
+use program::{folder, ok, virtual_rig_of};
 
 /// What a browser made of a page.
 struct Seen {
@@ -107,7 +109,9 @@ fn the_page_of_an_identification_shows_each_record_with_its_model_and_what_remai
     let browser = chromium();
     let folder = folder();
     let profile = tempfile::tempdir().expect("a folder");
-    let rig = virtual_rig("servo-b-tuned");
+    // A fit is judged by the noise of the sensors.
+    let noisy = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let rig = virtual_rig_of(noisy.with_numbers(&[("sensors.noise_counts", 1.0)]).expect("valid"));
     ok(folder.path(), &format!("identify servo-b-tuned --plan {} --fit load.mass_kg", rig.port()));
     rig.stop().expect("it served");
     let seen = open(browser, profile.path(), &folder.path().join("identified/identification.html"));

@@ -9,7 +9,7 @@
 //! The first part of V is what noise does to the estimates, the second one what the priors do: by how much a value may
 //! be off the file's without the data telling. It has a term for each unknown; where it is the larger part, the parameter
 //! rests on what is assumed, and these terms say on what. Some unknowns are never fitted but may be off, too:
-//! they are assumed ([`super::assumed`]), so they are in V, as in the consider filter of orbit determination
+//! they are assumed (`assumed.rs`), so they are in V, as in the consider filter of orbit determination
 //! (Schmidt 1966). Where that is small, V is that of plain least squares.
 //!
 //! ```text
