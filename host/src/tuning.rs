@@ -1,7 +1,7 @@
 //! Gains for a drive: a step there and back, on every rig and at every place of a stated spread.
 //!
 //! ```text
-//! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on the corners of the spread -> mean cost
+//! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on draws from the spread -> mean cost
 //!        ^______________________ differential evolution _______________________________________________|
 //! the best few -> neighbours of the file's rig -> the one with the least cost -> fresh draws -> how often it meets the goal
 //! ```

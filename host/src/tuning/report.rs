@@ -146,7 +146,7 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
         held => format!(" Held: {}.", held.join(", ")),
     };
     format!(
-        "Asked for: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the corners of the spread with a step at either end of that way and one between; the cost of gains is the mean over these: the share of its time that a step takes to settle if it meets the goal, and from 1 to 2 if it does not, the more the further it is from it. They are judged on {} draws from the whole spread that the search has not seen.{held} {} runs, seed {}.",
+        "Asked for: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: the share of its time that a step takes to settle if it meets the goal, and from 1 to 2 if it does not, the more the further it is from it. They are judged on {} other draws, which the search has not seen.{held} {} runs, seed {}.",
         percent("load", task.spread.load),
         percent("friction", task.spread.friction),
         percent("supply", task.spread.supply),

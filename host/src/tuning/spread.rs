@@ -1,7 +1,6 @@
 //! What a drive may meet: the rigs that it may turn out to be, and the places and directions of its steps.
 //!
-//! Gains are tuned on the corners of the stated spread, each with a step at either end of the way that the drive has
-//! and one between. They are judged on draws from all of it that no search has seen.
+//! Gains are tuned on some draws from the stated spread, and judged on others that no search has seen.
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::unit_interval;
@@ -83,34 +82,38 @@ impl Variant {
     }
 }
 
-/// The rig of the file, and every combination of the ends of the spread, all in mid-stroke.
-#[must_use]
-pub fn corners(spread: &Relative) -> Vec<Variant> {
-    let ends = |by: f64| if by == 0.0 { vec![1.0] } else { vec![1.0 - by, 1.0 + by] };
-    let mut all = vec![Variant::NOMINAL];
-    for &load in &ends(spread.load) {
-        for &friction in &ends(spread.friction) {
-            for &supply in &ends(spread.supply) {
-                all.push(Variant { load, friction, supply, ..Variant::NOMINAL });
-            }
-        }
-    }
-    all.dedup();
-    all
-}
+/// Draws that gains are tuned on, beside the rig of the file.
+const DRAWS: usize = 20;
 
-/// What gains are tuned on: the step of the file's rig in mid-stroke, and on each corner a step at either end of the
-/// way and one drawn between, in directions that take turns.
+/// What gains are tuned on: the step of the file's rig in mid-stroke, and a Latin hypercube of draws from all of the
+/// spread and of places, in directions that take turns. Corners alone would be another drive than the one that the
+/// gains are judged on: they are its rarest and worst.
 #[must_use]
 pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
     let mut random = stream(seed, TUNED_ON);
-    let mut all = vec![Variant::NOMINAL];
-    for corner in corners(spread) {
-        for place in [0.0, unit_interval(&mut random), 1.0] {
-            all.push(Variant { place, extends: all.len() % 2 == 0, ..corner.clone() });
-        }
+    let mut share = || unit_interval(&mut random);
+    let [load, friction, supply, place] = [(); 4].map(|()| strata(DRAWS, &mut share));
+    let one = |n: usize| Variant {
+        load: factor(spread.load, load[n]),
+        friction: factor(spread.friction, friction[n]),
+        supply: factor(spread.supply, supply[n]),
+        place: place[n],
+        extends: n % 2 == 0,
+    };
+    std::iter::once(Variant::NOMINAL).chain((0..DRAWS).map(one)).collect()
+}
+
+/// A share from each `count`th of 0 to 1, shuffled (Fisher and Yates).
+fn strata(count: usize, share: &mut impl FnMut() -> f64) -> Vec<f64> {
+    let mut all: Vec<f64> = (0..count).map(|n| (n as f64 + share()) / count as f64).collect();
+    for last in (1..count).rev() {
+        all.swap(last, ((share() * (last + 1) as f64) as usize).min(last));
     }
     all
+}
+
+fn factor(by: f64, share: f64) -> f64 {
+    1.0 + by * (2.0 * share - 1.0)
 }
 
 /// What gains are judged on: draws from all of the spread, and of place and direction.
@@ -118,11 +121,10 @@ pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
 pub fn fresh(spread: &Relative, seed: u64, count: usize) -> Vec<Variant> {
     let mut random = stream(seed, FRESH);
     let mut share = || unit_interval(&mut random);
-    let draw = |by: f64, share: f64| 1.0 + by * (2.0 * share - 1.0);
     let one = |_| Variant {
-        load: draw(spread.load, share()),
-        friction: draw(spread.friction, share()),
-        supply: draw(spread.supply, share()),
+        load: factor(spread.load, share()),
+        friction: factor(spread.friction, share()),
+        supply: factor(spread.supply, share()),
         place: share(),
         extends: share() < 0.5,
     };

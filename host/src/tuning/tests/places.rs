@@ -3,21 +3,25 @@
 use super::*;
 
 #[test]
-fn gains_are_tuned_on_the_corners_at_both_ends_of_the_stroke_in_both_directions() {
+fn gains_are_tuned_on_the_whole_spread_and_stroke_in_both_directions() {
     let spread = Relative { load: 0.3, friction: 0.2, supply: 0.0 };
-    let corners = spread::corners(&spread);
-    assert_eq!(corners.len(), 5);
-    assert_eq!(corners[0].name(), "as in the file");
-    assert_eq!(corners[1].name(), "load -30 %, friction -20 %");
     let all = spread::tuned_on(&spread, 3);
-    assert_eq!((all.len(), &all[0], all == spread::tuned_on(&spread, 3)), (16, &Variant::NOMINAL, true));
-    for corner in &corners {
-        let of_it = || all[1..].iter().filter(|one| one.name() == corner.name());
-        assert!([0.0, 1.0].iter().all(|place| of_it().any(|one| one.place == *place)), "{corner:?}");
-        assert!([false, true].iter().all(|extends| of_it().any(|one| one.extends == *extends)), "{corner:?}");
-    }
+    assert_eq!((all.len(), &all[0], all == spread::tuned_on(&spread, 3)), (21, &Variant::NOMINAL, true));
+    let draws = &all[1..];
+    let in_every_twentieth = |of: &dyn Fn(&Variant) -> f64| {
+        let mut places: Vec<usize> = draws.iter().map(|one| (20.0 * of(one)) as usize).collect();
+        places.sort_unstable();
+        places.into_iter().eq(0..20)
+    };
+    assert!(in_every_twentieth(&|one| one.place));
+    assert!(in_every_twentieth(&|one| (one.load - 0.7) / 0.6));
+    assert!(in_every_twentieth(&|one| (one.friction - 0.8) / 0.4));
+    assert!(draws.iter().all(|one| one.supply == 1.0));
+    assert_eq!(draws.iter().filter(|one| one.extends).count(), 10);
     let still = Relative { load: 0.0, friction: 0.0, supply: 0.0 };
-    assert_eq!(spread::tuned_on(&still, 3).len(), 4, "a drive that is known well is moved all the same");
+    let still = spread::tuned_on(&still, 3);
+    assert!(still[1..].iter().all(|one| one.name() == "as in the file"));
+    assert!(still[1] != still[2], "a drive that is known well is moved all the same");
 }
 
 #[test]
@@ -42,10 +46,11 @@ fn fresh_draws_cover_the_whole_spread_and_are_none_that_gains_were_tuned_on() {
 }
 
 #[test]
-fn a_corner_changes_the_keys_of_load_and_friction() {
-    let corners = spread::corners(&Relative { load: 0.3, friction: 0.2, supply: 0.0 });
+fn a_variant_changes_the_keys_of_load_and_friction() {
+    let heavy = Variant { load: 1.3, friction: 1.2, ..Variant::NOMINAL };
+    assert_eq!(heavy.name(), "load +30 %, friction +20 %");
     let rig_b = rig("servo-b", &[]);
-    let heavier = rig("servo-b", &corners[4].settings(&rig_b));
+    let heavier = rig("servo-b", &heavy.settings(&rig_b));
     for (key, factor) in
         [("load.mass_kg", 1.3), ("load.static_extend_n", 1.2), ("load.viscous_n_s_per_m", 1.2)]
     {
