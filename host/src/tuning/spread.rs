@@ -98,7 +98,7 @@ pub fn tuned_on(spread: &Relative, seed: u64) -> Vec<Variant> {
         friction: factor(spread.friction, friction[n]),
         supply: factor(spread.supply, supply[n]),
         place: place[n],
-        extends: n % 2 == 0,
+        extends: n.is_multiple_of(2),
     };
     std::iter::once(Variant::NOMINAL).chain((0..DRAWS).map(one)).collect()
 }
