@@ -31,13 +31,17 @@ pub use table::{remarks, table};
 use pneudrive_sim::{Rig, Run};
 
 use crate::run_folder::StoredRun;
-use crate::transient::{COMMAND, SETPOINT, Transient};
+use crate::transient::Transient;
 use stretch::Stretch;
 
 /// A move and what was measured of it. What the transient does not show is None.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
-    /// When it begins, s.
+    /// 1 for the first move of the test.
+    pub number: usize,
+    /// Whether the transient begins in the midst of it: then only its end is known.
+    pub is_cut: bool,
+    /// When it begins, or the transient if it is cut, s.
     pub start_s: f64,
     /// Where the drive is then, mm.
     pub from_mm: f64,
@@ -66,7 +70,20 @@ pub struct Move {
     pub air: Option<Air>,
 }
 
-/// The moves of a transient, in their order.
+impl Move {
+    /// Without the figures that are of its beginning.
+    fn without_its_beginning(self) -> Move {
+        Move { is_cut: true, rise_s: None, overshoot_mm: None, settling_s: None, air: None, ..self }
+    }
+
+    /// A figure that takes the beginning of the move; None of one that is cut.
+    fn of_whole(&self, figure: f64) -> Option<f64> {
+        (!self.is_cut).then_some(figure)
+    }
+}
+
+/// The moves of a transient, in their order. Of a part of a longer transient, the move in whose midst it begins has
+/// only the figures of its end.
 ///
 /// `tolerance_mm` is the distance from the setpoint that counts as there; `motion` has the velocities at the
 /// transient's instants; `chambers` tell the air of a record, and of both whether the dither hides it. Without them the
@@ -78,15 +95,18 @@ pub fn moves(
     chambers: Option<&Chambers>,
     tolerance_mm: f64,
 ) -> Vec<Move> {
-    let begins = beginnings(transient);
+    let begins = transient.beginnings();
     let ends = begins.iter().skip(1).copied().chain([transient.time.len()]);
     let course = air::Course::of(transient, chambers);
     let air = |stretch: &Stretch| course.as_ref()?.between(stretch.begin, stretch.end);
-    begins
-        .iter()
-        .zip(ends)
-        .map(|(&begin, end)| Stretch { transient, begin, end })
-        .map(|stretch| Move { air: air(&stretch), ..measured(&stretch, motion, tolerance_mm) })
+    let first = transient.cut.moves_before + usize::from(!transient.cut.at_start);
+    (first..)
+        .zip(begins.iter().zip(ends))
+        .map(|(number, (&begin, end))| {
+            let stretch = Stretch { transient, begin, end };
+            let one = Move { number, air: air(&stretch), ..measured(&stretch, motion, tolerance_mm) };
+            if number > transient.cut.moves_before { one } else { one.without_its_beginning() }
+        })
         .collect()
 }
 
@@ -100,27 +120,14 @@ pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
 /// A move has settled within this distance of its setpoint, mm, unless a user says otherwise.
 pub const TOLERANCE_MM: f64 = 0.05;
 
-/// Indices of the first sample of each move. The first move begins at the start of the test, or with the
-/// transient if that is later.
-fn beginnings(transient: &Transient) -> Vec<usize> {
-    let start = transient.time.partition_point(|&time| time < 0.0);
-    let asked = &transient.channels[if transient.is_open_loop() { COMMAND } else { SETPOINT }];
-    let changes = (start + 1..asked.len()).filter(|&k| {
-        // A setpoint behind an error at the limit of its 16 bits cannot be known.
-        (asked[k] - asked[k - 1]).abs() > SAME
-    });
-    (start < asked.len()).then_some(start).into_iter().chain(changes).collect()
-}
-
-/// Setpoints closer than this are one, mm or counts: they come from sums of rounded numbers.
-const SAME: f64 = 1e-9;
-
 fn measured(stretch: &Stretch, motion: &Motion, tolerance_mm: f64) -> Move {
     let position = stretch.position();
     let to = stretch.setpoint();
     let limit_cycle = stretch.limit_cycle();
     let speeds = &motion.velocity_mm_s[stretch.begin..stretch.end];
     Move {
+        number: 0,
+        is_cut: false,
         start_s: stretch.time()[0],
         from_mm: position[0],
         to_mm: to,

@@ -21,6 +21,9 @@ pub const CHANNELS: [(&str, &str); 7] = [
     ("error", "counts"),
 ];
 
+/// Setpoints closer than this are one, mm or counts: they come from sums of rounded numbers.
+const SAME: f64 = 1e-9;
+
 /// Places in [`CHANNELS`].
 pub const SETPOINT: usize = 0;
 /// The position, mm.
@@ -39,6 +42,8 @@ pub const ERROR: usize = 6;
 pub struct Transient {
     /// Where it comes from, for legends.
     pub name: String,
+    /// What its test is called; the tests of built-in rigs have the names of their rigs.
+    pub test: String,
     /// s, from the start of the test.
     pub time: Vec<f64>,
     /// In the order of [`CHANNELS`].
@@ -57,6 +62,19 @@ pub struct Transient {
     pub gaps: Vec<[f64; 2]>,
     /// What a simulated run and its neighbours cover, if it has some.
     pub band: Option<ChannelBand>,
+    /// What a part of a longer transient has lost of its moves; nothing of a whole one.
+    pub cut: Cut,
+}
+
+/// Where a part of a transient cuts its moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cut {
+    /// Moves that begin before its first sample.
+    pub moves_before: usize,
+    /// Whether the last of those still goes on at the first sample.
+    pub at_start: bool,
+    /// Whether its last move goes on behind the last sample.
+    pub at_end: bool,
 }
 
 /// Lowest and highest values of each channel of [`CHANNELS`], at the instants of its transient; none of the setpoint.
@@ -135,6 +153,7 @@ impl Transient {
         };
         Ok(Transient {
             name: name.to_owned(),
+            test: file.get("test").unwrap_or_default().to_owned(),
             time: file.samples.iter().map(|(index, _)| f64::from(*index) * period).collect(),
             channels: [
                 setpoints(file, open_loop).into_iter().map(|counts| counts * mm).collect(),
@@ -156,6 +175,7 @@ impl Transient {
             inflow_kg_s: None,
             gaps: gaps(file, period),
             band: None,
+            cut: Cut::default(),
         })
     }
 
@@ -169,6 +189,7 @@ impl Transient {
         let flows = run.column("mass_flow_1_kg_s").iter().zip(run.column("mass_flow_2_kg_s"));
         Transient {
             name: name.to_owned(),
+            test: run.rig.clone(),
             time: run.column("time_s").to_vec(),
             channels: [
                 scaled("setpoint_counts", asked),
@@ -186,6 +207,7 @@ impl Transient {
             inflow_kg_s: Some(flows.map(inflow).collect()),
             gaps: Vec::new(),
             band: run.band.as_ref().map(ChannelBand::of),
+            cut: Cut::default(),
         }
     }
 
@@ -211,6 +233,7 @@ impl Transient {
         let end = self.time.partition_point(|&time| time <= to).max(first);
         Transient {
             name: self.name.clone(),
+            test: self.test.clone(),
             time: self.time[first..end].to_vec(),
             channels: std::array::from_fn(|channel| self.channels[channel][first..end].to_vec()),
             counts: self.counts[first..end].to_vec(),
@@ -225,6 +248,33 @@ impl Transient {
                 .filter(|[before, after]| *before >= from && *after <= to)
                 .collect(),
             band: self.band.as_ref().map(|band| band.between(first, end)),
+            cut: self.cut_between(first, end),
+        }
+    }
+
+    /// Indices of the first sample of each move: where the setpoint changes or, in open loop, the command. The first
+    /// move begins at the start of the test, or with the transient if that is later.
+    #[must_use]
+    pub fn beginnings(&self) -> Vec<usize> {
+        let start = self.time.partition_point(|&time| time < 0.0);
+        let asked = &self.channels[if self.is_open_loop() { COMMAND } else { SETPOINT }];
+        let changes = (start + 1..asked.len()).filter(|&k| {
+            // A setpoint behind an error at the limit of its 16 bits cannot be known.
+            (asked[k] - asked[k - 1]).abs() > SAME
+        });
+        (start < asked.len()).then_some(start).into_iter().chain(changes).collect()
+    }
+
+    /// What the samples from `first` until before `end` lose of the moves of this transient.
+    fn cut_between(&self, first: usize, end: usize) -> Cut {
+        let begins: Vec<usize> = self.beginnings().into_iter().skip(usize::from(self.cut.at_start)).collect();
+        let before =
+            |sample: usize| self.cut.moves_before + begins.iter().filter(|&&begin| begin < sample).count();
+        let goes_on = |sample: usize| before(sample) > 0 && !begins.contains(&sample);
+        Cut {
+            moves_before: before(first),
+            at_start: goes_on(first),
+            at_end: if end < self.time.len() { goes_on(end) } else { self.cut.at_end },
         }
     }
 

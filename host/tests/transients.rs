@@ -92,6 +92,39 @@ fn a_record_and_its_simulation_evaluate_to_the_same_moves() {
     assert_eq!(csv.lines().count(), 1 + 347, "samples 0 to 346 lie within 0.45 s");
 }
 
+/// Once the air of a record was told with any cylinder.
+#[test]
+fn a_record_is_not_evaluated_with_the_cylinder_of_another_rig_unsaid() {
+    let folder = transients();
+    fs::write(
+        folder.path().join("short.toml"),
+        "name = \"short\"\n[actuator]\nstroke_m = 0.05\n[test]\nposition_m = 0.02\nmoves = [[0.0, 2000]]\n",
+    )
+    .expect("written");
+    let fine = folder.path().join("fine.toml");
+    fs::write(&fine, "name = \"fine\"\n[encoder]\nmm_per_count = 0.01\n").expect("written");
+    for (rig, says) in [
+        ("short.toml", "TARGET01.DAT is not of short: it goes from 98.7 to"),
+        ("fine.toml", "TARGET01.DAT is not of fine: its encoder counts 0.01205 mm, that of fine 0.01 mm"),
+    ] {
+        let said = transcript(folder.path(), &format!("eval TARGET01.DAT --rig {rig}"));
+        assert!(said.contains(&format!("! error: {says}")) && said.ends_with("= 1"), "{said}");
+    }
+    let said = ok(folder.path(), "eval TARGET01.DAT --rig servo-c");
+    let named = "The test is called servo-b-tuned, the rig servo-c: the air is right only if servo-c has its cylinder.";
+    assert!(said.contains(named), "{said}");
+    assert!(!ok(folder.path(), "eval TARGET01.DAT --rig servo-b-tuned").contains("The test is called"));
+}
+
+#[test]
+fn a_part_names_the_move_that_it_cuts() {
+    let folder = transients();
+    let said = ok(folder.path(), "eval TARGET01.DAT --from 0.32 --to 0.4");
+    assert!(said.contains("Move 2 begins earlier: only the figures of its end are known."), "{said}");
+    assert!(said.contains("The last move goes on behind 0.39"), "{said}");
+    assert!(said.lines().any(|line| line.starts_with("2  ")), "{said}");
+}
+
 #[test]
 fn a_stretch_holds_the_samples_in_it_and_no_others() {
     let folder = transients();

@@ -14,7 +14,7 @@ use crate::evaluation::{Chambers, Motion, Move, moves, remarks, table};
 use crate::page::{Curve, Figure, GENERATOR, Page, Panel};
 use crate::report;
 use crate::run_folder::{StoredRun, is_trace, put, refuse_foreign, rig_of};
-use crate::transient::{CHANNELS, Transient};
+use crate::transient::{CHANNELS, POSITION, Transient};
 use crate::words;
 
 /// Names of the columns behind the channels in a CSV file.
@@ -30,11 +30,14 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     }
     let transient = stretch(Transient::read(&arguments.file)?, &arguments.stretch)?;
     let motion = Motion::of(&transient);
-    let chambers = chambers(arguments)?;
+    let rig = rig_beside(arguments, &transient)?;
+    let chambers = rig.as_ref().map(Chambers::of);
     let own = moves(&transient, &motion, chambers.as_ref(), arguments.tolerance);
     let (runs, rest) = with_neighbours(arguments, own)?;
     let table = table(&runs, arguments.tolerance);
-    let remarks: Vec<String> = remarks(&runs).into_iter().chain(rest).collect();
+    let other_name = rig.as_ref().and_then(|rig| other_name(&transient, rig));
+    let remarks: Vec<String> =
+        remarks(&runs).into_iter().chain(cut_at_end(&transient)).chain(rest).chain(other_name).collect();
     say!("{}\n{}", table.heading, table.to_text());
     remarks.iter().for_each(|remark| say!("{remark}"));
     if let Some(path) = &arguments.csv {
@@ -52,14 +55,59 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     Ok(())
 }
 
-/// Those of the rig that is named, or else of the rig of a run folder, if this program takes its values.
-fn chambers(arguments: &Eval) -> Result<Option<Chambers>> {
-    let rig = match &arguments.rig {
-        Some(rig) => Some(load_rig(rig, &[])?),
-        None if arguments.file.is_dir() => rig_of(&arguments.file).ok(),
-        None => None,
-    };
-    Ok(rig.as_ref().map(Chambers::of))
+/// What the figures of the last move are of if `--to` ends it.
+fn cut_at_end(transient: &Transient) -> Option<String> {
+    let end = transient.time.last().filter(|_| transient.cut.at_end)?;
+    Some(format!("The last move goes on behind {end:.4} s; its figures are of what comes before."))
+}
+
+/// The rig that is named, or else that of a run folder, if this program takes its values.
+///
+/// # Errors
+/// When the named rig is not that of the transient.
+fn rig_beside(arguments: &Eval, transient: &Transient) -> Result<Option<Rig>> {
+    match &arguments.rig {
+        Some(named) => {
+            let rig = load_rig(named, &[])?;
+            refuse_other(transient, &rig)?;
+            Ok(Some(rig))
+        }
+        None if arguments.file.is_dir() => Ok(rig_of(&arguments.file).ok()),
+        None => Ok(None),
+    }
+}
+
+/// A stop gives way by less, mm.
+const STOP_GIVES_MM: f64 = 3.0;
+
+/// # Errors
+/// When a transient cannot be of a rig: its encoder counts otherwise, or the drive was where the rig has no stroke.
+fn refuse_other(transient: &Transient, rig: &Rig) -> Result<()> {
+    let [counted, counts] = [transient.mm_per_count, rig.number("encoder.mm_per_count")];
+    let (name, test) = (rig.name(), &transient.name);
+    if (counted / counts - 1.0).abs() > 1e-6 {
+        bail!("{test} is not of {name}: its encoder counts {counted} mm, that of {name} {counts} mm");
+    }
+    let stroke = 1e3 * rig.number("actuator.stroke_m");
+    let [low, high] = [f64::min, f64::max].map(|of| transient.channels[POSITION].iter().copied().reduce(of));
+    let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(0.0));
+    if low < -STOP_GIVES_MM || high > stroke + STOP_GIVES_MM {
+        bail!(
+            "{test} is not of {name}: it goes from {low:.1} to {high:.1} mm, and the stroke of {name} is {stroke:.1} mm"
+        );
+    }
+    Ok(())
+}
+
+/// What is told where a transient and the rig beside it have different names.
+fn other_name(transient: &Transient, rig: &Rig) -> Option<String> {
+    let (test, name) = (&transient.test, rig.name());
+    let differ = !test.is_empty() && test != name;
+    differ.then(|| {
+        format!(
+            "The test is called {test}, the rig {name}: the air is right only if {name} has its cylinder."
+        )
+    })
 }
 
 /// The moves of a transient and, of a run folder, those of the neighbours of the run; and what the figures rest on.

@@ -19,8 +19,8 @@ pub(super) struct Figure {
 
 /// Those that stand before the limit cycle.
 pub(super) const FIGURES: [Figure; 8] = [
-    Figure { heading: "begins, s", name: "begins_s", decimals: 4, of: |one| Some(one.start_s) },
-    Figure { heading: "from, mm", name: "from_mm", decimals: 3, of: |one| Some(one.from_mm) },
+    Figure { heading: "begins, s", name: "begins_s", decimals: 4, of: |one| one.of_whole(one.start_s) },
+    Figure { heading: "from, mm", name: "from_mm", decimals: 3, of: |one| one.of_whole(one.from_mm) },
     Figure { heading: "to, mm", name: "to_mm", decimals: 3, of: |one| one.to_mm },
     Figure { heading: "ends at, mm", name: "ends_at_mm", decimals: 3, of: |one| Some(one.end_mm) },
     Figure { heading: "rise, s", name: "rise_s", decimals: 4, of: |one| one.rise_s },
@@ -39,7 +39,7 @@ pub(super) const TOP_SPEED: Figure = Figure {
     heading: "top speed, mm/s",
     name: "top_speed_mm_s",
     decimals: 1,
-    of: |one| Some(one.top_speed_mm_s),
+    of: |one| one.of_whole(one.top_speed_mm_s),
 };
 
 /// A move in each of several runs, the run's own first; None where a run broke off before it.

@@ -18,7 +18,7 @@ pub fn table(runs: &[Vec<Move>], tolerance_mm: f64) -> Table {
             "moves; settled means within {tolerance_mm} mm for the last quarter, - that a move does not show it"
         ),
         columns: columns.map(str::to_owned).collect(),
-        rows: (1..).zip(in_runs(runs)).flat_map(|(number, moves)| rows(number, &moves)).collect(),
+        rows: numbered(runs).flat_map(|(number, moves)| rows(number, &moves)).collect(),
     }
 }
 
@@ -116,8 +116,13 @@ fn air(moves: &InRuns) -> Cell {
 #[must_use]
 pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
     let Some(moves) = runs.first() else { return Vec::new() };
-    let doubt = |(number, one): (usize, &Move)| match one.limit_cycle {
+    let cut = moves
+        .iter()
+        .filter(|one| one.is_cut)
+        .map(|one| format!("Move {} begins earlier: only the figures of its end are known.", one.number));
+    let doubt = |one: &Move| match one.limit_cycle {
         LimitCycle::Undecided(doubt) => {
+            let number = one.number;
             Some(format!("Move {number}: whether it ends in a limit cycle is not decidable; {doubt}."))
         }
         _ => None,
@@ -132,8 +137,14 @@ pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
             "No limit cycle means that the drive stands still within {below_mm:.3} mm, for the last {for_s:.2} s at least."
         )
     });
-    let divided = (1..).zip(in_runs(runs)).filter_map(|(number, moves)| divided(number, &moves));
-    (1..).zip(moves).filter_map(doubt).chain(none).chain(divided).collect()
+    let divided = numbered(runs).filter_map(|(number, moves)| divided(number, &moves));
+    cut.chain(moves.iter().filter_map(doubt)).chain(none).chain(divided).collect()
+}
+
+/// The moves over all runs with their numbers.
+fn numbered(runs: &[Vec<Move>]) -> impl Iterator<Item = (usize, InRuns<'_>)> {
+    let own = runs.first().into_iter().flatten().map(|one| one.number);
+    own.zip(in_runs(runs))
 }
 
 /// How the runs divide where they do not all end alike.

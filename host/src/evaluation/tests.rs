@@ -1,5 +1,5 @@
 use super::*;
-use crate::transient::{CHANNELS, POSITION};
+use crate::transient::{CHANNELS, COMMAND, Cut, POSITION, SETPOINT};
 
 const PERIOD: f64 = 0.001;
 
@@ -71,6 +71,29 @@ fn a_move_ends_where_the_next_one_begins_and_overshoot_has_the_direction_of_the_
     near(moves[1].overshoot_mm, 1.0, 1e-9);
     near(moves[1].settling_s, 0.2, 1.5 * PERIOD);
     assert_eq!((moves[1].start_s, moves[1].from_mm, moves[1].to_mm), (1.0, 100.0, Some(40.0)));
+}
+
+/// Once `--from` made a move of what was left of one: with a later beginning, a shorter way and a faster rise.
+#[test]
+fn a_part_keeps_the_numbers_and_figures_of_its_moves_and_of_the_one_it_begins_in_only_those_of_its_end() {
+    let setpoint = |t: f64| [40.0, 100.0, 60.0][(t / 1.0) as usize];
+    let lag = |t: f64| {
+        let after = |at: f64| if t < at { 0.0 } else { 1.0 - (-(t - at) / 0.05).exp() };
+        40.0 + 60.0 * after(1.0) - 40.0 * after(2.0)
+    };
+    let whole = transient(setpoint, lag, 3000);
+    let all = evaluated(&whole);
+    let part = whole.between(1.02, 2.5);
+    let [cut, last] = &evaluated(&part)[..] else { panic!("two moves") };
+    assert_eq!((cut.number, cut.is_cut, cut.rise_s, cut.settling_s), (2, true, None, None));
+    assert_eq!((cut.end_mm, cut.limit_cycle.swing_mm()), (all[1].end_mm, all[1].limit_cycle.swing_mm()));
+    assert_eq!((last.number, last.is_cut, last.start_s, last.rise_s), (3, false, 2.0, all[2].rise_s));
+    assert!(part.cut.at_end, "its last move goes on until 3 s");
+    assert_eq!(part.between(1.5, 2.5).cut, whole.between(1.5, 2.5).cut, "a part of a part is a part");
+    assert_eq!(whole.between(0.0, 9.0).cut, Cut::default());
+    let at_a_beginning = whole.between(1.0, 1.9995);
+    assert_eq!(at_a_beginning.cut, Cut { moves_before: 1, at_start: false, at_end: false });
+    assert_eq!(evaluated(&at_a_beginning), all[1..2]);
 }
 
 #[test]

@@ -123,6 +123,8 @@ mod tests {
     /// A hold, a step that settles and one back that does not.
     fn moves() -> [Move; 3] {
         let step = Move {
+            number: 1,
+            is_cut: false,
             start_s: 0.3,
             from_mm: 0.0,
             to_mm: Some(60.0),

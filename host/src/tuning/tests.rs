@@ -83,6 +83,8 @@ fn what_cannot_be_tuned_is_refused_by_what_to_change() {
 /// A step that settles after 0.4 s.
 fn step() -> Move {
     Move {
+        number: 1,
+        is_cut: false,
         start_s: 0.1,
         from_mm: 100.0,
         to_mm: Some(160.0),
