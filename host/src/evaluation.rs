@@ -6,7 +6,7 @@
 //! | figure | is | there is none |
 //! |---|---|---|
 //! | rise time | from 10 % to 90 % of `h`, for the first time each | of a way of less than 10 counts |
-//! | overshoot | how far the position goes beyond `r`, in the direction of `h` | of a way of less than 3 counts, and while the drive still goes on |
+//! | overshoot | how far the position goes beyond `r`, in the direction of `h` | of a way of less than 2.5 counts, and while the drive still goes on |
 //! | settling time | from the beginning until the position stays within the tolerance of `r` | if it is not there throughout the last quarter of the move |
 //! | steady error | mean of `r - x` over the move's last quarter, or over the cycles of a limit cycle | while the drive still moves |
 //! | limit cycle | swing from peak to peak and frequency ([`LimitCycle`]) | says so itself |

@@ -79,10 +79,12 @@ fn downloaded(folder: &Path, rig: &Rig) -> Transient {
     Transient::read(&folder.join(name)).expect("a record")
 }
 
+/// Prints the table of docs/evaluation.md, which `--nocapture` shows.
 #[test]
 fn the_air_of_a_record_is_that_of_the_run_within_3_percent_and_within_its_bounds() {
     let folder = folder();
     for name in CLOSED {
+        let mut row = format!("| {name} |");
         for noise in [0.0, 1.0] {
             let noisy = [format!("sensors.noise_counts={noise:?}")];
             let (rig, truth) = (rig(name, &noisy), truth(name, &noisy));
@@ -96,7 +98,12 @@ fn the_air_of_a_record_is_that_of_the_run_within_3_percent_and_within_its_bounds
                 found.least < truth && truth < found.most,
                 "{name}, noise {noise}: {found:?} for {truth}"
             );
+            if noise == 0.0 {
+                row += &format!(" {truth:.3} |");
+            }
+            row += &format!(" {:.3} ({:.3} to {:.3}) |", found.litres, found.least, found.most);
         }
+        println!("{row}");
     }
 }
 
