@@ -16,6 +16,7 @@ mod lands;
 mod outlook;
 mod ports;
 mod sensed;
+mod valve_state;
 
 pub(crate) use lag::Lag;
 
@@ -35,6 +36,7 @@ use crate::stop::Side;
 use crate::valve::{Restrictions, Valve};
 use lands::Lands;
 use ports::Ports;
+pub use valve_state::ValveState;
 
 /// Number of states.
 pub(crate) const STATES: usize = 13;

@@ -63,9 +63,10 @@ pub mod tubing;
 pub mod valve;
 mod walls;
 
+pub use assembly::ValveState;
 pub use decision::{Decision, decide};
 pub use follow::follow;
 pub use integrator::{IntegrationError, Method};
 pub use plant::{Accuracy, Plant};
 pub use rig::Rig;
-pub use run::{Run, run, run_watched};
+pub use run::{Recording, Run, run, run_recorded, run_watched};

@@ -6,7 +6,7 @@
 
 use pneudrive_controller::{Command, Sample};
 
-use crate::assembly::{Assembly, CORE, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, slot};
+use crate::assembly::{Assembly, CORE, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, ValveState, slot};
 use crate::build;
 use crate::faults::SensorFaults;
 use crate::follow::Reading;
@@ -282,6 +282,13 @@ impl Plant {
             actuator_force,
             friction: friction_force,
         }
+    }
+
+    /// The air inside the valve at the time of the last [`Plant::look`].
+    pub fn look_into_valve(&mut self, t: f64) -> ValveState {
+        let x = self.integrator.state(t);
+        self.assembly.follow(&x);
+        self.assembly.valve_state(t, &x)
     }
 
     /// The mass flows of [`Plant::look`] by the network's equations, kg/s. For tests: those of a row are the slopes

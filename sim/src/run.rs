@@ -26,11 +26,19 @@ pub struct Run {
     pub work: PlantWork,
 }
 
+/// What rows hold besides what every trace has. It does not change the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Recording {
+    /// The air inside the valve.
+    pub valve: bool,
+}
+
 /// Where the next row of the trace is due.
 struct Rows {
     period_us: u64,
     next_us: u64,
     end_us: u64,
+    recording: Recording,
     rows: Vec<Row>,
 }
 
@@ -44,7 +52,9 @@ impl Rows {
     ) -> Result<(), IntegrationError> {
         while self.next_us < until_us && self.next_us <= self.end_us {
             let time = seconds(self.next_us);
-            self.rows.push(Row { time, observation: *seen, plant: plant.look(time)? });
+            let snapshot = plant.look(time)?;
+            let valve = self.recording.valve.then(|| plant.look_into_valve(time));
+            self.rows.push(Row { time, observation: *seen, plant: snapshot, valve });
             self.next_us += self.period_us;
         }
         Ok(())
@@ -66,6 +76,19 @@ pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
 pub fn run_watched(
     rig: &Rig,
     accuracy: Accuracy,
+    progress: impl FnMut(u32, u32),
+) -> Result<Run, IntegrationError> {
+    run_recorded(rig, accuracy, Recording::default(), progress)
+}
+
+/// The same with what else to record.
+///
+/// # Errors
+/// When the integration cannot go on.
+pub fn run_recorded(
+    rig: &Rig,
+    accuracy: Accuracy,
+    recording: Recording,
     mut progress: impl FnMut(u32, u32),
 ) -> Result<Run, IntegrationError> {
     let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
@@ -79,7 +102,7 @@ pub fn run_watched(
     let row_period = rig.optional_number("test.trace_period_s").and_then(whole_microseconds);
     let (row_period, end_us) = (row_period.unwrap_or(period), rig.microseconds("test.duration_s"));
     let rows = Vec::with_capacity(room_for(end_us / row_period));
-    let mut rows = Rows { period_us: row_period, next_us: 0, end_us, rows };
+    let mut rows = Rows { period_us: row_period, next_us: 0, end_us, recording, rows };
     let mut plant = Plant::new(rig, accuracy, 0);
     let samples = room_for(u64::from(rig.last_sample()));
     let mut observations = Vec::with_capacity(samples);

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use pneudrive_controller::Observation;
 
+use crate::assembly::ValveState;
 use crate::plant::Snapshot;
 
 /// The columns of trace.csv.
@@ -37,6 +38,55 @@ pub struct Row {
     pub observation: Observation,
     /// At the row's time.
     pub plant: Snapshot,
+    /// The air inside the valve, where it was recorded.
+    pub valve: Option<ValveState>,
+}
+
+/// A column that a trace may have behind [`COLUMNS`].
+#[derive(Clone, Copy, Debug)]
+pub struct Extra {
+    /// Its name, with its unit at the end.
+    pub name: &'static str,
+    /// What it is.
+    pub help: &'static str,
+    of: fn(&ValveState) -> f64,
+}
+
+impl Extra {
+    /// Its number in a row; not a number where the valve was not recorded.
+    #[must_use]
+    pub fn value(&self, row: &Row) -> f64 {
+        row.valve.as_ref().map_or(f64::NAN, self.of)
+    }
+
+    /// The column of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Extra> {
+        EXTRAS.iter().find(|extra| extra.name == name)
+    }
+}
+
+/// The columns of the air inside the valve.
+pub const EXTRAS: [Extra; 11] = [
+    extra("port_pressure_1_pa", "P_1v, at port 1 on the valve's side of its tube", |v| v.port_pressures[0]),
+    extra("port_pressure_2_pa", "P_2v, at port 2", |v| v.port_pressures[1]),
+    extra("node_pressure_1_pa", "P_n of the flow node of port 1 (6.47)", |v| v.node_pressures[0]),
+    extra("node_pressure_2_pa", "P_n of the flow node of port 2", |v| v.node_pressures[1]),
+    extra("node_temperature_1_k", "T_n of the flow node of port 1 (6.53)", |v| v.node_temperatures[0]),
+    extra("node_temperature_2_k", "T_n of the flow node of port 2", |v| v.node_temperatures[1]),
+    extra("supply_port_pressure_pa", "in front of the supply's lands, behind its tube", |v| {
+        v.supply_pressure
+    }),
+    extra("supply_flow_1_kg_s", "from the supply into the node of port 1", |v| v.supply_flows[0]),
+    extra("supply_flow_2_kg_s", "from the supply into the node of port 2", |v| v.supply_flows[1]),
+    extra("exhaust_flow_1_kg_s", "from the exhaust into the node of port 1; negative when air leaves", |v| {
+        v.exhaust_flows[0]
+    }),
+    extra("exhaust_flow_2_kg_s", "from the exhaust into the node of port 2", |v| v.exhaust_flows[1]),
+];
+
+const fn extra(name: &'static str, help: &'static str, of: fn(&ValveState) -> f64) -> Extra {
+    Extra { name, help, of }
 }
 
 impl Row {
@@ -70,10 +120,18 @@ impl Row {
 /// trace.csv: header, then a line a row.
 #[must_use]
 pub fn to_csv(rows: &[Row]) -> String {
-    let mut text = COLUMNS.join(",");
+    to_csv_with(rows, &[])
+}
+
+/// The same with more columns.
+#[must_use]
+pub fn to_csv_with(rows: &[Row], extras: &[&Extra]) -> String {
+    let names = COLUMNS.into_iter().chain(extras.iter().map(|extra| extra.name));
+    let mut text = names.collect::<Vec<_>>().join(",");
     text.push('\n');
     for row in rows {
-        for (column, value) in row.values().into_iter().enumerate() {
+        let more = extras.iter().map(|extra| extra.value(row));
+        for (column, value) in row.values().into_iter().chain(more).enumerate() {
             if column > 0 {
                 text.push(',');
             }

@@ -96,6 +96,13 @@ impl Assembly {
     /// Looking leaves no trace: the network goes on from where the integrator left it.
     pub fn port_flows(&mut self, t: f64, x: &StateVector) -> Pair {
         let left = (self.parts.network.clone(), self.solved);
+        let nodes = self.nodes_for_a_row(t, x);
+        (self.parts.network, self.solved) = left;
+        self.joined(nodes.port_flow())
+    }
+
+    /// The flows at the instant of a row.
+    pub(super) fn nodes_for_a_row(&mut self, t: f64, x: &StateVector) -> Nodes {
         if let Some((at, ..)) = &mut self.solved
             && self.parts.operator.stands(t)
         {
@@ -103,9 +110,7 @@ impl Assembly {
         }
         // A row is no trial step: where the flows are hard to find, they are searched for.
         self.parts.network.expect_jump();
-        let nodes = self.nodes(t, x);
-        (self.parts.network, self.solved) = left;
-        self.joined(nodes.port_flow())
+        self.nodes(t, x)
     }
 
     /// The same where the masses of the air have these slopes, kg/s.
