@@ -11,6 +11,7 @@ pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Tune
 pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use pneudrive_sim::trace::{EXTRAS, Extra};
 
 use crate::ensemble::Spacing;
 
@@ -165,6 +166,7 @@ pub enum Rig {
 
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
+#[command(after_help = column_list())]
 pub struct Simulate {
     /// The rig.
     #[command(flatten)]
@@ -175,6 +177,9 @@ pub struct Simulate {
     /// Where to leave trace.csv, run.json and report.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// More columns of trace.csv and graphs of the page: names as below, with commas between them, or valve for all of them
+    #[arg(long, value_name = "NAMES", value_parser = columns)]
+    pub columns: Option<Columns>,
     /// Leave no report.html, which takes longer than most runs
     #[arg(long)]
     pub no_report: bool,
@@ -184,6 +189,36 @@ pub struct Simulate {
     /// Its neighbours.
     #[command(flatten)]
     pub neighbours: Neighbours,
+}
+
+/// Columns of a trace that not every trace has.
+#[derive(Clone, Debug, Default)]
+pub struct Columns(pub Vec<&'static Extra>);
+
+/// Stands for all of them.
+const OF_VALVE: &str = "valve";
+
+fn columns(text: &str) -> Result<Columns, String> {
+    if text == OF_VALVE {
+        return Ok(Columns(EXTRAS.iter().collect()));
+    }
+    let unknown = |name: &str| format!("there is no column {name}; `pneudrive simulate --help` lists them");
+    let named = text.split(',').map(|name| Extra::named(name).ok_or_else(|| unknown(name)));
+    let mut found: Vec<&'static Extra> = Vec::new();
+    for extra in named {
+        let extra = extra?;
+        if found.iter().any(|other| other.name == extra.name) {
+            return Err(format!("{} is there twice", extra.name));
+        }
+        found.push(extra);
+    }
+    Ok(Columns(found))
+}
+
+/// The columns for the help text.
+fn column_list() -> String {
+    let lines = EXTRAS.iter().map(|extra| format!("  {:<24}{}\n", extra.name, extra.help));
+    format!("Columns:\n{}  {OF_VALVE:<24}all of these\n", lines.collect::<String>())
 }
 
 /// Runs beside the nominal one.

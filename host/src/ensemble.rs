@@ -23,6 +23,7 @@ use std::sync::Mutex;
 use anyhow::{Context, Result};
 use pneudrive_controller::Fault;
 use pneudrive_sim::rig::Problems;
+use pneudrive_sim::trace::Extra;
 use pneudrive_sim::{Accuracy, Decision, Rig, Run, decide, run, run_watched};
 
 use crate::band::Band;
@@ -58,6 +59,8 @@ pub struct Judged {
     pub spacing: Spacing,
     /// What went wrong with its neighbours.
     pub lost: Lost,
+    /// Columns of its trace that not every trace has; its rows hold them.
+    pub columns: Vec<&'static Extra>,
 }
 
 /// Neighbours that did not come to the end of their run.
@@ -180,7 +183,10 @@ pub fn run_ensemble_on<T: Send>(
         }
     }
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
-    Ok(Ensemble { nominal: Judged { run: nominal, accuracy, decision, band, spacing, lost }, measured })
+    Ok(Ensemble {
+        nominal: Judged { run: nominal, accuracy, decision, band, spacing, lost, columns: Vec::new() },
+        measured,
+    })
 }
 
 #[cfg(test)]

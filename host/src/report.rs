@@ -44,10 +44,34 @@ pub fn panels(transients: &[Transient]) -> Vec<Panel> {
         });
         all.collect()
     };
-    GRAPHS
-        .iter()
-        .map(|(title, channels)| Panel { bands: bands(channels), ..Panel::new(title, curves(channels)) })
-        .collect()
+    let graphs = GRAPHS.iter();
+    let graphs = graphs
+        .map(|(title, channels)| Panel { bands: bands(channels), ..Panel::new(title, curves(channels)) });
+    graphs.chain(extra_panels(transients)).collect()
+}
+
+/// Graphs of the columns that not every trace has: title with unit, the end of their names, and the factor from the unit
+/// of the column.
+const EXTRA_GRAPHS: [(&str, &str, f64); 3] = [
+    ("pressures in the valve, kPa", "_pa", 1e-3),
+    ("temperatures in the valve, K", "_k", 1.0),
+    ("flows of the lands, g/s", "_kg_s", 1e3),
+];
+
+/// Those of [`EXTRA_GRAPHS`] of which a transient has a column.
+fn extra_panels(transients: &[Transient]) -> impl Iterator<Item = Panel> {
+    EXTRA_GRAPHS.iter().filter_map(|&(title, unit, factor)| {
+        let curves = transients.iter().flat_map(|transient| {
+            let of_unit = transient.extras.iter().filter(move |(extra, _)| extra.name.ends_with(unit));
+            of_unit.map(move |(extra, values)| {
+                let label = extra.name.trim_end_matches(unit).replace('_', " ");
+                let values = values.iter().map(|value| factor * value).collect();
+                Curve::new(&format!("{label}, {}", transient.name), transient.time.clone(), values)
+            })
+        });
+        let curves: Vec<Curve> = curves.collect();
+        (!curves.is_empty()).then(|| Panel::new(title, curves))
+    })
 }
 
 /// What a simulated run and its neighbours cover.

@@ -16,7 +16,7 @@ use anyhow::{Context, Result, bail};
 use crc::{CRC_64_XZ, Crc};
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_sim::rig::{Fields, Value};
-use pneudrive_sim::trace::{COLUMNS, to_csv};
+use pneudrive_sim::trace::{COLUMNS, to_csv_with};
 use pneudrive_sim::{Decision, Rig};
 use serde_json::{Map, json};
 
@@ -60,7 +60,7 @@ pub fn write(
     page: Option<&Page>,
 ) -> Result<()> {
     refuse_others(folder)?;
-    let trace = to_csv(&judged.run.rows);
+    let trace = to_csv_with(&judged.run.rows, &judged.columns);
     let band = judged.band.as_ref().map(Band::to_csv);
     let mut description = describe(rig, judged, moves);
     let identity = checksum(&format!("{trace}{}{}", band.as_deref().unwrap_or(""), description["keys"]));

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::estimator::MAX_WINDOW_SAMPLES;
 use pneudrive_protocol::RecordedSample;
+use pneudrive_sim::trace::Extra;
 
 use crate::band::Band;
 use crate::run_folder::StoredRun;
@@ -30,6 +31,8 @@ pub const SETPOINT: usize = 0;
 pub const POSITION: usize = 1;
 /// The pressures, kPa.
 pub const PRESSURES: [usize; 2] = [2, 3];
+/// Columns of the pressures at the ports of the valve.
+const PORTS: [&str; 2] = ["port_pressure_1_pa", "port_pressure_2_pa"];
 /// The spool, mm.
 pub const SPOOL: usize = 4;
 /// The command, counts.
@@ -58,6 +61,8 @@ pub struct Transient {
     pub pressure_step_kpa: f64,
     /// Air that flows into the chambers, kg/s; None of a record, which has no flows.
     pub inflow_kg_s: Option<Vec<f64>>,
+    /// Columns that not every trace has, in their own units.
+    pub extras: Vec<(&'static Extra, Vec<f64>)>,
     /// Times before and after each place where samples are missing, s.
     pub gaps: Vec<[f64; 2]>,
     /// What a simulated run and its neighbours cover, if it has some.
@@ -173,6 +178,7 @@ impl Transient {
             ],
             pressure_step_kpa: pressure[0].abs(),
             inflow_kg_s: None,
+            extras: Vec::new(),
             gaps: gaps(file, period),
             band: None,
             cut: Cut::default(),
@@ -205,6 +211,7 @@ impl Transient {
             windows: run.windows,
             pressure_step_kpa: 0.0,
             inflow_kg_s: Some(flows.map(inflow).collect()),
+            extras: run.extras.iter().map(|extra| (*extra, run.column(extra.name).to_vec())).collect(),
             gaps: Vec::new(),
             band: run.band.as_ref().map(ChannelBand::of),
             cut: Cut::default(),
@@ -241,6 +248,7 @@ impl Transient {
             windows: self.windows,
             pressure_step_kpa: self.pressure_step_kpa,
             inflow_kg_s: self.inflow_kg_s.as_ref().map(|flow| flow[first..end].to_vec()),
+            extras: self.extras.iter().map(|(extra, of)| (*extra, of[first..end].to_vec())).collect(),
             gaps: self
                 .gaps
                 .iter()
@@ -250,6 +258,27 @@ impl Transient {
             band: self.band.as_ref().map(|band| band.between(first, end)),
             cut: self.cut_between(first, end),
         }
+    }
+
+    /// The same with the pressures at the ports of the valve, P_1v and P_2v, for those in the chambers: there the
+    /// transmitters of thesis 7.2.1 (c) were. A record stays as it is, as nobody knows where its transmitters were.
+    ///
+    /// # Errors
+    /// When a run does not have them.
+    pub fn at_ports(mut self) -> Result<Transient> {
+        if self.inflow_kg_s.is_none() {
+            return Ok(self);
+        }
+        for (channel, name) in PRESSURES.into_iter().zip(PORTS) {
+            let Some((_, values)) = self.extras.iter().find(|(extra, _)| extra.name == name) else {
+                bail!("{} has no {name}; simulate it with --columns {}", self.name, PORTS.join(","));
+            };
+            self.channels[channel] = values.iter().map(|pascals| pascals * 1e-3).collect();
+            if let Some(band) = &mut self.band {
+                (band.low[channel], band.high[channel]) = (Vec::new(), Vec::new());
+            }
+        }
+        Ok(self)
     }
 
     /// Indices of the first sample of each move: where the setpoint changes or, in open loop, the command. The first

@@ -116,6 +116,53 @@ fn a_record_is_not_evaluated_with_the_cylinder_of_another_rig_unsaid() {
     assert!(!ok(folder.path(), "eval TARGET01.DAT --rig servo-b-tuned").contains("The test is called"));
 }
 
+/// The pressures that the transmitters of thesis 7.2.1 (c) saw.
+#[test]
+fn a_run_may_have_the_air_inside_its_valve_and_a_record_be_laid_over_the_ports() {
+    let folder = transients();
+    let simulate = "simulate servo-b-tuned --set test.duration_s=0.45 --ensemble 2";
+    ok(folder.path(), &format!("{simulate} --out plain"));
+    ok(folder.path(), &format!("{simulate} --out all --columns valve"));
+    ok(folder.path(), &format!("{simulate} --out ports --columns port_pressure_1_pa,port_pressure_2_pa"));
+    let text = |name: &str| fs::read_to_string(folder.path().join(name)).expect("written");
+    let (plain, all) = (text("plain/trace.csv"), text("all/trace.csv"));
+    for (line, longer) in plain.lines().zip(all.lines()) {
+        assert!(longer.starts_with(line) && longer.split(',').count() == 18 + 11, "{longer}");
+    }
+    for graph in ["pressures in the valve, kPa", "temperatures in the valve, K", "flows of the lands, g/s"] {
+        assert!(
+            text("all/report.html").contains(graph) && !text("plain/report.html").contains(graph),
+            "{graph}"
+        );
+    }
+    let figures = |name: &str| ok(folder.path(), &format!("eval {name} --ensemble 1")).replace(name, "");
+    assert_eq!(figures("plain"), figures("all"));
+    assert!(
+        ok(folder.path(), "eval ports").contains("Least and most are over 2 runs"),
+        "the trace is its own"
+    );
+
+    let chambers = ok(folder.path(), "overlay TARGET01.DAT ports");
+    let ports = ok(folder.path(), "overlay TARGET01.DAT ports --ports");
+    assert!(
+        ports.contains("Pressures of runs are those at the ports of the valve, P_1v and P_2v."),
+        "{ports}"
+    );
+    assert_eq!(figures_of(&chambers, "position"), figures_of(&ports, "position"));
+    assert_ne!(figures_of(&chambers, "pressure 1"), figures_of(&ports, "pressure 1"));
+    let refused = transcript(folder.path(), "overlay TARGET01.DAT plain --ports");
+    let says =
+        "plain has no port_pressure_1_pa; simulate it with --columns port_pressure_1_pa,port_pressure_2_pa";
+    assert!(refused.contains(says) && refused.ends_with("= 1"), "{refused}");
+    let wrong = transcript(folder.path(), &format!("{simulate} --out x --columns pressure"));
+    assert!(wrong.contains("there is no column pressure; `pneudrive simulate --help` lists them"), "{wrong}");
+}
+
+fn figures_of<'a>(said: &'a str, channel: &str) -> Vec<&'a str> {
+    let line = said.lines().find(|line| line.starts_with(channel));
+    line.unwrap_or_else(|| panic!("{channel}: {said}")).split_whitespace().collect()
+}
+
 #[test]
 fn a_part_names_the_move_that_it_cuts() {
     let folder = transients();

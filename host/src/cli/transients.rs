@@ -127,6 +127,9 @@ pub struct Overlay {
     /// How their times are made one
     #[arg(long, value_enum, default_value_t = Align::Start)]
     pub align: Align,
+    /// Of runs take the pressures at the ports of the valve, P_1v and P_2v, not those in the chambers
+    #[arg(long)]
+    pub ports: bool,
     /// The stretch of the reference to compare.
     #[command(flatten)]
     pub stretch: Stretch,

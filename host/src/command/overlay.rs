@@ -13,10 +13,17 @@ use crate::transient::Transient;
 
 pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     refuse_foreign(&arguments.out, GENERATOR)?;
-    let mut transients = vec![stretch(Transient::read(&arguments.reference)?, &arguments.stretch)?];
+    let read = |path| match arguments.ports {
+        true => Transient::read(path)?.at_ports(),
+        false => Transient::read(path),
+    };
+    let mut transients = vec![stretch(read(&arguments.reference)?, &arguments.stretch)?];
     let mut notes = Vec::new();
+    if arguments.ports {
+        notes.push("Pressures of runs are those at the ports of the valve, P_1v and P_2v.".to_owned());
+    }
     for path in &arguments.others {
-        let mut other = Transient::read(path)?;
+        let mut other = read(path)?;
         let shift = shift(arguments.align, &transients[0], &other)?;
         if shift != 0.0 {
             other.shift(shift);

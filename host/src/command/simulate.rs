@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use pneudrive_sim::{Rig, Run};
+use pneudrive_sim::{Recording, Rig, Run, run_recorded};
 
 use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
@@ -28,7 +28,12 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let ensemble = run_ensemble(&rig, accuracy, spacing, figures, |done, all| progress.at(done, all));
     let took = begin.elapsed();
     progress.done();
-    let Ensemble { nominal: judged, measured: moves } = ensemble?;
+    let Ensemble { nominal: mut judged, measured: moves } = ensemble?;
+    if let Some(columns) = &arguments.columns {
+        // The same run again, now with a look into the valve at every row.
+        judged.run = run_recorded(&rig, judged.accuracy, Recording { valve: true }, |_, _| {})?;
+        judged.columns = columns.0.clone();
+    }
     let mut notes = notes(&rig, &judged);
     let table = table(&moves, TOLERANCE_MM);
     let remarks = remarks(&moves);

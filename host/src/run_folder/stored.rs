@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use pneudrive_sim::trace::{COLUMNS, to_csv};
+use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
 use pneudrive_sim::{Accuracy, Method, Rig, Run};
 
 use super::replacement::settle;
@@ -32,6 +32,8 @@ pub struct StoredRun {
     pub spacing: Option<Spacing>,
     /// How exactly it was integrated; None where this program does not know.
     pub accuracy: Option<Accuracy>,
+    /// Columns that not every trace has.
+    pub extras: Vec<&'static Extra>,
     /// Whether its trace is known to be the one that was written; those of older programs have no checksum.
     pub has_checksum: bool,
     columns: Vec<Vec<f64>>,
@@ -56,18 +58,24 @@ impl StoredRun {
             spacing: None,
             accuracy: None,
             has_checksum: true,
+            extras: Vec::new(),
             columns,
         }
     }
 
-    /// The same with its band.
+    /// The same with its band and all of its columns.
     #[must_use]
     pub fn of_judged(rig: &Rig, judged: &Judged) -> StoredRun {
+        let run = StoredRun::of(rig, &judged.run);
+        let value = |extra: &Extra| judged.run.rows.iter().map(|row| extra.value(row)).collect();
+        let more: Vec<Vec<f64>> = judged.columns.iter().map(|extra| value(extra)).collect();
         StoredRun {
+            extras: judged.columns.clone(),
+            columns: [run.columns, more].concat(),
             band: judged.band.clone(),
             spacing: judged.band.as_ref().map(|_| judged.spacing),
             accuracy: Some(judged.accuracy),
-            ..StoredRun::of(rig, &judged.run)
+            ..run
         }
     }
 
@@ -96,7 +104,7 @@ impl StoredRun {
             .ok_or_else(|| wrong(scale, "it must be a number, more than 0"))?;
         let trace_path = folder.join(TRACE);
         let text = read_text(&trace_path)?;
-        let columns = columns_of(&text).with_context(|| trace_path.display().to_string())?;
+        let (extras, columns) = columns_of(&text).with_context(|| trace_path.display().to_string())?;
         let open_loop = description["keys"]["controller.loop"] == OPEN;
         let window = |key: &str| {
             let samples = description["keys"][key].as_f64().and_then(whole_window);
@@ -131,6 +139,7 @@ impl StoredRun {
             spacing: spacing_of(&description),
             accuracy: accuracy_of(&description),
             has_checksum: !description[CHECKSUMS][TRACE].is_null(),
+            extras,
             columns,
         })
     }
@@ -141,7 +150,8 @@ impl StoredRun {
     /// When there is no such column: a slip in the program.
     #[must_use]
     pub fn column(&self, name: &str) -> &[f64] {
-        let index = COLUMNS.iter().position(|column| *column == name);
+        let mut names = COLUMNS.into_iter().chain(self.extras.iter().map(|extra| extra.name));
+        let index = names.position(|column| column == name);
         &self.columns[index.unwrap_or_else(|| panic!("trace.csv has no column {name}"))]
     }
 }
@@ -158,12 +168,16 @@ pub fn rig_of(folder: &Path) -> Result<Rig> {
     Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
 }
 
-/// Whether the trace of a run folder is that of a run, to the last digit.
+/// Whether the trace of a run folder is that of a run, to the last digit, in the columns that every trace has.
 ///
 /// # Errors
 /// When it cannot be read.
 pub fn is_trace(folder: &Path, run: &Run) -> Result<bool> {
-    Ok(read_text(&folder.join(TRACE))? == to_csv(&run.rows))
+    let text = read_text(&folder.join(TRACE))?;
+    let expected = to_csv(&run.rows);
+    let common = |line: &str| line.split(',').take(COLUMNS.len()).collect::<Vec<_>>().join(",");
+    Ok(text.lines().count() == expected.lines().count()
+        && text.lines().zip(expected.lines()).all(|(line, expected)| common(line) == expected))
 }
 
 fn spacing_of(description: &serde_json::Value) -> Option<Spacing> {
@@ -204,18 +218,28 @@ fn check(folder: &Path, description: &serde_json::Value, name: &str, text: &str)
     }
 }
 
-fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
-    let mut lines = text.lines().enumerate();
-    if lines.next().map(|(_, line)| line) != Some(COLUMNS.join(",").as_str()) {
-        bail!("line 1: expected the header {}", COLUMNS.join(","));
+/// The columns that not every trace has, by the header of one.
+fn extras_of(header: &str) -> Result<Vec<&'static Extra>> {
+    let expected = || anyhow!("line 1: expected the header {}", COLUMNS.join(","));
+    let more = header.strip_prefix(&COLUMNS.join(",")).ok_or_else(expected)?;
+    let named = |name: &str| Extra::named(name).ok_or_else(|| anyhow!("line 1: there is no column {name}"));
+    match more.strip_prefix(',') {
+        Some(names) => names.split(',').map(named).collect(),
+        None if more.is_empty() => Ok(Vec::new()),
+        None => Err(expected()),
     }
-    let mut columns = vec![Vec::new(); COLUMNS.len()];
+}
+
+fn columns_of(text: &str) -> Result<(Vec<&'static Extra>, Vec<Vec<f64>>)> {
+    let mut lines = text.lines().enumerate();
+    let extras = extras_of(lines.next().map_or("", |(_, line)| line))?;
+    let width = COLUMNS.len() + extras.len();
+    let mut columns = vec![Vec::new(); width];
     for (number, line) in lines {
         let values: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
-        let whole = |values: &Vec<f64>| values.len() == COLUMNS.len() && values.iter().all(|v| v.is_finite());
+        let whole = |values: &Vec<f64>| values.len() == width && values.iter().all(|v| v.is_finite());
         let values = values.ok().filter(whole);
-        let values =
-            values.ok_or_else(|| anyhow!("line {}: expected {} numbers", number + 1, COLUMNS.len()))?;
+        let values = values.ok_or_else(|| anyhow!("line {}: expected {width} numbers", number + 1))?;
         if columns[0].last().is_some_and(|last| values[0] <= *last) {
             bail!("line {}: its time is not after that of the line before", number + 1);
         }
@@ -223,5 +247,5 @@ fn columns_of(text: &str) -> Result<Vec<Vec<f64>>> {
             column.push(value);
         }
     }
-    Ok(columns)
+    Ok((extras, columns))
 }
