@@ -65,8 +65,9 @@ pub(super) fn notes(rig: &Rig, judged: &Judged) -> Vec<String> {
     let lost = judged.band.as_ref().and_then(|_| words::lost(&judged.lost));
     let neighbours = judged.band.as_ref().map(|_| {
         let Spacing { runs, relative } = judged.spacing;
+        let neighbours = if runs == 2 { "neighbour" } else { "neighbours" };
         format!(
-            "{} neighbours whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
+            "{} {neighbours} whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
             runs - 1
         )
     });
