@@ -23,7 +23,8 @@ fn rows(text: &str) -> Vec<Vec<String>> {
 #[test]
 fn all_curves_of_a_servo_drive_are_drawn_and_stored() {
     let folder = folder();
-    let said = ok(folder.path(), "characterise servo-b all --out char");
+    let parts = "--set valve.flow_force=analytical --set actuator.leakage=adiabatic";
+    let said = ok(folder.path(), &format!("characterise servo-b all {parts} --out char"));
     for curve in &CURVES {
         assert!(said.contains(&format!("{}: {}", curve.name, curve.about)), "{said}");
         let names = ["csv", "html"].map(|kind| format!("char/{}.{kind}", curve.name));
@@ -57,6 +58,8 @@ fn a_curve_that_a_rig_has_not_is_refused_and_left_out_of_all() {
         ("servo-a dither", "servo-a has no dither: only a solenoid has a dither"),
         ("servo-a frequency-response", "servo-a has no frequency-response: its operator has no moving mass"),
         ("burrows pressure-drop", "burrows has no pressure-drop: it has no tubes"),
+        ("servo-b leakage", "servo-b has no leakage: its piston does not leak"),
+        ("servo-b flow-force", "servo-b has no flow-force: its flow does not push the spool"),
         ("bang-bang hysteresis", "bang-bang has no hysteresis: an on-off operator has three places"),
     ] {
         let said = transcript(folder.path(), &format!("characterise {arguments} --out out"));

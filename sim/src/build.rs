@@ -142,7 +142,7 @@ fn land_law(rig: &Rig) -> FlowLaw {
     }
 }
 
-fn flow_force(rig: &Rig) -> FlowForce {
+pub(crate) fn flow_force(rig: &Rig) -> FlowForce {
     match rig.word("valve.flow_force") {
         "analytical" => FlowForce::Analytical,
         "experimental" => FlowForce::Experimental {

@@ -10,15 +10,21 @@
 //! | [`dither`] | 7.1.2.2, Fig. 7.8 | a blocked port over command, by frequency of the dither |
 //! | [`pressure_drop`] | 7.1.4, 6.61 | pressure behind a tube over its flow |
 //! | [`frequency_response`] | 7.1.2.3 | the spool under a swept sine |
+//! | [`land_area`] | 6.38 | areas of the lands over the spool |
+//! | [`flow_force`] | 6.4.4 | force of the flow on the spool |
+//! | [`leakage`] | 8.3.3, Fig. 8.8 | what passes the piston |
 //!
 //! There is no second model: [`bench`] fastens the very parts that a run is built of.
 
 mod bench;
 pub mod dither;
+pub mod flow_force;
 pub mod flow_function;
 pub mod flow_gain;
 pub mod frequency_response;
 pub mod hysteresis;
+pub mod land_area;
+pub mod leakage;
 pub mod pressure_drop;
 pub mod pressure_gain;
 pub mod valve_models;
@@ -37,7 +43,7 @@ pub struct Curve {
 }
 
 /// All curves.
-pub const CURVES: [Curve; 8] = [
+pub const CURVES: [Curve; 11] = [
     Curve { name: "flow-gain", about: flow_gain::ABOUT, measure: flow_gain::measure },
     Curve { name: "pressure-gain", about: pressure_gain::ABOUT, measure: pressure_gain::measure },
     Curve { name: "flow-function", about: flow_function::ABOUT, measure: flow_function::measure },
@@ -50,6 +56,9 @@ pub const CURVES: [Curve; 8] = [
         about: frequency_response::ABOUT,
         measure: frequency_response::measure,
     },
+    Curve { name: "land-area", about: land_area::ABOUT, measure: land_area::measure },
+    Curve { name: "flow-force", about: flow_force::ABOUT, measure: flow_force::measure },
+    Curve { name: "leakage", about: leakage::ABOUT, measure: leakage::measure },
 ];
 
 /// Why a curve cannot be measured on a rig.
