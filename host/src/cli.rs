@@ -14,10 +14,11 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use pneudrive_sim::trace::{EXTRAS, Extra};
 
 use crate::ensemble::Spacing;
+use crate::exit;
 
 /// Servo-pneumatic drives: simulate, run, record, compare.
 #[derive(Debug, Parser)]
-#[command(version, about, arg_required_else_help = true, after_help = "Start with: pneudrive demo")]
+#[command(version, about, arg_required_else_help = true, after_help = exit::help())]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

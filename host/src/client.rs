@@ -20,6 +20,7 @@ pub use owner::Commander;
 pub use parameters::RigParameters;
 pub use record::{Pieces, Record, RecordChanged, RecordHead};
 
+use crate::exit::Exit;
 use crate::port::{self, Link};
 use crate::words;
 
@@ -92,7 +93,8 @@ impl Client {
     /// # Errors
     /// When the port cannot be opened, nobody answers, or the versions do not fit.
     pub fn connect(name: &str) -> Result<Client> {
-        Client::over(port::open(name)?, name)
+        let opened = port::open(name).map_err(|error| Exit::NoAnswer.of(error))?;
+        Client::over(opened, name)
     }
 
     /// Talks over an open link; `name` is for messages.
@@ -139,7 +141,9 @@ impl Client {
     fn ask<T>(&mut self, body: RequestBody<'_>, take: impl Fn(&ReplyBody<'_>) -> Result<T>) -> Result<T> {
         let name = self.name.clone();
         self.ask_for_any(body, |reply| match reply {
-            ReplyBody::Refused(refused) => Err(anyhow!("{name}: {}", words::refusal(refused))),
+            ReplyBody::Refused(refused) => {
+                Err(Exit::Refused.error(format!("{name}: {}", words::refusal(refused))))
+            }
             body => take(body),
         })
     }
@@ -166,11 +170,11 @@ impl Client {
     }
 
     fn no_answer(&self) -> anyhow::Error {
-        anyhow!(
+        Exit::NoAnswer.error(format!(
             "no answer from {} within {:.1} s; is it a rig, powered and with this firmware, and does no other program talk to it?",
             self.name,
             PATIENCE.as_secs_f64()
-        )
+        ))
     }
 
     fn send(&mut self, request: Request<'_>) -> Result<()> {
@@ -317,13 +321,15 @@ impl Client {
                 Mode::Running => between(self).inspect_err(|_| {
                     let _ = self.stop();
                 })?,
-                Mode::Fault => bail!(
-                    "{} tripped at sample {}: {} ({}); `pneudrive device arm` leaves the fault",
-                    self.name,
-                    status.index,
-                    words::fault_code_name(status.fault),
-                    words::fault_meaning(status.fault)
-                ),
+                Mode::Fault => {
+                    return Err(Exit::Tripped.error(format!(
+                        "{} tripped at sample {}: {} ({}); `pneudrive device arm` leaves the fault",
+                        self.name,
+                        status.index,
+                        words::fault_code_name(status.fault),
+                        words::fault_meaning(status.fault)
+                    )));
+                }
                 Mode::Done => return Ok(status),
                 Mode::Disarmed | Mode::Armed => bail!(
                     "{}: the run did not come to its end; the rig was reset, or someone else disarmed it",
@@ -342,7 +348,8 @@ impl Client {
             return self.status();
         }
         self.stop()?;
-        bail!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name);
+        Err(Exit::Interrupted
+            .error(format!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name)))
     }
 }
 

@@ -28,12 +28,48 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use clap::Parser;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use pneudrive_sim::rig::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Method, Rig};
 
 use crate::cli::{Cli, Command, Integration, MethodName, RigChoice};
 use crate::client::RigParameters;
+use crate::exit::Exit;
+use crate::output::{self, Stream};
+
+/// The program: reads the command line, does what it asks for, tells what went wrong.
+#[must_use]
+pub fn main() -> Exit {
+    let _ = hear_of_limits();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(answer) => {
+            let stream = if answer.use_stderr() { Stream::Errors } else { Stream::Output };
+            stream.note(answer.print());
+            return output::end(if answer.use_stderr() { Exit::Usage } else { Exit::Done });
+        }
+    };
+    output::end(match execute(cli) {
+        Ok(()) => Exit::Done,
+        Err(error) => {
+            tell!("error: {error:#}");
+            Exit::after(&error)
+        }
+    })
+}
+
+/// Has a file that reaches the limit of its size (`ulimit -f`) fail as one on a full disk does. The signal that the
+/// system sends as well would end the program with no word, and leave a drive that moves.
+#[cfg(unix)]
+fn hear_of_limits() -> std::io::Result<()> {
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default()).map(drop)
+}
+
+#[cfg(not(unix))]
+fn hear_of_limits() -> std::io::Result<()> {
+    Ok(())
+}
 
 /// Does what the command line asks for.
 ///
@@ -71,10 +107,10 @@ fn rig_text(rig: &str) -> Result<(String, String)> {
     let path = Path::new(rig);
     if !path.exists() {
         let names: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
-        bail!(
+        return Err(Exit::NotThere.error(format!(
             "there is no rig file {rig}, and no built-in rig of that name (built in: {})",
             names.join(", ")
-        );
+        )));
     }
     let text = text_of(path).with_context(|| format!("cannot read {rig}"))?;
     Ok((rig.to_owned(), text))
@@ -125,7 +161,7 @@ fn few(names: &[&str]) -> String {
 fn tell_lacking(parameters: &RigParameters) {
     let names = parameters.lacking_names();
     if !names.is_empty() {
-        eprintln!(
+        tell!(
             "note: the rig's firmware is older than this program; it has no {}, and does as with their defaults",
             few(&names)
         );
@@ -164,7 +200,7 @@ impl Progress {
         ));
         progress.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         if progress.bar.is_hidden() {
-            eprintln!("{what}: {advice}");
+            tell!("{what}: {advice}");
         }
         Progress { said: u64::MAX, ..progress }
     }
@@ -183,7 +219,7 @@ impl Progress {
         let quarter = (4 * done.min(all)).checked_div(all).unwrap_or(0);
         if self.bar.is_hidden() && quarter > self.said {
             self.said = quarter;
-            eprintln!("{}: {done} of {all} {}", self.what, self.of);
+            tell!("{}: {done} of {all} {}", self.what, self.of);
         }
     }
 

@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`cli`], [`command`] | arguments, and one thin file a subcommand |
+//! | [`mod@output`], [`exit`] | what the program says, and how it ends |
 //! | [`port`], [`client`] | a byte link to a rig, and the requests over it |
 //! | [`download`], [`stream`] | which chunks of a record, and which rows of a stream, are there |
 //! | [`part_file`] | what an interrupted download has left |
@@ -30,25 +31,11 @@
 //! | [`page`] | notes, tables and graphs in one file |
 //! | [`report`] | the page of transients |
 
-/// Prints a line by [`say_line`].
-macro_rules! say {
-    ($($argument:tt)*) => {{
-        $crate::say_line(format_args!($($argument)*));
-    }};
-}
+// Whoever prints by these panics when nobody reads it: `say!` and `tell!` do not.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
-/// A line on standard output. A reader that has gone, as in `pneudrive rig show servo-b | head -3`, is no reason to
-/// stop, let alone to panic as `println!` does; a disk that is full ends the program.
-pub(crate) fn say_line(line: std::fmt::Arguments<'_>) {
-    use std::io::{ErrorKind, Write as _};
-    match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            eprintln!("error: cannot write to standard output: {error}");
-            std::process::exit(1);
-        }
-        _ => {}
-    }
-}
+#[macro_use]
+pub mod output;
 
 pub mod alignment;
 pub mod band;
@@ -63,6 +50,7 @@ pub mod download;
 pub mod emulated_board;
 pub mod ensemble;
 pub mod evaluation;
+pub mod exit;
 pub mod identification;
 pub mod kept_flash;
 pub mod ladder;

@@ -173,7 +173,7 @@ pub struct Identify {
     /// the operator's gain
     #[arg(long, value_name = "KEY,KEY...", value_delimiter = ',')]
     pub fit: Vec<String>,
-    /// Write fitted.toml even if the model does not explain the data; the exit code is 1 nevertheless
+    /// Write fitted.toml even if the model does not explain the data; the exit code is 7 nevertheless
     #[arg(long)]
     pub despite_misfit: bool,
     /// Where to leave fitted.toml, identification.json and identification.html

@@ -2,10 +2,11 @@
 
 use std::hash::{BuildHasher, RandomState};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use pneudrive_protocol::{Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
 
 use super::{Client, unexpected};
+use crate::exit::Exit;
 use crate::words;
 
 /// The host that commands a drive.
@@ -74,7 +75,8 @@ impl Client {
     pub fn take_over(&mut self) -> Result<()> {
         match self.owner()? {
             Some(owner) if owner.presence == Presence::There && owner.session != self.session => {
-                bail!("{}: {}", self.name, words::owned(owner.presence, &owner.host, owner.silent_ms))
+                let owned = words::owned(owner.presence, &owner.host, owner.silent_ms);
+                Err(Exit::Refused.error(format!("{}: {owned}", self.name)))
             }
             Some(Commander { presence: Presence::Gone, .. }) => {
                 self.ask_done(RequestBody::TakeOver { host: &host_name() })?;

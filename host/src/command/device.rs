@@ -2,10 +2,9 @@
 
 mod config;
 
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use pneudrive_protocol::{
     ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
@@ -13,6 +12,7 @@ use pneudrive_protocol::{
 use super::interrupts::Interrupts;
 use crate::cli::{Device, DeviceAction};
 use crate::client::{Client, Commander};
+use crate::exit::Exit;
 use crate::words;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
@@ -91,19 +91,23 @@ fn home(client: &mut Client) -> Result<()> {
     let interrupts = Interrupts::watch();
     client.home()?;
     while client.motion()?.homing {
-        if interrupts.seen().load(Ordering::Relaxed) {
+        if interrupts.look() {
             client.stop()?;
-            bail!("the homing run was stopped, as you asked; `pneudrive device arm` leaves the fault");
+            return interrupts.explain(Err(Exit::Interrupted.error(
+                "the homing run was stopped, as you asked; `pneudrive device arm` leaves the fault",
+            )));
         }
         std::thread::sleep(Duration::from_millis(20));
     }
     let status = client.status()?;
     match status.mode {
-        Mode::Fault => bail!(
-            "the homing run has tripped: {} ({}); `pneudrive device arm` leaves the fault",
-            words::fault_code_name(status.fault),
-            words::fault_meaning(status.fault)
-        ),
+        Mode::Fault => {
+            return Err(Exit::Tripped.error(format!(
+                "the homing run has tripped: {} ({}); `pneudrive device arm` leaves the fault",
+                words::fault_code_name(status.fault),
+                words::fault_meaning(status.fault)
+            )));
+        }
         _ => say!("homed: the axis stands at {} counts, armed", status.position),
     }
     Ok(())

@@ -7,11 +7,12 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::{accuracy, load_choice, rig_text};
 use crate::cli::Identify;
+use crate::exit::Exit;
 use crate::identification::figures::Figures;
 use crate::identification::parameter::{Parameter, usual};
 use crate::identification::recording::Recording;
@@ -42,7 +43,7 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     say!("{}\n{}", figures.heading, figures.to_text());
     make_writable(&arguments.out)?;
     let accuracy = accuracy(&arguments.integration, &rig);
-    let found = identify(&rig, &recordings, parameters, accuracy, &mut |line| eprintln!("{line}"))?;
+    let found = identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"))?;
     let mut tables = report::tables(&found);
     for table in &tables {
         say!("{}\n{}", table.heading, table.to_text());
@@ -52,13 +53,14 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     }
     tables.push(figures);
     write(arguments, &rig, &recordings, accuracy, &found, tables)?;
-    ensure!(
-        found.fits,
+    if found.fits {
+        return Ok(());
+    }
+    Err(Exit::NotBorneOut.error(format!(
         "{}; {} has what remains, and --despite-misfit writes {FITTED} nevertheless",
         refusal(&rig, found.spectrum.is_judged()),
         arguments.out.join(PAGE).display()
-    );
-    Ok(())
+    )))
 }
 
 /// Why a fit is none.

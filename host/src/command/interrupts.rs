@@ -1,16 +1,21 @@
-//! Ctrl-C while a cylinder may move: the rig is stopped, not left alone.
+//! While a cylinder may move, the rig is stopped by Ctrl-C, and once nobody can read what the program says: a drive is
+//! not left alone.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use anyhow::Result;
+
+use crate::exit::Exit;
+use crate::output;
+
 /// As long as there is one, Ctrl-C is noted for whoever follows the drive. At other times it ends the program.
 pub(super) struct Interrupts;
 
-static SEEN: AtomicBool = AtomicBool::new(false);
+/// Whether the drive is to stop, and whether Ctrl-C asked for it.
+static STOP: AtomicBool = AtomicBool::new(false);
+static PRESSED: AtomicBool = AtomicBool::new(false);
 static WATCHED: AtomicBool = AtomicBool::new(false);
-
-/// Exit code of a program that Ctrl-C has ended.
-const INTERRUPTED: i32 = 130;
 
 impl Interrupts {
     /// From now on until this is dropped.
@@ -19,24 +24,50 @@ impl Interrupts {
         INSTALLED.call_once(|| {
             let handler = || {
                 if WATCHED.load(Ordering::Relaxed) {
-                    SEEN.store(true, Ordering::Relaxed);
+                    PRESSED.store(true, Ordering::Relaxed);
+                    STOP.store(true, Ordering::Relaxed);
                 } else {
-                    std::process::exit(INTERRUPTED);
+                    std::process::exit(Exit::Interrupted as i32);
                 }
             };
             if ctrlc::set_handler(handler).is_err() {
-                eprintln!("note: Ctrl-C will not stop the rig; use `pneudrive device stop`");
+                tell!("note: Ctrl-C will not stop the rig; use `pneudrive device stop`");
             }
         });
         WATCHED.store(true, Ordering::Relaxed);
         Interrupts
     }
 
-    /// Whether Ctrl-C was pressed.
+    /// Whether the drive is to stop.
     pub fn seen(&self) -> &AtomicBool {
-        &SEEN
+        &STOP
+    }
+
+    /// Looks whether the drive is to stop because nobody reads what the program says. Call it again and again while
+    /// the drive may move.
+    pub fn look(&self) -> bool {
+        if output::is_broken() {
+            STOP.store(true, Ordering::Relaxed);
+        }
+        STOP.load(Ordering::Relaxed)
+    }
+
+    /// What came of a drive that was followed: a stop that the program's own output has caused says so.
+    ///
+    /// # Errors
+    /// As `followed`, or that the output broke.
+    pub fn explain<T>(&self, followed: Result<T>) -> Result<T> {
+        let by_output = STOP.load(Ordering::Relaxed) && !PRESSED.load(Ordering::Relaxed);
+        match followed {
+            // A trip is worse news.
+            Err(error) if Exit::after(&error) != Exit::Interrupted => Err(error),
+            _ if by_output => Err(output::verdict().error(BY_OUTPUT)),
+            followed => followed,
+        }
     }
 }
+
+const BY_OUTPUT: &str = "the drive was stopped, as what this program says cannot be written any more; `pneudrive device arm` leaves the fault";
 
 impl Drop for Interrupts {
     fn drop(&mut self) {

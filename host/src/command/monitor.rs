@@ -11,6 +11,7 @@ use pneudrive_protocol::{Mode, Status};
 
 use crate::cli::Monitor;
 use crate::client::{Client, RigParameters};
+use crate::output::{self, Stream};
 use crate::words;
 
 /// Header of the file.
@@ -33,7 +34,8 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
                 .and_then(|()| csv.flush())
                 .context("cannot write the file")?;
         }
-        if show(&units.line(&status, client.losses())).is_err() {
+        show(&units.line(&status, client.losses()));
+        if output::is_broken() {
             break; // Whoever looked on has gone.
         }
     }
@@ -44,14 +46,12 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
 }
 
 /// One line that is written anew on a terminal, a line each elsewhere.
-fn show(line: &str) -> std::io::Result<()> {
-    let mut out = stdout();
-    if out.is_terminal() {
-        write!(out, "\r{line}\x1b[K")?;
+fn show(line: &str) {
+    if stdout().is_terminal() {
+        Stream::Output.note(Stream::Output.write(format!("\r{line}\x1b[K").as_bytes()));
     } else {
-        writeln!(out, "{line}")?;
+        say!("{line}");
     }
-    out.flush()
 }
 
 fn new_csv(path: &Path) -> Result<BufWriter<std::fs::File>> {

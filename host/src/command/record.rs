@@ -73,12 +73,9 @@ fn kept(part: &PartFile) -> String {
 /// Says what is there already, and what is left of other records.
 fn tell_parts(folder: &Path, part: &PartFile, there: usize, head: &RecordHead) {
     if there > 0 {
-        eprintln!("going on with {}: {there} of {} samples are there", part.path().display(), head.samples);
+        tell!("going on with {}: {there} of {} samples are there", part.path().display(), head.samples);
     }
     for other in part_file::others(folder, part.path()) {
-        eprintln!(
-            "note: {} is a part of another record; delete it if you do not want the rest",
-            other.display()
-        );
+        tell!("note: {} is a part of another record; delete it if you do not want the rest", other.display());
     }
 }

@@ -1,8 +1,9 @@
 //! `pneudrive replay`.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 
 use crate::cli::Replay as Arguments;
+use crate::exit::Exit;
 use crate::replay::{Difference, Replay, What, replay};
 use crate::target::TargetFile;
 use crate::words;
@@ -14,13 +15,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     let name = arguments.file.display().to_string();
     let replay = replay(&TargetFile::read(&arguments.file)?).with_context(|| name.clone())?;
     for note in &replay.notes {
-        eprintln!("note: {note}");
+        tell!("note: {note}");
     }
     match replay.first {
         None => say!("{name}: {}\n{}", verdict(&replay), ending(&replay)),
         Some(first) => {
             say!("{}", around(&replay, first));
-            bail!("{name}: {}", parting(&replay, first));
+            return Err(Exit::NotBorneOut.error(format!("{name}: {}", parting(&replay, first))));
         }
     }
     Ok(())

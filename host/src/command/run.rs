@@ -1,7 +1,6 @@
 //! `pneudrive run`.
 
 use std::path::Path;
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -15,6 +14,7 @@ use super::streaming::Streaming;
 use super::{Progress, load_rig, tell_lacking};
 use crate::cli::Run;
 use crate::client::{Client, RigParameters};
+use crate::exit::Exit;
 use crate::words;
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
@@ -67,12 +67,17 @@ pub(super) fn run_test(
     }
     let status = client.status()?;
     match status.mode {
-        Mode::Running => bail!("a run is on already; wait for its end, or stop it (`pneudrive device stop`)"),
-        Mode::Fault => bail!(
-            "the rig is in the fault {}: {}; make sure that it is safe, then leave the fault with `pneudrive device arm`",
-            words::fault_code_name(status.fault),
-            words::fault_meaning(status.fault)
-        ),
+        Mode::Running => {
+            return Err(Exit::Refused
+                .error("a run is on already; wait for its end, or stop it (`pneudrive device stop`)"));
+        }
+        Mode::Fault => {
+            return Err(Exit::Refused.error(format!(
+                "the rig is in the fault {}: {}; make sure that it is safe, then leave the fault with `pneudrive device arm`",
+                words::fault_code_name(status.fault),
+                words::fault_meaning(status.fault)
+            )));
+        }
         _ => {}
     }
     warn_of_other_hosts(client)?;
@@ -96,7 +101,7 @@ pub(super) fn run_test(
     if let Err(error) = ready.and_then(|()| client.start()) {
         client.disarm()?;
         stream.map_or(Ok(()), |stream| stream.end(client))?;
-        return Err(error);
+        return interrupts.explain(Err(error));
     }
     let mut progress = match last_sample {
         UNTIL_STOPPED => Progress::endless("running", "Ctrl-C ends the run"),
@@ -104,6 +109,7 @@ pub(super) fn run_test(
     };
     let progressed = |status: &Status| {
         progress.at(u64::from(status.index), u64::from(status.duration_samples));
+        interrupts.look();
     };
     let followed = match &mut stream {
         None => client.follow(interrupts.seen(), progressed).map(|_| ()),
@@ -114,7 +120,7 @@ pub(super) fn run_test(
     progress.done();
     // The file is ended first, whatever became of the run.
     let ended = stream.map_or(Ok(()), |stream| stream.end(client));
-    followed.and(ended)
+    interrupts.explain(followed).and(ended)
 }
 
 /// Says how long the drive holds without a host.
@@ -122,14 +128,14 @@ fn tell_hold(parameters: &RigParameters) {
     let hold_ms = parameters.values.get(id::HOLD_MS).filter(|_| !parameters.lacking.contains(&id::HOLD_MS));
     match hold_ms {
         Some(ms) => say!("left alone, a rig in real time is disarmed after {} s", f64::from(ms) / 1e3),
-        None => eprintln!("note: its firmware holds for ever: it has no hold_ms"),
+        None => tell!("note: its firmware holds for ever: it has no hold_ms"),
     }
 }
 
 /// Firmware before version 5 of the protocol obeys every host.
 fn warn_of_other_hosts(client: &mut Client) -> Result<()> {
     if client.info()?.version < 5 {
-        eprintln!(
+        tell!(
             "note: its firmware obeys every program that talks to the rig, also one that runs another test, and takes a test move by move; use it alone"
         );
     }
@@ -142,8 +148,8 @@ fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupts: &Interrup
     let period = Duration::from_micros(rig.period_us().get().into());
     let begin = Instant::now();
     while begin.elapsed() < period.saturating_mul(samples as u32) {
-        if interrupts.seen().load(Ordering::Relaxed) {
-            bail!("stopped before the start, as you asked");
+        if interrupts.look() {
+            return Err(Exit::Interrupted.error("stopped before the start, as you asked"));
         }
         client.status()?;
         std::thread::sleep(period.clamp(Duration::from_millis(5), Duration::from_millis(50)));
@@ -169,12 +175,10 @@ fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> 
     let capacity = client.info()?.record_capacity.saturating_sub(before);
     let stored = last_sample / rig.integer("test.decimation").max(1) as u32 + 1;
     if last_sample == UNTIL_STOPPED {
-        eprintln!(
-            "note: the recorder holds the first {capacity} samples; --stream writes all of them to a file"
-        );
+        tell!("note: the recorder holds the first {capacity} samples; --stream writes all of them to a file");
     } else if stored > capacity {
         let least = last_sample.div_ceil(capacity.saturating_sub(1).max(1));
-        eprintln!(
+        tell!(
             "note: the recorder holds {capacity} of {stored} samples and stops when it is full; test.decimation={least} records all of the test"
         );
     }
@@ -207,7 +211,7 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
     if let Some(first) = differences.first() {
         let others = differences.len() - 1;
         let more = if others == 0 { String::new() } else { format!(" and {others} more") };
-        eprintln!(
+        tell!(
             "note: the rig's parameters differ from {name} ({first}{more}); --config downloads those of the file"
         );
     }

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use super::load_choice;
 use crate::cli::Virtual;
 use crate::client::token;
+use crate::output::{self, Stream};
 use crate::virtual_rig::{Door, Pace, Token, VirtualRig};
 
 pub(super) fn execute(arguments: &Virtual) -> Result<()> {
@@ -22,6 +23,10 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
     say!("{name} is on {port}");
+    // Without this line nobody finds the rig. Whoever reads it may go then: the rig stays.
+    if let Some(error) = Stream::Output.failure() {
+        return Err(output::verdict().error(format!("nobody learns the port of the rig: {error}")));
+    }
     if door.asks_for_a_token() {
         say!("it obeys programs that have the same PNEUDRIVE_TOKEN; the token travels in the clear");
     }

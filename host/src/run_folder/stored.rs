@@ -1,7 +1,6 @@
 //! A run folder as it is read.
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -85,8 +84,7 @@ impl StoredRun {
     /// With the file and line of what is wrong.
     pub fn read(folder: &Path) -> Result<StoredRun> {
         if let Some(said) = settle(folder)? {
-            // Who reads does not stop because nobody hears of it.
-            let _ = writeln!(std::io::stderr(), "{said}");
+            tell!("note: {said}");
         }
         let json_path = folder.join(RUN);
         if !json_path.exists() {

@@ -48,11 +48,11 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
         ConfigAction::Import { from } => {
             let (name, Named { parameters, unnamed }) = importable(from)?;
             if !unnamed.is_empty() {
-                eprintln!("note: {from} does not name {}; they are as by default", few(&unnamed));
+                tell!("note: {from} does not name {}; they are as by default", few(&unnamed));
             }
             let left_out = client.import_parameters(&parameters)?;
             if !left_out.is_empty() {
-                eprintln!("note: its firmware has no {}; they are as by default", few(&left_out));
+                tell!("note: its firmware has no {}; they are as by default", few(&left_out));
             }
             say!("took over the controller's parameters of {name}");
             Ok(())

@@ -43,7 +43,7 @@ impl Recorded {
     fn read_off(&mut self, recording: Result<Recording>) {
         match recording {
             Ok(recording) => self.all.push(recording),
-            Err(error) => eprintln!("note: nothing is read off a record: {error:#}"),
+            Err(error) => tell!("note: nothing is read off a record: {error:#}"),
         }
     }
 }
@@ -84,9 +84,7 @@ impl Plan<'_> {
         let movement = test(moves::MOVEMENT)?;
         let ramp = moves::ramp(&self.open, position)?;
         if ramp.is_none() {
-            eprintln!(
-                "note: there is no static test; the drive would go too far while the valve opens slowly"
-            );
+            tell!("note: there is no static test; the drive would go too far while the valve opens slowly");
         }
         let mut read_off: Vec<(&str, Rig)> = ramp.map(|ramp| ("static", ramp)).into_iter().collect();
         read_off.push(test(moves::DYNAMIC)?);
@@ -145,7 +143,7 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
     match (way, push) {
         (MOVED.., 1..) => Ok(()),
         (MOVED.., 0) => {
-            eprintln!(
+            tell!(
                 "note: the pressures swing too much before the movement test to tell whether their sensors are swapped"
             );
             Ok(())

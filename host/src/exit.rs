@@ -1,0 +1,162 @@
+//! How the program ends: one number for each kind of end, so that a script can tell them apart.
+
+use std::error::Error as StdError;
+use std::fmt::{self, Display, Formatter};
+use std::io::{self, ErrorKind};
+use std::process::ExitCode;
+
+use anyhow::Error;
+
+/// A kind of end. Its number is the exit code, and never changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Exit {
+    /// What was asked for is done.
+    Done = 0,
+    /// Any failure without a code of its own.
+    Failed = 1,
+    /// The command line is wrong.
+    Usage = 2,
+    /// Something that was named does not exist.
+    NotThere = 3,
+    /// No rig answers.
+    NoAnswer = 4,
+    /// The rig refuses.
+    Refused = 5,
+    /// The drive has tripped.
+    Tripped = 6,
+    /// The data do not bear out what was asked of them.
+    NotBorneOut = 7,
+    /// Something cannot be written.
+    Unwritten = 8,
+    /// Ctrl-C: what a shell reports of a program that SIGINT has ended.
+    Interrupted = 130,
+    /// Nobody reads the output: what a shell reports of a program that SIGPIPE has ended.
+    ReaderGone = 141,
+}
+
+/// Every end, and what it means to a user.
+pub const EXITS: [(Exit, &str); 11] = [
+    (Exit::Done, "done; a simulated drive that trips, or a run that is not decided, is a result, too"),
+    (Exit::Failed, "failed in a way that has no code of its own, such as a rig or a file with errors in it"),
+    (Exit::Usage, "wrong use: the command line is wrong, or lacks something"),
+    (Exit::NotThere, "there is no such rig, file or folder"),
+    (Exit::NoAnswer, "no rig answers at the port, or the link to it broke"),
+    (Exit::Refused, "the rig refuses: its state does not allow it, or another program commands the drive"),
+    (Exit::Tripped, "the drive tripped during the run or the homing"),
+    (Exit::NotBorneOut, "not fitted, not decidable from the data, or not the same when replayed"),
+    (Exit::Unwritten, "a file or the output cannot be written: the disk is full, or a limit is reached"),
+    (Exit::Interrupted, "stopped by Ctrl-C"),
+    (Exit::ReaderGone, "whoever read the output has gone, as in `pneudrive study list | head -1`"),
+];
+
+/// What `pneudrive --help` says behind the list of commands.
+#[must_use]
+pub fn help() -> String {
+    let lines = EXITS.map(|(exit, meaning)| format!("  {:>3}  {meaning}\n", exit as u8));
+    format!("Start with: pneudrive demo\n\nExit codes:\n{}", lines.concat())
+}
+
+impl Exit {
+    /// An error that ends the program this way.
+    pub fn error(self, message: impl Display) -> Error {
+        self.of(anyhow::anyhow!("{message}"))
+    }
+
+    /// The same error; it ends the program this way.
+    #[must_use]
+    pub fn of(self, error: Error) -> Error {
+        Ending { exit: self, error }.into()
+    }
+
+    /// How an error ends the program: as it says itself or, by what the system says, as its kind does.
+    #[must_use]
+    pub fn after(error: &Error) -> Exit {
+        let of = |cause: &(dyn StdError + 'static)| match cause.downcast_ref::<Ending>() {
+            Some(ending) => Some(ending.exit),
+            None => cause.downcast_ref::<io::Error>().and_then(|error| of_kind(error.kind())),
+        };
+        error.chain().find_map(of).unwrap_or(Exit::Failed)
+    }
+}
+
+fn of_kind(kind: ErrorKind) -> Option<Exit> {
+    match kind {
+        ErrorKind::NotFound => Some(Exit::NotThere),
+        ErrorKind::StorageFull
+        | ErrorKind::QuotaExceeded
+        | ErrorKind::FileTooLarge
+        | ErrorKind::ReadOnlyFilesystem => Some(Exit::Unwritten),
+        ErrorKind::ConnectionRefused
+        | ErrorKind::ConnectionReset
+        | ErrorKind::ConnectionAborted
+        | ErrorKind::NotConnected
+        | ErrorKind::BrokenPipe => Some(Exit::NoAnswer),
+        _ => None,
+    }
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> ExitCode {
+        ExitCode::from(exit as u8)
+    }
+}
+
+/// An error that knows how it ends the program; to a reader it is that error.
+#[derive(Debug)]
+struct Ending {
+    exit: Exit,
+    error: Error,
+}
+
+impl Display for Ending {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        Display::fmt(&self.error, f)
+    }
+}
+
+impl StdError for Ending {
+    fn source(&self) -> Option<&(dyn StdError + 'static)> {
+        self.error.source()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn an_error_keeps_its_exit_code_and_its_text_under_any_context() {
+        let error = Exit::Tripped.of(anyhow::anyhow!("the cause").context("it tripped"));
+        let error = Err::<(), _>(error).context("run").context("demo").expect_err("an error");
+        assert_eq!(Exit::after(&error), Exit::Tripped);
+        assert_eq!(format!("{error:#}"), "demo: run: it tripped: the cause");
+    }
+
+    #[test]
+    fn an_error_of_the_system_ends_as_its_kind_does() {
+        let after = |kind: ErrorKind| Exit::after(&Error::new(io::Error::from(kind)).context("cannot"));
+        assert_eq!(after(ErrorKind::NotFound), Exit::NotThere);
+        assert_eq!(after(ErrorKind::StorageFull), Exit::Unwritten);
+        assert_eq!(after(ErrorKind::FileTooLarge), Exit::Unwritten);
+        assert_eq!(after(ErrorKind::ConnectionReset), Exit::NoAnswer);
+        assert_eq!(after(ErrorKind::PermissionDenied), Exit::Failed);
+        assert_eq!(Exit::after(&anyhow::anyhow!("anything")), Exit::Failed);
+    }
+
+    /// A code that is in use never changes its meaning.
+    #[test]
+    fn the_table_has_every_code_once_in_order_and_the_documentation_has_the_table() {
+        assert!(EXITS.is_sorted_by(|(a, _), (b, _)| (*a as u8) < (*b as u8)));
+        let documented = include_str!("../../docs/exit-codes.md");
+        let rows: Vec<&str> = documented.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
+        let table = EXITS.map(|(exit, meaning)| format!("| {} | {meaning} |", exit as u8));
+        assert_eq!(rows, table);
+        assert!(
+            table.iter().all(
+                |row| help().contains(row.split(" | ").nth(1).expect("a meaning").trim_end_matches(" |"))
+            )
+        );
+    }
+}
