@@ -14,6 +14,7 @@
 //! | [`punctuality`] | how they keep time |
 //! | [`target`] | TARGETxx.DAT: read, write, number |
 //! | [`stream_file`] | a run as it is streamed to disk |
+//! | [`whole_file`] | files that are there whole or not at all |
 //! | [`run_folder`] | trace.csv and run.json: read, write |
 //! | [`ensemble`], [`band`], [`range`] | a run with its neighbours, what they cover, and figures as ranges over them |
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
@@ -76,4 +77,5 @@ pub mod target;
 pub mod transient;
 pub mod tuning;
 pub mod virtual_rig;
+pub mod whole_file;
 mod words;

@@ -6,8 +6,8 @@
 //! when the program was killed, or has been damaged since, is passed over and downloaded again. Its name is
 //! the CRC of the record; it is gone on with only if all that is known of rig and record is the same.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::fs::{self, File};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
@@ -15,6 +15,7 @@ use pneudrive_protocol::frame::DELIMITER;
 use pneudrive_protocol::{Accumulator, MAX_FRAME, Reply, ReplyBody, decode_reply, encode};
 
 use crate::client::{Info, Pieces, RecordHead};
+use crate::whole_file::{open_to_add, sync_folder};
 
 /// A part file, to which chunks are added.
 #[derive(Debug)]
@@ -33,16 +34,14 @@ impl PartFile {
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         let path = folder.join(format!("TARGET-{:08x}.part", head.crc32));
         let cannot = |error| anyhow::Error::new(error).context(format!("cannot write {}", path.display()));
-        let old = match fs::read(&path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
-            read => read.map_err(cannot)?,
-        };
+        let mut file = open_to_add(&path).map_err(cannot)?;
+        let mut old = Vec::new();
+        file.read_to_end(&mut old).map_err(cannot)?;
         let pieces = read(&old, info, head);
         if pieces.is_none() {
             // Of another record whose CRC is the same by chance, or not even that.
-            fs::write(&path, b"").map_err(cannot)?;
+            file.set_len(0).map_err(cannot)?;
         }
-        let file = OpenOptions::new().append(true).create(true).open(&path).map_err(cannot)?;
         let mut part = PartFile { path, file };
         match pieces {
             // Ends a frame that was cut.
@@ -79,6 +78,16 @@ impl PartFile {
 
     fn append(&mut self, bytes: &[u8]) -> Result<()> {
         self.file.write_all(bytes).with_context(|| format!("cannot write {}", self.path.display()))
+    }
+
+    /// Brings what was added to the disk: the download does not go on now.
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    pub fn keep_on_disk(&self) -> Result<()> {
+        self.file.sync_all().with_context(|| format!("cannot write {}", self.path.display()))?;
+        self.path.parent().into_iter().for_each(sync_folder);
+        Ok(())
     }
 
     /// Removes it: the record is whole, or will never be.

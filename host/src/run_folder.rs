@@ -6,11 +6,12 @@
 mod replacement;
 mod stored;
 
+pub use crate::whole_file::{put, put_pieces};
 pub use stored::{StoredRun, is_trace, rig_of};
 
 use std::fs::{self, File};
-use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::Read;
+use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use crc::{CRC_64_XZ, Crc};
@@ -24,6 +25,7 @@ use crate::band::{self, Band};
 use crate::ensemble::Judged;
 use crate::evaluation::{self, Move};
 use crate::page::{GENERATOR, Page};
+use crate::whole_file::is_device;
 use crate::words;
 use replacement::Replacement;
 
@@ -82,6 +84,12 @@ pub fn write(
 
 /// Refuses to replace files that are somebody's own.
 fn refuse_others(folder: &Path) -> Result<()> {
+    // The files of a run are replaced, whatever they are.
+    if let Some(device) =
+        [TRACE, BAND, RUN, PAGE].map(|name| folder.join(name)).iter().find(|path| is_device(path))
+    {
+        bail!("{} is no file; choose another folder", device.display());
+    }
     let json_path = folder.join(RUN);
     if json_path.exists() && read_json(&json_path).is_err() {
         bail!("{} is not of this program; choose another folder", json_path.display());
@@ -109,11 +117,16 @@ pub fn make_writable(folder: &Path) -> Result<()> {
         .with_context(|| format!("cannot write into the folder {}; choose another", folder.display()))
 }
 
-/// Refuses to replace a file that does not hold `mark`: it is somebody's own.
+/// Refuses to replace a file that does not hold `mark`: it is somebody's own. A pipe or a device is written to, and
+/// not replaced.
 ///
 /// # Errors
 /// When there is such a file.
 pub fn refuse_foreign(path: &Path, mark: &str) -> Result<()> {
+    // To read a pipe would be to wait for somebody who writes.
+    if is_device(path) {
+        return Ok(());
+    }
     match beginning(path) {
         Ok(text) if text.contains(mark) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
@@ -128,33 +141,6 @@ fn beginning(path: &Path) -> std::io::Result<String> {
     let mut bytes = Vec::new();
     File::open(path)?.take(BEGINNING).read_to_end(&mut bytes)?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// Writes a file whole or not at all.
-///
-/// # Errors
-/// When it cannot be written.
-pub fn put(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
-    put_pieces(path, &[content.as_ref()])
-}
-
-/// The same of a file that is made of several pieces. A device or a pipe is written to, not replaced.
-///
-/// # Errors
-/// When it cannot be written.
-pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
-    let write = |mut file: File| pieces.iter().try_for_each(|piece| file.write_all(piece));
-    if fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-        let written = File::options().write(true).open(path).and_then(write);
-        return written.with_context(|| format!("cannot write {}", path.display()));
-    }
-    let partial = PathBuf::from(format!("{}.partial", path.display()));
-    let written = File::create(&partial).and_then(write);
-    let placed = written.and_then(|()| fs::rename(&partial, path));
-    if placed.is_err() {
-        let _ = fs::remove_file(&partial);
-    }
-    placed.with_context(|| format!("cannot write {}", path.display()))
 }
 
 fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>]) -> serde_json::Value {
@@ -240,22 +226,6 @@ mod tests {
     use pneudrive_sim::Accuracy;
     use pneudrive_sim::rig::BUILTIN;
 
-    #[cfg(unix)]
-    #[test]
-    fn a_pipe_is_written_to_and_not_replaced() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let pipe = folder.path().join("pipe");
-        let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
-        assert!(made.success());
-        let reader = std::thread::spawn({
-            let pipe = pipe.clone();
-            move || fs::read_to_string(pipe)
-        });
-        put(&pipe, "text").expect("written");
-        assert_eq!(reader.join().expect("a reader").expect("text"), "text");
-        assert!(!fs::metadata(&pipe).expect("there").is_file());
-    }
-
     #[test]
     fn the_rig_of_a_run_folder_is_the_rig_that_was_run() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -274,15 +244,5 @@ mod tests {
             let stored = StoredRun::read(folder.path()).expect("a run folder");
             assert_eq!((stored.spacing, stored.accuracy), (Some(spacing), Some(Accuracy::of(&rig))));
         }
-    }
-
-    #[test]
-    fn a_file_that_cannot_be_placed_leaves_nothing_behind() {
-        let folder = tempfile::tempdir().expect("a folder");
-        fs::create_dir_all(folder.path().join("page.html/inside")).expect("a folder in its place");
-        let error = put(&folder.path().join("page.html"), "text").expect_err("a folder is there");
-        assert!(error.to_string().starts_with("cannot write "), "{error}");
-        let left = fs::read_dir(folder.path()).expect("a folder").count();
-        assert_eq!(left, 1, "the folder alone");
     }
 }

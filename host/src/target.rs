@@ -4,7 +4,6 @@
 //! A file is written whole or not at all, and never over another one.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -15,6 +14,7 @@ use pneudrive_protocol::RecordedSample;
 
 use crate::client::{Info, Record, RecordHead, RigParameters};
 use crate::stream_file;
+use crate::whole_file::{Staged, sync_folder};
 
 /// First line's value.
 const FORMAT: &str = "pneudrive-target 1";
@@ -161,16 +161,11 @@ impl TargetFile {
     /// When the folder cannot be written to.
     pub fn write_next(&self, folder: &Path) -> Result<PathBuf> {
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        let partial = folder.join(format!("TARGET.{}.partial", std::process::id()));
-        let write = || -> std::io::Result<()> {
-            let mut file = fs::File::create(&partial)?;
-            file.write_all(self.to_text().as_bytes())?;
-            file.sync_all()
-        };
-        let written = write().with_context(|| format!("cannot write {}", partial.display()));
-        let placed = written.and_then(|()| place(&partial, folder));
-        let _ = fs::remove_file(&partial);
-        placed
+        let staged = Staged::write(folder, "TARGET", &[self.to_text().as_bytes()])
+            .with_context(|| format!("cannot write a TARGET file into {}", folder.display()))?;
+        let path = place(staged.path(), folder)?;
+        sync_folder(folder);
+        Ok(path)
     }
 }
 

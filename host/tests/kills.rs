@@ -1,18 +1,21 @@
 //! Either side is killed at any byte of a `record`: what is left is never a broken TARGET file, and the next
-//! call goes on to the whole record.
+//! call goes on to the whole record. Other commands are killed at any time: what they have begun, the next call removes.
 //!
 //! Fifty kills each, or as many as `PNEUDRIVE_KILLS` says (`cargo xtask soak-link`).
 
 mod program;
 mod simulated_link;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Instant;
 
+use pneudrive::client::Client;
 use pneudrive::command::record::record;
 use pneudrive::target::TargetFile;
 use pneudrive_protocol::RecordedSample;
@@ -191,4 +194,122 @@ fn a_program_that_is_killed_while_it_records_leaves_no_broken_file_and_the_next_
     }
     assert!(transcript(folder.path(), &format!("record --port {}", rig.port())).contains("3077 samples"));
     println!("{wanted} programs killed; {records} records before the last, each whole");
+}
+
+/// Every file below a folder, by its path within.
+fn tree(folder: &Path) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        let name = entry.file_name().expect("a name").to_string_lossy().into_owned();
+        names.insert(name.clone());
+        if entry.is_dir() {
+            names.extend(tree(&entry).into_iter().map(|below| format!("{name}/{below}")));
+        }
+    }
+    names
+}
+
+const SWEEP: &str = "rig = \"servo-b\"\n[set]\ntest.moves = [[0.0, 10000]]\ntest.duration_s = 0.1\n[vary]\n\
+    load.mass_kg = [1, 2]\n[metrics]\nair = \"air_l\"\n";
+
+/// Commands that leave files, with the folder and the names of these.
+const LEAVE: [(&str, &str, &[&str]); 8] = [
+    ("simulate servo-b --set test.duration_s=0.1 --out out", "out", &["trace.csv", "run.json"]),
+    ("eval run --out page.html --csv channels.csv", ".", &["page.html", "channels.csv"]),
+    ("overlay run run --out page.html", ".", &["page.html"]),
+    ("characterise servo-b flow-gain --out out", "out", &["flow-gain.csv", "flow-gain.html"]),
+    ("ladder servo-b --set test.duration_s=0.02 --ensemble 1 --out out", "out", &["ladder.html"]),
+    ("sweep s.toml --out out", "out", &["sweep.csv", "sweep.html"]),
+    ("tune servo-b-tuned --generations 0 --draws 1 --out out", "out", &["tuned.toml", "tune.html"]),
+    ("study impulse --ensemble 1 --out out", "out", &["impulse.html"]),
+];
+
+/// A folder with what these commands read.
+fn to_read() -> tempfile::TempDir {
+    let folder = folder();
+    fs::write(folder.path().join("s.toml"), SWEEP).expect("written");
+    ok(folder.path(), "simulate servo-b --set test.duration_s=0.1 --ensemble 1 --no-report --out run");
+    folder
+}
+
+/// A number that no process of any system has.
+const NOBODY: u32 = u32::MAX;
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_killed_program_has_begun_to_write_the_next_one_removes_and_says_so() {
+    for (command, place, names) in LEAVE {
+        let folder = to_read();
+        let place = folder.path().join(place);
+        fs::create_dir_all(&place).expect("a folder");
+        let left: Vec<PathBuf> = match command.starts_with("simulate") {
+            true => vec![place.join(format!(".pneudrive-next-{NOBODY}"))],
+            false => names.iter().map(|name| place.join(format!(".{name}.{NOBODY}.partial"))).collect(),
+        };
+        for path in &left {
+            let made =
+                if command.starts_with("simulate") { fs::create_dir(path) } else { fs::write(path, "half") };
+            made.expect("made");
+        }
+        let said = transcript(folder.path(), command);
+        assert!(said.ends_with("= 0"), "{said}");
+        for path in left {
+            assert!(!path.exists(), "{} is still there", path.display());
+        }
+        let told = said.lines().filter(|line| line.contains("interrupted program")).count();
+        assert_eq!(told, if command.starts_with("simulate") { 1 } else { names.len() }, "{said}");
+    }
+}
+
+#[test]
+fn a_command_that_is_killed_at_any_time_and_called_again_leaves_what_an_undisturbed_one_leaves() {
+    let mut random = Random(21);
+    let (mut killed, kills) = (0, cases("PNEUDRIVE_KILLS", 50) / LEAVE.len() as u32 + 1);
+    for (command, ..) in LEAVE {
+        let folder = to_read();
+        let begun = Instant::now();
+        ok(folder.path(), command);
+        let (lasted, undisturbed) = (begun.elapsed(), tree(folder.path()));
+        let folder = to_read();
+        for _ in 0..kills {
+            let mut program = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+            program.current_dir(folder.path()).args(command.split_whitespace());
+            let mut program = program.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it runs");
+            // Files are written in the last part of its time.
+            let share = 0.3 + 0.8 * random.below(1000) as f64 / 1000.0;
+            std::thread::sleep(lasted.mul_f64(share));
+            program.kill().expect("it was started");
+            killed += u32::from(program.wait().expect("it was started").code().is_none());
+        }
+        ok(folder.path(), command);
+        assert_eq!(tree(folder.path()), undisturbed, "{command}");
+    }
+    assert!(killed > 0, "no program was killed before its end");
+    println!("{killed} programs killed; no file of theirs is left");
+}
+
+/// Once a pipe was waited at for ever, and a link followed to somebody else's file, which was emptied.
+#[cfg(unix)]
+#[test]
+fn a_part_file_that_is_a_pipe_or_a_link_is_refused_and_what_the_link_leads_to_stays() {
+    let rig = virtual_rig("servo-b-tuned");
+    let folder = folder();
+    ok(folder.path(), &format!("run servo-b-tuned --set test.duration_s=0.1 --port {}", rig.port()));
+    let mut client = Client::connect(rig.port()).expect("a rig");
+    let part = format!("TARGET-{:08x}.part", client.record_head().expect("a record").crc32);
+    drop(client);
+    let (part, mine) = (folder.path().join(part), folder.path().join("mine"));
+    fs::write(&mine, "mine").expect("written");
+    let refused = |what: &str| {
+        let said = transcript(folder.path(), &format!("record --port {}", rig.port()));
+        assert!(said.contains("it is no plain file") && said.ends_with("= 1"), "{what}: {said}");
+        fs::remove_file(&part).expect("there");
+    };
+    std::os::unix::fs::symlink(&mine, &part).expect("a link");
+    refused("a link");
+    assert!(Command::new("mkfifo").arg(&part).status().expect("mkfifo").success());
+    refused("a pipe");
+    assert_eq!(fs::read_to_string(&mine).expect("there"), "mine");
+    ok(folder.path(), &format!("record --port {}", rig.port()));
+    assert!(files(folder.path(), ".part").is_empty());
 }

@@ -243,6 +243,18 @@ fn shards_with_gaps_or_of_other_sweeps_are_not_merged() {
     }
 }
 
+/// Once a pipe in the place of the journal was waited at for ever.
+#[cfg(unix)]
+#[test]
+fn a_journal_that_is_no_plain_file_is_refused() {
+    let folder = folder_with(SWEEP);
+    fs::create_dir(folder.path().join("s")).expect("a folder");
+    let pipe = folder.path().join("s/sweep.journal");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    let said = transcript(folder.path(), "sweep s.toml");
+    assert!(said.contains("sweep.journal: it is no plain file, but a link, a pipe"), "{said}");
+}
+
 #[test]
 fn the_example_runs_and_has_a_best_point() {
     let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/examples/sweep-load.toml");

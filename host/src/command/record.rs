@@ -36,7 +36,13 @@ pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile
         part.remove();
         return Err(record.err().unwrap_or_else(|| RecordChanged.into()));
     }
-    let record = record.map_err(|error| error.context(kept(&part)))?;
+    let record = match record {
+        Ok(record) => record,
+        Err(error) => {
+            part.keep_on_disk()?;
+            return Err(error.context(kept(&part)));
+        }
+    };
     let file = TargetFile::new(&record, &info, &parameters);
     let path = file.write_next(folder)?;
     part.remove();

@@ -1,6 +1,5 @@
 //! `pneudrive run --stream`: the run goes to a file while it is on.
 
-use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -24,8 +23,9 @@ impl Streaming {
             bail!("{} is there already; name another file", path.display());
         }
         // The rig forgets its last record when a run is prepared: not for a file that cannot be made.
-        File::create_new(path).with_context(|| format!("cannot make {}", path.display()))?;
-        fs::remove_file(path).with_context(|| path.display().to_string())
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        // A file without a name, which a kill does not leave behind.
+        tempfile::tempfile_in(folder).map(drop).with_context(|| format!("cannot make {}", path.display()))
     }
 
     /// Has the rig stream the run that will be started.

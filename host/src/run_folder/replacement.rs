@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::{BAND, PAGE, RUN, TRACE};
+use crate::whole_file::{may_run, sync_folder};
 
 /// Every file that a run may have in its folder.
 const FILES: [&str; 4] = [TRACE, BAND, RUN, PAGE];
@@ -39,6 +40,9 @@ impl<'a> Replacement<'a> {
     pub fn begin(folder: &'a Path) -> Result<Replacement<'a>> {
         let staged = folder.join(format!("{NEXT}-{}", std::process::id()));
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        if let Some(said) = settle(folder)? {
+            tell!("note: {said}");
+        }
         remove(&staged)?;
         fs::create_dir(&staged)
             .with_context(|| format!("cannot write into the folder {}", folder.display()))?;
@@ -66,11 +70,11 @@ impl<'a> Replacement<'a> {
     pub fn commit(mut self) -> Result<()> {
         let _lock = lock(self.folder)?;
         place(self.folder)?;
-        sync(&self.staged);
+        sync_folder(&self.staged);
         fs::rename(&self.staged, self.folder.join(NEXT))
             .with_context(|| format!("cannot write into the folder {}", self.folder.display()))?;
         self.committed = true;
-        sync(self.folder);
+        sync_folder(self.folder);
         place(self.folder)
     }
 }
@@ -112,16 +116,10 @@ fn leftovers(folder: &Path) -> Vec<PathBuf> {
     ours.map(|entry| entry.path()).collect()
 }
 
-/// Whether the program whose number a staged set has in its name is there. Where that cannot be told, a set of less than
-/// an hour's age counts as one of a program that runs.
+/// Whether the program whose number a staged set has in its name may be there.
 fn is_of_a_running_program(staged: &Path) -> bool {
     let number = staged.to_string_lossy().rsplit_once('-').and_then(|(_, pid)| pid.parse::<u32>().ok());
-    let Some(number) = number else { return false };
-    if cfg!(target_os = "linux") {
-        return Path::new(&format!("/proc/{number}")).exists();
-    }
-    let age = fs::metadata(staged).and_then(|data| data.modified()).ok().and_then(|then| then.elapsed().ok());
-    age.is_none_or(|age| age.as_secs() < 3600)
+    number.is_some_and(|number| may_run(number, staged))
 }
 
 /// Moves what is committed into the folder.
@@ -146,7 +144,7 @@ fn place(folder: &Path) -> Result<()> {
             _ => {}
         }
     }
-    sync(folder);
+    sync_folder(folder);
     remove(&next)
 }
 
@@ -173,13 +171,6 @@ fn lock(folder: &Path) -> Result<Option<File>> {
     let file = File::open(folder).with_context(|| folder.display().to_string())?;
     file.lock().with_context(|| format!("cannot lock {}", folder.display()))?;
     Ok(Some(file))
-}
-
-/// Brings the names in a folder to the disk, where the system can.
-fn sync(folder: &Path) {
-    if cfg!(unix) {
-        let _ = File::open(folder).and_then(|file| file.sync_all());
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! of the result. A line that was cut or damaged is passed over; its point is run again.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde_json::json;
 
 use super::{Row, Source, Sweep};
+use crate::whole_file::open_to_add;
 
 /// Its first line.
 pub const MARK: &str = "pneudrive-sweep 1\n";
@@ -136,8 +137,7 @@ impl Journal {
     pub fn open(folder: &Path, sweep: &Sweep) -> Result<(Journal, BTreeMap<usize, Row>)> {
         let path = folder.join(NAME);
         let cannot = || format!("cannot go on with {}", path.display());
-        let mut file =
-            OpenOptions::new().read(true).append(true).create(true).open(&path).with_context(cannot)?;
+        let mut file = open_to_add(&path).with_context(cannot)?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => bail!("{} is in use by another sweep", path.display()),
             Err(TryLockError::Error(error)) => return Err(error).with_context(cannot),

@@ -1,0 +1,240 @@
+//! Files that are there whole or not at all, after a kill and after a power cut, too.
+//!
+//! ```text
+//! stage    .NAME.PID.partial   beside the file: written, and brought to the disk
+//! place    NAME                by one rename; the folder is brought to the disk as well
+//! ```
+//!
+//! What a program that was killed has staged, the next one that writes the same file removes, and says so.
+
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+/// Ends the name of a staged file.
+const ENDING: &str = ".partial";
+
+/// Writes a file whole or not at all.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn put(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
+    put_pieces(path, &[content.as_ref()])
+}
+
+/// The same of a file that is made of several pieces. A device or a pipe is written to, not replaced.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
+    let written = match is_device(path) {
+        true => File::options().write(true).open(path).and_then(|mut device| write(&mut device, pieces)),
+        false => replace(path, pieces),
+    };
+    written.with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Whether something stands there that is neither a file nor a folder.
+pub(crate) fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+fn replace(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
+    let name = path.file_name().ok_or(ErrorKind::InvalidInput)?;
+    let folder = folder_of(path);
+    let staged = Staged::write(folder, name, pieces)?;
+    fs::rename(staged.path(), path)?;
+    sync_folder(folder);
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn write(file: &mut File, pieces: &[&[u8]]) -> io::Result<()> {
+    pieces.iter().try_for_each(|piece| file.write_all(piece))
+}
+
+/// A file that is whole and on the disk, and has not got its name yet. Dropped before, it is removed.
+#[derive(Debug)]
+pub struct Staged {
+    path: PathBuf,
+}
+
+impl Staged {
+    /// Stages what is to become the file of that name in a folder.
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    pub fn write(folder: &Path, name: impl AsRef<OsStr>, pieces: &[&[u8]]) -> io::Result<Staged> {
+        let prefix = format!(".{}.", name.as_ref().to_string_lossy());
+        remove_leftovers(folder, &prefix);
+        let path = folder.join(format!("{prefix}{}{ENDING}", std::process::id()));
+        // Whatever has this name is of an earlier program with our number, or somebody's trap: a link is not followed.
+        let _ = fs::remove_file(&path);
+        let mut file = File::create_new(&path)?;
+        let staged = Staged { path };
+        write(&mut file, pieces)?;
+        file.sync_all()?;
+        Ok(staged)
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        // Gone already if it was placed.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Removes what programs that are gone have staged for a file.
+fn remove_leftovers(folder: &Path, prefix: &str) {
+    let number = |name: &str| name.strip_prefix(prefix)?.strip_suffix(ENDING)?.parse::<u32>().ok();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let Some(number) = number(&entry.file_name().to_string_lossy()) else { continue };
+        if !may_run(number, &entry.path()) && fs::remove_file(entry.path()).is_ok() {
+            tell!("note: removed {}, which an interrupted program had left", entry.path().display());
+        }
+    }
+}
+
+/// Whether the program with this number, which has staged something, may still be running. Where that cannot be told,
+/// what is less than an hour old counts as of one that runs.
+pub(crate) fn may_run(number: u32, staged: &Path) -> bool {
+    if cfg!(target_os = "linux") {
+        return Path::new(&format!("/proc/{number}")).exists();
+    }
+    let age = fs::metadata(staged).and_then(|data| data.modified()).ok().and_then(|then| then.elapsed().ok());
+    age.is_none_or(|age| age.as_secs() < 3600)
+}
+
+/// Brings the names in a folder to the disk, where the system can.
+pub(crate) fn sync_folder(folder: &Path) {
+    if cfg!(unix) {
+        let _ = File::open(folder).and_then(|file| file.sync_all());
+    }
+}
+
+/// Opens a file to be read and added to, or begins it. Only a plain file will do: a link would lead to somebody's
+/// else's, and a pipe has no end.
+///
+/// # Errors
+/// When something else stands there, or it cannot be opened.
+pub(crate) fn open_to_add(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true).append(true).create(true);
+    #[cfg(unix)]
+    {
+        use nix::fcntl::OFlag;
+        use std::os::unix::fs::OpenOptionsExt;
+        // Without waiting for whoever may be at the other end of a pipe.
+        options.custom_flags((OFlag::O_NOFOLLOW | OFlag::O_NONBLOCK).bits());
+    }
+    let opened = options.open(path);
+    match &opened {
+        Ok(file) if file.metadata()?.is_file() => opened,
+        Err(_) if fs::symlink_metadata(path).is_ok_and(|there| there.is_file()) => opened,
+        Err(error) if error.kind() == ErrorKind::NotFound => opened,
+        Err(_) if fs::symlink_metadata(path).is_err() => opened,
+        _ => Err(io::Error::new(
+            ErrorKind::InvalidInput,
+            "it is no plain file, but a link, a pipe, a device or a folder; move it away",
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("a folder").flatten();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_written_to_and_not_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+        assert!(made.success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read_to_string(pipe)
+        });
+        put(&pipe, "text").expect("written");
+        assert_eq!(reader.join().expect("a reader").expect("text"), "text");
+        assert!(!fs::metadata(&pipe).expect("there").is_file());
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_placed_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir_all(folder.path().join("page.html/inside")).expect("a folder in its place");
+        let error = put(&folder.path().join("page.html"), "text").expect_err("a folder is there");
+        assert!(error.to_string().starts_with("cannot write "), "{error}");
+        assert_eq!(names(folder.path()), ["page.html"], "the folder alone");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_a_killed_program_has_staged_is_removed_and_that_of_a_running_one_stays() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let stay = [".page.html.1.partial", ".other.html.4294967295.partial", ".page.html.mine.partial"];
+        for name in stay.into_iter().chain([".page.html.4294967295.partial"]) {
+            fs::write(folder.path().join(name), "half").expect("written");
+        }
+        put(&folder.path().join("page.html"), "text").expect("written");
+        let mut expected: Vec<&str> = stay.into_iter().chain(["page.html"]).collect();
+        expected.sort_unstable();
+        assert_eq!(names(folder.path()), expected);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_in_the_place_of_a_staged_file_is_not_followed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mine = folder.path().join("mine");
+        fs::write(&mine, "mine").expect("written");
+        let trap = folder.path().join(format!(".page.html.{}.partial", std::process::id()));
+        std::os::unix::fs::symlink(&mine, trap).expect("a link");
+        put(&folder.path().join("page.html"), "text").expect("written");
+        assert_eq!(fs::read_to_string(&mine).expect("there"), "mine");
+        assert_eq!(names(folder.path()), ["mine", "page.html"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn only_a_plain_file_is_added_to() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        fs::write(place("mine"), "mine").expect("written");
+        std::os::unix::fs::symlink(place("mine"), place("link")).expect("a link");
+        std::os::unix::fs::symlink(place("nowhere"), place("dangling")).expect("a link");
+        fs::create_dir(place("folder")).expect("a folder");
+        let made = std::process::Command::new("mkfifo").arg(place("pipe")).status().expect("mkfifo");
+        assert!(made.success());
+        for name in ["link", "dangling", "folder", "pipe"] {
+            let error = open_to_add(&place(name)).expect_err("no plain file");
+            assert!(error.to_string().contains("it is no plain file"), "{name}: {error}");
+        }
+        open_to_add(&place("mine")).expect("a file").write_all(b", more").expect("added");
+        assert_eq!(fs::read_to_string(place("mine")).expect("there"), "mine, more");
+        assert!(open_to_add(&place("new")).is_ok() && !place("nowhere").exists());
+        assert_eq!(open_to_add(&place("none/new")).expect_err("no folder").kind(), ErrorKind::NotFound);
+    }
+}
