@@ -7,6 +7,7 @@ mod eval;
 mod identify;
 mod interrupts;
 mod ladder;
+mod long_work;
 mod merge;
 mod monitor;
 mod overlay;
@@ -221,6 +222,11 @@ impl Progress {
             self.said = quarter;
             tell!("{}: {done} of {all} {}", self.what, self.of);
         }
+    }
+
+    /// Does something that may write to the terminal, too.
+    fn aside<T>(&self, act: impl FnOnce() -> T) -> T {
+        self.bar.suspend(act)
     }
 
     fn done(self) {

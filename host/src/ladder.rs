@@ -105,18 +105,18 @@ struct Plan {
 /// with its neighbours. `progress` is given rungs done and in all.
 ///
 /// # Errors
-/// When a rung cannot be simulated.
+/// When a rung cannot be simulated, or `progress` wants no more.
 pub fn climb(
     source: &(String, String),
     settings: &[String],
     spacing: Spacing,
-    mut progress: impl FnMut(usize, usize),
+    mut progress: impl FnMut(usize, usize) -> Result<()>,
 ) -> Result<Vec<Rung>> {
     let plans = plans(source, settings)?;
     let mut runs = Vec::with_capacity(plans.len());
     for plan in &plans {
         runs.push(Climbed::of(plan, spacing)?);
-        progress(runs.len(), plans.len());
+        progress(runs.len(), plans.len())?;
     }
     let references = runs[0].transients.clone();
     let mut rungs: Vec<Rung> =
@@ -348,7 +348,7 @@ mod tests {
     fn an_operator_without_its_spool_costs_less_and_every_other_model_changes_something() {
         let settings = ["test.duration_s=0.4".to_owned()];
         let spacing = Spacing { runs: 2, ..Spacing::default() };
-        let rungs = climb(&source("servo-b-tuned"), &settings, spacing, |_, _| {}).expect("runs");
+        let rungs = climb(&source("servo-b-tuned"), &settings, spacing, |_, _| Ok(())).expect("runs");
         assert_eq!(largest(&rungs[0], POSITION), 0.0, "the reference is itself");
         assert!(rungs[0].deviations.len() == 2 && rungs[0].decision.is_decided());
         let empirical = rungs.iter().find(|rung| rung.component == "operator").expect("a rung");

@@ -70,6 +70,24 @@ pub struct Task {
     pub threads: NonZeroUsize,
 }
 
+impl Task {
+    /// Runs that it takes at most: no candidate is given up early, and every suspect is looked at.
+    ///
+    /// # Errors
+    /// When the rig has no gains to look for.
+    pub fn most_runs(&self) -> Result<usize> {
+        let drive = Drive::of(self, &[])?;
+        let each = spread::tuned_on(&self.spread, self.budget.seed).len();
+        let finalists = (FINALISTS + 1) * (each + drive::NEIGHBOURS);
+        let of_suspect = obstacle::budget(&self.budget).runs(each) + each + self.draws;
+        let suspects = match self.budget.generations {
+            0 => 0,
+            _ => obstacle::suspects(&drive.trial.rig).len(),
+        };
+        Ok(self.budget.runs(each) + finalists + 2 * self.draws + suspects * of_suspect)
+    }
+}
+
 /// Gains and what they do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {

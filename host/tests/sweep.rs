@@ -243,6 +243,38 @@ fn shards_with_gaps_or_of_other_sweeps_are_not_merged() {
     }
 }
 
+#[test]
+fn a_sweep_says_how_large_it_is_before_it_begins_and_how_long_it_will_take() {
+    let folder = folder_with(&SWEEP.replace("[40.0, 75.0]", "[40.0, 41.0]"));
+    let said = transcript(folder.path(), "sweep s.toml --threads 2");
+    let lines: Vec<&str> = said.lines().filter(|line| line.starts_with("! sweeping")).collect();
+    assert_eq!(lines[0], "! sweeping: 2 combinations x 4 draws = 8 points, on 2 threads");
+    assert!(lines[1].ends_with("for the other 6, by what the first 2 took"), "{said}");
+    assert!(said.ends_with("= 0"), "{said}");
+    let said = transcript(folder.path(), "sweep s.toml --threads 2");
+    assert!(said.contains("= 8 points, 0 of them still to be run, on 2 threads\n"), "{said}");
+    fs::write(folder.path().join("s.toml"), GRID).expect("written");
+    let said = transcript(folder.path(), "sweep s.toml --threads 2 --ensemble 3 --out grid");
+    assert!(said.contains("! sweeping: 2 points x 3 runs, on 2 threads\n"), "{said}");
+}
+
+/// Nobody is at a terminal: what was run goes on with --yes.
+#[test]
+fn a_sweep_of_hours_is_not_begun_unasked() {
+    let many = "test.duration_s = 2.0\n[vary]\n\
+        load.mass_kg = { from = 1.0, to = 2.0, steps = 1000 }\n\
+        supply.pressure_pa = { from = 4e5, to = 6e5, steps = 1000 }\n[metrics]";
+    let text = GRID.replace("test.duration_s = 0.6\n[vary]\nload.mass_kg = [10.0, 20.0]\n[metrics]", many);
+    let folder = folder_with(&text);
+    let said = transcript(folder.path(), "sweep s.toml --threads 1");
+    assert!(said.contains("! sweeping: 1000000 points, on 1 threads\n"), "{said}");
+    let refused = "! error: the sweep would last about ";
+    assert!(said.contains(refused) && said.ends_with("; begin it with --yes\n= 2"), "{said}");
+    let journal = written(folder.path(), "s/sweep.journal");
+    assert_eq!(journal.lines().count(), 3, "what was run stays: {journal}");
+    assert!(!folder.path().join("s/sweep.csv").exists());
+}
+
 /// Once a pipe in the place of the journal was waited at for ever.
 #[cfg(unix)]
 #[test]

@@ -56,6 +56,9 @@ pub struct Study {
     /// Neighbours of each drive.
     #[command(flatten)]
     pub neighbours: Neighbours,
+    /// Do not ask, however long it lasts
+    #[arg(long)]
+    pub yes: bool,
 }
 
 /// Tells the studies, and runs none.
@@ -101,6 +104,9 @@ pub struct Sweep {
     /// Run only this part of the points, such as 2/4, into a folder of its own
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
+    /// Do not ask, however long it lasts
+    #[arg(long)]
+    pub yes: bool,
 }
 
 /// Arguments of `merge`.
@@ -140,6 +146,9 @@ pub struct Ladder {
     /// Its neighbours.
     #[command(flatten)]
     pub neighbours: Neighbours,
+    /// Do not ask, however long it lasts
+    #[arg(long)]
+    pub yes: bool,
 }
 
 /// Arguments of `tune`.
@@ -196,6 +205,9 @@ pub struct Tune {
     /// How many threads; by default one for each core
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// Do not ask, however long it lasts
+    #[arg(long)]
+    pub yes: bool,
 }
 
 fn positive(text: &str) -> Result<f64, String> {

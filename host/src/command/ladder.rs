@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 
+use super::long_work::Pace;
 use super::{Progress, rig_text};
 use crate::cli::Ladder;
 use crate::ladder::{climb, page, table};
@@ -15,8 +16,11 @@ pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     let source = rig_text(&arguments.rig.rig)?;
     let mut progress = Progress::of("climbing", "models");
     let spacing = arguments.neighbours.spacing();
-    let rungs =
-        climb(&source, &arguments.rig.settings, spacing, |done, all| progress.at(done as u64, all as u64))?;
+    let mut pace = Pace::begin("the ladder", arguments.yes);
+    let rungs = climb(&source, &arguments.rig.settings, spacing, |done, all| {
+        progress.at(done as u64, all as u64);
+        progress.aside(|| pace.at(done, all))
+    })?;
     progress.done();
     page(&source.0, &rungs).write(&place)?;
     let table = table(&rungs);

@@ -3,6 +3,7 @@
 use anyhow::Result;
 
 use super::Progress;
+use super::long_work::Pace;
 use crate::cli::{ALL, LIST, Study as Arguments};
 use crate::page::GENERATOR;
 use crate::run_folder::{make_writable, refuse_foreign};
@@ -23,8 +24,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
         refuse_foreign(&place(name), GENERATOR)?;
     }
     let mut progress = Progress::of("studying", "drives");
-    let outcomes =
-        run(&studies, arguments.neighbours.spacing(), |done, all| progress.at(done as u64, all as u64));
+    let mut pace = Pace::begin("the study", arguments.yes);
+    let outcomes = run(&studies, arguments.neighbours.spacing(), |done, all| {
+        progress.at(done as u64, all as u64);
+        progress.aside(|| pace.at(done, all))
+    });
     progress.done();
     let outcomes = outcomes?;
     let mut findings: Vec<Vec<Finding>> = Vec::new();

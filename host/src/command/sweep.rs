@@ -2,17 +2,20 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_sim::rig::builtin;
 
+use super::long_work::{about, allow};
 use super::{Progress, rig_text};
 use crate::cli;
 use crate::page::GENERATOR;
 use crate::parallel::processors;
 use crate::run_folder::{make_writable, put, refuse_foreign};
-use crate::sweep::execution::execute as run_points;
+use crate::sweep::execution::{execute as run_shard, run_points, todo};
 use crate::sweep::journal::{Journal, NAME};
 use crate::sweep::{HEADER_END, Row, Source, Sweep, report};
 
@@ -25,10 +28,11 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     if !rows.is_empty() {
         say!("{}: {} points are there already", out.join(NAME).display(), rows.len());
     }
+    try_out(&sweep, arguments, threads, &mut journal, &mut rows)?;
     let mut progress = Progress::of("sweeping", "points");
     let there = arguments.shard.points(&sweep).filter(|point| rows.contains_key(point)).count();
     progress.begin_at(there as u64, arguments.shard.points(&sweep).count() as u64);
-    run_points(&sweep, arguments.shard, threads, &mut journal, &mut rows, |done, all| {
+    run_shard(&sweep, arguments.shard, threads, &mut journal, &mut rows, |done, all| {
         progress.at(done as u64, all as u64);
     })?;
     progress.done();
@@ -38,6 +42,43 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
         return Ok(());
     }
     leave(&out, &sweep, rows)
+}
+
+/// Says how large the sweep is and, by what its first points take, how long it will last.
+fn try_out(
+    sweep: &Sweep,
+    arguments: &cli::Sweep,
+    threads: NonZeroUsize,
+    journal: &mut Journal,
+    rows: &mut BTreeMap<usize, Row>,
+) -> Result<()> {
+    let todo = todo(sweep, arguments.shard, rows);
+    let left = match todo.len() {
+        all if all == arguments.shard.points(sweep).count() => String::new(),
+        left => format!(" {left} of them still to be run,"),
+    };
+    tell!("sweeping: {},{left} on {threads} threads", size(sweep));
+    if todo.len() <= 2 * threads.get() {
+        return Ok(());
+    }
+    // One for each thread, from all over the sweep: its corners may not be like each other.
+    let first: Vec<usize> = todo.iter().copied().step_by(todo.len().div_ceil(threads.get())).collect();
+    let begun = Instant::now();
+    run_points(sweep, &first, threads, journal, rows, |_| {})?;
+    let rest = todo.len() - first.len();
+    let lasts = begun.elapsed().mul_f64(rest as f64 / first.len() as f64);
+    tell!("sweeping: {} for the other {rest}, by what the first {} took", about(lasts), first.len());
+    allow("the sweep", lasts, arguments.yes)
+}
+
+/// Points, and what each of them is.
+fn size(sweep: &Sweep) -> String {
+    let (points, draws) = (sweep.points(), sweep.draws);
+    match (sweep.is_drawn(), sweep.ensemble) {
+        (true, _) => format!("{} combinations x {draws} draws = {points} points", points / draws),
+        (false, 1) => format!("{points} points"),
+        (false, runs) => format!("{points} points x {runs} runs"),
+    }
 }
 
 /// The folder that is named like a file.

@@ -1,8 +1,11 @@
 //! `pneudrive tune`.
 
+use std::time::{Duration, Instant};
+
 use anyhow::Result;
 use pneudrive_sim::rig::keys;
 
+use super::long_work::{about, allow};
 use super::{Progress, load_choice, rig_text};
 use crate::cli::Tune;
 use crate::page::GENERATOR;
@@ -17,6 +20,10 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     refuse_foreign(&page, GENERATOR)?;
     refuse_foreign(&rig, report::MARK)?;
     let task = task(arguments)?;
+    if let Some(lasts) = lasts(&task)? {
+        tell!("tuning: {} or less, by what a few runs took just now", about(lasts));
+        allow("the tuning", lasts, arguments.yes)?;
+    }
     let mut shown: Option<(Stage, Progress)> = None;
     let tuned = tune(&task, |at| {
         let bar = match shown.take() {
@@ -42,6 +49,20 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     say!("\n{}: tuned.toml, tune.html", arguments.out.display());
     Ok(())
 }
+
+/// How long a tuning lasts at most; None of one that looks for nothing and has few draws.
+fn lasts(task: &Task) -> Result<Option<Duration>> {
+    if task.budget.generations == 0 && task.draws <= FEW {
+        return Ok(None);
+    }
+    let begun = Instant::now();
+    let short = Task { draws: 1, budget: Budget { generations: 0, ..task.budget }, ..task.clone() };
+    let runs = tune(&short, |_| {})?.runs.max(1);
+    Ok(Some(begun.elapsed().mul_f64(task.most_runs()? as f64 / runs as f64)))
+}
+
+/// Draws that are judged in a moment.
+const FEW: usize = 200;
 
 fn name(stage: Stage) -> &'static str {
     match stage {

@@ -17,11 +17,11 @@ type Drive = (&'static str, &'static [&'static str]);
 /// neighbours. `progress` is given drives done and drives in all.
 ///
 /// # Errors
-/// When a drive cannot be integrated.
+/// When a drive cannot be integrated, or `progress` wants no more.
 pub fn run(
     studies: &[&Study],
     spacing: Spacing,
-    mut progress: impl FnMut(usize, usize),
+    mut progress: impl FnMut(usize, usize) -> Result<()>,
 ) -> Result<Vec<Vec<Vec<Outcome>>>> {
     let mut drives: Vec<Drive> = Vec::new();
     for variant in studies.iter().flat_map(|study| study.variants) {
@@ -31,10 +31,10 @@ pub fn run(
     }
     let mut runs: Vec<Vec<Outcome>> = Vec::with_capacity(drives.len());
     for drive in &drives {
-        progress(runs.len(), drives.len());
+        progress(runs.len(), drives.len())?;
         runs.push(run_one(*drive, spacing)?);
     }
-    progress(drives.len(), drives.len());
+    progress(drives.len(), drives.len())?;
     let of_drive = |variant: &Variant, number: usize| {
         let drive = drives.iter().position(|one| *one == drive(variant)).expect("it was run");
         runs[drive][number].called(*variant)

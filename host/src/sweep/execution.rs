@@ -48,14 +48,36 @@ pub fn execute(
     mut progress: impl FnMut(usize, usize),
 ) -> Result<()> {
     let all = shard.points(sweep).count();
-    let todo: Vec<usize> = shard.points(sweep).filter(|point| !done.contains_key(point)).collect();
-    let mut finished = all - todo.len();
+    let todo = todo(sweep, shard, done);
+    let before = all - todo.len();
+    progress(before, all);
+    run_points(sweep, &todo, threads, journal, done, |finished| progress(before + finished, all))
+}
+
+/// The points of a shard that are not among `done`.
+#[must_use]
+pub fn todo(sweep: &Sweep, shard: Shard, done: &BTreeMap<usize, Row>) -> Vec<usize> {
+    shard.points(sweep).filter(|point| !done.contains_key(point)).collect()
+}
+
+/// Runs these points; `progress` is given how many of them are done.
+///
+/// # Errors
+/// As [`execute`].
+pub fn run_points(
+    sweep: &Sweep,
+    todo: &[usize],
+    threads: NonZeroUsize,
+    journal: &mut Journal,
+    done: &mut BTreeMap<usize, Row>,
+    mut progress: impl FnMut(usize),
+) -> Result<()> {
+    let mut finished = 0;
     let next = AtomicUsize::new(0);
-    progress(finished, all);
     thread::scope(|scope| {
         let (give, rows) = channel();
         for _ in 0..threads.get().min(todo.len()) {
-            let (give, next, todo) = (give.clone(), &next, &todo);
+            let (give, next) = (give.clone(), &next);
             scope.spawn(move || work(sweep, todo, next, &give));
         }
         drop(give);
@@ -64,7 +86,7 @@ pub fn execute(
             journal.keep(&row.to_csv(sweep))?;
             done.insert(row.point, row);
             finished += 1;
-            progress(finished, all);
+            progress(finished);
         }
         Ok(())
     })
