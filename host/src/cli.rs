@@ -184,6 +184,9 @@ pub struct Simulate {
     /// Leave no report.html, which takes longer than most runs
     #[arg(long)]
     pub no_report: bool,
+    /// End with exit code 6 if the drive trips, and with 9 if the run is not decided; all files are left as they would be
+    #[arg(long)]
+    pub strict: bool,
     /// How to integrate.
     #[command(flatten)]
     pub integration: Integration,

@@ -29,6 +29,8 @@ pub enum Exit {
     NotBorneOut = 7,
     /// Something cannot be written.
     Unwritten = 8,
+    /// A simulated run is not decided, and `--strict` asked for that.
+    Undecided = 9,
     /// Ctrl-C: what a shell reports of a program that SIGINT has ended.
     Interrupted = 130,
     /// Nobody reads the output: what a shell reports of a program that SIGPIPE has ended.
@@ -36,16 +38,23 @@ pub enum Exit {
 }
 
 /// Every end, and what it means to a user.
-pub const EXITS: [(Exit, &str); 11] = [
-    (Exit::Done, "done; a simulated drive that trips, or a run that is not decided, is a result, too"),
+pub const EXITS: [(Exit, &str); 12] = [
+    (
+        Exit::Done,
+        "done; a simulated drive that trips, or a run that is not decided, is a result, too, unless `--strict` is given",
+    ),
     (Exit::Failed, "failed in a way that has no code of its own, such as a rig or a file with errors in it"),
     (Exit::Usage, "wrong use: the command line is wrong, or lacks something"),
     (Exit::NotThere, "there is no such rig, file or folder"),
     (Exit::NoAnswer, "no rig answers at the port, or the link to it broke"),
     (Exit::Refused, "the rig refuses: its state does not allow it, or another program commands the drive"),
-    (Exit::Tripped, "the drive tripped during the run or the homing"),
+    (
+        Exit::Tripped,
+        "the drive tripped during the run or the homing; with `simulate --strict` a simulated one",
+    ),
     (Exit::NotBorneOut, "not fitted, not decidable from the data, or not the same when replayed"),
     (Exit::Unwritten, "a file or the output cannot be written: the disk is full, or a limit is reached"),
+    (Exit::Undecided, "with `simulate --strict`: the run is not decided"),
     (Exit::Interrupted, "stopped by Ctrl-C"),
     (Exit::ReaderGone, "whoever read the output has gone, as in `pneudrive study list | head -1`"),
 ];

@@ -33,6 +33,26 @@ fn what_is_done_ends_with_0_and_wrong_use_with_2() {
     assert_eq!(code(folder.path(), "simulate servo-b"), 2);
 }
 
+/// For a test that is run by a script: the same files, and an end that tells.
+#[test]
+fn strictly_a_simulated_trip_ends_with_6_and_an_undecided_run_with_9() {
+    let folder = folder();
+    let open = "[[faults.event]]\nkind = \"sensor-open\"\nsensor = \"pressure-1\"\nat_s = 0.1\n";
+    fs::write(folder.path().join("open.toml"), open).expect("written");
+    for (rig, expected) in [
+        ("open.toml", 6),
+        ("servo-b-tuned --tolerance 1e-3", 9),
+        ("servo-b-tuned --set test.duration_s=0.5", 0),
+    ] {
+        let simulate = format!("simulate {rig} --ensemble 1 --no-report --out run");
+        assert_eq!(code(folder.path(), &simulate), 0, "{rig}");
+        let run = || fs::read(folder.path().join("run/trace.csv")).expect("written");
+        let before = run();
+        assert_eq!(code(folder.path(), &format!("{simulate} --strict")), expected, "{rig}");
+        assert_eq!(run(), before, "{rig}: the same files");
+    }
+}
+
 #[test]
 fn a_file_with_errors_ends_with_1() {
     let folder = folder();

@@ -9,6 +9,7 @@ use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
 use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
 use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
+use crate::exit::Exit;
 use crate::page::{Page, Table};
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
@@ -47,7 +48,18 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let band = judged.band.as_ref().map_or("", |_| " band.csv,");
     let report = page.map_or("", |_| ", report.html");
     say!("{}: trace.csv,{band} run.json{report}", arguments.out.display());
-    Ok(())
+    if arguments.strict { strictly(&judged) } else { Ok(()) }
+}
+
+/// What `--strict` refuses to take for a result.
+fn strictly(judged: &Judged) -> Result<()> {
+    if let Some((fault, k)) = judged.run.fault {
+        return Err(Exit::Tripped.error(format!("it tripped at sample {k}: {}", words::fault_name(fault))));
+    }
+    match judged.decision.is_decided() {
+        true => Ok(()),
+        false => Err(Exit::Undecided.error(words::decision(&judged.decision))),
+    }
 }
 
 fn page(rig: &Rig, judged: &Judged, notes: Vec<String>, table: Table) -> Page {
