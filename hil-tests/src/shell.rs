@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use anyhow::Result;
+use pneudrive::exit::Exit;
 use tempfile::TempDir;
 
 use crate::program;
@@ -51,7 +52,7 @@ impl Shell {
     #[must_use]
     pub fn device_refuses(&self, action: &str) -> String {
         let (code, said, errors) = self.run(&self.at_port(action));
-        assert_eq!(code, Some(1), "pneudrive device {action}: {said}{errors}");
+        assert_eq!(code, Some(Exit::Refused as i32), "pneudrive device {action}: {said}{errors}");
         errors
     }
 

@@ -19,7 +19,7 @@ pub enum Exit {
     Usage = 2,
     /// Something that was named does not exist.
     NotThere = 3,
-    /// No rig answers.
+    /// No rig can be reached.
     NoAnswer = 4,
     /// The rig refuses.
     Refused = 5,
@@ -46,7 +46,10 @@ pub const EXITS: [(Exit, &str); 12] = [
     (Exit::Failed, "failed in a way that has no code of its own, such as a rig or a file with errors in it"),
     (Exit::Usage, "wrong use: the command line is wrong, or lacks something"),
     (Exit::NotThere, "there is no such rig, file or folder"),
-    (Exit::NoAnswer, "no rig answers at the port, or the link to it broke"),
+    (
+        Exit::NoAnswer,
+        "no rig can be reached: the port cannot be opened, nobody answers, or the link to it broke",
+    ),
     (Exit::Refused, "the rig refuses: its state does not allow it, or another program commands the drive"),
     (
         Exit::Tripped,

@@ -168,6 +168,22 @@ fn a_drive_is_stopped_where_its_progress_cannot_be_written() {
     assert!(["fault stop: a stop was requested", "disarmed"].contains(&&*mode(&rig, folder.path())));
 }
 
+/// The signal that a file at its limit sends once killed the program.
+#[test]
+fn a_drive_is_stopped_when_the_file_of_its_stream_cannot_grow() {
+    let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
+    let run = format!("run servo-b-tuned --set test.duration_s=20 --stream run.csv --port {}", rig.port());
+    let program = env!("CARGO_BIN_EXE_pneudrive");
+    let mut shell = Command::new("bash");
+    // In KiB: a second or so.
+    shell.current_dir(folder.path()).args(["-c", &format!("ulimit -f 32; exec {program} {run}")]);
+    let output = shell.output().expect("a shell");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("cannot write run.csv: File too large"), "{said}");
+    assert_eq!(output.status.code(), Some(8), "{said}");
+    assert_eq!(mode(&rig, folder.path()), "fault stop: a stop was requested");
+}
+
 #[test]
 fn a_run_until_stopped_disarms_the_drive_when_nobody_reads_it_any_more() {
     let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));

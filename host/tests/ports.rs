@@ -125,7 +125,7 @@ mod pty {
         let error = port::open(rig.port()).err().expect("it is held").to_string();
         assert_eq!(error, format!("another program has {path} open; end it first"));
         let said = transcript(folder().path(), &format!("device --port {} info", rig.port()));
-        assert_eq!(said, format!("! error: another program has {path} open; end it first\n= 1"));
+        assert_eq!(said, format!("! error: another program has {path} open; end it first\n= 4"));
         drop(held);
         Client::connect(rig.port()).expect("free again");
     }

@@ -38,10 +38,9 @@ pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile
     }
     let record = match record {
         Ok(record) => record,
-        Err(error) => {
-            part.keep_on_disk()?;
-            return Err(error.context(kept(&part)));
-        }
+        // What the disk did not take is not promised.
+        Err(error) if part.keep_on_disk().is_ok() => return Err(error.context(kept(&part))),
+        Err(error) => return Err(error),
     };
     let file = TargetFile::new(&record, &info, &parameters);
     let path = file.write_next(folder)?;
