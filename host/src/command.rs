@@ -29,7 +29,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use clap::Parser;
+use clap::{Arg, CommandFactory, FromArgMatches};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use pneudrive_sim::rig::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Method, Rig};
@@ -43,7 +43,10 @@ use crate::output::{self, Stream};
 #[must_use]
 pub fn main() -> Exit {
     let _ = hear_of_limits();
-    let cli = match Cli::try_parse() {
+    let parsed = taking_negative_numbers(Cli::command())
+        .try_get_matches()
+        .and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(answer) => {
             let stream = if answer.use_stderr() { Stream::Errors } else { Stream::Output };
@@ -58,6 +61,15 @@ pub fn main() -> Exit {
             Exit::after(&error)
         }
     })
+}
+
+/// A value that begins with a minus is a number, and judged as one: `--tolerance -1` is no unknown argument `-1`.
+fn taking_negative_numbers(command: clap::Command) -> clap::Command {
+    let numbers = |argument: Arg| {
+        let takes_values = argument.get_action().takes_values();
+        argument.allow_negative_numbers(takes_values)
+    };
+    command.mut_args(numbers).mut_subcommands(taking_negative_numbers)
 }
 
 /// Has a file that reaches the limit of its size (`ulimit -f`) fail as one on a full disk does. The signal that the

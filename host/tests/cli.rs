@@ -63,6 +63,22 @@ fn wrong_use_ends_with_2_and_what_is_not_there_or_says_no_with_a_code_of_its_own
     }
 }
 
+/// Once the number was taken for an argument that nobody knows.
+#[test]
+fn a_negative_number_is_judged_as_a_number() {
+    let folder = folder();
+    for (arguments, says) in [
+        ("eval run --tolerance -1", "invalid value '-1' for '--tolerance <MM>': must be more than 0"),
+        ("tune servo-b --out x --settled -0.5", "invalid value '-0.5' for '--settled <MM>': must be above 0"),
+        ("simulate servo-b --out x --change -0.1", "invalid value '-0.1' for '--change <X>'"),
+        ("sweep s.toml --threads -2", "invalid value '-2' for '--threads <N>'"),
+        ("monitor --port pty:x --every -1", "invalid value '-1' for '--every <S>'"),
+    ] {
+        let said = transcript(folder.path(), arguments);
+        assert!(said.contains(says) && said.ends_with("= 2"), "{arguments}: {said}");
+    }
+}
+
 #[test]
 fn rig_check_names_file_line_and_key() {
     let folder = folder();
