@@ -4,7 +4,7 @@
 //! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
 //! the right-hand side and solutions of the flows, times of this machine beside them.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_sim::{Accuracy, Decision, Rig, run};
@@ -68,7 +68,7 @@ const COMPONENTS: [Component; 9] = [
     ("controller", &[("sampled", &[]), ("continuous", &["controller.model=continuous"])]),
 ];
 
-/// Times that a rung is run for its time; the shortest counts.
+/// Times that a rung and the reference are run for their times.
 const TIMES: usize = 3;
 
 /// A model of a component, run.
@@ -82,8 +82,9 @@ pub struct Rung {
     pub evaluations: f64,
     /// Iterations over the flows a sample.
     pub flow_iterations: f64,
-    /// Shortest time of a run.
-    pub time: Duration,
+    /// Time of a run over that of a run of the reference just before it, each time that both were run: the shortest
+    /// pair first, then the least and the most.
+    pub time_over_reference: [f64; 3],
     /// What it differs by from the reference: the nominal run first, then each neighbour from the same neighbour of the
     /// reference.
     pub deviations: Vec<Vec<Deviation>>,
@@ -115,7 +116,7 @@ pub fn climb(
     let plans = plans(source, settings)?;
     let mut runs = Vec::with_capacity(plans.len());
     for plan in &plans {
-        runs.push(Climbed::of(plan, spacing)?);
+        runs.push(Climbed::of(plan, &plans[0], spacing)?);
         progress(runs.len(), plans.len())?;
     }
     let references = runs[0].transients.clone();
@@ -129,26 +130,26 @@ pub fn climb(
 /// A rung that has been run.
 struct Climbed {
     nominal: Judged,
-    time: Duration,
+    time_over_reference: [f64; 3],
     /// The nominal one and its neighbours'.
     transients: Vec<Transient>,
 }
 
 impl Climbed {
-    fn of(plan: &Plan, spacing: Spacing) -> Result<Climbed> {
+    fn of(plan: &Plan, reference: &Plan, spacing: Spacing) -> Result<Climbed> {
         let name = if plan.component.is_empty() {
             plan.model.to_owned()
         } else {
             format!("{}: {}", plan.component, plan.model)
         };
         // Alone, as what else runs would be in its time.
-        let time = timed(plan)?;
+        let time_over_reference = timed(plan, reference)?;
         let transient = |rig: &Rig, run: &_| Transient::of_run(&name, &StoredRun::of(rig, run));
         let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
         if let Some(why) = ensemble.nominal.lost.failed.first() {
             bail!("{name}: a neighbour cannot be simulated; write a smaller --change: {why}");
         }
-        Ok(Climbed { nominal: ensemble.nominal, time, transients: ensemble.measured })
+        Ok(Climbed { nominal: ensemble.nominal, time_over_reference, transients: ensemble.measured })
     }
 
     fn rung(mut self, plan: &Plan, references: &[Transient]) -> Rung {
@@ -160,7 +161,7 @@ impl Climbed {
             model: plan.model,
             evaluations: run.work.integrator.evaluations as f64 / samples,
             flow_iterations: run.work.network.iterations as f64 / samples,
-            time: self.time,
+            time_over_reference: self.time_over_reference,
             deviations: pairs.map(|(reference, transient)| deviations(reference, transient)).collect(),
             decision: self.nominal.decision,
             transient: self.transients.swap_remove(0),
@@ -214,16 +215,25 @@ fn applies(rig: &Rig, keys: &[&str]) -> bool {
     })
 }
 
-/// The shortest time of the nominal run.
-fn timed(plan: &Plan) -> Result<Duration> {
-    let once = |_| {
+/// [`Rung::time_over_reference`]. Whatever else the machine does meets both runs of a pair, or shows as a range.
+fn timed(plan: &Plan, reference: &Plan) -> Result<[f64; 3]> {
+    let once = |plan: &Plan| {
         let begun = Instant::now();
         run(&plan.rig, Accuracy::of(&plan.rig))
             .map_err(|error| anyhow!("{} {}: {error}", plan.component, plan.model))?;
-        Ok::<_, anyhow::Error>(begun.elapsed())
+        Ok::<_, anyhow::Error>(begun.elapsed().as_secs_f64())
     };
-    let times = (0..TIMES).map(once).collect::<Result<Vec<_>>>()?;
-    Ok(times.into_iter().fold(Duration::MAX, Duration::min))
+    let pairs: Vec<[f64; 2]> =
+        (0..TIMES).map(|_| Ok([once(reference)?, once(plan)?])).collect::<Result<_>>()?;
+    Ok(ratios(&pairs))
+}
+
+/// Of pairs of times the ratio of the shortest pair, then the least and the most.
+fn ratios(pairs: &[[f64; 2]]) -> [f64; 3] {
+    let ratio = |[reference, own]: &[f64; 2]| own / reference;
+    let shortest = pairs.iter().min_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
+    let all = pairs.iter().map(ratio);
+    [shortest.map_or(f64::NAN, ratio), all.clone().fold(f64::INFINITY, f64::min), all.fold(0.0, f64::max)]
 }
 
 /// The page.
@@ -253,7 +263,7 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
         notes: vec![
             "The reference has every model in its most complete form that the rig file has figures for. On each rung one component has another model; its transient is compared with that of the reference. In closed loop a difference of the position is what the controller leaves of it; --set controller.loop=open with moves as commands shows the bare one.".to_owned(),
             "In brackets: the range over neighbours of both, whose mass and starting position differ by next to nothing. The first row tells how far the neighbours of the reference are from it: a difference of that size says nothing of a model.".to_owned(),
-            format!("Evaluations and iterations are counted and the same everywhere; times are the shortest of {TIMES} runs on the machine that made this page, as a part of the reference's."),
+            format!("Evaluations and iterations are counted and the same everywhere; times are of the machine that made this page, over those of the reference, which was run beside each rung: of the shortest of {TIMES} pairs, and in brackets from the least to the most of them. A wide range says that the machine was busy."),
         ],
         tables: vec![table(rungs)],
         figures: vec![cost, transients],
@@ -291,7 +301,6 @@ pub fn table(rungs: &[Rung]) -> Table {
         "P2 rms, kPa",
         "decided",
     ];
-    let all = rungs[0].time.as_secs_f64();
     let rms = |rung: &Rung, channel: usize, decimals: usize| {
         stated(&figures(rung, channel, |one| one.mean_square.sqrt()), decimals)
     };
@@ -301,7 +310,7 @@ pub fn table(rungs: &[Rung]) -> Table {
             rung.model.to_owned(),
             format!("{:.1}", rung.evaluations),
             format!("{:.1}", rung.flow_iterations),
-            format!("{:.0}", 100.0 * rung.time.as_secs_f64() / all),
+            stated(&rung.time_over_reference.map(|time| Some(100.0 * time)), 0),
             rms(rung, POSITION, 4),
             stated(&figures(rung, POSITION, |one| one.largest), 4),
             rms(rung, PRESSURES[0], 3),
@@ -342,6 +351,11 @@ mod tests {
                 assert!((1..=2).contains(&changed.len()), "{name}, {}: {changed:?}", rung.model);
             }
         }
+    }
+
+    #[test]
+    fn a_time_is_that_of_the_shortest_pair_with_the_range_of_all() {
+        assert_eq!(ratios(&[[2.0, 1.0], [1.0, 0.75], [8.0, 16.0]]), [0.75, 0.5, 2.0]);
     }
 
     #[test]
