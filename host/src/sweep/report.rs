@@ -38,7 +38,11 @@ fn notes(sweep: &Sweep, rows: &[Row]) -> Vec<String> {
             sweep.ensemble
         )
     });
-    std::iter::once(count(sweep, rows)).chain(ranges).chain(common).chain(scaled).collect()
+    let hidden = sweep.metrics.iter().enumerate().filter(|(place, _)| !is_shown(rows, *place));
+    let hidden: Vec<&str> = hidden.map(|(_, metric)| metric.name.as_str()).collect();
+    let hidden = (!hidden.is_empty())
+        .then(|| format!("No point has a value of {}: there is no graph of it.", hidden.join(", nor of ")));
+    std::iter::once(count(sweep, rows)).chain(ranges).chain(common).chain(scaled).chain(hidden).collect()
 }
 
 /// How many points there are, and how many of them are any good.
@@ -212,7 +216,7 @@ fn said(value: Option<f64>) -> String {
 
 /// The metrics over an axis.
 fn figures<'a>(sweep: &'a Sweep, axis: &'a Axis, rows: &'a [Row]) -> impl Iterator<Item = Figure> + 'a {
-    let metrics: Vec<usize> = (0..sweep.metrics.len()).collect();
+    let metrics: Vec<usize> = (0..sweep.metrics.len()).filter(|&metric| is_shown(rows, metric)).collect();
     let chunks: Vec<Vec<usize>> = metrics.chunks(PANELS).map(<[usize]>::to_vec).collect();
     chunks.into_iter().map(move |chunk| Figure {
         heading: format!("over {}", axis.name),
@@ -220,6 +224,11 @@ fn figures<'a>(sweep: &'a Sweep, axis: &'a Axis, rows: &'a [Row]) -> impl Iterat
         logarithmic: axis.logarithmic,
         panels: chunk.iter().map(|&metric| panel(sweep, axis, metric, rows)).collect(),
     })
+}
+
+/// Whether any point shows a metric: a graph of no points shows nothing.
+fn is_shown(rows: &[Row], metric: usize) -> bool {
+    rows.iter().any(|row| row.metrics.get(metric).is_some_and(Option::is_some))
 }
 
 fn across(axis: &Axis) -> String {

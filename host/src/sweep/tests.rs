@@ -134,3 +134,22 @@ fn a_constraint_is_kept_over_the_whole_range_or_not_at_all() {
     assert_eq!(Row::of_csv(&sweep, &rows[0].to_csv(&sweep)), Some(rows[0].clone()));
     assert_eq!(Row::of_csv(&sweep, &rows[1].to_csv(&sweep)), Some(rows[1].clone()));
 }
+
+#[test]
+fn a_metric_that_no_point_shows_has_no_graph_and_the_page_says_so() {
+    let sweep = sweep("[vary]\nload.mass_kg = [1, 2]");
+    let row = |point: usize, air: Option<f64>| Row {
+        point,
+        levels: vec!["1".to_owned()],
+        metrics: vec![air],
+        ends: Vec::new(),
+        decided: Some(true),
+        fault: String::new(),
+        failure: String::new(),
+    };
+    let page = report::page(&sweep, &[row(0, None), row(1, Some(0.4))]);
+    assert_eq!((page.figures.len(), page.notes.len()), (1, 1), "{:?}", page.notes);
+    let page = report::page(&sweep, &[row(0, None), row(1, None)]);
+    assert!(page.figures.is_empty());
+    assert_eq!(page.notes[1], "No point has a value of air: there is no graph of it.");
+}
