@@ -138,7 +138,9 @@ pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
         )
     });
     let divided = numbered(runs).filter_map(|(number, moves)| divided(number, &moves));
-    cut.chain(moves.iter().filter_map(doubt)).chain(none).chain(divided).collect()
+    let commanded = moves.iter().any(|one| one.to_mm.is_none()).then(|| COMMANDED.to_owned());
+    let doubts = moves.iter().filter_map(doubt);
+    commanded.into_iter().chain(cut).chain(doubts).chain(none).chain(divided).collect()
 }
 
 /// The moves over all runs with their numbers.
@@ -146,6 +148,9 @@ fn numbered(runs: &[Vec<Move>]) -> impl Iterator<Item = (usize, InRuns<'_>)> {
     let own = runs.first().into_iter().flatten().map(|one| one.number);
     own.zip(in_runs(runs))
 }
+
+/// Why moves have no setpoint.
+const COMMANDED: &str = "In open loop a move is a command to the valve. It has no setpoint to go to, so there is no rise, overshoot, settling or steady error.";
 
 /// How the runs divide where they do not all end alike.
 fn divided(number: usize, moves: &InRuns) -> Option<String> {
