@@ -157,9 +157,10 @@ pub enum Rig {
         /// The file, or a built-in rig
         file: String,
     },
-    /// What a key means: unit, range, default, thesis name
+    /// What a key means: unit, range, default, thesis name; and which key a number of the thesis has
     Explain {
-        /// A key (load.mass_kg or mass_kg), a table (load), or nothing for all
+        /// A key (load.mass_kg or mass_kg), a table (load), a number of the thesis ('C(46)', C46, or C and L for all), or nothing
+        /// for all keys
         #[arg(default_value = "")]
         key: String,
     },

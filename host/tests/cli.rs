@@ -133,6 +133,16 @@ fn rig_list_show_and_explain_tell_what_there_is() {
         transcript(folder.path(), "rig explain load.mass_kg"),
         "load.mass_kg\n  Moving mass.\n  unit       kg\n  range      0.001 to 100000\n  default    1.6\n  thesis     C(17)\n= 0"
     );
+    let number = ok(folder.path(), "rig explain C(46)");
+    assert!(
+        number.starts_with(
+            "C(46): Static friction (extending) (N), 70.0 in the thesis\nload.static_extend_n\n"
+        ),
+        "{number}"
+    );
+    assert!(ok(folder.path(), "rig explain L(14)").contains("no key     not built: the text does not say"));
+    assert_eq!(ok(folder.path(), "rig explain C").lines().count(), 69);
+    assert_eq!(ok(folder.path(), "rig explain L").lines().count(), 22);
     assert!(transcript(folder.path(), "rig explain nonsense").ends_with("= 1"));
     assert!(
         transcript(folder.path(), "rig show nonsense").contains("built in: servo-a, servo-a-tuned, servo-b,")

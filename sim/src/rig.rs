@@ -14,6 +14,7 @@ mod problem;
 mod read;
 mod schedule;
 mod spread;
+pub mod thesis;
 
 pub use builtin::{BUILTIN, builtin};
 pub use check::MOST_DISCHARGE;

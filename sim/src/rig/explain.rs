@@ -3,24 +3,46 @@
 use super::events::{FIELDS, KINDS};
 use super::keys::{Default, KEYS, Key, Kind};
 use super::problem::Problem;
+use super::thesis::{self, Name, THESIS};
 use super::{Fields, Value};
 
-/// The help text of a key, of all keys of a table, or of all keys (for an empty name).
+/// The help text of a key, of all keys of a table, of a number of the thesis, such as C(46), of all its constants (C) or
+/// flags (L), or of all keys (for an empty name).
 ///
 /// # Errors
-/// When there is no such key or table.
+/// When there is no such key, table or number.
 pub fn explain(name: &str) -> Result<String, Problem> {
     let exact: Vec<&Key> =
         KEYS.iter().chain(FIELDS).filter(|key| key.path == name || key.name() == name).collect();
     if !exact.is_empty() {
         return Ok(exact.iter().map(|key| in_full(key)).collect::<Vec<_>>().join("\n"));
     }
+    if let Some(name) = thesis::named(name) {
+        return Ok(of_thesis(name));
+    }
+    if ["C", "L"].contains(&name) {
+        return Ok(THESIS.iter().filter(|entry| entry.number.starts_with(name)).map(line).collect());
+    }
     let table: Vec<&Key> = KEYS.iter().filter(|key| name.is_empty() || key.table() == name).collect();
     if table.is_empty() {
-        let message = "there is no such key or table; `pneudrive rig explain` lists them all".to_owned();
+        let message = "there is no such key or table, and no such number of the thesis; `pneudrive rig explain` lists them all".to_owned();
         return Err(Problem { source: "rig explain".to_owned(), line: None, key: name.to_owned(), message });
     }
     Ok(table.iter().map(|key| format!("{:<38} {}\n", key.path, key.meaning)).collect())
+}
+
+/// A number of the thesis, and the keys that stand for it.
+fn of_thesis(name: &Name) -> String {
+    let keys: Vec<String> = name.keys().map(in_full).collect();
+    let here = if keys.is_empty() { format!("  no key     {}\n", name.instead) } else { keys.join("\n") };
+    format!("{}: {}, {} in the thesis\n{here}", name.number, name.printed, name.default)
+}
+
+/// The same in a line.
+fn line(name: &Name) -> String {
+    let keys: Vec<&str> = name.keys().map(|key| key.path).collect();
+    let here = if keys.is_empty() { format!("no key: {}", name.instead) } else { keys.join(", ") };
+    format!("{:<6} {:<46} {here}\n", name.number, name.printed)
 }
 
 fn in_full(key: &Key) -> String {
