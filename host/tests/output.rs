@@ -4,6 +4,7 @@
 mod program;
 
 use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -165,7 +166,12 @@ fn a_drive_is_stopped_where_its_progress_cannot_be_written() {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(code == 8 && said.contains("cannot write to standard error"), "{said}");
     assert!(begun.elapsed() < Duration::from_secs(3), "it was not run to its end");
-    assert!(["fault stop: a stop was requested", "disarmed"].contains(&&*mode(&rig, folder.path())));
+    assert_eq!(mode(&rig, folder.path()), "fault stop: a stop was requested");
+    ok(folder.path(), &format!("device --port {} arm", rig.port()));
+    // Before the start, while what the test wants from before is recorded, nothing moves yet.
+    let before = format!("{arguments} --set test.pre_trigger=60");
+    let (code, _) = run(folder.path(), &before, [Fate::Read, Fate::Full]);
+    assert_eq!((code, mode(&rig, folder.path()).as_str()), (8, "disarmed"));
 }
 
 /// The signal that a file at its limit sends once killed the program.
@@ -193,6 +199,12 @@ fn a_run_until_stopped_disarms_the_drive_when_nobody_reads_it_any_more() {
     drop(program.stdout.take());
     assert_eq!(program.wait().expect("it was started").code(), Some(141));
     assert_eq!(mode(&rig, folder.path()), "disarmed");
+    let mut said = String::new();
+    program.stderr.take().expect("read").read_to_string(&mut said).expect("UTF-8");
+    assert!(
+        said.contains("error: the run was ended and the drive disarmed, as what this program says"),
+        "{said}"
+    );
     let text = std::fs::read_to_string(folder.path().join("run.csv")).expect("written");
     assert!(text.contains("\n# samples = "), "the stream has its end");
 }

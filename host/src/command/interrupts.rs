@@ -4,7 +4,8 @@
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::Result;
+use anyhow::{Error, Result};
+use pneudrive_protocol::Mode;
 
 use crate::exit::Exit;
 use crate::output;
@@ -52,22 +53,46 @@ impl Interrupts {
         STOP.load(Ordering::Relaxed)
     }
 
-    /// What came of a drive that was followed: a stop that the program's own output has caused says so.
+    /// Whether it is not Ctrl-C that the drive is to stop for.
+    fn by_output() -> bool {
+        STOP.load(Ordering::Relaxed) && !PRESSED.load(Ordering::Relaxed)
+    }
+
+    /// Why a drive is not moved that was to be.
+    pub fn not_begun(&self) -> Error {
+        match Interrupts::by_output() {
+            true => output::verdict().error(format!("the run was not begun, as {UNHEARD}")),
+            false => Exit::Interrupted.error("stopped before the start, as you asked"),
+        }
+    }
+
+    /// What came of a drive that was followed, with how it is then: one that the program's own output has stopped says
+    /// so.
     ///
     /// # Errors
     /// As `followed`, or that the output broke.
-    pub fn explain<T>(&self, followed: Result<T>) -> Result<T> {
-        let by_output = STOP.load(Ordering::Relaxed) && !PRESSED.load(Ordering::Relaxed);
-        match followed {
+    pub fn explain(&self, followed: Result<Mode>) -> Result<()> {
+        let ended = match followed {
+            // It came to its end before it could be stopped.
+            Ok(Mode::Done) => return Ok(()),
             // A trip is worse news.
-            Err(error) if Exit::after(&error) != Exit::Interrupted => Err(error),
-            _ if by_output => Err(output::verdict().error(BY_OUTPUT)),
-            followed => followed,
+            Err(error) if Exit::after(&error) != Exit::Interrupted => return Err(error),
+            ended => ended.map(|_| ()),
+        };
+        match ended {
+            Ok(()) if Interrupts::by_output() => {
+                Err(output::verdict()
+                    .error(format!("the run was ended and the drive disarmed, as {UNHEARD}")))
+            }
+            Err(_) if Interrupts::by_output() => Err(output::verdict().error(format!(
+                "the drive was stopped, as {UNHEARD}; `pneudrive device arm` leaves the fault"
+            ))),
+            ended => ended,
         }
     }
 }
 
-const BY_OUTPUT: &str = "the drive was stopped, as what this program says cannot be written any more; `pneudrive device arm` leaves the fault";
+const UNHEARD: &str = "what this program says cannot be written any more";
 
 impl Drop for Interrupts {
     fn drop(&mut self) {

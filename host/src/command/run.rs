@@ -101,7 +101,7 @@ pub(super) fn run_test(
     if let Err(error) = ready.and_then(|()| client.start()) {
         client.disarm()?;
         stream.map_or(Ok(()), |stream| stream.end(client))?;
-        return interrupts.explain(Err(error));
+        return Err(error);
     }
     let mut progress = match last_sample {
         UNTIL_STOPPED => Progress::endless("running", "Ctrl-C ends the run"),
@@ -112,10 +112,10 @@ pub(super) fn run_test(
         interrupts.look();
     };
     let followed = match &mut stream {
-        None => client.follow(interrupts.seen(), progressed).map(|_| ()),
-        Some(stream) => {
-            client.follow_streamed(interrupts.seen(), progressed, |row| stream.take(row)).map(|_| ())
-        }
+        None => client.follow(interrupts.seen(), progressed).map(|status| status.mode),
+        Some(stream) => client
+            .follow_streamed(interrupts.seen(), progressed, |row| stream.take(row))
+            .map(|(status, _)| status.mode),
     };
     progress.done();
     // The file is ended first, whatever became of the run.
@@ -149,7 +149,7 @@ fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupts: &Interrup
     let begin = Instant::now();
     while begin.elapsed() < period.saturating_mul(samples as u32) {
         if interrupts.look() {
-            return Err(Exit::Interrupted.error("stopped before the start, as you asked"));
+            return Err(interrupts.not_begun());
         }
         client.status()?;
         std::thread::sleep(period.clamp(Duration::from_millis(5), Duration::from_millis(50)));
