@@ -82,8 +82,8 @@ pub struct Rung {
     pub evaluations: f64,
     /// Iterations over the flows a sample.
     pub flow_iterations: f64,
-    /// Time of a run over that of a run of the reference just before it, each time that both were run: the shortest
-    /// pair first, then the least and the most.
+    /// Time of a run over that of the reference, which was run before it each time: of the shortest runs of both, then
+    /// the least and the most of a pair.
     pub time_over_reference: [f64; 3],
     /// What it differs by from the reference: the nominal run first, then each neighbour from the same neighbour of the
     /// reference.
@@ -228,12 +228,12 @@ fn timed(plan: &Plan, reference: &Plan) -> Result<[f64; 3]> {
     Ok(ratios(&pairs))
 }
 
-/// Of pairs of times the ratio of the shortest pair, then the least and the most.
+/// Of pairs of times the ratio of the shortest ones, then the least and the most ratio of a pair; the first lies between
+/// the others.
 fn ratios(pairs: &[[f64; 2]]) -> [f64; 3] {
-    let ratio = |[reference, own]: &[f64; 2]| own / reference;
-    let shortest = pairs.iter().min_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
-    let all = pairs.iter().map(ratio);
-    [shortest.map_or(f64::NAN, ratio), all.clone().fold(f64::INFINITY, f64::min), all.fold(0.0, f64::max)]
+    let shortest = |which: usize| pairs.iter().map(|pair| pair[which]).fold(f64::INFINITY, f64::min);
+    let all = pairs.iter().map(|[reference, own]| own / reference);
+    [shortest(1) / shortest(0), all.clone().fold(f64::INFINITY, f64::min), all.fold(0.0, f64::max)]
 }
 
 /// The page.
@@ -263,7 +263,7 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
         notes: vec![
             "The reference has every model in its most complete form that the rig file has figures for. On each rung one component has another model; its transient is compared with that of the reference. In closed loop a difference of the position is what the controller leaves of it; --set controller.loop=open with moves as commands shows the bare one.".to_owned(),
             "In brackets: the range over neighbours of both, whose mass and starting position differ by next to nothing. The first row tells how far the neighbours of the reference are from it: a difference of that size says nothing of a model.".to_owned(),
-            format!("Evaluations and iterations are counted and the same everywhere; times are of the machine that made this page, over those of the reference, which was run beside each rung: of the shortest of {TIMES} pairs, and in brackets from the least to the most of them. A wide range says that the machine was busy."),
+            format!("Evaluations and iterations are counted and the same everywhere; times are of the machine that made this page, over those of the reference, which was run beside each rung: of the shortest of {TIMES} runs of both, and in brackets the least and the most of a pair. A wide range says that the machine was busy."),
         ],
         tables: vec![table(rungs)],
         figures: vec![cost, transients],
@@ -354,8 +354,8 @@ mod tests {
     }
 
     #[test]
-    fn a_time_is_that_of_the_shortest_pair_with_the_range_of_all() {
-        assert_eq!(ratios(&[[2.0, 1.0], [1.0, 0.75], [8.0, 16.0]]), [0.75, 0.5, 2.0]);
+    fn a_time_is_that_of_the_shortest_runs_with_the_range_of_the_pairs() {
+        assert_eq!(ratios(&[[2.0, 1.0], [1.0, 3.0], [8.0, 16.0]]), [1.0, 0.5, 3.0]);
     }
 
     #[test]
