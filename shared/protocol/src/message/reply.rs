@@ -1,0 +1,91 @@
+//! Replies of the firmware.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ConfigState, Motion, RecordInfo, Refused, Spread, Status};
+use crate::Values;
+use crate::session::Owner;
+
+/// The answer to a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reply<'a> {
+    /// The number of the request.
+    pub sequence: u16,
+    /// The answer.
+    #[serde(borrow)]
+    pub body: ReplyBody<'a>,
+}
+
+/// What the firmware can answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ReplyBody<'a> {
+    /// Who is speaking. Never changes, whatever the version.
+    Info {
+        /// The oldest version the firmware speaks.
+        min_version: u16,
+        /// The newest version the firmware speaks.
+        version: u16,
+        /// Version of the firmware.
+        firmware: &'a str,
+        /// What it was built from.
+        build: &'a str,
+        /// The board it runs on.
+        board: &'a str,
+        /// Samples the record has room for.
+        record_capacity: u32,
+    },
+    /// How the drive is.
+    Status(Status),
+    /// Parameters of consecutive ids.
+    Config {
+        /// Id of the first one.
+        first_id: u16,
+        /// Their values, each in the unit of its parameter.
+        #[serde(borrow)]
+        values: Values<'a>,
+    },
+    /// The request was carried out.
+    Done,
+    /// What the record holds.
+    RecordInfo(#[serde(borrow)] RecordInfo<'a>),
+    /// Samples of the record.
+    Chunk {
+        /// Position in the record of the first one; 0 is the oldest stored sample.
+        first: u32,
+        /// [`RecordedSample::BYTES`](crate::RecordedSample::BYTES) each;
+        /// [`RecordedSample::read`](crate::RecordedSample::read) takes them apart.
+        samples: &'a [u8],
+    },
+    /// The request was not carried out, and nothing was changed.
+    Refused(#[serde(borrow)] Refused<'a>),
+    /// Version 2. How the moves stand.
+    Motion(Motion),
+    /// Version 2. Where the parameters come from.
+    ConfigState(ConfigState),
+    /// Version 2. Events of the fault log.
+    Events {
+        /// Events in the log.
+        total: u8,
+        /// Position of the first one here; 0 is the newest.
+        first: u8,
+        /// [`Event::BYTES`](crate::Event::BYTES) each, newest first.
+        events: &'a [u8],
+    },
+    /// Version 2. How even the samples are, by the board's clock, since its clock was last restarted.
+    Timing {
+        /// From a sample to the next.
+        interval: Spread,
+        /// From a sample to its output.
+        latency: Spread,
+    },
+    /// Version 3. Rows of the stream. Asked for again: those from the first one on that are still held, or
+    /// none.
+    Rows {
+        /// Number of the first one; a row before it that has not come is lost.
+        first: u32,
+        /// [`StreamedSample::BYTES`](crate::StreamedSample::BYTES) each.
+        rows: &'a [u8],
+    },
+    /// Version 5. Who commands the drive.
+    Owner(#[serde(borrow)] Owner<'a>),
+}

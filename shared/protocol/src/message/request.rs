@@ -1,0 +1,177 @@
+//! Requests of the PC.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Values;
+
+/// What the PC wants, under a number that the reply repeats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Request<'a> {
+    /// Chosen by the PC; tells replies apart after a loss.
+    pub sequence: u16,
+    /// What is wanted.
+    #[serde(borrow)]
+    pub body: RequestBody<'a>,
+}
+
+/// What the PC can ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RequestBody<'a> {
+    /// Who are you? Answered by [`ReplyBody::Info`](super::ReplyBody::Info).
+    Info,
+    /// How are you? Answered by [`ReplyBody::Status`](super::ReplyBody::Status).
+    Status,
+    /// Parameters of consecutive ids. Answered by [`ReplyBody::Config`](super::ReplyBody::Config).
+    ConfigGet {
+        /// Id of the first one.
+        first_id: u16,
+        /// How many, up to [`MAX_VALUES`](crate::MAX_VALUES).
+        count: u8,
+    },
+    /// Changes parameters of consecutive ids: all of them or, if one is refused, none.
+    ConfigSet {
+        /// Id of the first one.
+        first_id: u16,
+        /// Their values, each in the unit of its parameter.
+        #[serde(borrow)]
+        values: Values<'a>,
+    },
+    /// Enables the drive, valve at null; the only way out of a fault.
+    Arm,
+    /// Disables the drive.
+    Disarm,
+    /// Runs the moves from k = 0 at the next sample.
+    Start,
+    /// Trips the drive.
+    Stop,
+    /// The axis stands at this position now.
+    Reference {
+        /// Position, encoder counts.
+        position_counts: i32,
+    },
+    /// A new test: forgets the moves of the one before and how its record was taken.
+    TestBegin {
+        /// Name of the test, kept with the record.
+        name: &'a str,
+        /// Length of the run, microseconds.
+        duration_us: u32,
+        /// Every how manyth sample is stored; 1: all.
+        decimation: u16,
+        /// Stored samples before k = 0.
+        pre_trigger: u16,
+    },
+    /// Adds a move to the test; in order of time.
+    TestMove {
+        /// In force from the first sample not before it, microseconds after k = 0.
+        time_us: u32,
+        /// Setpoint (open loop: command), counts.
+        target: i32,
+    },
+    /// What does the record hold? Answered by [`ReplyBody::RecordInfo`](super::ReplyBody::RecordInfo).
+    RecordInfo,
+    /// Samples of the record. Answered by [`ReplyBody::Chunk`](super::ReplyBody::Chunk).
+    RecordRead {
+        /// Position in the record; 0 is the oldest stored sample.
+        first: u32,
+        /// How many, up to [`CHUNK_SAMPLES`](crate::CHUNK_SAMPLES).
+        count: u8,
+    },
+    /// Version 2. Homes the axis: moves it slowly to its stop or switch.
+    Home,
+    /// Version 2. How do the moves stand? Answered by [`ReplyBody::Motion`](super::ReplyBody::Motion).
+    Motion,
+    /// Version 2. Stores the parameters for the next reset.
+    ConfigSave,
+    /// Version 2. Where do the parameters come from? Answered by
+    /// [`ReplyBody::ConfigState`](super::ReplyBody::ConfigState).
+    ConfigState,
+    /// Version 2. The fault log. Answered by [`ReplyBody::Events`](super::ReplyBody::Events).
+    Events {
+        /// Position in the log; 0 is the newest event.
+        first: u8,
+        /// How many, up to [`MAX_EVENTS`](crate::MAX_EVENTS).
+        count: u8,
+    },
+    /// Version 2. How even are the samples? Answered by [`ReplyBody::Timing`](super::ReplyBody::Timing).
+    Timing,
+    /// Version 3. Samples of a record that is named by its CRC: never those of a later one. Answered by
+    /// [`ReplyBody::Chunk`](super::ReplyBody::Chunk).
+    RecordChunk {
+        /// CRC of the record, as [`RecordInfo`](super::RecordInfo) has it.
+        crc32: u32,
+        /// Position in the record; 0 is the oldest stored sample.
+        first: u32,
+        /// How many, up to [`CHUNK_SAMPLES`](crate::CHUNK_SAMPLES).
+        count: u8,
+    },
+    /// Version 3. Begins a stream of a run's samples, its rows numbered from 0 on, and ends the one before.
+    /// The rows come unasked, as [`ReplyBody::Rows`](super::ReplyBody::Rows) under the number of this
+    /// request, as far as they are granted.
+    StreamBegin {
+        /// Every how manyth sample becomes a row; 0: none.
+        every: u16,
+        /// How many rows come at once, up to [`MAX_ROWS`](crate::MAX_ROWS).
+        batch: u8,
+    },
+    /// Version 3. The rows before this one may come unasked: a host that has gone is not talked to for long.
+    StreamGrant {
+        /// Number of the first row that may not.
+        until: u32,
+    },
+    /// Version 3. Rows of the stream again. Answered by [`ReplyBody::Rows`](super::ReplyBody::Rows).
+    StreamRead {
+        /// Number of the first one.
+        first: u32,
+        /// How many, up to [`MAX_ROWS`](crate::MAX_ROWS).
+        count: u8,
+    },
+    /// Version 4. How long the test is, in samples, and whether its moves come again; in place of the length
+    /// that it began with.
+    TestSpan {
+        /// Number of the last sample, up to [`UNTIL_STOPPED`].
+        last_sample: u32,
+        /// The moves come again every so many samples; 0: they come once.
+        round: u32,
+    },
+    /// Version 5. Enables the drive as [`RequestBody::Arm`] does. The session that asks owns it from now on.
+    ArmAs {
+        /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
+        host: &'a str,
+    },
+    /// Version 5. The session that asks owns an enabled drive whose owner has gone. Nothing else is changed.
+    TakeOver {
+        /// What the host calls itself, up to [`HOST_BYTES`](crate::session::HOST_BYTES).
+        host: &'a str,
+    },
+    /// Version 5. The owner goes and leaves the drive as it is: nobody need wait until its silence is noticed.
+    Leave,
+    /// Version 5. Who commands the drive? Answered by [`ReplyBody::Owner`](super::ReplyBody::Owner).
+    Owner,
+    /// Version 5. A part of a [change](crate::change). The first one begins it anew, others follow without a gap.
+    ChangePart {
+        /// CRC-32 of the whole change.
+        crc32: u32,
+        /// Place of the part's first byte in the change.
+        first: u16,
+        /// The bytes, up to [`PART_BYTES`](crate::change::PART_BYTES).
+        part: &'a [u8],
+    },
+    /// Version 5. Takes the change whose parts have come: all of it or, if anything is refused, nothing.
+    ChangeTake {
+        /// CRC-32 of the whole change.
+        crc32: u32,
+    },
+    /// Version 5. Runs the moves from k = 0 at the next sample, if test and parameters are those that are named.
+    StartTest {
+        /// [`start_crc32`](crate::change::start_crc32) of both.
+        crc32: u32,
+    },
+    /// Version 5. Lets a host in where a rig is reached over a network. Elsewhere it changes nothing.
+    Token {
+        /// What host and rig both know.
+        token: &'a str,
+    },
+}
+
+/// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
+pub const UNTIL_STOPPED: u32 = u32::MAX - 1;

@@ -1,0 +1,124 @@
+//! What a reply says of the drive, its moves, its parameters and its record.
+
+use serde::{Deserialize, Serialize};
+
+/// What the drive is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mode {
+    /// Drive disabled, valve at null.
+    #[default]
+    Disarmed,
+    /// Drive enabled, valve at null.
+    Armed,
+    /// The law drives the valve.
+    Running,
+    /// The moves are over.
+    Done,
+    /// Tripped: drive disabled, valve at null, until re-armed.
+    Fault,
+}
+
+/// The drive at the last sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Status {
+    /// What it is doing.
+    pub mode: Mode,
+    /// Why it tripped: a code of the controller; 0: it did not.
+    pub fault: u8,
+    /// Whether the axis has been referenced.
+    pub referenced: bool,
+    /// k: samples since the start of the run.
+    pub index: u32,
+    /// Length of the run, samples.
+    pub duration_samples: u32,
+    /// Setpoint in force (open loop: command asked for), counts.
+    pub setpoint: i32,
+    /// Encoder count.
+    pub position: i32,
+    /// Setpoint less position, counts.
+    pub error: i32,
+    /// Valve command, -2048 to 2048 counts.
+    pub command: i16,
+    /// Chamber 1 (blind side) pressure, raw.
+    pub pressure_1: i16,
+    /// Chamber 2 (rod side) pressure, raw.
+    pub pressure_2: i16,
+    /// Spool displacement, raw.
+    pub spool: i16,
+    /// Samples stored so far.
+    pub recorded: u32,
+    /// Frames that came damaged to the firmware since its reset.
+    pub damaged_frames: u32,
+}
+
+/// Bins of a [`Spread`].
+pub const HISTOGRAM_BINS: usize = 12;
+
+/// How times are spread about what they should be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Spread {
+    /// How many were taken.
+    pub count: u32,
+    /// The shortest, us.
+    pub least_us: u32,
+    /// The longest, us.
+    pub most_us: u32,
+    /// Bin b counts those that are off by 2^(b-1) to 2^b - 1 us; bin 0 those that are not, the last one
+    /// all larger ones.
+    pub bins: [u32; HISTOGRAM_BINS],
+}
+
+/// How the moves of the run stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Whether the drive is homing; [`Status`] says `Running` then.
+    pub homing: bool,
+    /// The move in force: 0 none, 1 on its way, 2 arrived, 3 not reached.
+    pub arrival: u8,
+    /// Moves that have begun.
+    pub begun: u16,
+    /// Moves that ended without arriving.
+    pub not_reached: u32,
+    /// What the run has learned of the valve's null, counts.
+    pub learned_null_offset: i32,
+}
+
+/// Where the parameters come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ConfigState {
+    /// 0: never saved, 1: as stored, 2: stored by another version and taken over, 3: both stored sets
+    /// are damaged.
+    pub source: u8,
+    /// How often they were saved.
+    pub saves: u32,
+    /// CRC-32 of the parameters in force.
+    pub hash: u32,
+    /// Whether they are those that the next reset will load.
+    pub saved: bool,
+    /// Stored values that were ignored: parameters that this firmware does not know, or values outside
+    /// their range.
+    pub ignored: u16,
+}
+
+/// What the record holds and how it was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecordInfo<'a> {
+    /// Name of the test.
+    pub test: &'a str,
+    /// Stored samples.
+    pub samples: u32,
+    /// k of the oldest one; negative before the start.
+    pub first_index: i32,
+    /// Every how manyth sample was stored.
+    pub decimation: u16,
+    /// Stored samples asked for before k = 0.
+    pub pre_trigger: u16,
+    /// Whether the recorder is through; a record in the making still grows.
+    pub complete: bool,
+    /// Sample period by the board's own clock, nanoseconds.
+    pub measured_period_ns: u32,
+    /// Mean of the spool displacement, raw.
+    pub mean_spool_raw: i16,
+    /// CRC-32 of all stored samples from the oldest on ([`RecordCrc`](crate::RecordCrc)).
+    pub crc32: u32,
+}
