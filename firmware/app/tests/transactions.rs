@@ -106,6 +106,16 @@ fn of_a_change_that_is_wrong_anywhere_nothing_is_taken() {
     );
 }
 
+/// Found by the fuzzer: behind the last id the firmware counted on.
+#[test]
+fn a_parameter_of_the_last_id_that_can_be_sent_is_refused_as_any_unknown_one() {
+    let mut bench = Bench::of(ONE);
+    for (first_id, values) in [(u16::MAX, &[1][..]), (u16::MAX, &[1, 2]), (u16::MAX - 1, &[1, 2, 3])] {
+        let refused = bench.take(&parameters(first_id, values));
+        assert_eq!(refused, format!("Refused(UnknownParameter {{ id: {first_id} }})"));
+    }
+}
+
 #[test]
 fn a_change_is_taken_only_once_all_its_parts_have_come() {
     let mut bench = Bench::of(ONE);

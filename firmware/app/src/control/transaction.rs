@@ -46,7 +46,8 @@ impl Draft {
     fn add(&mut self, entry: Entry<'_>) -> Result<(), TakeError> {
         match entry {
             Entry::Parameters { first_id, values } => {
-                (first_id..).zip(values.iter()).try_for_each(|(id, value)| {
+                // Behind the last id there is none: a value there is refused before.
+                values.iter().zip(first_id..=u16::MAX).try_for_each(|(value, id)| {
                     let set = self.parameters.set(id, value);
                     set.map_err(|error| TakeError::Value { id, value, error })
                 })
