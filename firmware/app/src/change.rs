@@ -8,7 +8,7 @@ use pneudrive_protocol::frame;
 pub struct NotWhole;
 
 /// The parts of a change that have come.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Parts {
     crc32: u32,
     len: usize,

@@ -21,7 +21,7 @@ pub enum Source {
 }
 
 /// The configuration of the drive. By default the thesis's.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Configuration {
     parameters: Parameters,
     config: Config,

@@ -26,7 +26,7 @@ use crate::timing::Clock;
 /// The controller, its configuration, the test and the recorder: its own, or one that is lent, since
 /// a microcontroller has no room to make it on the stack. By default: disarmed, with the thesis's
 /// parameters and no test.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Control<R = Recorder> {
     configuration: Configuration,
     test: Test,

@@ -69,7 +69,7 @@ impl Need {
 
 /// The session that has armed the drive last, and how long ago it was heard. By default the hosts of version 4 and
 /// older, which have no session of their own.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ownership {
     session: u32,
     host: HostName,

@@ -17,7 +17,7 @@ pub const BYTES: usize = SECTORS * SECTOR;
 pub const WORD: usize = 4;
 
 /// Four sectors: two slots of the configuration, two of the fault log.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RamFlash([u8; BYTES]);
 
 impl Default for RamFlash {
@@ -32,6 +32,12 @@ impl RamFlash {
     pub fn layout() -> Layout {
         let sector = |n: u32| n * SECTOR as u32..(n + 1) * SECTOR as u32;
         Layout { config: [sector(0), sector(1)], faults: [sector(2), sector(3)] }
+    }
+
+    /// All its bytes.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8; BYTES] {
+        &self.0
     }
 
     fn range(&mut self, offset: u32, len: usize) -> &mut [u8] {

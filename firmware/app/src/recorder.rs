@@ -16,7 +16,7 @@ pub const MAX_PRE_TRIGGER: u16 = 2000;
 type Stored = [u8; RecordedSample::BYTES];
 
 /// The buffer and where it stands.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recorder {
     /// Flat: zeros in one piece are made where they stay.
     samples: [u8; CAPACITY * RecordedSample::BYTES],

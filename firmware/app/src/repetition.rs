@@ -7,7 +7,7 @@ use pneudrive_protocol::{InSession, MessageError, Recent, RequestBody};
 const REMEMBERED: usize = 8;
 
 /// The last requests of a host that changed something.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct CarriedOut(Recent<REMEMBERED>);
 
 impl CarriedOut {

@@ -36,7 +36,7 @@ const SAID: usize = 16;
 type Framed = Option<(usize, u32)>;
 
 /// The protocol server.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Server {
     accumulator: Accumulator,
     /// The last request, by its CRC, and its reply.
@@ -50,7 +50,7 @@ pub struct Server {
 }
 
 /// What goes on over more than one request.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 struct Talk {
     stream: Stream,
     change: Parts,

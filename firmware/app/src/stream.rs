@@ -12,7 +12,7 @@ use pneudrive_protocol::{MAX_ROWS, RecordedSample, ReplyBody, StreamedSample};
 const HELD: usize = 256;
 
 /// The stream of one host.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Stream {
     rows: [u8; HELD * StreamedSample::BYTES],
     /// Number of the request that began it.

@@ -6,7 +6,7 @@ use pneudrive_protocol::{HISTOGRAM_BINS, Spread};
 
 /// Samples since the clock was restarted. The control interrupt only notes its two times; whoever is idle
 /// [settles](Clock::settle) them before the next sample. Where nobody has, the next sample does.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Clock {
     last_us: u32,
     runs: bool,

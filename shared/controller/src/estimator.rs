@@ -39,7 +39,7 @@ pub struct Motion {
 
 /// The history of positions. Before its first sample the drive stood where that one found it, so a
 /// drive at rest has no velocity.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Estimator {
     positions: [i32; HISTORY],
     newest: usize,

@@ -66,7 +66,7 @@ use sequencer::Sequencer;
 use supervisor::Supervisor;
 
 /// Everything that changes while the controller runs. [`Config`] and [`Sequence`] do not.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct State {
     estimator: Estimator,
     sequencer: Sequencer,

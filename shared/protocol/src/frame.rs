@@ -76,6 +76,32 @@ pub struct Accumulator<const N: usize = { MAX_MESSAGE + CRC_BYTES }> {
     cobs: DecoderState,
 }
 
+/// Two are equal that make the same of whatever comes next: bytes of a frame that is over do not count.
+impl<const N: usize> PartialEq for Accumulator<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.damaged == other.damaged && self.standing() == other.standing()
+    }
+}
+
+impl<const N: usize> Eq for Accumulator<N> {}
+
+impl<const N: usize> core::hash::Hash for Accumulator<N> {
+    fn hash<H: core::hash::Hasher>(&self, state: &mut H) {
+        (self.damaged, self.standing()).hash(state);
+    }
+}
+
+impl<const N: usize> Clone for Accumulator<N> {
+    fn clone(&self) -> Self {
+        let cobs = match self.cobs {
+            DecoderState::Idle => DecoderState::Idle,
+            DecoderState::Grab(left) => DecoderState::Grab(left),
+            DecoderState::GrabChain(left) => DecoderState::GrabChain(left),
+        };
+        Accumulator { damaged: self.damaged, content: self.content, length: self.length, cobs }
+    }
+}
+
 impl<const N: usize> Default for Accumulator<N> {
     fn default() -> Self {
         Accumulator::new()
@@ -87,6 +113,17 @@ impl<const N: usize> Accumulator<N> {
     #[must_use]
     pub const fn new() -> Self {
         Accumulator { damaged: 0, content: [0; N], length: 0, cobs: DecoderState::Idle }
+    }
+
+    /// How the decoder stands in a frame, the frame's length so far, and those of its bytes that had room; None between
+    /// two frames.
+    fn standing(&self) -> Option<(bool, u8, usize, &[u8])> {
+        let (chain, left) = match self.cobs {
+            DecoderState::Idle => return None,
+            DecoderState::Grab(left) => (false, left),
+            DecoderState::GrabChain(left) => (true, left),
+        };
+        Some((chain, left, self.length, self.content.get(..self.length.min(N)).unwrap_or(&[])))
     }
 
     /// Takes the next byte. At a delimiter: the message, or why there is none.
@@ -153,6 +190,24 @@ mod tests {
             let _ = accumulator.push(byte);
         }
         accumulator.push(*last)
+    }
+
+    #[test]
+    fn accumulators_are_equal_where_they_go_on_in_the_same_way() {
+        let after = |bytes: &[u8]| {
+            let mut accumulator: Accumulator = Accumulator::new();
+            for &byte in bytes {
+                let _ = accumulator.push(byte);
+            }
+            accumulator
+        };
+        let mut room = [0; MAX_FRAME];
+        let frame = encode(b"a message", &mut room).expect("short");
+        assert_eq!(after(frame), after(&[]), "between two frames");
+        assert_ne!(after(&frame[..3]), after(&[]), "within one");
+        assert_ne!(after(&frame[..3]), after(&frame[..4]));
+        assert_eq!(after(&frame[..3]), after(&frame[..3]).clone());
+        assert_ne!(after(&[1, 1, 0]), after(&[]), "a damaged frame is counted");
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! `Done` reply. So both sides pass over what they have said themselves.
 
 /// The last `N` messages, by their CRC.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Recent<const N: usize>([Option<u32>; N]);
 
 impl<const N: usize> Default for Recent<N> {

@@ -3,7 +3,7 @@
 use crate::frame::CRC_32;
 
 /// One stored sample, in the raw units of the hardware.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct RecordedSample {
     /// Encoder count; positive means extension. Unit: counts.
     pub position: i32,
@@ -62,7 +62,7 @@ impl RecordedSample {
 ///
 /// It takes them in pieces of any length: the recorder its ring in two, the PC a chunk at a time. The CRC
 /// of nothing is zeros in memory, so a recorder needs no start values.
-#[derive(Clone)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct RecordCrc(u32);
 
 impl core::fmt::Debug for RecordCrc {

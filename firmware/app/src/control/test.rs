@@ -9,7 +9,7 @@ use crate::name::Name;
 pub const NAME_BYTES: usize = 32;
 
 /// What was downloaded to be run.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Test {
     name: Name<NAME_BYTES>,
     pub(super) decimation: u16,
