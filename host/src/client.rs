@@ -105,13 +105,22 @@ impl Client {
         // Not where the last program began, lest its last reply be taken for ours.
         let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         let begin = std::process::id() as u16 ^ (clock.subsec_nanos() >> 8) as u16;
+        Client::in_session(link, name, owner::any_session(), begin)
+    }
+
+    /// The same in a session that is given, with requests numbered from behind `sequence`: a run of the client that can
+    /// be repeated.
+    ///
+    /// # Errors
+    /// As for [`Client::over`].
+    pub fn in_session(link: Box<dyn Link>, name: &str, session: u32, sequence: u16) -> Result<Client> {
         let mut client = Client {
             link,
             name: name.to_owned(),
             accumulator: Accumulator::new(),
             heard: Vec::new().into_iter(),
-            sequence: begin,
-            session: owner::any_session(),
+            sequence,
+            session,
             commands: false,
             test_crc32: None,
             known: None,
