@@ -57,6 +57,8 @@ enum Command {
     Cost,
     /// 100,000 downloads over a faulty line, and 1,000 kills of either side of a record
     SoakLink,
+    /// All states of two hosts, a rig and their lines, within wider bounds than the tests have
+    LinkStates,
 }
 
 fn main() -> ExitCode {
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
         Command::ProveRounding => steps::prove_rounding(&mut tally),
         Command::Figures => steps::figures(&mut tally),
         Command::Cost => steps::cost(&mut tally),
+        Command::LinkStates => steps::link_states(&mut tally),
         Command::SoakLink => steps::soak_link(&mut tally),
     }
     tally.report()

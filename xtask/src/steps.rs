@@ -179,6 +179,24 @@ pub fn soak_link(tally: &mut Tally) {
     });
 }
 
+/// All states of the link within wider bounds: jobs of the two hosts, then faults, resets, power cuts and silences.
+pub fn link_states(tally: &mut Tally) {
+    for bounds in ["both both 1 0 0 0", "both both 0 0 0 1", "runs runs 1 1 0 0"] {
+        tally.check(&format!("states of the link: {bounds}"), || {
+            let run_it = [
+                "run",
+                "--release",
+                "--package",
+                "pneudrive-protocol-model",
+                "--example",
+                "link_states",
+                "--",
+            ];
+            run(&mut in_root(&[&run_it[..], &bounds.split(' ').collect::<Vec<_>>()].concat()))
+        });
+    }
+}
+
 /// What CI runs.
 pub fn ci(tally: &mut Tally) {
     fmt(tally, true);

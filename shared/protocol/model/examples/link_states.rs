@@ -1,0 +1,41 @@
+//! Visits all states of two hosts that configure and run, within bounds that are given:
+//! `link_states JOB JOB FAULTS RESETS POWER_CUTS SILENCES`, a job being `configures`, `runs` or `both`.
+
+use pneudrive_protocol_model::host::{Job, Plan};
+use pneudrive_protocol_model::{Budget, Link};
+
+fn job(name: &str) -> Job {
+    match name {
+        "configures" => Job::Configures,
+        "runs" => Job::Runs,
+        "both" => Job::Both,
+        other => panic!("{other}: a job is configures, runs or both"),
+    }
+}
+
+fn main() -> std::process::ExitCode {
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    let [one, other, faults, resets, power_cuts, silences] = &given[..] else {
+        panic!("two jobs and four numbers: faults, resets, power cuts, silences");
+    };
+    let number = |text: &String| text.parse().unwrap_or_else(|error| panic!("{text}: {error}"));
+    let budget = Budget {
+        faults: number(faults),
+        resets: number(resets),
+        power_cuts: number(power_cuts),
+        silences: number(silences),
+    };
+    let plans = [
+        Plan::new(job(one), "one", 0x1001, 100, [11, 12]),
+        Plan::new(job(other), "other", 0x2002, 200, [21, 22]),
+    ];
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    match Link::new(plans, budget).cut_at([0, 1, 2, 34, 65, 66, 67, 68]).visit(threads) {
+        Ok(figures) => println!("{}: {figures}", given.join(" ")),
+        Err(story) => {
+            println!("{}: {story}", given.join(" "));
+            return std::process::ExitCode::FAILURE;
+        }
+    }
+    std::process::ExitCode::SUCCESS
+}

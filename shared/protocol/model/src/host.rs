@@ -1,0 +1,275 @@
+//! A host: the program's own client, run anew from its beginning for each input that is added.
+//!
+//! The client waits in calls that block, so it has no state that could be stored. What it does depends on its inputs
+//! alone, though: its session, the number of its first request and its clock are given. So its state is the list of
+//! inputs that it has had, and what it does next is found by running it with them up to where it waits again.
+//!
+//! Two things are left out of the list ([`Host::after`]): a reply that the client passes over, and, once a question is
+//! answered, that it had to be asked more than once. Neither leaves a trace in what the client does later, as numbers of
+//! requests only grow; `tests/hosts.rs` runs clients with and without them to the end.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use anyhow::{Result, bail};
+use pneudrive::client::{Client, Pieces, Record};
+use pneudrive::port::Link;
+use pneudrive_controller::parameters::id;
+use pneudrive_sim::Rig as RigFile;
+
+use crate::rig::{Pair, Run};
+
+/// What a host experiences.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Input {
+    /// A reply comes.
+    Reply(Vec<u8>),
+    /// Nothing has come for as long as it waits.
+    Silence,
+    /// The run that it has started is over.
+    RunOver,
+}
+
+/// What a host waits for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Waits {
+    /// For an answer.
+    #[default]
+    Answer,
+    /// For the end of its run.
+    RunOver,
+    /// For nothing: it has ended.
+    Nothing,
+}
+
+/// How a host stands after its inputs.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Standing {
+    /// The frames that it has sent since the last input.
+    pub sent: Vec<Vec<u8>>,
+    /// What it waits for.
+    pub waits: Waits,
+    /// Whether it means the drive to be armed: from before it asks for that until the drive is disarmed, or it ends.
+    pub means_to_command: bool,
+    /// The record that it was given.
+    pub record: Option<Run>,
+}
+
+/// What a host does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Job {
+    /// Sets its parameters and saves them.
+    Configures,
+    /// States its test, arms, starts, disarms when the run is over, and pulls the record.
+    Runs,
+    /// The one, then the other.
+    Both,
+}
+
+/// What a host is to do.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// What it does.
+    pub job: Job,
+    /// Its session.
+    pub session: u32,
+    /// The number before that of its first request.
+    pub sequence: u16,
+    /// The test, by its name, that it runs.
+    pub test: Arc<RigFile>,
+    /// The parameters that it sets.
+    pub pair: Pair,
+    /// Whether it believes what comes of a record without looking at the CRC-32 of the whole.
+    pub trusts_pieces: bool,
+}
+
+impl Plan {
+    /// A plan with a test of three samples.
+    #[must_use]
+    pub fn new(job: Job, test: &str, session: u32, sequence: u16, pair: Pair) -> Plan {
+        let text = format!(
+            "name = \"{test}\"\n[test]\nmoves = [[0, {}]]\nduration_s = 0.0026\nposition_m = 1.2e-3\n",
+            100 + pair[0]
+        );
+        let test = Arc::new(RigFile::read("model", &text).expect("a rig file"));
+        Plan { job, session, sequence, test, pair, trusts_pieces: false }
+    }
+}
+
+/// A host's inputs so far.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Host {
+    inputs: Vec<Input>,
+}
+
+impl Host {
+    /// The host after an input, as short as it can be told, and how it stands then; None if it passes over the input.
+    #[must_use]
+    pub fn after(&self, input: Input, plan: &Plan) -> Option<(Host, Standing)> {
+        let whole = self.with(input.clone());
+        let standing = whole.standing(plan);
+        let goes_on = !standing.sent.is_empty() || standing.waits != self.standing(plan).waits;
+        match input {
+            Input::Reply(_) if !goes_on => None,
+            Input::Reply(_) | Input::RunOver => Some((whole.without_silences(), standing)),
+            Input::Silence => Some((whole, standing)),
+        }
+    }
+
+    /// The host with one more input.
+    #[must_use]
+    pub fn with(&self, input: Input) -> Host {
+        Host { inputs: self.inputs.iter().cloned().chain([input]).collect() }
+    }
+
+    fn without_silences(self) -> Host {
+        Host { inputs: self.inputs.into_iter().filter(|input| *input != Input::Silence).collect() }
+    }
+
+    /// How it stands: found by running the client with these inputs.
+    #[must_use]
+    pub fn standing(&self, plan: &Plan) -> Standing {
+        let script = Script::new(&self.inputs);
+        let link = Scripted(script.clone());
+        // Why a program ends does not matter here.
+        let _ = Client::in_session(Box::new(link), "model", plan.session, plan.sequence)
+            .and_then(|mut client| work(&mut client, plan, &script));
+        let mut played = script.played();
+        if !played.blocked {
+            played.standing.waits = Waits::Nothing;
+            played.standing.means_to_command = false;
+        }
+        std::mem::take(&mut played.standing)
+    }
+}
+
+/// What the program does.
+fn work(client: &mut Client, plan: &Plan, script: &Script) -> Result<()> {
+    if plan.job != Job::Runs {
+        client.set_parameters(id::VELOCITY_GAIN, &plan.pair)?;
+        client.save_parameters()?;
+    }
+    if plan.job == Job::Configures { Ok(()) } else { run(client, plan, script) }
+}
+
+fn run(client: &mut Client, plan: &Plan, script: &Script) -> Result<()> {
+    client.download_test(&plan.test)?;
+    script.played().standing.means_to_command = true;
+    client.arm()?;
+    client.start()?;
+    script.wait_for_the_end_of_the_run()?;
+    client.disarm()?;
+    script.played().standing.means_to_command = false;
+    let record = pull(client, plan)?;
+    script.played().standing.record = Some(record);
+    Ok(())
+}
+
+fn pull(client: &mut Client, plan: &Plan) -> Result<Run> {
+    if !plan.trusts_pieces {
+        let Record { head, samples } = client.record(|_, _| ())?;
+        return Ok(Run { test: head.test, samples });
+    }
+    let head = client.record_head()?;
+    let mut bytes = Vec::new();
+    // The error that tells of another record is passed over.
+    let _ = client.download(&head, Pieces::none(head.samples), |_, samples| {
+        bytes.extend_from_slice(samples);
+        Ok(())
+    });
+    let samples = pneudrive_protocol::RecordedSample::read(&bytes).into_iter().flatten().collect();
+    Ok(Run { test: head.test, samples })
+}
+
+/// The inputs that a client is run with, and what came of it.
+#[derive(Clone)]
+struct Script(Arc<Mutex<Played>>);
+
+struct Played {
+    inputs: VecDeque<Input>,
+    /// Replies that came while the program did not read.
+    unread: VecDeque<Vec<u8>>,
+    now: Duration,
+    /// Whether the inputs are over; nothing counts from then on.
+    blocked: bool,
+    standing: Standing,
+}
+
+impl Script {
+    fn new(inputs: &[Input]) -> Script {
+        let played = Played {
+            inputs: inputs.iter().cloned().collect(),
+            unread: VecDeque::new(),
+            now: Duration::ZERO,
+            blocked: false,
+            standing: Standing::default(),
+        };
+        Script(Arc::new(Mutex::new(played)))
+    }
+
+    fn played(&self) -> std::sync::MutexGuard<'_, Played> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn wait_for_the_end_of_the_run(&self) -> Result<()> {
+        let mut played = self.played();
+        loop {
+            match played.next(Waits::RunOver) {
+                Some(Input::RunOver) => return Ok(()),
+                Some(Input::Reply(bytes)) => played.unread.push_back(bytes),
+                Some(Input::Silence) => {}
+                None => bail!("no more inputs"),
+            }
+        }
+    }
+}
+
+impl Played {
+    /// The next input; without one the client waits from here on.
+    fn next(&mut self, waits: Waits) -> Option<Input> {
+        let next = self.inputs.pop_front();
+        if next.is_some() {
+            self.standing.sent.clear();
+        } else if !self.blocked {
+            self.blocked = true;
+            self.standing.waits = waits;
+        }
+        next
+    }
+}
+
+/// The link of a client that is run with a script.
+struct Scripted(Script);
+
+impl Link for Scripted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut played = self.0.played();
+        let unread = played.unread.pop_front().map(Input::Reply);
+        match unread.or_else(|| played.next(Waits::Answer)) {
+            Some(Input::Reply(bytes)) => {
+                buffer[..bytes.len()].copy_from_slice(&bytes);
+                Ok(bytes.len())
+            }
+            Some(_) => {
+                played.now += Duration::from_millis(100);
+                Ok(0)
+            }
+            None => Err(io::ErrorKind::BrokenPipe.into()),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let mut played = self.0.played();
+        // What only opens the line is no request.
+        if !played.blocked && bytes != [0] {
+            played.standing.sent.push(bytes.to_vec());
+        }
+        Ok(())
+    }
+
+    fn now(&self) -> Duration {
+        self.0.played().now
+    }
+}

@@ -1,0 +1,45 @@
+//! A way to a state, in words.
+
+use pneudrive_protocol::{InSession, decode_reply};
+use stateright::Path;
+
+use crate::intern::Id;
+use crate::step::message;
+use crate::{Action, Link, State};
+
+impl Link {
+    /// What happens on the way to a state, a line an action.
+    #[must_use]
+    pub fn story(&self, path: Path<State, Action>) -> String {
+        let steps = path.into_vec();
+        let lines = steps.iter().filter_map(|(state, action)| Some(self.line(state, action.as_ref()?)));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+
+    fn line(&self, state: &State, action: &Action) -> String {
+        let frame = match *action {
+            Action::Asked(host)
+            | Action::AskedAndCut(host, _)
+            | Action::LosesRequest(host)
+            | Action::CopiesRequest(host) => state.to_rig[host].queue.first().map(|&id| self.request(id)),
+            Action::AskedLate(host, nth) => Some(self.request(state.to_rig[host].late[nth])),
+            Action::Answered(host) | Action::LosesReply(host) | Action::CopiesReply(host) => {
+                state.to_host[host].queue.first().map(|&id| self.reply(id))
+            }
+            Action::AnsweredLate(host, nth) => Some(self.reply(state.to_host[host].late[nth])),
+            _ => None,
+        };
+        format!("{action:?} {}", frame.unwrap_or_default())
+    }
+
+    fn request(&self, id: Id) -> String {
+        let message = message(&self.frames.value(id));
+        InSession::decode(&message)
+            .map_or_else(|error| format!("{error:?}"), |asked| format!("{:?}", asked.request))
+    }
+
+    fn reply(&self, id: Id) -> String {
+        let message = message(&self.frames.value(id));
+        decode_reply(&message).map_or_else(|error| format!("{error:?}"), |reply| format!("{reply:?}"))
+    }
+}
