@@ -3,12 +3,17 @@
 //!
 //! Each panics where its property does not hold.
 
+mod drive;
+mod requests;
+
 use pneudrive::target::TargetFile;
 use pneudrive_controller::Config;
 use pneudrive_protocol::{
     Accumulator, MAX_FRAME, MAX_MESSAGE, Message, decode_reply, decode_request, encode, frame,
 };
 use pneudrive_sim::{Accuracy, Plant, Rig};
+
+pub use drive::{Step, requests};
 
 /// The decoder of frames takes any stream, and finds the next whole frame behind one delimiter.
 pub fn frame(stream: &[u8]) {

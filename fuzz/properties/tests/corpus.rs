@@ -27,6 +27,11 @@ fn any_message_that_is_understood_says_the_same_again() {
 }
 
 #[test]
+fn whatever_hosts_ask_for_the_drive_moves_for_its_owner_alone_and_what_is_refused_changes_nothing() {
+    replay("requests", properties::requests);
+}
+
+#[test]
 fn any_target_file_that_is_read_is_the_one_that_would_be_written() {
     replay("target_file", properties::target_file);
 }
