@@ -52,7 +52,7 @@ use causes::{Explanation, Traces};
 use model::Model;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
-use search::Found;
+use search::{Ended, Found};
 use spectrum::Spectrum;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
@@ -197,13 +197,16 @@ pub fn identify(
         bail!("none of the parameters can be seen in the transients; the drive must move in them");
     }
     let start = vec![0.0; model.unknowns()];
-    let found = search::search(&mut model, start, progress)?;
+    let Ended { found, causes } = search::search(&mut model, start, progress)?;
     let posterior = assumed::posterior(&model, &found)?;
     let traces = Traces::of(&model, &found);
     let told = finished(&model, &found, &posterior, silent, (before, &traces));
-    let explain = !told.fits && found.minimum.converged;
-    let causes = if explain { causes::explain(&model, &found, &traces, progress) } else { Vec::new() };
-    Ok(Identification { causes, ..told })
+    let causes = match causes {
+        Some(causes) => causes,
+        None if told.fits => Vec::new(),
+        None => causes::explain(&model, &found, &traces, progress),
+    };
+    Ok(Identification { causes, runs: model.runs(), ..told })
 }
 
 impl Model<'_> {

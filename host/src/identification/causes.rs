@@ -20,13 +20,18 @@ use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::Rig;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::least_squares::minimise;
+use super::least_squares::{Minimum, Problem, minimise, minimise_by_secants};
 use super::model::Model;
 use super::parameter::Parameter;
 use super::search::{Found, found_at};
 
-/// Effects that are fitted, the most promising first.
+/// Effects that are fitted, the most promising first, and of these how many to the end at most while none leaves noise
+/// alone.
 const FITTED: usize = 4;
+const FINISHED: usize = 2;
+
+/// Parts of the size that an effect should have by its linear promise, at which its fit may begin.
+const PARTS: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
 
 /// An effect of its usual size that leaves less than one standard deviation of noise is not seen.
 const UNSEEN: f64 = 1.0;
@@ -98,12 +103,15 @@ pub struct Explanation {
     pub effect: Effect,
     /// Setting by which a rig file has it as it was found.
     pub setting: String,
-    /// Value that was found and its standard error, in the unit of the key, if the effect is a number.
+    /// Value that was found and its standard error, in the unit of the key, if the effect is a number and was fitted to
+    /// the end.
     pub value: Option<(f64, f64)>,
     /// Part of the squared misfit that is gone with it; 1 where noise alone is left.
     pub explained: f64,
     /// How often an effect that explains nothing would seem to do as much.
     pub chance: f64,
+    /// Whether noise alone is left with it.
+    pub leaves_noise: bool,
     /// Whether it explains as much as the best one but for what chance can do.
     pub as_good_as_best: bool,
     /// Sum of squares that it takes away, in units of what chance takes on average.
@@ -164,6 +172,8 @@ impl Traces {
 }
 
 /// The effects that explain what a fit leaves beyond noise, the best first. `progress` is told what is being done.
+///
+/// All but the best are tried out by secants alone: their gains are what was found, and they might gain a little more.
 pub(super) fn explain(
     model: &Model,
     found: &Found,
@@ -175,15 +185,53 @@ pub(super) fn explain(
         return Vec::new();
     }
     progress("what would explain the rest: effects that the rig file does not have");
-    let fits = traces.trials.iter().take(FITTED).filter_map(|trial| {
-        progress(&format!("with {}", trial.effect.name));
-        fit(model, found, trial, (traces.trials.len(), misfit))
-    });
-    let mut explanations: Vec<Explanation> = fits.collect();
-    explanations.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
-    let Some(best) = explanations.first().map(|best| best.ratio) else { return explanations };
-    for explanation in &mut explanations {
-        explanation.as_good_as_best = chance(best - explanation.ratio, explanation.freedom) > SIGNIFICANT;
+    let promising = traces.trials.iter().take(FITTED);
+    let mut fits: Vec<Fit> = promising.filter_map(|trial| Fit::by_secants(model, found, trial)).collect();
+    // Those that secants do not make better than no effect stay in the order of what they promise.
+    let without = found.minimum.residuals.norm_squared();
+    let order = |a: &Fit, b: &Fit| a.cost().min(without).total_cmp(&b.cost().min(without));
+    for _ in 0..FINISHED {
+        fits.sort_by(order);
+        let Some(best) = fits.iter_mut().find(|fit| !fit.is_finished) else { break };
+        progress(&format!("with {}", best.effect.name));
+        best.finish(progress);
+        if best.leaves_noise() {
+            break;
+        }
+    }
+    fits.sort_by(order);
+    told(&mut fits, found, (traces.trials.len(), misfit), progress)
+}
+
+/// The same if the best effect leaves noise alone.
+pub(super) fn explain_to_noise(
+    model: &Model,
+    found: &Found,
+    progress: &mut dyn FnMut(&str),
+) -> Option<Vec<Explanation>> {
+    let causes = explain(model, found, &Traces::of(model, found), progress);
+    let explained = |best: &Explanation| best.leaves_noise && best.is_significant();
+    causes.first().is_some_and(explained).then_some(causes)
+}
+
+/// What is to be said of fits in the order of their gains. Those as good as the best are finished before.
+fn told(
+    fits: &mut [Fit],
+    found: &Found,
+    tried: (usize, f64),
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Explanation> {
+    let mut explanations: Vec<Explanation> = Vec::new();
+    for fit in fits {
+        let mut told = fit.explanation(found, tried);
+        let best = explanations.first().map_or(told.ratio, |best| best.ratio);
+        told.as_good_as_best = chance(best - told.ratio, told.freedom) > SIGNIFICANT;
+        if told.as_good_as_best && told.is_significant() && !fit.is_finished {
+            progress(&format!("with {}", fit.effect.name));
+            fit.finish(progress);
+            told = Explanation { as_good_as_best: true, ..fit.explanation(found, tried) };
+        }
+        explanations.push(told);
     }
     explanations
 }
@@ -225,40 +273,108 @@ fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effe
 }
 
 /// An effect fitted beside all parameters.
-fn fit(model: &Model, found: &Found, trial: &Trial, (tried, misfit): (usize, f64)) -> Option<Explanation> {
-    let Effect { change, .. } = trial.effect;
-    let mut with = model.of_rig(trial.effect.rig(model, trial.part)?);
-    let mut u = found.minimum.u.clone();
-    let place = model.parameters.len();
-    if let Change::Number { path, size, least, .. } = change {
-        with = with.with(&[Parameter::by_difference(&with.rig, path, size, least)?]);
-        u.insert(place, 0.0);
-    }
-    let minimum = minimise(&with, &u, true, &mut |_| {})?;
-    let better = found_at(&with, minimum).ok()?;
-    let value = match change {
-        Change::Number { .. } => {
-            let parameter = &with.parameters[place];
-            let error = better.error_by_noise(place) * parameter.slope(0.0);
-            Some((parameter.value(better.minimum.u[place]), error))
+struct Fit<'a> {
+    effect: Effect,
+    with: Model<'a>,
+    found: Found,
+    /// Whether the search has gone to its end, with derivatives of its own.
+    is_finished: bool,
+}
+
+impl<'a> Fit<'a> {
+    /// From the minimum without the effect, with the derivatives there.
+    fn by_secants(model: &Model<'a>, found: &Found, trial: &Trial) -> Option<Fit<'a>> {
+        let (mut best, mut least) = (None, f64::INFINITY);
+        for part in PARTS {
+            let Some(started) = start(model, found, trial, part * trial.part) else { continue };
+            let cost = started.1.residuals.norm_squared();
+            if cost < least {
+                (best, least) = (Some(started), cost);
+            }
+            if least < found.minimum.residuals.norm_squared() {
+                break;
+            }
         }
-        _ => None,
+        let (with, start) = best?;
+        let found = found_at(&with, minimise_by_secants(&with, start)).ok()?;
+        Some(Fit { effect: trial.effect, with, found, is_finished: false })
+    }
+
+    /// Goes on to the end: by secants again, from derivatives of its own, and if that leaves more than noise, with
+    /// derivatives at each step.
+    fn finish(&mut self, progress: &mut dyn FnMut(&str)) {
+        self.is_finished = true;
+        let here = self.found.minimum.clone();
+        let jacobian = self.with.jacobian(&here.u, &here.residuals);
+        let near = jacobian.map(|jacobian| Minimum { jacobian, converged: false, ..here });
+        self.go_to(near.map(|near| minimise_by_secants(&self.with, near)));
+        if !self.leaves_noise() {
+            self.go_to(minimise(&self.with, &self.found.minimum.u, true, progress));
+        }
+    }
+
+    fn go_to(&mut self, minimum: Option<Minimum>) {
+        if let Some(found) = minimum.and_then(|minimum| found_at(&self.with, minimum).ok()) {
+            self.found = found;
+        }
+    }
+
+    fn cost(&self) -> f64 {
+        self.found.minimum.residuals.norm_squared()
+    }
+
+    fn leaves_noise(&self) -> bool {
+        !self.found.spectrum.is_more_than_noise()
+    }
+
+    /// The value of the effect, in the unit of its key, if it is a number, and its standard error.
+    fn value(&self) -> Option<(f64, f64)> {
+        let Change::Number { .. } = self.effect.change else { return None };
+        let place = self.with.parameters.len() - 1;
+        let parameter = &self.with.parameters[place];
+        let error = self.found.error_by_noise(place) * parameter.slope(0.0);
+        Some((parameter.value(self.found.minimum.u[place]), error))
+    }
+
+    fn explanation(&self, without: &Found, (tried, misfit): (usize, f64)) -> Explanation {
+        let gained = without.minimum.residuals.norm_squared() - self.cost();
+        let (variance, freedom) = noise(&self.with, &self.found);
+        let ratio = gained / variance;
+        let left = self.found.spectrum.misfit();
+        let explained = if left > 0.0 { 1.0 - (left / misfit).powi(2) } else { gained / misfit.powi(2) };
+        let value = self.value();
+        Explanation {
+            setting: self.effect.setting(&self.with.rig, value.map(|(value, _)| value)),
+            effect: self.effect,
+            value: value.filter(|_| self.is_finished),
+            explained: explained.clamp(0.0, 1.0),
+            chance: (chance(ratio, freedom) * tried as f64).min(1.0),
+            leaves_noise: self.leaves_noise(),
+            as_good_as_best: false,
+            ratio,
+            freedom,
+        }
+    }
+}
+
+/// The model with a part of the usual size of an effect, and where its search begins: at the minimum without it.
+fn start<'a>(model: &Model<'a>, found: &Found, trial: &Trial, part: f64) -> Option<(Model<'a>, Minimum)> {
+    let mut with = model.of_rig(trial.effect.rig(model, part)?);
+    let Minimum { mut u, jacobian, .. } = found.minimum.clone();
+    let Change::Number { path, size, least, .. } = trial.effect.change else {
+        let residuals = with.residuals_at(&u)?;
+        return Some((with, Minimum { u, residuals, jacobian, converged: false }));
     };
-    let gained = found.minimum.residuals.norm_squared() - better.minimum.residuals.norm_squared();
-    let (variance, freedom) = noise(&with, &better);
-    let ratio = gained / variance;
-    let left = better.spectrum.misfit();
-    let explained = if left > 0.0 { 1.0 - (left / misfit).powi(2) } else { gained / misfit.powi(2) };
-    Some(Explanation {
-        setting: trial.effect.setting(&with.rig, value),
-        effect: trial.effect,
-        value,
-        explained: explained.clamp(0.0, 1.0),
-        chance: (chance(ratio, freedom) * tried as f64).min(1.0),
-        as_good_as_best: false,
-        ratio,
-        freedom,
-    })
+    let place = model.parameters.len();
+    with = with.with(&[Parameter::by_difference(&with.rig, path, size, least)?]);
+    u.insert(place, 0.0);
+    let residuals = with.residuals_at(&u)?;
+    let column = with.columns(&u, &residuals, place..place + 1).pop()??;
+    // The row of its own term comes where its column does.
+    let mut jacobian = jacobian.insert_row(found.rows() + place, 0.0).insert_column(place, 0.0);
+    jacobian.view_mut((column.first, place), (column.rows.len(), 1)).copy_from(&column.rows);
+    jacobian[(found.rows() + place, place)] = 1.0 / with.prior(place);
+    Some((with, Minimum { u, residuals, jacobian, converged: false }))
 }
 
 /// Variance of what is left along one direction, and the independent residuals that tell it.
@@ -313,10 +429,10 @@ impl Effect {
     }
 
     /// The settings by which a rig file has the effect as it was found in `rig`.
-    fn setting(&self, rig: &Rig, value: Option<(f64, f64)>) -> String {
+    fn setting(&self, rig: &Rig, value: Option<f64>) -> String {
         match self.change {
             Change::Number { path, with, .. } => {
-                let number = format!("{path}={:.4}", Shortest(value.map_or(0.0, |(value, _)| value)));
+                let number = format!("{path}={:.4}", Shortest(value.unwrap_or(0.0)));
                 with.iter().map(Choice::setting).chain([number]).collect::<Vec<_>>().join(" ")
             }
             Change::Switch(path) => format!("{path}={}", rig.switch(path)),

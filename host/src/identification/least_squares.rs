@@ -4,6 +4,15 @@
 //! (J' J + lambda D) d = -J' r,     D = diag(J' J)
 //! ```
 //!
+//! The derivatives of a search by secants are those at its start, corrected step by step (Broyden 1965), each unknown
+//! weighted by what it does to the residuals:
+//!
+//! ```text
+//! J + (r(u + d) - r(u) - J d) (D d)' / (d' D d)
+//! ```
+//!
+//! Such a step costs a single evaluation, so effects can be tried out one after the other.
+//!
 //! Limits of the unknowns are kept ([`super::limits`]). Ours, because a point that cannot be evaluated (a rig that is
 //! not valid, a run that ends early) must shorten the step; the crates for it end there.
 
@@ -34,11 +43,25 @@ pub struct Minimum {
     pub converged: bool,
 }
 
+impl Minimum {
+    /// The derivatives, corrected by what a step to `u` did to the residuals.
+    fn corrected(&self, u: &[f64], residuals: &DVector<f64>) -> DMatrix<f64> {
+        let step = DVector::from_fn(u.len(), |i, _| u[i] - self.u[i]);
+        let weighted = DVector::from_fn(u.len(), |i, _| self.jacobian.column(i).norm_squared() * step[i]);
+        let off = residuals - &self.residuals - &self.jacobian * &step;
+        let size = weighted.dot(&step);
+        if size > 0.0 { &self.jacobian + off * weighted.transpose() / size } else { self.jacobian.clone() }
+    }
+}
+
 /// Most steps of a search to the end.
 const MOST_STEPS: usize = 40;
 
 /// Most steps of a search that only has to come near.
 const MOST_ROUGH_STEPS: usize = 12;
+
+/// Most steps of a search by secants.
+const MOST_SECANTS: usize = 20;
 
 /// A search is at its end where the next step promises less than this part of the sum of squares per degree
 /// of freedom: a seventh of a standard error.
@@ -85,12 +108,30 @@ pub fn minimise(
     Some(search.minimum)
 }
 
+/// Searches from a point whose derivatives are known, roughly at least, without evaluating them again.
+pub fn minimise_by_secants(problem: &impl Problem, start: Minimum) -> Minimum {
+    let mut search = Search::from(problem, start, DAMPING[1]);
+    search.by_secants = true;
+    let mut idle = 0;
+    for _ in 0..MOST_SECANTS {
+        let before = search.cost();
+        search.step(problem);
+        idle = if before - search.cost() < search.near() { idle + 1 } else { 0 };
+        search.minimum.converged |= idle >= IDLE_STEPS;
+        if search.stuck || search.minimum.converged {
+            break;
+        }
+    }
+    search.minimum
+}
+
 struct Search {
     minimum: Minimum,
     limits: Vec<Limit>,
     damping: f64,
     growth: f64,
     stuck: bool,
+    by_secants: bool,
 }
 
 impl Search {
@@ -98,7 +139,12 @@ impl Search {
         let residuals = problem.residuals(start)?;
         let jacobian = problem.jacobian(start, &residuals)?;
         let minimum = Minimum { u: start.to_vec(), residuals, jacobian, converged: false };
-        Some(Search { minimum, limits: problem.limits(), damping, growth: 2.0, stuck: false })
+        Some(Search::from(problem, minimum, damping))
+    }
+
+    fn from(problem: &impl Problem, minimum: Minimum, damping: f64) -> Search {
+        let limits = problem.limits();
+        Search { minimum, limits, damping, growth: 2.0, stuck: false, by_secants: false }
     }
 
     fn cost(&self) -> f64 {
@@ -141,7 +187,11 @@ impl Search {
         let Some(residuals) = problem.residuals(&u).filter(|r| r.norm_squared() < self.cost()) else {
             return false;
         };
-        let Some(jacobian) = problem.jacobian(&u, &residuals) else { return false };
+        let jacobian = match self.by_secants {
+            true => Some(self.minimum.corrected(&u, &residuals)),
+            false => problem.jacobian(&u, &residuals),
+        };
+        let Some(jacobian) = jacobian else { return false };
         self.minimum = Minimum { u, residuals, jacobian, converged: false };
         self.damping = (self.damping / 5.0).max(1e-9);
         self.growth = 2.0;
@@ -203,6 +253,18 @@ mod tests {
         let minimum = minimise(&from(-9.0), &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
         assert!(minimum.converged);
         assert!((minimum.u[0] - 1.0).abs() < 1e-3 && (minimum.u[1] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
+    }
+
+    #[test]
+    fn secants_from_rough_derivatives_find_the_end_of_a_curved_valley_too() {
+        let valley = from(-9.0);
+        let u = vec![0.6, 0.5];
+        let residuals = valley.residuals(&u).expect("residuals");
+        let jacobian = 1.1 * valley.jacobian(&u, &residuals).expect("derivatives");
+        let start = Minimum { u, residuals, jacobian, converged: false };
+        let minimum = minimise_by_secants(&valley, start);
+        assert!(minimum.converged);
+        assert!((minimum.u[0] - 1.0).abs() < 1e-2 && (minimum.u[1] - 1.0).abs() < 2e-2, "{:?}", minimum.u);
     }
 
     #[test]

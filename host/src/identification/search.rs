@@ -7,6 +7,7 @@ use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+use super::causes::{self, Explanation};
 use super::least_squares::{Minimum, minimise};
 use super::model::{Model, first_noise, noise_at_rest, rest};
 use super::posterior::inverse;
@@ -63,11 +64,36 @@ pub(super) fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
     reason.context(format!("the model of {} cannot follow the commands of the transients", model.rig.name()))
 }
 
-/// From `start` to a minimum that leaves noise alone; from other points where it is another one.
-pub(super) fn search(model: &mut Model, start: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Result<Found> {
+/// Where a search ended.
+pub(super) struct Ended {
+    /// The best minimum.
+    pub found: Found,
+    /// The effects that explain what it leaves, where they have been looked for.
+    pub causes: Option<Vec<Explanation>>,
+}
+
+/// From `start` to a minimum that leaves noise alone, or noise and an effect that the rig file lacks; from other points
+/// where it is another one.
+pub(super) fn search(model: &mut Model, start: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Result<Ended> {
     let near = approach(model, start.clone(), progress);
-    let mut best = settled(model, near, progress)?;
-    let mut from = start;
+    model.fine = true;
+    let first = found(model, &near, progress)?;
+    if first.spectrum.is_more_than_noise()
+        && let Some(causes) = causes::explain_to_noise(model, &first, progress)
+    {
+        return Ok(Ended { found: first, causes: Some(causes) });
+    }
+    let best = settled(model, first, progress)?;
+    Ok(Ended { found: from_elsewhere(model, best, start, progress)?, causes: None })
+}
+
+/// The best minimum of searches from other points as well, while none leaves noise alone.
+fn from_elsewhere(
+    model: &mut Model,
+    mut best: Found,
+    mut from: Vec<f64>,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Found> {
     for _ in 0..RESTARTS {
         if !best.spectrum.is_more_than_noise() {
             break;
@@ -75,7 +101,9 @@ pub(super) fn search(model: &mut Model, start: Vec<f64>, progress: &mut dyn FnMu
         progress("that is no fit: the search begins at another point");
         let noise = std::mem::replace(&mut model.noise, first_noise(model.recordings));
         let near = approach(model, scanned(model, from), progress);
-        let other = settled(model, near, progress)?;
+        model.fine = true;
+        let other = found(model, &near, progress)?;
+        let other = settled(model, other, progress)?;
         if spread(model, &other) < spread(model, &best) {
             best = other;
         } else {
@@ -114,17 +142,17 @@ fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
     best.1
 }
 
-/// To the minimum, with the noise that the residuals there show; beyond the jumps around it, if it leaves more.
-fn settled(model: &mut Model, u: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Result<Found> {
-    model.fine = true;
-    let mut best = with_its_noise(model, &u, progress)?;
+/// A minimum with the noise that its residuals show; beyond the jumps around it, if it leaves more.
+fn settled(model: &mut Model, first: Found, progress: &mut dyn FnMut(&str)) -> Result<Found> {
+    let mut best = with_its_noise(model, first, progress)?;
     for _ in 0..LOOKS {
         let Some(u) = beyond_a_jump(model, &best).filter(|_| best.spectrum.is_more_than_noise()) else {
             break;
         };
         progress("the sum of squares jumps beside that: the search goes on there");
         let noise = model.noise;
-        let other = with_its_noise(model, &u, progress)?;
+        let other = found(model, &u, progress)?;
+        let other = with_its_noise(model, other, progress)?;
         if spread(model, &other) >= spread(model, &best) {
             model.noise = noise;
             break;
@@ -166,9 +194,8 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
 }
 
-/// To the minimum, with the noise that the residuals there show.
-fn with_its_noise(model: &mut Model, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
-    let mut found = found(model, u, progress)?;
+/// From a minimum to that with the noise that the residuals there show.
+fn with_its_noise(model: &mut Model, mut found: Found, progress: &mut dyn FnMut(&str)) -> Result<Found> {
     for _ in 1..ROUNDS {
         let shown = found.spectrum.noise.map(|noise| noise.unwrap_or(1.0));
         if shown.iter().all(|noise| (noise - 1.0).abs() < SAME_NOISE) {
