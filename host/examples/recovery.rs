@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo build --release -p pneudrive
-//! cargo run --release -p pneudrive --example recovery -- 100 shipped|any|lacking [FIRST SEED]
+//! cargo run --release -p pneudrive --example recovery -- 100 shipped|any|lacking|quiet|quiet-lacking [FIRST SEED]
 //! ```
 //!
 //! Each rig is served and identified by the program itself, as a user does it. The tables of docs/identification.md are its
@@ -12,7 +12,7 @@ use std::env;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
-use pneudrive::identification::recovery::{Coverage, Hidden, any_rig, lacking_rig, shipped_rig};
+use pneudrive::identification::recovery::{Coverage, Hidden, any_rig, lacking_rig, quiet_lacking_rig, quiet_rig, shipped_rig};
 
 /// The program, which cargo builds into the folder above that of its examples.
 fn program() -> Result<PathBuf> {
@@ -35,7 +35,9 @@ fn main() -> Result<()> {
         None | Some("shipped") => shipped_rig,
         Some("any") => any_rig,
         Some("lacking") => lacking_rig,
-        Some(other) => bail!("there are shipped, any and lacking rigs, not {other}"),
+        Some("quiet") => quiet_rig,
+        Some("quiet-lacking") => quiet_lacking_rig,
+        Some(other) => bail!("there are shipped, any, lacking, quiet and quiet-lacking rigs, not {other}"),
     };
     let program = program()?;
     let mut coverage = Coverage::default();

@@ -40,6 +40,7 @@ pub mod recording;
 pub mod recovery;
 pub mod regression;
 pub mod report;
+mod rounding;
 mod search;
 pub mod spectrum;
 pub mod tubing;
@@ -159,6 +160,8 @@ pub struct Identification {
     pub channels: [Option<ChannelFit>; CHANNELS.len()],
     /// What remains, by frequency.
     pub spectrum: Spectrum,
+    /// Of which channels the model knows the rounding itself: they have less noise than hides it.
+    pub rounded: [bool; CHANNELS.len()],
     /// Whether the last search ended at a minimum.
     pub converged: bool,
     /// What would explain the residuals, where these are more than noise; the best first.
@@ -255,6 +258,7 @@ fn finished(
         converged: found.minimum.converged,
         fits: found.minimum.converged && found.spectrum.is_noise() && !traces.are_clear() && !grown,
         spectrum: found.spectrum.clone(),
+        rounded: found.judged.rounded,
         runs: model.runs(),
         starts: (0..model.recordings.len()).map(|i| model.start_at(u, i)).collect(),
         rig: model.rig_at(u).unwrap_or_else(|_| model.rig.clone()),

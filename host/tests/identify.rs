@@ -231,6 +231,44 @@ fn a_plan_moves_the_rig_records_what_a_fit_needs_and_fits_it() {
     assert_eq!((&json["converged"], &json["fits"]), (&true.into(), &true.into()), "{text}");
 }
 
+/// What a first user does: the rounding of readings without noise follows their course, and such residuals were called no
+/// fit after minutes of search.
+#[test]
+fn a_virtual_rig_without_noise_is_a_fit_whose_intervals_hold_what_its_file_says() {
+    let folder = folder();
+    let file = pneudrive_sim::rig::builtin("servo-b-tuned").expect("built in");
+    let real = Rig::read("servo-b-tuned", file).expect("valid");
+    let printed = plan_from(folder.path(), file, real.clone(), "");
+    assert!(printed.ends_with("= 0") && printed.contains("less noise than a count"), "{printed}");
+    let json = identification(folder.path());
+    assert_eq!(json["fits"], true);
+    let rounded = json["channels_rounded"].as_array().expect("channels");
+    assert!(rounded.contains(&"pressure 1".into()) && rounded.contains(&"pressure 2".into()), "{rounded:?}");
+    let told = json["parameters"].as_array().expect("a list");
+    assert!(told.len() > 15, "{told:?}");
+    for parameter in told {
+        let truth = real.number(parameter["key"].as_str().expect("a key"));
+        let [low, high] = [0, 1].map(|end| parameter["interval_95"][end].as_f64().expect("a number"));
+        assert!(low <= truth && truth <= high, "{parameter}");
+    }
+    assert!(json["runs"].as_u64().expect("a number") < 6000, "the search begins but once: {}", json["runs"]);
+}
+
+/// The traces of these effects are of a count or two.
+#[test]
+fn an_effect_that_rounding_does_not_hide_is_noticed_without_noise_too() {
+    for (key, hidden) in [("sensors.pressure_lag_s", 5e-4), ("load.spring_n_per_m", 60.0)] {
+        for dither in ["0.0", "0.26"] {
+            let folder = folder();
+            let text = TEST.replace("dither_mm = 0.0", &format!("dither_mm = {dither}"));
+            recorded_with(folder.path(), &text, &[(key, hidden)]);
+            let keys = "load.mass_kg,load.viscous_n_s_per_m,load.coulomb_extend_n,valve.discharge_supply";
+            let printed = transcript(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {keys}"));
+            assert!(printed.ends_with("= 1"), "{key}, dither {dither}: {printed}");
+        }
+    }
+}
+
 fn identification(folder: &Path) -> serde_json::Value {
     let text = fs::read_to_string(folder.join("identified/identification.json")).expect("there");
     serde_json::from_str(&text).expect("JSON")

@@ -53,7 +53,8 @@ pub(super) fn posterior(model: &Model, found: &Found) -> Result<Considered> {
     let jacobian = jacobian(&wider, &at);
     let transform = Transform::of(&model.blocks(), &at.residuals, &jacobian);
     let inverse = inverse(&jacobian.tr_mul(&jacobian), &priors).ok_or_else(cannot)?;
-    Ok(Considered { of: Posterior::new(inverse, &transform.weighted(&found.spectrum), priors), assumed })
+    let of = Posterior::new(inverse, &transform.weighted(&found.moving), priors);
+    Ok(Considered { of, assumed })
 }
 
 /// A point, and the residuals of the data there.

@@ -23,6 +23,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use super::least_squares::{Minimum, Problem, minimise, minimise_by_secants};
 use super::model::Model;
 use super::parameter::Parameter;
+use super::rounding::refined;
 use super::search::{Found, found_at};
 
 /// Effects that are fitted, the most promising first, and of these how many to the end at most while none leaves noise
@@ -254,9 +255,9 @@ impl Projection<'_> {
 
 /// What an effect promises; None where the rig cannot have it, has it already, or the data do not show it.
 fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effect) -> Option<Trial> {
-    let (u, residuals) = (&found.minimum.u, &found.minimum.residuals);
+    let (u, residuals) = (&found.minimum.u, &found.judged.residuals);
     let with = model.of_rig(effect.rig(model, 1.0)?);
-    let change = with.residuals_at(u)? - residuals;
+    let change = with.residuals_at(u)? - &found.minimum.residuals;
     let left = projection.left_of(&change);
     if left.norm() < UNSEEN {
         return None;
@@ -283,15 +284,15 @@ struct Fit<'a> {
 
 impl<'a> Fit<'a> {
     /// From the minimum without the effect, with the derivatives there.
-    fn by_secants(model: &Model<'a>, found: &Found, trial: &Trial) -> Option<Fit<'a>> {
+    fn by_secants(model: &Model<'a>, without: &Found, trial: &Trial) -> Option<Fit<'a>> {
         let (mut best, mut least) = (None, f64::INFINITY);
         for part in PARTS {
-            let Some(started) = start(model, found, trial, part * trial.part) else { continue };
+            let Some(started) = start(model, without, trial, part * trial.part) else { continue };
             let cost = started.1.residuals.norm_squared();
             if cost < least {
                 (best, least) = (Some(started), cost);
             }
-            if least < found.minimum.residuals.norm_squared() {
+            if least < without.minimum.residuals.norm_squared() {
                 break;
             }
         }
@@ -308,13 +309,13 @@ impl<'a> Fit<'a> {
         let jacobian = self.with.jacobian(&here.u, &here.residuals);
         let near = jacobian.map(|jacobian| Minimum { jacobian, converged: false, ..here });
         self.go_to(near.map(|near| minimise_by_secants(&self.with, near)));
-        if !self.leaves_noise() {
+        if !self.leaves_noise() || !self.found.minimum.converged {
             self.go_to(minimise(&self.with, &self.found.minimum.u, true, progress));
         }
     }
 
     fn go_to(&mut self, minimum: Option<Minimum>) {
-        if let Some(found) = minimum.and_then(|minimum| found_at(&self.with, minimum).ok()) {
+        if let Some(found) = minimum.and_then(|minimum| refined(&self.with, found_at(&self.with, minimum).ok()?).ok()) {
             self.found = found;
         }
     }
@@ -332,7 +333,7 @@ impl<'a> Fit<'a> {
         let Change::Number { .. } = self.effect.change else { return None };
         let place = self.with.parameters.len() - 1;
         let parameter = &self.with.parameters[place];
-        let error = self.found.error_by_noise(place) * parameter.slope(0.0);
+        let error = self.found.error(&self.with, place) * parameter.slope(0.0);
         Some((parameter.value(self.found.minimum.u[place]), error))
     }
 

@@ -193,6 +193,15 @@ impl<'a> Model<'a> {
         blocks
     }
 
+    /// The rows of a channel, and what was measured there, counts.
+    pub fn rows_of_channel(&self, channel: usize) -> impl Iterator<Item = (usize, f64)> {
+        let blocks = self.blocks().into_iter().filter(move |block| block.channel == channel);
+        blocks.zip(self.recordings).flat_map(move |(block, recording)| {
+            let taken = self.taken(recording, channel).iter();
+            block.rows.zip(taken.map(move |&k| recording.channels[channel].measured[k]))
+        })
+    }
+
     /// The mean square of the residuals at a point; infinite where there are none.
     pub fn mean_square(&self, u: &[f64]) -> f64 {
         self.residuals_at(u).map_or(f64::INFINITY, |r| r.norm_squared() / r.len() as f64)

@@ -18,7 +18,7 @@ use pneudrive_sim::Rig;
 use serde_json::Value;
 
 pub use coverage::{Coverage, Miss, held, spread};
-pub use rigs::{any_rig, lacking_rig, shipped_rig};
+pub use rigs::{any_rig, lacking_rig, quiet_lacking_rig, quiet_rig, shipped_rig};
 
 /// How far hidden values lie from the file's at most: a part of them.
 pub const HIDDEN: f64 = 0.1;
@@ -34,6 +34,8 @@ pub struct Hidden {
     pub real: String,
     /// What the rig file lacks.
     pub lacks: Option<String>,
+    /// Whether the virtual rig has neither spread nor noise: its file has the hidden values.
+    pub quiet: bool,
     /// Fixes the spread and the noise.
     pub seed: u64,
 }
@@ -87,7 +89,8 @@ impl Hidden {
     /// # Errors
     /// When it is not valid.
     pub fn truth(&self) -> Result<Rig> {
-        Ok(Rig::read("real.toml", &self.real)?.spread(HIDDEN, self.seed)?)
+        let real = Rig::read("real.toml", &self.real)?;
+        Ok(if self.quiet { real } else { real.spread(HIDDEN, self.seed)? })
     }
 
     /// Has `program`, which is pneudrive, serve the rig and identify it; all files go to a folder.
@@ -98,7 +101,7 @@ impl Hidden {
         fs::write(folder.join("model.toml"), &self.model)?;
         fs::write(folder.join("real.toml"), &self.real)?;
         let truth = self.truth()?;
-        let served = Served::start(program, folder, self.seed)?;
+        let served = Served::start(program, folder, (!self.quiet).then_some(self.seed))?;
         let begun = Instant::now();
         let mut command = Command::new(program);
         command.current_dir(folder).args(["identify", "model.toml", "--plan", &served.port]);
@@ -200,11 +203,14 @@ struct Served {
 }
 
 impl Served {
-    fn start(program: &Path, folder: &Path, seed: u64) -> Result<Served> {
+    /// With the spread and the noise of a seed, or with neither.
+    fn start(program: &Path, folder: &Path, seed: Option<u64>) -> Result<Served> {
         let spread = format!("{}%", 100.0 * HIDDEN);
         let mut command = Command::new(program);
         command.current_dir(folder).args(["virtual", "real.toml", "--listen", "tcp:127.0.0.1:0", "--fast"]);
-        command.args(["--spread", &spread, "--seed", &seed.to_string()]);
+        if let Some(seed) = seed {
+            command.args(["--spread", &spread, "--seed", &seed.to_string()]);
+        }
         let mut program = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         let mut line = String::new();
         let terminal = program.stdout.take().context("a pipe")?;

@@ -12,6 +12,7 @@ use super::least_squares::{Minimum, minimise};
 use super::model::{Model, first_noise, noise_at_rest, rest};
 use super::posterior::inverse;
 use super::recording::CHANNELS;
+use super::rounding::{self, Judged};
 use super::spectrum::{AtRest, Spectrum, Transform, at_rest};
 
 /// Shares of each transient that the fit takes one after the other.
@@ -40,16 +41,24 @@ const BELOW: f64 = 25.0;
 pub(super) struct Found {
     /// The minimum.
     pub minimum: Minimum,
-    /// What remains, by frequency.
+    /// What remains, by frequency, without the rounding that the model knows.
     pub spectrum: Spectrum,
+    /// The same with all rounding: what moves the estimates.
+    pub moving: Spectrum,
+    /// The residuals of `spectrum`.
+    pub judged: Judged,
     /// Covariance of the errors that noise makes.
     by_noise: DMatrix<f64>,
+    /// (J' J + L)^-1, with L the inverse variances of the priors.
+    inverse: DMatrix<f64>,
 }
 
 impl Found {
-    /// Standard error that noise makes, as correlated as the residuals are, in u.
-    pub fn error_by_noise(&self, unknown: usize) -> f64 {
-        self.by_noise[(unknown, unknown)].max(0.0).sqrt()
+    /// Standard error of an unknown of `model`, of noise as correlated as the residuals are and of the priors, in u.
+    pub fn error(&self, model: &Model, unknown: usize) -> f64 {
+        let of_prior = |i: usize| (self.inverse[(unknown, i)] / model.prior(i)).powi(2);
+        let by_priors: f64 = (0..self.inverse.ncols()).map(of_prior).sum();
+        (self.by_noise[(unknown, unknown)] + by_priors).max(0.0).sqrt()
     }
 
     /// Residuals of the data; those of the priors come after them.
@@ -197,7 +206,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
 /// From a minimum to that with the noise that the residuals there show.
 fn with_its_noise(model: &mut Model, mut found: Found, progress: &mut dyn FnMut(&str)) -> Result<Found> {
     for _ in 1..ROUNDS {
-        let shown = found.spectrum.noise.map(|noise| noise.unwrap_or(1.0));
+        let shown = found.moving.noise.map(|noise| noise.unwrap_or(1.0));
         if shown.iter().all(|noise| (noise - 1.0).abs() < SAME_NOISE) {
             break;
         }
@@ -210,7 +219,8 @@ fn with_its_noise(model: &mut Model, mut found: Found, progress: &mut dyn FnMut(
 }
 
 fn found(model: &Model, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
-    found_at(model, minimise(model, u, true, progress).ok_or_else(|| cannot_follow(model, u))?)
+    let minimum = minimise(model, u, true, progress).ok_or_else(|| cannot_follow(model, u))?;
+    rounding::refined(model, found_at(model, minimum)?)
 }
 
 /// A minimum, and what its residuals are.
@@ -226,9 +236,15 @@ pub(super) fn found_at(model: &Model, minimum: Minimum) -> Result<Found> {
         anyhow!("the sensitivities of the model to its parameters are too far apart to be worked with")
     })?;
     let transform = Transform::of(&blocks, &minimum.residuals, &jacobian);
-    let spectrum = transform.spectrum(&covariance, rests(model));
-    let by_noise = &covariance * transform.weighted(&spectrum) * &covariance;
-    Ok(Found { minimum, spectrum, by_noise })
+    let moving = transform.spectrum(&covariance, rests(model));
+    let by_noise = &covariance * transform.weighted(&moving) * &covariance;
+    let judged = rounding::judged(model, &minimum.residuals);
+    if !judged.rounded.contains(&true) {
+        let spectrum = moving.clone();
+        return Ok(Found { minimum, spectrum, moving, judged, by_noise, inverse: covariance });
+    }
+    let spectrum = Transform::of(&blocks, &judged.residuals, &jacobian).spectrum(&covariance, rests(model));
+    Ok(Found { minimum, spectrum, moving, judged, by_noise, inverse: covariance })
 }
 
 fn rests(model: &Model) -> [AtRest; CHANNELS.len()] {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use pneudrive_sim::rig::keys::KEYS;
 use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -51,7 +52,7 @@ pub fn shipped_rig(seed: u64) -> Hidden {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
     let model = "operator.dither_mm = 0.26\ntest.position_m = 0.15\n".to_owned();
     let real = format!("{model}{}", draw.rest());
-    Hidden { name: "servo-b".to_owned(), model, real, lacks: None, seed }
+    Hidden { name: "servo-b".to_owned(), model, real, lacks: None, quiet: false, seed }
 }
 
 /// Any cylinder, of 25 to 63 mm bore and 100 to 500 mm stroke, with a rod to one side, to both, or none, and a valve of
@@ -105,7 +106,40 @@ pub fn any_rig(seed: u64) -> Hidden {
     );
     let real = format!("{model}{}", draw.rest());
     let name = format!("{operator}, {rod}, {bore} mm, {:.0} mm, dither {dither} mm", 1e3 * stroke);
-    Hidden { name, model, real, lacks: None, seed }
+    Hidden { name, model, real, lacks: None, quiet: false, seed }
+}
+
+/// The same as [`shipped_rig`] or [`any_rig`], its values written out instead of drawn by the virtual rig: that has no
+/// noise, and rounding is all there is.
+///
+/// # Panics
+/// When the rig that was drawn is not valid.
+#[must_use]
+pub fn quiet_rig(seed: u64) -> Hidden {
+    quiet(if seed.is_multiple_of(2) { shipped_rig(seed) } else { any_rig(seed) })
+}
+
+/// A rig without noise that lacks an effect.
+///
+/// # Panics
+/// When the rig that was drawn is not valid.
+#[must_use]
+pub fn quiet_lacking_rig(seed: u64) -> Hidden {
+    quiet(lacking_rig(seed))
+}
+
+fn quiet(mut hidden: Hidden) -> Hidden {
+    let truth = hidden.truth().expect("a drawn rig is valid");
+    let drawn: Vec<(&str, f64)> = KEYS
+        .iter()
+        .filter(|key| key.spread)
+        .filter_map(|key| Some((key.path, truth.optional_number(key.path)?)))
+        .collect();
+    let is_drawn = |line: &str| drawn.iter().any(|(path, _)| line.split(" =").next() == Some(*path));
+    let rest = hidden.real.lines().filter(|line| !is_drawn(line)).map(|line| format!("{line}\n"));
+    let written = drawn.iter().map(|(path, value)| format!("{path} = {value}\n"));
+    hidden.real = rest.chain(written).collect();
+    Hidden { quiet: true, ..hidden }
 }
 
 /// What real rigs have and a rig file lacks: keys, and the smallest and largest size.

@@ -59,3 +59,17 @@ pub(super) fn not_judged(found: &Identification) -> Option<String> {
         format!("Too few samples of {channels} count to tell whether more than noise remains there: that the model fits is not judged by them.")
     })
 }
+
+/// The channels of which the model knows the rounding.
+pub(super) fn rounded_channels(found: &Identification) -> Vec<&'static str> {
+    let rounded = CHANNELS.iter().zip(found.rounded).filter(|(_, rounded)| *rounded);
+    rounded.map(|((name, _), _)| *name).collect()
+}
+
+/// What is to be said of them; None where there are none.
+pub(super) fn rounded(found: &Identification) -> Option<String> {
+    let channels = rounded_channels(found).join(", ");
+    (!channels.is_empty()).then(|| {
+        format!("The readings of {channels} have less noise than a count, so that their rounding follows their course: the model repeats it, and is fitted and judged without it. An error of the model of less than a part of a count is not seen. Intervals count rounding as noise, and are wider than the estimates scatter.")
+    })
+}
