@@ -31,6 +31,7 @@ pub mod causes;
 mod derivatives;
 pub mod figures;
 pub mod least_squares;
+pub mod level;
 pub mod limits;
 mod model;
 pub mod moves;
@@ -50,6 +51,7 @@ use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::{Accuracy, Rig};
 
 use causes::{Explanation, Traces};
+use level::Incline;
 use model::Model;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
@@ -65,6 +67,12 @@ const NOTHING: f64 = 1.0;
 
 /// Residuals have grown if their variance has by so many standard deviations of it.
 const GROWN: f64 = 4.0;
+
+/// A value is far from the file's by so many standard deviations of its prior.
+pub const FAR: f64 = 3.0;
+
+/// A limit holds a value that is so near to it, in u.
+const HELD: f64 = 1e-6;
 
 /// What a parameter was found to be.
 #[derive(Clone, Debug)]
@@ -154,6 +162,12 @@ pub struct Identification {
     pub unseen: Vec<Unseen>,
     /// What is assumed of keys that are not fitted.
     pub assumed: Vec<Parameter>,
+    /// The incline that would explain how friction differs from the file's.
+    pub incline: Option<Incline>,
+    /// Keys of values that a limit holds: the end of a key's range, or Coulomb friction that is not above stiction.
+    pub at_limits: Vec<&'static str>,
+    /// Keys of values that are farther from the file's than assumed, by more than [`FAR`] standard deviations of that.
+    pub far_off: Vec<&'static str>,
     /// Correlation of the estimates' errors.
     pub correlation: DMatrix<f64>,
     /// In the order of [`CHANNELS`]; None for one without samples.
@@ -213,6 +227,16 @@ pub fn identify(
 }
 
 impl Model<'_> {
+    /// The keys of parameters of a kind.
+    fn parameters_where(&self, is: impl Fn(usize) -> bool) -> Vec<&'static str> {
+        (0..self.parameters.len()).filter(|&i| is(i)).map(|i| self.parameters[i].key.path).collect()
+    }
+
+    /// Whether a limit holds a parameter at a point.
+    fn is_held(&self, u: &[f64], parameter: usize) -> bool {
+        self.limits().iter().any(|limit| limit.has(parameter) && limit.room(u) < HELD)
+    }
+
     /// Takes away the parameters that no sample depends on.
     fn leave_out_what_nothing_depends_on(&mut self, at: &DVector<f64>) -> Vec<Unseen> {
         let columns = self.columns(&vec![0.0; self.unknowns()], at, 0..self.parameters.len());
@@ -253,6 +277,9 @@ fn finished(
         correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
         estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i, misfit)).collect(),
         assumed: posterior.assumed.clone(),
+        incline: posterior.incline,
+        at_limits: model.parameters_where(|i| model.is_held(u, i)),
+        far_off: model.parameters_where(|i| u[i].abs() > FAR * model.prior(i)),
         channels,
         causes: Vec::new(),
         converged: found.minimum.converged,

@@ -8,6 +8,7 @@ use std::ops::Range;
 use anyhow::{Result, anyhow};
 use nalgebra::{DMatrix, DVector};
 
+use super::level::{self, Incline, LEVELLED};
 use super::model::Model;
 use super::parameter::Parameter;
 use super::posterior::{NORMAL_95, Posterior, RESTS, inverse};
@@ -18,7 +19,7 @@ use super::{Estimate, Given, Share, Unseen};
 /// The key, and its standard deviation in its unit.
 const ASSUMED: [(&str, f64); 1] = [
     // A drive that somebody has levelled. Its weight acts as friction that is stronger one way: no test tells them apart.
-    ("load.incline_deg", 2.0),
+    ("load.incline_deg", LEVELLED),
 ];
 
 /// Keys that do what others do, so that a fit of one takes the other for known.
@@ -30,6 +31,8 @@ pub(super) struct Considered {
     pub of: Posterior,
     /// What is assumed.
     pub assumed: Vec<Parameter>,
+    /// The incline that would explain how friction differs from the file's.
+    pub incline: Option<Incline>,
 }
 
 /// What is assumed in a fit of some parameters.
@@ -54,7 +57,7 @@ pub(super) fn posterior(model: &Model, found: &Found) -> Result<Considered> {
     let transform = Transform::of(&model.blocks(), &at.residuals, &jacobian);
     let inverse = inverse(&jacobian.tr_mul(&jacobian), &priors).ok_or_else(cannot)?;
     let of = Posterior::new(inverse, &transform.weighted(&found.moving), priors);
-    Ok(Considered { of, assumed })
+    Ok(Considered { of, assumed, incline: level::suggested(model, &found.minimum.u) })
 }
 
 /// A point, and the residuals of the data there.
@@ -115,13 +118,20 @@ impl Considered {
         Estimate {
             value: parameter.value(u[i]),
             standard_error: error * parameter.slope(u[i]),
-            interval: [parameter.value(u[i] - reach), parameter.value(u[i] + reach)],
+            interval: self.on_the_level(parameter, [u[i] - reach, u[i] + reach].map(|u| parameter.value(u))),
             assumed,
             rests_on: if rests { self.shares(model, i) } else { Vec::new() },
             given: if rests && misfit == 0.0 { self.given(model, u, i) } else { None },
             by_misfit: moved * parameter.slope(u[i]),
             parameter: parameter.clone(),
         }
+    }
+
+    /// An interval of friction, so wide that it holds what it is if an incline makes what is suspected of it.
+    fn on_the_level(&self, parameter: &Parameter, [low, high]: [f64; 2]) -> [f64; 2] {
+        let Some(incline) = self.incline else { return [low, high] };
+        let [less, more] = incline.takes_from(parameter.key.path);
+        [(low - more.max(0.0)).max(0.0), high - less.min(0.0)]
     }
 
     /// What parameter `i` is once others are known.

@@ -20,9 +20,11 @@ use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::Rig;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use super::level;
 use super::least_squares::{Minimum, Problem, minimise, minimise_by_secants};
 use super::model::Model;
 use super::parameter::Parameter;
+use super::posterior::NORMAL_95;
 use super::rounding::refined;
 use super::search::{Found, found_at};
 
@@ -280,6 +282,8 @@ struct Fit<'a> {
     found: Found,
     /// Whether the search has gone to its end, with derivatives of its own.
     is_finished: bool,
+    /// Value and standard error that friction tells of an incline, which no transient does.
+    by_friction: Option<(f64, f64)>,
 }
 
 impl<'a> Fit<'a> {
@@ -298,7 +302,8 @@ impl<'a> Fit<'a> {
         }
         let (with, start) = best?;
         let found = found_at(&with, minimise_by_secants(&with, start)).ok()?;
-        Some(Fit { effect: trial.effect, with, found, is_finished: false })
+        let by_friction = trial.effect.by_friction(model, &without.minimum.u);
+        Some(Fit { effect: trial.effect, with, found, is_finished: false, by_friction })
     }
 
     /// Goes on to the end: by secants again, from derivatives of its own, and if that leaves more than noise, with
@@ -331,6 +336,9 @@ impl<'a> Fit<'a> {
     /// The value of the effect, in the unit of its key, if it is a number, and its standard error.
     fn value(&self) -> Option<(f64, f64)> {
         let Change::Number { .. } = self.effect.change else { return None };
+        if self.by_friction.is_some() {
+            return self.by_friction;
+        }
         let place = self.with.parameters.len() - 1;
         let parameter = &self.with.parameters[place];
         let error = self.found.error(&self.with, place) * parameter.slope(0.0);
@@ -402,6 +410,13 @@ fn chance(ratio: f64, freedom: f64) -> f64 {
 }
 
 impl Effect {
+    /// What friction tells of the size of the effect, and its standard error, if it is an incline.
+    fn by_friction(&self, model: &Model, u: &[f64]) -> Option<(f64, f64)> {
+        let Change::Number { path: "load.incline_deg", .. } = self.change else { return None };
+        let incline = level::suggested(model, u)?;
+        Some((incline.degrees, 0.5 * (incline.interval[1] - incline.interval[0]) / NORMAL_95))
+    }
+
     /// The rig of a model with a part of the usual size of the effect; None where it is no valid rig, has the effect
     /// fitted, or has no use for it.
     fn rig(&self, model: &Model, part: f64) -> Option<Rig> {

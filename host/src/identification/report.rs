@@ -14,7 +14,7 @@ use super::recording::{CHANNELS, Channel, Recording, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Panel, Table};
 use crate::rig_text;
-use judged::{Intervals, channels_not_judged, not_judged, rounded, rounded_channels};
+use judged::{Intervals, channels_not_judged, not_judged, rounded, rounded_channels, suspicious};
 
 /// First line of a fitted rig file: such a file may be written anew.
 pub const FITTED_MARK: &str = "# Fitted by pneudrive identify";
@@ -206,6 +206,7 @@ pub fn notes(found: &Identification) -> Vec<String> {
         ));
     }
     notes.extend(rounded(found));
+    notes.extend(suspicious(found));
     if found.estimates.iter().any(|estimate| !estimate.rests_on.is_empty()) {
         notes.push("Some intervals rest less on the data than on what is assumed of other values: the table of these tells what each would be, were they exact. Measure those, write them into the rig file, and leave them out of the fit.".to_owned());
     }
@@ -329,6 +330,9 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "judged": found.spectrum.is_judged(),
         "channels_not_judged": channels_not_judged(found),
         "channels_rounded": rounded_channels(found),
+        "incline_suggested_deg": found.incline.map(|incline| incline.degrees),
+        "at_limits": found.at_limits,
+        "far_from_file": found.far_off,
         "runs": found.runs,
         "parameters": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
         "unseen": unseen.collect::<Vec<_>>(),

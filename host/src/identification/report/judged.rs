@@ -1,6 +1,6 @@
 //! What a fit's intervals are worth: whether the model explains the data, and whether that can be told.
 
-use crate::identification::Identification;
+use crate::identification::{FAR, Identification};
 use crate::identification::recording::CHANNELS;
 
 /// What the intervals of a fit are.
@@ -72,4 +72,19 @@ pub(super) fn rounded(found: &Identification) -> Option<String> {
     (!channels.is_empty()).then(|| {
         format!("The readings of {channels} have less noise than a count, so that their rounding follows their course: the model repeats it, and is fitted and judged without it. An error of the model of less than a part of a count is not seen. Intervals count rounding as noise, and are wider than the estimates scatter.")
     })
+}
+
+/// What looks as if something else than the parameters were wrong.
+pub(super) fn suspicious(found: &Identification) -> Vec<String> {
+    let incline = found.incline.map(|incline| {
+        let [low, high] = incline.interval;
+        format!("Friction is off the file's as an incline of {:.0} degrees would do ({low:.0} to {high:.0}): by {:.1} N, up one way and down the other. These data do not tell the two apart, and the intervals carry it. Measure it with a level; with `--set load.incline_deg={:.0}` the same records are fitted again.", incline.degrees, incline.force, incline.degrees)
+    });
+    let held = (!found.at_limits.is_empty()).then(|| {
+        format!("A limit holds {}: the end of what is possible, or Coulomb friction as large as stiction. The data ask for more, so something else is wrong, and the interval means little.", found.at_limits.join(", "))
+    });
+    let far = (!found.far_off.is_empty()).then(|| {
+        format!("More than {FAR:.0} standard deviations of what is assumed lie between the file's value and that of {}: look whether the file is of this rig, and what else could do the same.", found.far_off.join(", "))
+    });
+    [incline, held, far].into_iter().flatten().collect()
 }

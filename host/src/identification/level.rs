@@ -1,0 +1,137 @@
+//! Friction that differs between the two ways as it would on a drive that does not lie level.
+//!
+//! ```text
+//! d_i   = s_i (found_i - file_i) = F + e_i      s = 1: stiction and Coulomb friction of extension, -1: of retraction
+//! F     = sum of w_i d_i / sum of w_i           w_i = 1 / file_i^2: friction is known to a part of it
+//! sigma = root of (sum of w_i (d_i - F)^2 / (n - 1))
+//! t     = F root(sum of w_i) / sigma            Student's t of n - 1 degrees of freedom where there is no F
+//! F     = m g sin(incline)
+//! ```
+//!
+//! The weight of a load on an incline adds one force to all four. A transient does not tell it from friction that really
+//! is so (docs/identification.md); but four values that are off the file's by the same force, one way up and the other
+//! way down, seldom come about by chance.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::model::Model;
+
+/// m/s^2.
+const GRAVITY: f64 = 9.806_65;
+
+/// The four, each with its sign.
+const FRICTIONS: [(&str, f64); 4] = [
+    ("load.static_extend_n", 1.0),
+    ("load.coulomb_extend_n", 1.0),
+    ("load.static_retract_n", -1.0),
+    ("load.coulomb_retract_n", -1.0),
+];
+
+/// Friction that is down to this part of the file's is gone: a larger force cannot take more.
+const GONE: f64 = 0.1;
+
+/// Fewest values that tell a common force, and the least error of one, N.
+const FEWEST: usize = 3;
+const LEAST_ERROR: f64 = 1e-3;
+
+/// A common force is told where chance makes one as clear less often than this.
+const CHANCE: f64 = 0.01;
+
+/// What a drive that somebody has levelled may be off by, degrees, standard deviation.
+pub(super) const LEVELLED: f64 = 2.0;
+
+/// An incline that would explain how friction differs from the file's, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incline {
+    /// Positive where extension goes up.
+    pub degrees: f64,
+    /// Ends of its 95 % interval.
+    pub interval: [f64; 2],
+    /// The common force, N.
+    pub force: f64,
+    /// Ends of its 95 % interval.
+    pub forces: [f64; 2],
+}
+
+impl Incline {
+    /// Ends of what friction of a key is less without the incline, N; 0 for another key.
+    #[must_use]
+    pub fn takes_from(&self, path: &str) -> [f64; 2] {
+        let sign = FRICTIONS.iter().find(|(known, _)| *known == path).map_or(0.0, |(_, sign)| *sign);
+        let [a, b] = self.forces.map(|force| sign * force);
+        [a.min(b), a.max(b)]
+    }
+}
+
+/// A force that several values have in common.
+#[derive(Clone, Copy, Debug)]
+struct Common {
+    force: f64,
+    error: f64,
+    /// Degrees of freedom of the error.
+    freedom: f64,
+}
+
+/// The force that file and found values have in common, each with its sign; None where chance may make it.
+fn common(values: &[(f64, f64, f64)]) -> Option<Common> {
+    let freedom = values.len() as f64 - 1.0;
+    let off: Vec<(f64, f64)> =
+        values.iter().map(|(sign, file, found)| (file.powi(-2), sign * (found - file))).collect();
+    let weights: f64 = off.iter().map(|(weight, _)| weight).sum();
+    let force = off.iter().map(|(weight, d)| weight * d).sum::<f64>() / weights;
+    let scatter = off.iter().map(|(weight, d)| weight * (d - force).powi(2)).sum::<f64>() / freedom;
+    let error = (scatter / weights).sqrt();
+    let chance = 2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(force.abs() / error.max(LEAST_ERROR));
+    (chance < CHANCE).then_some(Common { force, error, freedom })
+}
+
+/// The incline that a fit suggests, where it is more than a drive that was levelled has; None where the incline or a
+/// constant force is fitted, or not all friction is.
+pub(super) fn suggested(model: &Model, u: &[f64]) -> Option<Incline> {
+    let place = |path: &str| model.parameters.iter().position(|parameter| parameter.key.path == path);
+    if place("load.incline_deg").or(place("load.constant_force_n")).is_some() {
+        return None;
+    }
+    let mut values = Vec::new();
+    for (path, sign) in FRICTIONS {
+        let place = place(path)?;
+        let parameter = &model.parameters[place];
+        values.push((sign, parameter.start, parameter.value(u[place])));
+    }
+    values.retain(|(_, file, found)| *found > GONE * file);
+    if values.len() < FEWEST {
+        return None;
+    }
+    let Common { force, error, freedom } = common(&values)?;
+    let weight = GRAVITY * model.rig_at(u).ok()?.number("load.mass_kg");
+    let degrees = |force: f64| (force / weight).clamp(-1.0, 1.0).asin().to_degrees();
+    let reach = error * StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
+    let forces = [force - reach, force + reach];
+    let incline = Incline { degrees: degrees(force), interval: forces.map(degrees), force, forces };
+    (incline.degrees.abs() > 2.0 * LEVELLED).then_some(incline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FILES: [f64; 4] = [70.0, 40.0, 40.0, 11.0];
+
+    fn common_of(found: [f64; 4]) -> Option<Common> {
+        let values: Vec<_> = (0..4).map(|i| (FRICTIONS[i].1, FILES[i], found[i])).collect();
+        common(&values)
+    }
+
+    #[test]
+    fn four_frictions_that_one_force_moves_tell_it() {
+        let Common { force, error, .. } = common_of([78.5, 47.0, 32.4, 3.4]).expect("clear");
+        assert!((force - 7.6).abs() < 3.0 * error && error < 0.3, "{force} {error}");
+    }
+
+    #[test]
+    fn friction_that_is_stronger_one_way_by_parts_of_its_own_tells_no_force() {
+        for found in [[84.0, 48.0, 36.0, 9.9], [77.0, 44.0, 44.0, 12.1], [63.0, 44.0, 36.0, 11.0]] {
+            assert!(common_of(found).is_none(), "{found:?}");
+        }
+    }
+}
