@@ -12,7 +12,9 @@ use std::env;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
-use pneudrive::identification::recovery::{Coverage, Hidden, any_rig, lacking_rig, quiet_lacking_rig, quiet_rig, shipped_rig};
+use pneudrive::identification::recovery::{
+    Coverage, Hidden, any_rig, lacking_rig, quiet_lacking_rig, quiet_rig, shipped_rig,
+};
 
 /// The program, which cargo builds into the folder above that of its examples.
 fn program() -> Result<PathBuf> {

@@ -231,63 +231,6 @@ fn a_plan_moves_the_rig_records_what_a_fit_needs_and_fits_it() {
     assert_eq!((&json["converged"], &json["fits"]), (&true.into(), &true.into()), "{text}");
 }
 
-/// What a first user does: the rounding of readings without noise follows their course, and such residuals were called no
-/// fit after minutes of search.
-#[test]
-fn a_virtual_rig_without_noise_is_a_fit_whose_intervals_hold_what_its_file_says() {
-    let folder = folder();
-    let file = pneudrive_sim::rig::builtin("servo-b-tuned").expect("built in");
-    let real = Rig::read("servo-b-tuned", file).expect("valid");
-    let printed = plan_from(folder.path(), file, real.clone(), "");
-    assert!(printed.ends_with("= 0") && printed.contains("less noise than a count"), "{printed}");
-    let json = identification(folder.path());
-    assert_eq!(json["fits"], true);
-    let rounded = json["channels_rounded"].as_array().expect("channels");
-    assert!(rounded.contains(&"pressure 1".into()) && rounded.contains(&"pressure 2".into()), "{rounded:?}");
-    let told = json["parameters"].as_array().expect("a list");
-    assert!(told.len() > 15, "{told:?}");
-    for parameter in told {
-        let truth = real.number(parameter["key"].as_str().expect("a key"));
-        let [low, high] = [0, 1].map(|end| parameter["interval_95"][end].as_f64().expect("a number"));
-        assert!(low <= truth && truth <= high, "{parameter}");
-    }
-    assert!(json["runs"].as_u64().expect("a number") < 6000, "the search begins but once: {}", json["runs"]);
-}
-
-/// No transient tells an incline from friction that is stronger one way; that all friction is off by one force does.
-#[test]
-fn an_incline_that_friction_seems_to_make_up_for_is_told() {
-    let folder = folder();
-    let level = Rig::read("rig.toml", MIDDLE).expect("valid");
-    let steep = level.with_numbers(&[("load.incline_deg", 30.0)]).expect("valid");
-    let printed = plan(folder.path(), steep.clone(), "");
-    assert!(printed.ends_with("= 0") && printed.contains("Measure it with a level"), "{printed}");
-    let json = identification(folder.path());
-    let told = json["incline_suggested_deg"].as_f64().expect("told");
-    assert!((told - 30.0).abs() < 2.0, "{told}");
-    for parameter in json["parameters"].as_array().expect("a list") {
-        let truth = steep.number(parameter["key"].as_str().expect("a key"));
-        let [low, high] = [0, 1].map(|end| parameter["interval_95"][end].as_f64().expect("a number"));
-        assert!(low <= truth && truth <= high, "{parameter}");
-    }
-}
-
-/// The weight of the load is more than Coulomb friction of retraction.
-#[test]
-fn an_incline_that_friction_cannot_make_up_for_is_a_misfit_and_named_with_its_size() {
-    let folder = folder();
-    let level = Rig::read("rig.toml", MIDDLE).expect("valid");
-    let steep = level.with_numbers(&[("load.incline_deg", 65.0)]).expect("valid");
-    let printed = plan(folder.path(), steep, "");
-    assert!(printed.ends_with("= 1"), "{printed}");
-    let json = identification(folder.path());
-    let cause = &json["causes"][0];
-    assert_eq!((&cause["effect"], &cause["significant"]), (&"an incline".into(), &true.into()), "{cause}");
-    let number = |name: &str| cause[name].as_f64().expect("a number");
-    assert!((number("value") - 65.0).abs() < 3.0 * number("standard_error") + 2.0, "{cause}");
-    assert!(printed.contains("load.coulomb_retract_n: look whether the file is of this rig"), "{printed}");
-}
-
 /// The traces of these effects are of a count or two.
 #[test]
 fn an_effect_that_rounding_does_not_hide_is_noticed_without_noise_too() {

@@ -1,13 +1,16 @@
-//! The sensor noise of a virtual rig: new in every run, and repeatable.
+//! The sensor noise of a virtual rig, new in every run and repeatable; and rigs without noise and off level, identified as a
+//! user does it.
 
 mod program;
 
+use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use pneudrive::target::TargetFile;
-use program::{folder, ok};
+use pneudrive_sim::Rig;
+use program::{folder, ok, transcript};
 
 /// Fifty samples of a drive that stands still.
 const TEST: &str = "servo-b-tuned --set test.moves=[[0.0,8192]] --set test.duration_s=0.065";
@@ -79,4 +82,76 @@ fn runs_without_noise_are_equal() {
     let rig = Served::start("virtual servo-b-tuned --listen tcp:127.0.0.1:0 --fast");
     let [first, second] = two_runs(folder.path(), &rig.port);
     assert_eq!(first, second);
+}
+
+/// The middle of its stroke, without dither.
+const MIDDLE: &str = "\
+[operator]
+dither_mm = 0.0
+[test]
+position_m = 0.15
+duration_s = 0.2
+";
+
+/// What the terminal and identification.json say where a plan finds out about a virtual rig: that of a file with a setting.
+fn identified(folder: &Path, file: &str, setting: &str) -> (String, serde_json::Value) {
+    fs::write(folder.join("rig.toml"), file).expect("written");
+    let path = folder.join("rig.toml");
+    let served = format!("virtual {} {setting} --listen tcp:127.0.0.1:0 --fast", path.display());
+    let rig = Served::start(&served);
+    let printed = transcript(folder, &format!("identify rig.toml --plan {}", rig.port));
+    let json = fs::read_to_string(folder.join("identified/identification.json")).expect("there");
+    (printed, serde_json::from_str(&json).expect("JSON"))
+}
+
+/// Every 95 % interval holds what a rig has.
+fn assert_intervals_hold(json: &serde_json::Value, real: &Rig) {
+    let told = json["parameters"].as_array().expect("a list");
+    let key = |parameter: &serde_json::Value| parameter["key"].as_str().expect("a key").to_owned();
+    let of_the_load = told.iter().filter(|parameter| key(parameter).starts_with("load."));
+    assert_eq!(of_the_load.count(), 6, "mass, viscous friction, and friction both ways: {told:?}");
+    for parameter in told {
+        let truth = real.number(&key(parameter));
+        let [low, high] = [0, 1].map(|end| parameter["interval_95"][end].as_f64().expect("a number"));
+        assert!(low <= truth && truth <= high, "{parameter}");
+    }
+}
+
+/// What a first user does: the rounding of readings without noise follows their course, and such residuals were called no
+/// fit after minutes of search.
+#[test]
+fn a_virtual_rig_without_noise_is_a_fit_whose_intervals_hold_what_its_file_says() {
+    let folder = folder();
+    let file = pneudrive_sim::rig::builtin("servo-b-tuned").expect("built in");
+    let (printed, json) = identified(folder.path(), file, "");
+    assert!(printed.ends_with("= 0") && printed.contains("less noise than a count"), "{printed}");
+    assert_eq!(json["fits"], true);
+    let rounded = json["channels_rounded"].as_array().expect("channels");
+    assert!(rounded.contains(&"pressure 1".into()) && rounded.contains(&"pressure 2".into()), "{rounded:?}");
+    assert_intervals_hold(&json, &Rig::read("servo-b-tuned", file).expect("valid"));
+    assert!(json["runs"].as_u64().expect("a number") < 6000, "the search begins but once: {}", json["runs"]);
+}
+
+/// No transient tells an incline from friction that is stronger one way; that all friction is off by one force does.
+#[test]
+fn an_incline_that_friction_seems_to_make_up_for_is_told() {
+    let folder = folder();
+    let (printed, json) = identified(folder.path(), MIDDLE, "--set load.incline_deg=30");
+    assert!(printed.ends_with("= 0") && printed.contains("Measure it with a level"), "{printed}");
+    let told = json["incline_suggested_deg"].as_f64().expect("told");
+    assert!((told - 30.0).abs() < 2.0, "{told}");
+    assert_intervals_hold(&json, &Rig::read("rig.toml", MIDDLE).expect("valid"));
+}
+
+/// The weight of the load is more than Coulomb friction of retraction.
+#[test]
+fn an_incline_that_friction_cannot_make_up_for_is_a_misfit_and_named_with_its_size() {
+    let folder = folder();
+    let (printed, json) = identified(folder.path(), MIDDLE, "--set load.incline_deg=65");
+    assert!(printed.ends_with("= 1"), "{printed}");
+    let cause = &json["causes"][0];
+    assert_eq!((&cause["effect"], &cause["significant"]), (&"an incline".into(), &true.into()), "{cause}");
+    let number = |name: &str| cause[name].as_f64().expect("a number");
+    assert!((number("value") - 65.0).abs() < 3.0 * number("standard_error") + 2.0, "{cause}");
+    assert!(printed.contains("load.coulomb_retract_n: look whether the file is of this rig"), "{printed}");
 }

@@ -1,7 +1,7 @@
 //! What a fit's intervals are worth: whether the model explains the data, and whether that can be told.
 
-use crate::identification::{FAR, Identification};
 use crate::identification::recording::CHANNELS;
+use crate::identification::{FAR, Identification};
 
 /// What the intervals of a fit are.
 #[derive(Clone, Copy, PartialEq)]
