@@ -129,8 +129,8 @@ impl Considered {
 
     /// An interval of friction, so wide that it holds what it is if an incline makes what is suspected of it.
     fn on_the_level(&self, parameter: &Parameter, [low, high]: [f64; 2]) -> [f64; 2] {
-        let Some(incline) = self.incline else { return [low, high] };
-        let [less, more] = incline.takes_from(parameter.key.path);
+        let force = self.incline.and_then(|incline| incline.takes_from(parameter.key.path));
+        let Some([less, more]) = force else { return [low, high] };
         [(low - more.max(0.0)).max(0.0), high - less.min(0.0)]
     }
 

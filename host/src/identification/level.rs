@@ -54,12 +54,12 @@ pub struct Incline {
 }
 
 impl Incline {
-    /// Ends of what friction of a key is less without the incline, N; 0 for another key.
+    /// Ends of what friction of a key is less without the incline, N; None for another key.
     #[must_use]
-    pub fn takes_from(&self, path: &str) -> [f64; 2] {
-        let sign = FRICTIONS.iter().find(|(known, _)| *known == path).map_or(0.0, |(_, sign)| *sign);
+    pub fn takes_from(&self, path: &str) -> Option<[f64; 2]> {
+        let (_, sign) = FRICTIONS.iter().find(|(known, _)| *known == path)?;
         let [a, b] = self.forces.map(|force| sign * force);
-        [a.min(b), a.max(b)]
+        Some([a.min(b), a.max(b)])
     }
 }
 
@@ -126,6 +126,14 @@ mod tests {
     fn four_frictions_that_one_force_moves_tell_it() {
         let Common { force, error, .. } = common_of([78.5, 47.0, 32.4, 3.4]).expect("clear");
         assert!((force - 7.6).abs() < 3.0 * error && error < 0.3, "{force} {error}");
+    }
+
+    #[test]
+    fn an_incline_takes_from_friction_alone() {
+        let incline = Incline { degrees: 30.0, interval: [29.0, 31.0], force: 7.8, forces: [7.6, 8.0] };
+        assert_eq!(incline.takes_from("load.coulomb_extend_n"), Some([7.6, 8.0]));
+        assert_eq!(incline.takes_from("load.coulomb_retract_n"), Some([-8.0, -7.6]));
+        assert_eq!(incline.takes_from("valve.null_offset_mm"), None);
     }
 
     #[test]
