@@ -15,14 +15,21 @@ use super::regression::Line;
 const FLOWS: [(&str, f64); 2] = [("flow_kg_s", 1.0), ("flow_g_s", 1e-3)];
 const RATIOS: [&str; 2] = ["ratio", "value"];
 
+/// A flow up to this is none, kg/s: what rounding leaves of 0.
+const NO_FLOW: f64 = 1e-12;
+
+/// More passes through no tube of a drive, kg/s.
+const MOST_FLOW: f64 = 1e3;
+
 /// K_dr, `tubing.drop_slope`, of a table as text (CSV: a header with `flow_g_s` or `flow_kg_s`, and `ratio` or `value`)
 /// for a reference flow in kg/s.
 ///
 /// # Errors
 /// When it is no such table, with the line.
 pub fn drop_slope(csv: &str, reference_flow: f64) -> Result<Figure> {
-    let points: Vec<(f64, f64)> =
-        points(csv)?.into_iter().map(|(flow, ratio)| (flow / reference_flow, ratio.ln())).collect();
+    // A point without flow lies on every line through the origin, and says nothing of how well one fits.
+    let flowing = points(csv)?.into_iter().filter(|(flow, _)| flow.abs() > NO_FLOW);
+    let points: Vec<(f64, f64)> = flowing.map(|(flow, ratio)| (flow / reference_flow, ratio.ln())).collect();
     let line = Line::through_origin(&points).context("it needs two points with a flow at least")?;
     let left = line.slope.value.exp();
     if left >= 1.0 {
@@ -47,8 +54,14 @@ fn points(csv: &str) -> Result<Vec<(f64, f64)>> {
             let cells: Vec<&str> = line.split(',').collect();
             let number = |i: usize| cells.get(i).and_then(|cell| cell.trim().parse::<f64>().ok());
             match (number(flow), number(ratio)) {
+                (Some(flow), Some(_)) if !is_flow(flow * unit) => {
+                    bail!(
+                        "line {n}: {:e} kg/s is no flow through a tube; is it in the unit of the header?",
+                        flow * unit
+                    )
+                }
                 (Some(flow), Some(ratio))
-                    if flow.is_finite() && ratio > 0.0 && cells.len() == names.len() =>
+                    if ratio > 0.0 && ratio.is_finite() && cells.len() == names.len() =>
                 {
                     Ok((flow * unit, ratio))
                 }
@@ -56,6 +69,11 @@ fn points(csv: &str) -> Result<Vec<(f64, f64)>> {
             }
         })
         .collect()
+}
+
+/// Whether a tube can pass such a flow, kg/s.
+fn is_flow(flow: f64) -> bool {
+    flow.abs() <= MOST_FLOW
 }
 
 #[cfg(test)]
@@ -82,6 +100,11 @@ mod tests {
             ("flow_g_s,ratio\n1,0.9\n2,-1\n", "line 3"),
             ("flow_g_s,ratio\n1,0.9\n2,x\n", "line 3"),
             ("flow_g_s,ratio\n0,1\n0,1\n", "two points"),
+            ("flow_g_s,ratio\n0,1\n1,0.9\n", "two points"),
+            ("flow_g_s,ratio\n1,0.9\n2,inf\n", "line 3"),
+            ("flow_g_s,ratio\n1e300,0.9\n2e300,0.8\n", "kg/s is no flow through a tube"),
+            ("flow_g_s,ratio\n1e-300,0.9\n2e-300,0.8\n", "two points"),
+            ("flow_g_s,ratio\nnan,0.9\n2,0.8\n", "line 2"),
             ("flow_g_s,ratio\n1,1.2\n2,1.5\n", "far end"),
         ] {
             let message = format!("{:#}", drop_slope(csv, 0.00465).expect_err("refused"));
