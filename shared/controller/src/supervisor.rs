@@ -226,8 +226,12 @@ impl Supervisor {
     /// Lets the homing run drive from the next sample on; counts mean nothing until it has ended.
     ///
     /// # Errors
-    /// As for a start, but for the reference.
+    /// As for a start, but for the reference, and without a trip: a person asks for it who has forgotten to arm the
+    /// drive, and not a program that goes on with a test.
     pub(crate) fn home(&mut self, location: SpoolLocation) -> Result<(), Refusal> {
+        if self.mode == Mode::Disarmed {
+            return Err(Refusal::NotArmed);
+        }
         self.set_off(Mode::Homing, location)?;
         self.referenced = false;
         Ok(())
