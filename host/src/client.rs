@@ -1,5 +1,6 @@
 //! Requests to a rig, each asked again until it is answered.
 
+mod advance;
 mod change;
 mod owner;
 mod parameters;
@@ -21,8 +22,10 @@ pub use parameters::RigParameters;
 pub use record::{Pieces, Record, RecordChanged, RecordHead};
 
 use crate::exit::Exit;
+use crate::foreign::{NAME, SENTENCE, cleaned};
 use crate::port::{self, Link};
 use crate::words;
+use advance::Advance;
 
 /// How long an answer may take before the request is sent again.
 /// Several fit into the silence of the host that trips a running move.
@@ -67,6 +70,10 @@ pub struct Client {
     known: Option<(u32, RigParameters)>,
     /// The newest version that the rig speaks.
     version: u16,
+    /// Samples that the rig has room for, as it says.
+    record_capacity: u32,
+    /// Last sample of the test that it has downloaded.
+    last_sample: Option<u32>,
     repeats: u32,
     said: Recent<SAID>,
     unasked: stream::Unasked,
@@ -125,6 +132,8 @@ impl Client {
             test_crc32: None,
             known: None,
             version: MIN_VERSION,
+            record_capacity: 0,
+            last_sample: None,
             repeats: 0,
             said: Recent::default(),
             unasked: stream::Unasked::default(),
@@ -136,7 +145,8 @@ impl Client {
         {
             client.say_token(&token)?;
         }
-        client.version = client.info()?.version;
+        let info = client.info()?;
+        (client.version, client.record_capacity) = (info.version, info.record_capacity);
         Ok(client)
     }
 
@@ -261,9 +271,9 @@ impl Client {
                 }
                 Ok(Info {
                     version,
-                    firmware: firmware.to_owned(),
-                    build: build.to_owned(),
-                    board: board.to_owned(),
+                    firmware: cleaned(firmware, NAME),
+                    build: cleaned(build, NAME),
+                    board: cleaned(board, NAME),
                     record_capacity,
                 })
             }
@@ -302,9 +312,10 @@ impl Client {
     /// `interrupted` is set; that is the end of a test that runs until it is stopped, and disarms it.
     ///
     /// # Errors
-    /// When the drive trips, the run is ended by someone else, or the rig stops answering.
+    /// When the drive trips, the run is ended by someone else, its samples stand still or go on past its end, or the rig
+    /// stops answering.
     pub fn follow(&mut self, interrupted: &AtomicBool, progress: impl FnMut(&Status)) -> Result<Status> {
-        self.follow_and(interrupted, progress, |_| {
+        self.follow_and(interrupted, progress, |_, _| {
             std::thread::sleep(Duration::from_millis(20));
             Ok(())
         })
@@ -315,9 +326,10 @@ impl Client {
         &mut self,
         interrupted: &AtomicBool,
         mut progress: impl FnMut(&Status),
-        mut between: impl FnMut(&mut Client) -> Result<()>,
+        mut between: impl FnMut(&mut Client, &Status) -> Result<()>,
     ) -> Result<Status> {
         let mut last = None;
+        let mut advance = Advance::since(self.link.now());
         loop {
             if interrupted.load(Ordering::Relaxed) {
                 return self.end_early(last);
@@ -327,9 +339,13 @@ impl Client {
             progress(&status);
             match status.mode {
                 // Who cannot go on must not leave a cylinder that moves.
-                Mode::Running => between(self).inspect_err(|_| {
-                    let _ = self.stop();
-                })?,
+                Mode::Running => advance
+                    .check(&status, self.last_sample, self.link.now())
+                    .with_context(|| self.name.clone())
+                    .and_then(|()| between(self, &status))
+                    .inspect_err(|_| {
+                        let _ = self.stop();
+                    })?,
                 Mode::Fault => {
                     return Err(Exit::Tripped.error(format!(
                         "{} tripped at sample {}: {} ({}); `pneudrive device arm` leaves the fault",
@@ -371,5 +387,6 @@ fn short(name: &str) -> &str {
 }
 
 fn unexpected(reply: &ReplyBody<'_>) -> anyhow::Error {
-    anyhow!("the rig gave an answer that does not fit the request: {reply:?}")
+    let reply = cleaned(&format!("{reply:?}"), SENTENCE);
+    anyhow!("the rig gave an answer that does not fit the request: {reply}")
 }

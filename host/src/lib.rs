@@ -52,6 +52,7 @@ pub mod emulated_board;
 pub mod ensemble;
 pub mod evaluation;
 pub mod exit;
+mod foreign;
 pub mod identification;
 pub mod kept_flash;
 pub mod ladder;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::{Result, bail};
 use pneudrive_protocol::{MAX_ROWS, StreamedSample};
 
 /// Rows on their way from the link to the file.
@@ -9,23 +10,28 @@ use pneudrive_protocol::{MAX_ROWS, StreamedSample};
 pub struct Arrivals {
     /// Number of the next row to be taken.
     next: u32,
-    /// Rows from there on that have come, and those that are gone.
-    held: BTreeMap<u32, Option<StreamedSample>>,
+    /// Rows from there on that have come.
+    held: BTreeMap<u32, StreamedSample>,
+    /// Rows before this one that are not held will not come any more.
+    settled: u32,
     lost: u64,
+    /// Index of the sample that was taken last.
+    taken: Option<u32>,
 }
 
 impl Arrivals {
     /// Rows have come, numbered from `first` on: unasked or asked for again, once or twice.
     pub fn came(&mut self, first: u32, rows: impl IntoIterator<Item = StreamedSample>) {
-        let numbered = (first..).zip(rows).filter(|(number, _)| *number >= self.next);
-        self.held.extend(numbered.map(|(number, row)| (number, Some(row))));
+        // The largest number is left out: there is none for the row behind it.
+        let numbered = (first..u32::MAX).zip(rows).filter(|(number, _)| *number >= self.next);
+        self.held.extend(numbered);
     }
 
     /// Number and count of rows to be asked for again: later ones have come.
     #[must_use]
     pub fn missing(&self) -> Option<(u32, u8)> {
-        let mut due = self.next;
-        for &number in self.held.keys() {
+        let mut due = self.next.max(self.settled);
+        for &number in self.held.range(due..).map(|(number, _)| number) {
             if number > due {
                 return Some((due, (number - due).min(MAX_ROWS as u32) as u8));
             }
@@ -36,27 +42,39 @@ impl Arrivals {
 
     /// Rows before this one that have not come will not come any more.
     pub fn gone(&mut self, until: u32) {
-        for number in self.next..until {
-            self.held.entry(number).or_insert(None);
-        }
+        self.settled = self.settled.max(until);
     }
 
-    /// The next row, if it has come.
-    pub fn take(&mut self) -> Option<StreamedSample> {
-        while let Some(held) = self.held.remove(&self.next) {
-            self.next += 1;
-            match held {
-                Some(row) => return Some(row),
-                None => self.lost += 1,
-            }
+    /// The next row, if it has come and the run has reached its sample.
+    ///
+    /// # Errors
+    /// When its sample is not behind that of the row before.
+    pub fn take(&mut self, reached: u32) -> Result<Option<StreamedSample>> {
+        let first = self.held.first_key_value().map(|(&number, &row)| (number, row));
+        let due = first.map_or(self.settled, |(number, _)| number.min(self.settled)).max(self.next);
+        self.lost += u64::from(due - self.next);
+        self.next = due;
+        let Some((number, row)) = first.filter(|(number, row)| *number == due && row.index <= reached) else {
+            return Ok(None);
+        };
+        if let Some(taken) = self.taken.filter(|&taken| row.index <= taken) {
+            bail!("its stream goes back, from sample {taken} to sample {}", row.index);
         }
-        None
+        self.held.remove(&number);
+        (self.next, self.taken) = (number + 1, Some(row.index));
+        Ok(Some(row))
+    }
+
+    /// The sample of a row that has come and was not taken.
+    #[must_use]
+    pub fn waiting(&self) -> Option<u32> {
+        self.held.first_key_value().map(|(_, row)| row.index)
     }
 
     /// Number of the row behind the last one that has come.
     #[must_use]
     pub fn end(&self) -> u32 {
-        self.held.last_key_value().map_or(self.next, |(&last, _)| last + 1)
+        self.held.last_key_value().map_or(self.next.max(self.settled), |(&last, _)| last + 1)
     }
 
     /// Number of the next row to be taken.
@@ -81,7 +99,7 @@ mod tests {
     }
 
     fn taken(arrivals: &mut Arrivals) -> Vec<u32> {
-        std::iter::from_fn(|| arrivals.take()).map(|row| row.index).collect()
+        std::iter::from_fn(|| arrivals.take(u32::MAX).expect("in order")).map(|row| row.index).collect()
     }
 
     #[test]
@@ -121,5 +139,41 @@ mod tests {
         assert_eq!((taken(&mut arrivals), arrivals.lost()), (vec![40, 41], 36));
         arrivals.gone(10);
         assert_eq!((arrivals.next(), arrivals.lost()), (42, 36), "what is past stays");
+    }
+
+    #[test]
+    fn a_row_waits_until_the_run_has_reached_its_sample() {
+        let mut arrivals = Arrivals::default();
+        arrivals.came(0, rows(10..12));
+        assert_eq!(arrivals.take(9).expect("in order"), None);
+        assert_eq!(arrivals.take(10).expect("in order").map(|row| row.index), Some(10));
+        assert_eq!((arrivals.take(10).expect("in order"), arrivals.waiting()), (None, Some(11)));
+        assert_eq!((taken(&mut arrivals), arrivals.waiting()), (vec![11], None));
+    }
+
+    #[test]
+    fn rows_whose_samples_go_back_are_refused() {
+        for second in [5, 4] {
+            let mut arrivals = Arrivals::default();
+            arrivals.came(0, rows(5..6).chain(rows(second..second + 1)));
+            assert!(arrivals.take(9).expect("the first").is_some());
+            let error = arrivals.take(9).expect_err("not behind it").to_string();
+            assert!(error.contains(&format!("from sample 5 to sample {second}")), "{error}");
+        }
+    }
+
+    /// Once each of them took its place in memory.
+    #[test]
+    fn four_thousand_million_rows_that_are_gone_cost_nothing() {
+        let mut arrivals = Arrivals::default();
+        arrivals.came(u32::MAX, rows(0..3));
+        assert_eq!((arrivals.end(), arrivals.missing()), (0, None), "there is no number behind it");
+        arrivals.came(u32::MAX - 1, rows(7..8));
+        assert_eq!(arrivals.missing(), Some((0, MAX_ROWS as u8)));
+        arrivals.gone(u32::MAX - 1);
+        assert_eq!(taken(&mut arrivals), [7]);
+        assert_eq!((arrivals.next(), arrivals.lost()), (u32::MAX, u64::from(u32::MAX) - 1));
+        arrivals.gone(u32::MAX);
+        assert_eq!((taken(&mut arrivals), arrivals.missing()), (vec![], None));
     }
 }

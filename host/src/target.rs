@@ -12,7 +12,8 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::RecordedSample;
 
-use crate::client::{Info, Record, RecordHead, RigParameters};
+use crate::client::{Info, Record, RigParameters};
+use crate::foreign::{NAME, cleaned};
 use crate::stream_file;
 use crate::whole_file::{Staged, sync_folder};
 
@@ -34,8 +35,10 @@ pub struct TargetFile {
 
 impl TargetFile {
     /// The file of a record, with everything that its reader needs to know.
-    #[must_use]
-    pub fn new(record: &Record, info: &Info, parameters: &RigParameters) -> TargetFile {
+    ///
+    /// # Errors
+    /// When a sample has an index that files do not count to.
+    pub fn new(record: &Record, info: &Info, parameters: &RigParameters) -> Result<TargetFile> {
         let head = &record.head;
         let mut header = described(FORMAT, &head.test, info, parameters);
         let place = header.iter().position(|(key, _)| key == "mm_per_count").unwrap_or(header.len());
@@ -47,9 +50,10 @@ impl TargetFile {
         header.splice(place..place, taken.map(|(key, value)| (key.to_owned(), value)));
         let place = header.iter().position(|(key, _)| key.starts_with("param.")).unwrap_or(header.len());
         header.insert(place, ("mean_spool_raw".to_owned(), head.mean_spool_raw.to_string()));
-        let samples: Vec<(i32, RecordedSample)> = indices(head).zip(record.samples.iter().copied()).collect();
+        let numbered = head.indices().zip(&record.samples).map(|(index, sample)| numbered(index, *sample));
+        let samples: Vec<(i32, RecordedSample)> = numbered.collect::<Result<_>>()?;
         header.push(("crc32".to_owned(), format!("{:08x}", crc32(&data_lines(&samples)))));
-        TargetFile { header, samples }
+        Ok(TargetFile { header, samples })
     }
 
     /// The value of a header line.
@@ -203,9 +207,9 @@ pub(crate) fn described(
     let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
     put("format", format.to_owned());
     // A header is lines: a name with a line break in it would make a file that cannot be read.
-    put("test", test.replace(char::is_control, " "));
-    put("firmware", info.firmware.clone());
-    put("build", info.build.clone());
+    put("test", cleaned(test, NAME));
+    put("firmware", cleaned(&info.firmware, NAME));
+    put("build", cleaned(&info.build, NAME));
     put("sample_period_us", format!("{}", get(id::PERIOD_US)));
     put("mm_per_count", format!("{}", get(id::ENCODER_PM_PER_COUNT) / 1e9));
     put("pressure_scale_pa", format!("{}", scale(id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA)));
@@ -223,11 +227,11 @@ pub(crate) fn header_text(header: &[(String, String)]) -> String {
     header.iter().map(|(key, value)| format!("# {key} = {value}\n")).collect()
 }
 
-/// The index k of each sample: from before the start as the recorder says, then from 0 on.
-fn indices(head: &RecordHead) -> impl Iterator<Item = i32> {
-    let (step, first) = (i32::from(head.decimation.max(1)), head.first_index);
-    let before = (first..0).step_by(step as usize);
-    before.chain((0..).step_by(step as usize))
+/// A sample under its index k.
+fn numbered(index: i64, sample: RecordedSample) -> Result<(i32, RecordedSample)> {
+    let index = i32::try_from(index)
+        .map_err(|_| anyhow!("sample {index} is beyond the last that a file counts, {}", i32::MAX))?;
+    Ok((index, sample))
 }
 
 /// The value of a parameter; equal entries at the end of a list are said once, as in a rig file.
@@ -276,6 +280,7 @@ fn crc32(data: &str) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::client::RecordHead;
 
     fn file() -> TargetFile {
         let samples = (0..4).map(|i| RecordedSample {
@@ -304,7 +309,7 @@ mod tests {
             board: "virtual".to_owned(),
             record_capacity: 4389,
         };
-        TargetFile::new(&record, &info, &RigParameters::default())
+        TargetFile::new(&record, &info, &RigParameters::default()).expect("counted")
     }
 
     /// The whole text: whoever reads these files reads it so.

@@ -7,6 +7,7 @@ use pneudrive_protocol::{CURRENT_VERSION, Presence, Refused, code};
 use pneudrive_sim::Decision;
 
 use crate::ensemble::Lost;
+use crate::foreign::{NAME, SENTENCE, cleaned};
 
 /// The protocol version of a rig, and what comes of it if it is not that of this program.
 pub(crate) fn protocol(version: u16) -> String {
@@ -165,7 +166,9 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
         },
         Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
         Refused::OutOfRange { id, value } => out_of_range(*id, *value),
-        Refused::Inconsistent { advice } => format!("the parameters do not go together: {advice}"),
+        Refused::Inconsistent { advice } => {
+            format!("the parameters do not go together: {}", cleaned(advice, SENTENCE))
+        }
         Refused::TestTooLong => "the test is too long".to_owned(),
         Refused::MovesOutOfOrder => "the moves are not in order of time".to_owned(),
         Refused::TooManyMoves => "the test has more moves than the firmware holds".to_owned(),
@@ -200,8 +203,11 @@ pub(crate) fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
 }
 
 /// A host by its name.
-pub(crate) fn commander(host: &str) -> &str {
-    if host.is_empty() { "a program of version 4 of the protocol or older" } else { host }
+pub(crate) fn commander(host: &str) -> String {
+    match host {
+        "" => "a program of version 4 of the protocol or older".to_owned(),
+        host => cleaned(host, NAME),
+    }
 }
 
 fn out_of_range(id: u16, value: i32) -> String {

@@ -205,7 +205,7 @@ fn file(run: &Run, samples: Vec<RecordedSample>) -> TargetFile {
         record_capacity: 4389,
     };
     let parameters = RigParameters { values: run.parameters.clone(), lacking: Vec::new() };
-    let text = TargetFile::new(&record, &info, &parameters).to_text();
+    let text = TargetFile::new(&record, &info, &parameters).expect("counted").to_text();
     TargetFile::from_text(&text).expect("what was written is read")
 }
 

@@ -132,7 +132,7 @@ fn the_record_of_an_older_rig_is_downloaded_and_its_file_names_the_parameters_th
         assert_eq!(parameters.lacking_names()[0], first_lacking);
         let record = client.record(|_, _| {}).expect("a record");
         assert_eq!(record.samples, samples);
-        let file = TargetFile::new(&record, &info, &parameters);
+        let file = TargetFile::new(&record, &info, &parameters).expect("counted");
         assert_eq!(file.get("param.period_us"), Some("1300"));
         assert_eq!(file.get(&format!("param.{first_lacking}")), None);
         assert_eq!(TargetFile::from_text(&file.to_text()).expect("whole"), file);
@@ -194,7 +194,10 @@ fn an_older_rig_takes_the_parameters_that_it_has_unless_one_that_it_lacks_would_
     parameters.set(id::VELOCITY_GAIN, 78).expect("in range");
     parameters.set(id::DWELL_US, 5000).expect("in range");
     let error = client.import_parameters(&parameters).expect_err("it would dwell").to_string();
-    assert!(error.contains("has no parameter dwell_us, which shall be 5000 (by default 0)"), "{error}");
+    assert!(
+        error.contains("has no parameter dwell_us, which shall be 5000 (by default 0)"),
+        "{error}"
+    );
     let values = client.parameters().expect("an answer").values;
     assert_eq!(values.get(id::VELOCITY_GAIN), Some(77), "nothing was changed");
 }

@@ -73,6 +73,7 @@ impl Client {
         last_sample: u32,
         parameters: Option<&Parameters>,
     ) -> Result<Vec<&'static str>> {
+        self.last_sample = Some(last_sample);
         if self.version < 5 {
             let lacking = parameters.map(|parameters| self.import_parameters(parameters)).transpose()?;
             self.download_step_by_step(rig, last_sample)?;

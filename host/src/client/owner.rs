@@ -7,6 +7,7 @@ use pneudrive_protocol::{Owner, Presence, Refused, ReplyBody, Request, RequestBo
 
 use super::{Client, unexpected};
 use crate::exit::Exit;
+use crate::foreign::{NAME, cleaned};
 use crate::words;
 
 /// The host that commands a drive.
@@ -25,7 +26,7 @@ pub struct Commander {
 impl From<&Owner<'_>> for Commander {
     fn from(owner: &Owner<'_>) -> Commander {
         let Owner { presence, session, silent_ms, host } = *owner;
-        Commander { presence, session, silent_ms, host: host.to_owned() }
+        Commander { presence, session, silent_ms, host: cleaned(host, NAME) }
     }
 }
 

@@ -1,6 +1,8 @@
 //! The record of a rig: what it holds, and its samples by a [`Download`].
 
-use anyhow::{Result, anyhow, bail};
+use std::time::Duration;
+
+use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_protocol::{
     CHUNK_SAMPLES, Mode, RecordCrc, RecordInfo, RecordedSample, Refused, Reply, ReplyBody, Request,
     RequestBody,
@@ -8,10 +10,14 @@ use pneudrive_protocol::{
 
 use super::{ANSWER_WAIT, Client, PATIENCE, unexpected};
 use crate::download::Download;
+use crate::foreign::{NAME, cleaned};
 use crate::words;
 
-/// Most questions for the CRC of a record before it must be there.
-const MOST_DIGESTS: u32 = 1000;
+/// How long a rig may take to form the CRC of a record that it is asked for.
+const DIGESTING: Duration = Duration::from_secs(5);
+
+/// The most samples of a record: the number of a request, 16 bits, tells its chunk.
+const MOST_SAMPLES: usize = u16::MAX as usize * CHUNK_SAMPLES;
 
 /// What is known of a record before its samples are there.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,7 +43,7 @@ pub struct RecordHead {
 impl From<&RecordInfo<'_>> for RecordHead {
     fn from(info: &RecordInfo<'_>) -> RecordHead {
         RecordHead {
-            test: info.test.to_owned(),
+            test: cleaned(info.test, NAME),
             samples: info.samples as usize,
             first_index: info.first_index,
             decimation: info.decimation,
@@ -72,6 +78,43 @@ impl RecordHead {
         let measured_period_ns = self.measured_period_ns;
         *self == RecordHead { measured_period_ns, ..other.clone() }
     }
+
+    /// The index k of each sample: those from before the start as the recorder says, then from 0 on.
+    pub fn indices(&self) -> impl Iterator<Item = i64> {
+        let (step, first) = (usize::from(self.decimation.max(1)), i64::from(self.first_index));
+        (first..0).step_by(step).chain((0..).step_by(step)).take(self.samples)
+    }
+
+    /// The index of its last sample.
+    fn last_index(&self) -> i64 {
+        let (step, first) = (i64::from(self.decimation.max(1)), i64::from(self.first_index));
+        let before = (-first).max(0) as u64;
+        let before = before.div_ceil(step as u64) as i64;
+        let samples = self.samples as i64;
+        if samples > before { (samples - before - 1) * step } else { first + (samples - 1) * step }
+    }
+
+    /// Whether a rig with room for so many samples can have such a record, and a file can hold it.
+    ///
+    /// # Errors
+    /// With what is impossible.
+    pub fn check(&self, capacity: usize) -> Result<()> {
+        let RecordHead { samples, first_index, .. } = *self;
+        if samples > capacity.min(MOST_SAMPLES) {
+            bail!("it says that its record has {samples} samples, and that it has room for {capacity}");
+        }
+        if first_index > 0 {
+            bail!("it says that its record begins with sample {first_index}, after the start of the run");
+        }
+        if self.last_index() > i64::from(i32::MAX) {
+            bail!(
+                "its record ends with sample {}, and files count up to {}; record with a smaller test.decimation",
+                self.last_index(),
+                i32::MAX
+            );
+        }
+        Ok(())
+    }
 }
 
 /// A recorded transient with what is known about it.
@@ -91,7 +134,10 @@ pub struct RecordChanged;
 /// What is there of a record.
 #[derive(Clone, Debug)]
 pub struct Pieces {
+    /// Up to the last chunk that has come; zeros where one is missing.
     bytes: Vec<u8>,
+    /// Bytes of all samples.
+    length: usize,
     download: Download,
 }
 
@@ -100,29 +146,30 @@ impl Pieces {
     #[must_use]
     pub fn none(samples: usize) -> Pieces {
         Pieces {
-            bytes: vec![0; samples * RecordedSample::BYTES],
+            bytes: Vec::new(),
+            length: samples * RecordedSample::BYTES,
             download: Download::new(samples.div_ceil(CHUNK_SAMPLES)),
         }
     }
 
     /// Takes a chunk, unless it is there already or is none of this record.
     pub fn take(&mut self, first: usize, samples: &[u8]) -> bool {
-        let place = first * RecordedSample::BYTES;
+        let place = first.saturating_mul(RecordedSample::BYTES);
         let whole = CHUNK_SAMPLES * RecordedSample::BYTES;
-        let Some(behind) = self.bytes.get_mut(place..) else { return false };
-        let length = behind.len().min(whole);
-        let fits = first.is_multiple_of(CHUNK_SAMPLES) && samples.len() == length;
+        let end = place.saturating_add(whole).min(self.length);
+        let fits = first.is_multiple_of(CHUNK_SAMPLES) && end.checked_sub(place) == Some(samples.len());
         if !fits || !self.download.arrived(first / CHUNK_SAMPLES) {
             return false;
         }
-        behind[..length].copy_from_slice(samples);
+        self.bytes.resize(self.bytes.len().max(end), 0);
+        self.bytes[place..end].copy_from_slice(samples);
         true
     }
 
     /// Samples that are there, at least.
     #[must_use]
     pub fn samples(&self) -> usize {
-        (self.download.arrivals() * CHUNK_SAMPLES).min(self.bytes.len() / RecordedSample::BYTES)
+        (self.download.arrivals() * CHUNK_SAMPLES).min(self.length / RecordedSample::BYTES)
     }
 
     /// The record, if its CRC is that of the pieces.
@@ -212,8 +259,9 @@ impl Client {
     pub fn record_head(&mut self) -> Result<RecordHead> {
         let (mut head, mut complete) = self.ask_record_info()?;
         // The rig forms the CRC of its record piece by piece.
-        for _ in 0..MOST_DIGESTS {
-            if complete || matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
+        let deadline = self.link.now() + DIGESTING;
+        while !complete && self.link.now() < deadline {
+            if matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
                 break;
             }
             (head, complete) = self.ask_record_info()?;
@@ -227,6 +275,7 @@ impl Client {
         if head.samples == 0 {
             bail!("{}: {}", self.name, words::refusal(&Refused::NoRecord));
         }
+        head.check(self.record_capacity as usize).with_context(|| self.name.clone())?;
         Ok(head)
     }
 
@@ -250,5 +299,53 @@ fn answer(reply: &Reply<'_>, base: u16, chunks: usize, rig: &str) -> Option<Answ
             other => anyhow!("{rig}: {}", words::refusal(&other)),
         })),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn head(samples: usize, decimation: u16, first_index: i32) -> RecordHead {
+        let (test, pre_trigger, crc32) = (String::new(), 0, 0);
+        let (measured_period_ns, mean_spool_raw) = (1_300_000, 0);
+        RecordHead {
+            test,
+            samples,
+            first_index,
+            decimation,
+            pre_trigger,
+            measured_period_ns,
+            mean_spool_raw,
+            crc32,
+        }
+    }
+
+    /// Once the index wrapped, at sample 32,769.
+    #[test]
+    fn a_record_that_goes_on_behind_what_files_count_to_is_refused() {
+        let error = head(40_000, u16::MAX, 0).check(65_536).expect_err("too far").to_string();
+        assert!(error.contains("ends with sample 2621334465"), "{error}");
+        assert_eq!(head(40_000, u16::MAX, 0).indices().last(), Some(2_621_334_465));
+        assert!(head(32_768, u16::MAX, 0).check(65_536).is_ok());
+        assert!(head(32_770, u16::MAX, 0).check(65_536).is_err());
+    }
+
+    #[test]
+    fn the_last_index_is_that_of_the_last_sample() {
+        for (samples, decimation, first) in
+            [(1, 1, 0), (5, 1, -2), (5, 3, -7), (5, 3, -15), (2, 3, -15), (4, 0, 0), (3, 9, i32::MIN)]
+        {
+            let head = head(samples, decimation, first);
+            assert_eq!(head.indices().last(), Some(head.last_index()), "{samples} {decimation} {first}");
+        }
+    }
+
+    #[test]
+    fn a_record_that_no_rig_has_is_refused() {
+        assert!(head(4390, 1, 0).check(4389).is_err(), "longer than the memory");
+        assert!(head(usize::MAX, 1, 0).check(usize::MAX).is_err(), "more chunks than requests have numbers");
+        assert!(head(5, 1, 1).check(4389).is_err(), "it begins after the start");
+        assert!(head(4389, 1, -2000).check(4389).is_ok());
     }
 }

@@ -1,10 +1,10 @@
 //! The stream of a rig: samples of a run while it is on (version 3 of the protocol).
 
 use std::collections::VecDeque;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use pneudrive_protocol::{MAX_ROWS, Reply, ReplyBody, RequestBody, Status, StreamedSample};
 
 use super::{Client, unexpected};
@@ -16,6 +16,9 @@ const GRANTED: u32 = 4096;
 
 /// How long rows are waited for at once.
 const LISTEN: Duration = Duration::from_millis(20);
+
+/// How long the rows may take that are left when a run is over: the rig holds some hundred.
+const REST: Duration = Duration::from_secs(3);
 
 /// Rows of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +34,11 @@ impl Rows {
         let ReplyBody::Rows { first, rows } = *body else { return None };
         Some(Rows { first, rows: StreamedSample::read(rows)?.collect() })
     }
+
+    /// Number of the row behind the last one.
+    fn end(&self) -> u64 {
+        u64::from(self.first) + self.rows.len() as u64
+    }
 }
 
 /// What has come unasked and was not looked at yet.
@@ -38,19 +46,28 @@ impl Rows {
 pub(super) struct Unasked {
     /// Number of the request that began the stream.
     stream: Option<u16>,
+    /// Every how manyth sample becomes a row.
+    every: u16,
+    /// Number of the first row that may not come unasked.
+    granted: u32,
     rows: VecDeque<Rows>,
+    /// The end of a row that was not granted. It is not kept.
+    beyond: Option<u64>,
 }
 
 impl Unasked {
     /// Sets a reply aside if it is part of the stream.
     pub(super) fn takes(&mut self, reply: &Reply<'_>) -> bool {
-        match Rows::of(&reply.body) {
-            Some(rows) if self.stream == Some(reply.sequence) => {
-                self.rows.push_back(rows);
-                true
-            }
-            _ => false,
+        let Some(rows) = Rows::of(&reply.body).filter(|_| self.stream == Some(reply.sequence)) else {
+            return false;
+        };
+        // As many messages as rows are granted, at most: more repeat each other.
+        if rows.end() > u64::from(self.granted) {
+            self.beyond = Some(rows.end());
+        } else if self.rows.len() < GRANTED as usize {
+            self.rows.push_back(rows);
         }
+        true
     }
 }
 
@@ -69,7 +86,8 @@ impl Client {
     pub fn stream_begin(&mut self, every: u16, sample_hz: f64) -> Result<()> {
         self.needs_streams()?;
         let batch = (sample_hz / f64::from(every.max(1)) / 10.0).clamp(1.0, MAX_ROWS as f64) as u8;
-        self.unasked = Unasked { stream: Some(self.sequence.wrapping_add(1)), rows: VecDeque::new() };
+        let stream = Some(self.sequence.wrapping_add(1));
+        self.unasked = Unasked { stream, every, ..Unasked::default() };
         self.ask_done(RequestBody::StreamBegin { every, batch })?;
         self.stream_grant(GRANTED)
     }
@@ -85,6 +103,7 @@ impl Client {
     }
 
     fn stream_grant(&mut self, until: u32) -> Result<()> {
+        self.unasked.granted = self.unasked.granted.max(until);
         self.ask_done(RequestBody::StreamGrant { until })
     }
 
@@ -93,7 +112,7 @@ impl Client {
     /// lost for good.
     ///
     /// # Errors
-    /// As [`Client::follow`], or what `take` says.
+    /// As [`Client::follow`], what `take` says, or when the rows are none that the run can have.
     pub fn follow_streamed(
         &mut self,
         interrupted: &AtomicBool,
@@ -101,45 +120,81 @@ impl Client {
         mut take: impl FnMut(&StreamedSample) -> Result<()>,
     ) -> Result<(Status, u64)> {
         let mut arrivals = Arrivals::default();
-        let mut drain =
-            |arrivals: &mut Arrivals| std::iter::from_fn(|| arrivals.take()).try_for_each(|row| take(&row));
-        let followed = self.follow_and(interrupted, progress, |client| {
-            client.stream_on(&mut arrivals)?;
-            drain(&mut arrivals)
+        let mut drain = |arrivals: &mut Arrivals, reached: u32| {
+            while let Some(row) = arrivals.take(reached)? {
+                take(&row)?;
+            }
+            Ok(())
+        };
+        let followed = self.follow_and(interrupted, progress, |client, status| {
+            client.stream_on(&mut arrivals, interrupted)?;
+            // Rows that came behind this status wait for the next one.
+            drain(&mut arrivals, status.index)
         });
-        let rest = self.stream_rest(&mut arrivals).and_then(|()| drain(&mut arrivals));
+        let reached = match &followed {
+            Ok(status) => status.index,
+            Err(_) => self.status().map(|status| status.index).unwrap_or(0),
+        };
+        let rest = self.stream_rest(&mut arrivals, reached).and_then(|()| {
+            drain(&mut arrivals, reached)?;
+            match arrivals.waiting() {
+                Some(sample) => bail!("{}: it streams sample {sample} of a run up to {reached}", self.name),
+                None => Ok(()),
+            }
+        });
         followed.and_then(|status| rest.map(|()| (status, arrivals.lost())))
     }
 
     /// Listens for a moment, has the rows again that were lost on the way, and lets as many more come.
-    fn stream_on(&mut self, arrivals: &mut Arrivals) -> Result<()> {
+    fn stream_on(&mut self, arrivals: &mut Arrivals, interrupted: &AtomicBool) -> Result<()> {
+        self.stream_listen(arrivals, interrupted)?;
+        self.stream_grant(arrivals.next().saturating_add(GRANTED))
+    }
+
+    /// Listens for a moment, and has the rows again that were lost on the way.
+    fn stream_listen(&mut self, arrivals: &mut Arrivals, interrupted: &AtomicBool) -> Result<()> {
         let deadline = self.link.now() + LISTEN;
         self.hear(deadline, |_| None::<()>)?;
+        if let Some(end) = self.unasked.beyond {
+            bail!("{}: it streams up to row {end}, of which {} are granted", self.name, self.unasked.granted);
+        }
         for Rows { first, rows } in std::mem::take(&mut self.unasked.rows) {
             arrivals.came(first, rows);
         }
         while let Some((first, count)) = arrivals.missing() {
+            if interrupted.load(Ordering::Relaxed) {
+                break;
+            }
             let again = self.stream_read(first, count)?;
+            // What is not among them, the rig does not hold any more. Of what is behind the last row that has come, it
+            // cannot say that yet.
+            let gone = again.first.min(arrivals.end()).max(first + u32::from(count));
             arrivals.came(again.first, again.rows);
-            // What is not among them, the rig does not hold any more.
-            arrivals.gone(first + u32::from(count));
+            arrivals.gone(gone);
         }
-        self.stream_grant(arrivals.next().saturating_add(GRANTED))
+        Ok(())
     }
 
-    /// The last rows of a stream whose run is over: nothing came after them that would have told that they
-    /// are missing. No more than the rig holds, so it comes to an end, and is not to be interrupted.
-    fn stream_rest(&mut self, arrivals: &mut Arrivals) -> Result<()> {
-        loop {
-            self.stream_on(arrivals)?;
+    /// The last rows of a stream whose run is over at the sample `reached`: nothing came after them that would have told
+    /// that they are missing. No more than the rig holds, so it comes to an end, and is not to be interrupted.
+    fn stream_rest(&mut self, arrivals: &mut Arrivals, reached: u32) -> Result<()> {
+        let most = u64::from(reached / u32::from(self.unasked.every.max(1))) + 1;
+        let deadline = self.link.now() + REST;
+        while self.link.now() < deadline {
+            self.stream_listen(arrivals, &AtomicBool::new(false))?;
             let end = arrivals.end();
             let again = self.stream_read(end, MAX_ROWS as u8)?;
+            if again.end() > most || u64::from(end) > most {
+                bail!("{}: its stream has more rows than the {most} that the run can have", self.name);
+            }
             if again.rows.is_empty() && again.first <= end {
                 return Ok(());
             }
+            let gone = again.first;
             arrivals.came(again.first, again.rows);
-            arrivals.gone(again.first);
+            arrivals.gone(gone);
         }
+        bail!("{}: the last rows of its stream do not come", self.name)
     }
 
     fn stream_read(&mut self, first: u32, count: u8) -> Result<Rows> {

@@ -67,18 +67,22 @@ impl Client {
     /// When the rig does not answer.
     pub fn events(&mut self) -> Result<Vec<Event>> {
         self.needs_version(2, "a fault log")?;
-        let mut events = Vec::new();
+        let mut events: Vec<Event> = Vec::new();
+        let mut place = 0;
         loop {
-            let request = RequestBody::Events { first: events.len() as u8, count: MAX_EVENTS as u8 };
+            let request = RequestBody::Events { first: place, count: MAX_EVENTS as u8 };
             let (total, more) = self.ask(request, |reply| match reply {
-                ReplyBody::Events { total, events, .. } => {
-                    Ok((usize::from(*total), Event::all(events).collect::<Vec<_>>()))
+                ReplyBody::Events { total, first, events } if *first == place => {
+                    Ok((*total, Event::all(events).collect::<Vec<_>>()))
                 }
                 other => Err(unexpected(other)),
             })?;
+            place = place.saturating_add(more.len().min(MAX_EVENTS) as u8);
             let none = more.is_empty();
-            events.extend(more);
-            if none || events.len() >= total {
+            // An event that is logged meanwhile moves the others on: one comes twice.
+            let oldest = events.last().map_or(u64::MAX, |event| event.number.into());
+            events.extend(more.into_iter().filter(|event| u64::from(event.number) < oldest));
+            if none || place >= total {
                 return Ok(events);
             }
         }

@@ -2,9 +2,10 @@
 
 mod config;
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
+use pneudrive_controller::parameters::id;
 use pneudrive_protocol::{
     ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
@@ -89,8 +90,19 @@ fn provenance(state: &ConfigState) -> String {
 /// Homes the axis and waits for the end. Ctrl-C stops it.
 fn home(client: &mut Client) -> Result<()> {
     let interrupts = Interrupts::watch();
+    let timeout_ms = client.parameters()?.values.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
+    // The rig trips after its own time-out; an emulated one may be some times slower than the clock.
+    let longest = Duration::from_millis((10 * u64::from(timeout_ms)).max(5000));
     client.home()?;
+    let begun = Instant::now();
     while client.motion()?.homing {
+        if begun.elapsed() > longest {
+            client.stop()?;
+            bail!(
+                "the homing run went on after its time-out of {} s; it was told to stop",
+                f64::from(timeout_ms) / 1e3
+            );
+        }
         if interrupts.look() {
             client.stop()?;
             return interrupts.explain(Err(Exit::Interrupted.error(

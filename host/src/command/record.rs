@@ -42,7 +42,7 @@ pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile
         Err(error) if part.keep_on_disk().is_ok() => return Err(error.context(kept(&part))),
         Err(error) => return Err(error),
     };
-    let file = TargetFile::new(&record, &info, &parameters);
+    let file = TargetFile::new(&record, &info, &parameters)?;
     let path = file.write_next(folder)?;
     part.remove();
     Ok((path, file))

@@ -17,6 +17,9 @@ use crate::client::{Client, RigParameters};
 use crate::exit::Exit;
 use crate::words;
 
+/// How long a stepper's spool may take to mid-travel; a start then says why it is refused.
+const WALK_TO_NULL: Duration = Duration::from_secs(2);
+
 pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = load_rig(&arguments.rig, &arguments.settings)?;
     let mut client = Client::connect(&arguments.port.port)?;
@@ -97,7 +100,8 @@ pub(super) fn run_test(
     };
     let interrupts = Interrupts::watch();
     client.arm()?;
-    let ready = wait_for_null(client, rig).and_then(|()| wait_for_samples_before(client, rig, &interrupts));
+    let ready = wait_for_null(client, rig, &interrupts)
+        .and_then(|()| wait_for_samples_before(client, rig, &interrupts));
     if let Err(error) = ready.and_then(|()| client.start()) {
         client.disarm()?;
         stream.map_or(Ok(()), |stream| stream.end(client))?;
@@ -158,8 +162,12 @@ fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupts: &Interrup
 }
 
 /// The spool of a stepper valve walks to mid-travel one step a sample; a start before that is refused.
-fn wait_for_null(client: &mut Client, rig: &Rig) -> Result<()> {
-    for _ in 0..100 {
+fn wait_for_null(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
+    let begun = Instant::now();
+    while begun.elapsed() < WALK_TO_NULL {
+        if interrupts.seen().load(Ordering::Relaxed) {
+            bail!("stopped before the start, as you asked");
+        }
         if rig.word("operator.model") != "stepper" || client.status()?.spool == 0 {
             break;
         }

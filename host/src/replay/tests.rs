@@ -35,7 +35,7 @@ fn file(parameters: &Parameters, first_index: i32, samples: Vec<RecordedSample>)
         crc32: 0,
     };
     let parameters = RigParameters { values: parameters.clone(), lacking: Vec::new() };
-    TargetFile::new(&Record { head, samples }, &info(), &parameters)
+    TargetFile::new(&Record { head, samples }, &info(), &parameters).expect("counted")
 }
 
 /// What the recorder stores of a run over these positions.

@@ -1,0 +1,70 @@
+//! Texts that a device sends, made fit for a terminal, a message and a line of a file.
+
+use pneudrive_protocol::MAX_TEXT;
+
+/// Longest name, bytes: one that always fits its message.
+pub(crate) const NAME: usize = MAX_TEXT;
+
+/// Longest sentence, bytes.
+pub(crate) const SENTENCE: usize = 256;
+
+/// What a text that is cut ends with.
+const CUT: &str = "...";
+
+/// A text of a device with its control and formatting characters escaped (`\n`, `\u{1b}`), cut to `longest` bytes. A
+/// text that is clean stays as it is, so cleaning twice changes nothing.
+pub(crate) fn cleaned(text: &str, longest: usize) -> String {
+    let mut clean = String::new();
+    for character in text.chars() {
+        if is_plain(character) {
+            clean.push(character);
+        } else {
+            clean.extend(character.escape_debug());
+        }
+        if clean.len() > longest {
+            let end = clean.floor_char_boundary(longest.saturating_sub(CUT.len()));
+            return clean[..end].to_owned() + CUT;
+        }
+    }
+    clean
+}
+
+/// Whether a character shows as itself. Quotes and backslashes do, though Rust would escape them.
+fn is_plain(character: char) -> bool {
+    matches!(character, '"' | '\'' | '\\') || character.escape_debug().len() == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn an_ordinary_name_stays_as_it_is() {
+        for name in ["pneudrive 0.1.0", "0.1.0+a1b2c3-dirty", "Prüfstand \"Süd\" C:\\x", ""] {
+            assert_eq!(cleaned(name, NAME), name);
+        }
+    }
+
+    #[test]
+    fn what_moves_a_cursor_or_ends_a_line_is_escaped() {
+        assert_eq!(cleaned("a\x1b[2J\n# b = c\r", NAME), r"a\u{1b}[2J\n# b = c\r");
+        assert_eq!(cleaned("\u{9b}31m\u{202e}\u{2028}\0", NAME), r"\u{9b}31m\u{202e}\u{2028}\0");
+    }
+
+    #[test]
+    fn a_long_text_is_cut_between_two_characters() {
+        assert_eq!(cleaned(&"n".repeat(65), NAME), "n".repeat(61) + "...");
+        assert_eq!(cleaned(&"ü".repeat(40), NAME), "ü".repeat(30) + "...");
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_is_short_and_plain_and_cleaning_it_again_changes_nothing(text in any::<String>()) {
+            let clean = cleaned(&text, NAME);
+            prop_assert!(clean.len() <= NAME && clean.chars().all(is_plain), "{clean:?}");
+            prop_assert_eq!(cleaned(&clean, NAME), clean);
+        }
+    }
+}
