@@ -3,20 +3,30 @@
 //! Text, LF, as a TARGET file: lines `# key = value`, the header, a line of integers a sample. What has come is
 //! in the file at once, so a program that is killed leaves all of it. Where samples are missing, a line
 //! `# gap = 3 samples before index 120` stands; at the end the file says how many there are and how many
-//! are missing. [`crate::target::TargetFile`] reads it.
+//! are missing, and the CRC-32 of all lines behind the header's. The header ends with a CRC-32 of its own, so that an
+//! interrupted stream has that. [`crate::target::TargetFile`] reads it.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, anyhow, bail};
-use pneudrive_protocol::{RecordedSample, StreamedSample};
+use pneudrive_protocol::{RecordCrc, RecordedSample, StreamedSample};
 
 use crate::client::{Info, RigParameters};
-use crate::target::{COLUMNS, data_line, described, header_text, sample_of};
+use crate::target::{COLUMNS, crc_text, data_line, described, header_text, sample_of};
 
 /// First line's value.
-pub(crate) const FORMAT: &str = "pneudrive-stream 1";
+pub(crate) const FORMAT: &str = "pneudrive-stream 2";
+
+/// The same of files without a CRC.
+pub(crate) const FORMAT_1: &str = "pneudrive-stream 1";
+
+/// Key of the header's last line: the CRC-32 of those before it.
+pub(crate) const HEADER_CRC: &str = "header_crc32";
+
+/// What the last line begins with.
+const CRC: &str = "# crc32 = ";
 
 /// More samples than this do not go into the memory of a small machine.
 const MOST_SAMPLES: usize = 10_000_000;
@@ -31,6 +41,8 @@ pub struct StreamFile<W = File> {
     due: u32,
     samples: u64,
     missing: u64,
+    /// Of all lines behind those of the header.
+    crc: RecordCrc,
 }
 
 impl StreamFile {
@@ -50,6 +62,7 @@ impl StreamFile {
         let mut file = StreamFile::over(file, path, every);
         let mut header = described(FORMAT, test, info, parameters);
         header.insert(2, ("decimation".to_owned(), every.to_string()));
+        header.push((HEADER_CRC.to_owned(), crc_text(&header_text(&header))));
         file.write(&(header_text(&header) + COLUMNS + "\n"))?;
         Ok(file)
     }
@@ -64,6 +77,7 @@ impl<W: Write> StreamFile<W> {
             due: 0,
             samples: 0,
             missing: 0,
+            crc: RecordCrc::new(),
         }
     }
 
@@ -75,7 +89,7 @@ impl<W: Write> StreamFile<W> {
         self.skip_to(row.index)?;
         self.due = row.index.saturating_add(self.every);
         self.samples += 1;
-        self.write(&data_line(i64::from(row.index), &row.sample))
+        self.add_line(&data_line(i64::from(row.index), &row.sample))
     }
 
     fn skip_to(&mut self, index: u32) -> Result<()> {
@@ -84,7 +98,7 @@ impl<W: Write> StreamFile<W> {
         if missing == 0 {
             Ok(())
         } else {
-            self.write(&format!("# gap = {missing} samples before index {index}\n"))
+            self.add_line(&format!("# gap = {missing} samples before index {index}\n"))
         }
     }
 
@@ -96,7 +110,13 @@ impl<W: Write> StreamFile<W> {
         if let Some(end) = samples_of_run.filter(|&end| end > self.due) {
             self.skip_to(end)?;
         }
-        self.write(&format!("# samples = {}\n# missing = {}\n", self.samples, self.missing))
+        self.add_line(&format!("# samples = {}\n# missing = {}\n", self.samples, self.missing))?;
+        self.write(&format!("{CRC}{:08x}\n", self.crc.clone().finish()))
+    }
+
+    fn add_line(&mut self, line: &str) -> Result<()> {
+        self.crc.update(line.as_bytes());
+        self.write(line)
     }
 
     fn write(&mut self, text: &str) -> Result<()> {
@@ -110,21 +130,33 @@ impl<W: Write> StreamFile<W> {
     }
 }
 
-/// The samples in the numbered lines behind the header. A program that was killed has left no end, and maybe a
-/// part of a line: then the text does not end with a line.
+/// The samples in the numbered lines behind the header, and whether a CRC at their end covers them. A program that was
+/// killed has left no end, and maybe a part of a line: then the text does not end with a line.
 ///
 /// # Errors
-/// With the line of what is wrong, or when there are fewer samples than the end says.
+/// With the line of what is wrong, when there are fewer samples than the end says, or their CRC is another one.
 pub(crate) fn samples<'a>(
     lines: impl Iterator<Item = (usize, &'a str)>,
     ends_with_a_line: bool,
-) -> Result<Vec<(i32, RecordedSample)>> {
+) -> Result<(Vec<(i32, RecordedSample)>, bool)> {
     let mut lines = lines.peekable();
+    let mut crc = RecordCrc::new();
     let mut samples: Vec<(i32, RecordedSample)> = Vec::new();
     while let Some((number, line)) = lines.next() {
         if lines.peek().is_none() && !ends_with_a_line {
             break;
         }
+        if let Some(stated) = line.strip_prefix(CRC) {
+            check_crc(stated.trim_end(), crc.finish())?;
+            return match lines.next() {
+                None => Ok((samples, true)),
+                Some((number, _)) => {
+                    bail!("line {}: it stands behind the CRC, at the end of the file", number + 1)
+                }
+            };
+        }
+        crc.update(line.trim_end_matches('\r').as_bytes());
+        crc.update(b"\n");
         if let Some(stated) = line.strip_prefix("# samples = ") {
             if stated.trim_end() != samples.len().to_string() {
                 bail!("line {}: {stated} samples should be before it, and {} are", number + 1, samples.len());
@@ -142,7 +174,14 @@ pub(crate) fn samples<'a>(
             samples.push(sample);
         }
     }
-    Ok(samples)
+    Ok((samples, false))
+}
+
+fn check_crc(stated: &str, actual: u32) -> Result<()> {
+    if stated != format!("{actual:08x}") {
+        bail!("its samples are damaged or changed: the CRC is {actual:08x}, the file says {stated}");
+    }
+    Ok(())
 }
 
 /// What is wrong with a sample whose index is beyond what a reader counts to: 32 days at 1.3 ms.
@@ -160,7 +199,7 @@ mod tests {
     const LINES: &str = "0,1,2,3,4,5,6\n2,1,2,3,4,5,6\n# gap = 1 samples before index 6\n6,1,2,3,4,5,6\n";
 
     fn read(text: &str) -> Result<Vec<i32>> {
-        let samples = samples(text.lines().enumerate(), text.ends_with('\n'))?;
+        let (samples, _) = samples(text.lines().enumerate(), text.ends_with('\n'))?;
         Ok(samples.iter().map(|(index, _)| *index).collect())
     }
 
@@ -197,7 +236,7 @@ mod tests {
         assert_eq!(
             String::from_utf8(file.out).expect("text"),
             "0,0,0,0,0,0,0\n10,0,0,0,0,0,0\n# gap = 2 samples before index 40\n40,0,0,0,0,0,0\n50,0,0,0,0,0,0\n\
-             # gap = 2 samples before index 71\n# samples = 4\n# missing = 4\n"
+             # gap = 2 samples before index 71\n# samples = 4\n# missing = 4\n# crc32 = 3219d851\n"
         );
     }
 
@@ -209,5 +248,28 @@ mod tests {
         }
         file.end(Some(20)).expect("memory");
         assert_eq!(file.counts(), (2, 0));
+    }
+
+    /// Once a stream had no CRC at all.
+    #[test]
+    fn a_changed_digit_of_a_whole_stream_is_noticed_and_a_cut_one_is_not_whole() {
+        let mut file = StreamFile::over(Vec::new(), Path::new("x"), 1);
+        for index in [0, 1, 5] {
+            file.add(&StreamedSample { index, ..StreamedSample::default() }).expect("memory");
+        }
+        file.end(Some(6)).expect("memory");
+        let text = String::from_utf8(file.out).expect("text");
+        let read = |text: &str| samples(text.lines().enumerate(), text.ends_with('\n'));
+        assert!(read(&text).expect("whole").1);
+        assert!(read(&text.replace('\n', "\r\n")).expect("through another system").1);
+        for (at, digit) in text.char_indices().filter(|(_, c)| c.is_ascii_digit()) {
+            let other = if digit == '7' { "8" } else { "7" };
+            let changed = format!("{}{other}{}", &text[..at], &text[at + 1..]);
+            // A changed key is that of a remark: then there is no CRC, and that is said.
+            assert!(!matches!(read(&changed), Ok((_, true))), "changed digit at {at}");
+        }
+        let end = text.find(CRC).expect("an end");
+        assert!(!read(&text[..end]).expect("cut").1);
+        assert!(read(&(text.clone() + "9,0,0,0,0,0,0\n")).is_err(), "a sample behind the end");
     }
 }

@@ -147,8 +147,8 @@ impl Transient {
     pub fn of_target(name: &str, file: &TargetFile) -> Result<Transient> {
         let period = file.period_us()? / 1e6;
         let mm = file.positive("mm_per_count")?;
-        let pressure = [file.number("pressure_scale_pa")? / 1e3, file.number("pressure_offset_pa")? / 1e3];
-        let spool = [file.number("spool_scale_mm")?, file.number("spool_offset_mm")?];
+        let pressure = [file.positive("pressure_scale_pa")? / 1e3, file.number("pressure_offset_pa")? / 1e3];
+        let spool = [file.positive("spool_scale_mm")?, file.number("spool_offset_mm")?];
         let open_loop = file.number("param.open_loop")? != 0.0;
         // The first firmware knows of none.
         let stepper = file.get("param.stepper").is_some_and(|value| value != "0");

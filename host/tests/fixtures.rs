@@ -1,19 +1,23 @@
 //! TARGET files that were written by earlier versions stay readable. Add one with each version that changes
 //! the format or the parameters; never change one.
 
+mod program;
+
 use std::path::PathBuf;
 
 use pneudrive::replay::replay;
 use pneudrive::target::TargetFile;
 
 /// File, samples, index of the first, parameters in its header.
-const FILES: [(&str, usize, i32, usize); 3] = [
+const FILES: [(&str, usize, i32, usize); 4] = [
     // By the first version that recorded (966ae64), over protocol version 1.
     ("TARGET-1-first.DAT", 79, -2, 29),
     // By the first version with protocol version 3.
     ("TARGET-1-protocol-3.DAT", 77, 0, 54),
     // With protocol version 4: its first move comes late, and the setpoint is 0 until then.
     ("TARGET-1-protocol-4.DAT", 77, 0, 54),
+    // The first format whose CRC covers the header.
+    ("TARGET-2.DAT", 77, 0, 55),
 ];
 
 #[test]
@@ -27,5 +31,36 @@ fn files_of_every_version_are_read_replayed_and_written_again_as_they_are() {
         assert_eq!(file.to_text(), std::fs::read_to_string(&path).expect("there"), "{name}");
         let replay = replay(&file).unwrap_or_else(|error| panic!("{name}: {error:#}"));
         assert_eq!(replay.first, None, "{name}: the commands are as recorded");
+    }
+}
+
+/// Without a CRC, and with the first ones.
+#[test]
+fn streams_of_every_version_are_read_and_replayed() {
+    for name in ["STREAM-1.txt", "STREAM-2.txt"] {
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name);
+        let file = TargetFile::read(&path).unwrap_or_else(|error| panic!("{error:#}"));
+        assert!(file.is_streamed() && file.samples.len() == 77, "{name}");
+        let replay = replay(&file).unwrap_or_else(|error| panic!("{name}: {error:#}"));
+        assert_eq!(replay.first, None, "{name}: the commands are as recorded");
+    }
+}
+
+/// What the CRC of an older file does not cover is told to whoever uses it.
+#[test]
+fn older_files_are_read_with_a_note_of_what_nothing_covers() {
+    for (name, note) in [
+        ("TARGET-1-protocol-4.DAT", Some("it is of format 1, whose CRC covers the samples alone")),
+        ("TARGET-2.DAT", None),
+        ("STREAM-1.txt", Some("it is a stream of format 1, which has no CRC")),
+        ("STREAM-2.txt", None),
+    ] {
+        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+        let said = program::transcript(&folder, &format!("replay {name}"));
+        assert!(said.ends_with("= 0"), "{said}");
+        match note {
+            Some(note) => assert!(said.contains(&format!("! note: {name}: {note}")), "{said}"),
+            None => assert!(!said.contains("CRC"), "{said}"),
+        }
     }
 }

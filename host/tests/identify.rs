@@ -7,7 +7,7 @@ use std::path::Path;
 
 use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
-use program::{exists, folder, ok, transcript};
+use program::{exists, folder, ok, transcript, with_line};
 
 /// An open loop with two strokes, without dither: half a second.
 const TEST: &str = "\
@@ -356,21 +356,21 @@ fn files_that_cannot_be_fitted_are_refused_by_what_is_wrong_with_them() {
     let cut = text[..text.len() - 400].to_owned();
     let lines: Vec<&str> = text.lines().collect();
     let shortened = lines[..lines.len() - 20].join("\n") + "\n";
-    let coarse = text.replace("# decimation = 1", "# decimation = 2");
+    let coarse = with_line(&text, "decimation", Some("2"));
     let digit = |from: char| if from == '1' { '2' } else { '1' };
     let last = text.trim_end().chars().last().expect("a digit");
     let flipped = format!("{}{}\n", &text.trim_end()[..text.trim_end().len() - 1], digit(last));
-    let stepper = text.replace("# param.stepper = 0", "# param.stepper = 1");
+    let stepper = with_line(&text, "param.stepper", Some("1"));
     for (content, says) in [
         (String::new(), "ends before its data"),
         (cut, "line 4"),
-        (shortened, "damaged or cut"),
+        (shortened, "damaged, cut or changed"),
         ("\u{0}\u{1}\u{fffd}garbage".to_owned(), "line 1"),
-        (flipped, "damaged or cut"),
+        (flipped, "damaged, cut or changed"),
         ("time_s,position_m\n0,1\n".to_owned(), "line 1"),
         (coarse, "test.decimation=1"),
-        (text.replace("# measured_period_us = 1300", "# measured_period_us = 1e18"), "measured period"),
-        (text.replace("# mm_per_count = 0.01205", "# mm_per_count = 0"), "mm_per_count"),
+        (with_line(&text, "measured_period_us", Some("1e18")), "measured period"),
+        (with_line(&text, "mm_per_count", Some("0")), "mm_per_count"),
         (stepper, "drive stage"),
     ] {
         fs::write(folder.path().join("bad.dat"), content).expect("written");

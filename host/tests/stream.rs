@@ -138,10 +138,11 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     assert!(said.contains("run.csv: 154 samples, none missing\nservo-b-tuned: done\n"), "{said}");
     let text = fs::read_to_string(folder.path().join("run.csv")).expect("written");
     assert!(
-        text.starts_with("# format = pneudrive-stream 1\n# test = servo-b-tuned\n# decimation = 2\n"),
+        text.starts_with("# format = pneudrive-stream 2\n# test = servo-b-tuned\n# decimation = 2\n"),
         "{text}"
     );
-    assert!(text.ends_with("\n# samples = 154\n# missing = 0\n"), "{text}");
+    let end = text.find("\n# samples = 154\n# missing = 0\n# crc32 = ").expect("an end");
+    assert_eq!(text[end + 1..].lines().count(), 3, "{text}");
 
     ok(folder.path(), &format!("record --port {port}"));
     let record = fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("written");
@@ -193,7 +194,10 @@ fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
     let at = text.find("\n100,").expect("a sample") + 1;
     let line = text[at..].find('\n').expect("an end") + 1;
     let gap = format!("{}# gap = 1 samples before index 101\n{}", &text[..at], &text[at + line..]);
-    let gap = gap.replace("# samples = 308\n# missing = 0", "# samples = 307\n# missing = 1");
+    let changed = gap.replace("# samples = 308\n# missing = 0", "# samples = 307\n# missing = 1");
+    fs::write(folder.path().join("gap.txt"), &changed).expect("written");
+    assert!(said("eval gap.txt").contains("its samples are damaged or changed"));
+    let gap = changed[..changed.find("# crc32").expect("an end")].to_owned();
     fs::write(folder.path().join("gap.txt"), gap).expect("written");
     let refused = said("eval gap.txt");
     assert!(refused.contains("gap.txt: samples are missing between 0.1287 s and 0.1313 s"), "{refused}");

@@ -252,8 +252,8 @@ fn what_is_no_record_is_refused_by_what_is_wrong_with_it() {
     assert_ne!(flipped, text);
     for (name, bytes, says) in [
         ("cut.dat", cut_line.as_bytes(), "cut.dat: line "),
-        ("cut-end.dat", cut_end.as_bytes(), "cut-end.dat: its data are damaged or cut: the CRC is"),
-        ("flipped.dat", flipped.as_bytes(), "flipped.dat: its data are damaged or cut: the CRC is"),
+        ("cut-end.dat", cut_end.as_bytes(), "cut-end.dat: it is damaged, cut or changed: the CRC is"),
+        ("flipped.dat", flipped.as_bytes(), "flipped.dat: it is damaged, cut or changed: the CRC is"),
         ("empty.dat", b"".as_slice(), "empty.dat: the file ends before its data"),
         ("sheet.csv", b"a,b\n1,2\n", "sheet.csv: line 1: expected `# key = value`"),
         (

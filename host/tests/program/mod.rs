@@ -4,6 +4,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use pneudrive::target::TargetFile;
 use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
@@ -66,4 +67,13 @@ pub fn virtual_rig_of(rig: Rig) -> Background {
 fn start(rig: Rig, door: &str, pace: Pace) -> Background {
     let rig = VirtualRig::new(rig, 0, pace).expect("a rig");
     Background::start(rig, Door::open(door).expect("a port"))
+}
+
+/// A TARGET file with a line of its header changed, added before the CRC, or left out.
+pub fn with_line(text: &str, key: &str, value: Option<&str>) -> String {
+    let mut file = TargetFile::from_text(text).expect("a TARGET file");
+    file.header.retain(|(name, _)| name != key);
+    file.header.extend(value.map(|value| (key.to_owned(), value.to_owned())));
+    file.seal();
+    file.to_text()
 }

@@ -1,0 +1,168 @@
+//! How a TARGET file, or what has been streamed of a run, is read.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_protocol::RecordedSample;
+
+use super::{COLUMNS, CRC, FORMAT, FORMAT_1, TargetFile, crc_text, data_lines, header_text};
+use crate::stream_file;
+
+/// What of a file its checksums cover.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Covered {
+    /// All of it.
+    Whole,
+    /// The header of a stream that was interrupted.
+    Header,
+    /// The samples of a TARGET file of format 1.
+    Samples,
+    /// Nothing of a stream of format 1.
+    Nothing,
+}
+
+impl Covered {
+    /// What is not covered, in a sentence.
+    fn note(self) -> Option<&'static str> {
+        match self {
+            Covered::Whole => None,
+            Covered::Header => {
+                Some("its stream was interrupted, so nothing tells whether its samples are as they came")
+            }
+            Covered::Samples => Some(
+                "it is of format 1, whose CRC covers the samples alone; nothing tells whether scales and parameters in its header are as they were",
+            ),
+            Covered::Nothing => {
+                Some("it is a stream of format 1, which has no CRC; nothing tells whether it is as it was")
+            }
+        }
+    }
+}
+
+impl TargetFile {
+    /// Takes a file's text apart.
+    ///
+    /// # Errors
+    /// With the line of what is wrong, or when a CRC does not fit.
+    pub fn from_text(text: &str) -> Result<TargetFile> {
+        Ok(TargetFile::read_text(text)?.0)
+    }
+
+    /// Reads a file. What its CRC does not cover is told on standard error.
+    ///
+    /// # Errors
+    /// With the file and the line of what is wrong.
+    pub fn read(path: &Path) -> Result<TargetFile> {
+        let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let Ok(text) = String::from_utf8(bytes) else {
+            bail!("{} is no text: it is neither a TARGET file nor a run folder", path.display());
+        };
+        let (file, covered) = TargetFile::read_text(&text).with_context(|| path.display().to_string())?;
+        if let Some(note) = covered.note() {
+            eprintln!("note: {}: {note}", path.display());
+        }
+        Ok(file)
+    }
+
+    /// The file of a text, and what of it is covered by a CRC.
+    pub(crate) fn read_text(text: &str) -> Result<(TargetFile, Covered)> {
+        let mut lines = text.lines().enumerate();
+        let mut file = TargetFile { header: header(&mut lines)?, samples: Vec::new() };
+        let ends_with_a_line = text.ends_with('\n');
+        let covered = match file.get("format") {
+            Some(FORMAT | FORMAT_1) => {
+                file.samples = lines.map(|(number, line)| sample_of(number, line)).collect::<Result<_>>()?;
+                file.check_crc()?
+            }
+            Some(stream_file::FORMAT) => {
+                file.check_header_crc()?;
+                let (samples, whole) = stream_file::samples(lines, ends_with_a_line)?;
+                file.samples = samples;
+                if whole { Covered::Whole } else { Covered::Header }
+            }
+            Some(stream_file::FORMAT_1) => {
+                file.samples = stream_file::samples(lines, ends_with_a_line)?.0;
+                Covered::Nothing
+            }
+            Some(other) => {
+                let (target, stream) = (FORMAT, stream_file::FORMAT);
+                bail!(
+                    "its format is {other:?}; this program reads {target:?}, {stream:?} and what was before them"
+                )
+            }
+            None => bail!("it is no TARGET file: its header has no `# format = {FORMAT}`"),
+        };
+        Ok((file, covered))
+    }
+
+    fn check_crc(&self) -> Result<Covered> {
+        let stated = self.get(CRC).ok_or_else(|| anyhow!("the header has no {CRC}"))?;
+        let (text, covered) = match self.get("format") {
+            Some(FORMAT_1) => (data_lines(&self.samples), Covered::Samples),
+            _ => (self.without(CRC).to_text(), Covered::Whole),
+        };
+        let actual = crc_text(&text);
+        if stated != actual {
+            let what = if covered == Covered::Whole { "it is" } else { "its data are" };
+            bail!("{what} damaged, cut or changed: the CRC is {actual}, the header says {stated}");
+        }
+        Ok(covered)
+    }
+
+    fn check_header_crc(&self) -> Result<()> {
+        let key = stream_file::HEADER_CRC;
+        let stated = self.get(key).ok_or_else(|| anyhow!("the header has no {key}"))?;
+        let actual = crc_text(&header_text(&self.without(key).header));
+        if stated != actual {
+            bail!("its header is damaged or changed: the CRC is {actual}, the header says {stated}");
+        }
+        Ok(())
+    }
+
+    fn without(&self, key: &str) -> TargetFile {
+        let lines = self.header.iter().filter(|(name, _)| name != key);
+        TargetFile { header: lines.cloned().collect(), samples: self.samples.clone() }
+    }
+}
+
+/// The lines `# key = value`, each key once, up to the header of the samples.
+fn header<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Vec<(String, String)>> {
+    let mut header: Vec<(String, String)> = Vec::new();
+    for (number, line) in lines {
+        // A file that has been through many systems may end its lines with more than one CR.
+        let line = line.trim_end_matches('\r');
+        if line == COLUMNS {
+            return Ok(header);
+        }
+        let pair = line.strip_prefix("# ").and_then(|line| line.split_once(" = "));
+        let Some((key, value)) = pair else {
+            bail!("line {}: expected `# key = value` or `{COLUMNS}`, found {line:?}", number + 1);
+        };
+        if let Some(before) = header.iter().position(|(name, _)| name == key) {
+            bail!("line {}: {key} has been given already, in line {}", number + 1, before + 1);
+        }
+        header.push((key.to_owned(), value.to_owned()));
+    }
+    bail!("the file ends before its data: it has no line `{COLUMNS}`");
+}
+
+/// The sample of a line, whose number counts from 0.
+pub(crate) fn sample_of(number: usize, line: &str) -> Result<(i32, RecordedSample)> {
+    fields(line).ok_or_else(|| anyhow!("line {}: expected seven whole numbers, found {line:?}", number + 1))
+}
+
+fn fields(line: &str) -> Option<(i32, RecordedSample)> {
+    let mut fields = line.split(',');
+    let mut next = || fields.next();
+    let index = next()?.parse().ok()?;
+    let sample = RecordedSample {
+        position: next()?.parse().ok()?,
+        pressure_1: next()?.parse().ok()?,
+        pressure_2: next()?.parse().ok()?,
+        command: next()?.parse().ok()?,
+        error: next()?.parse().ok()?,
+        spool: next()?.parse().ok()?,
+    };
+    fields.next().is_none().then_some((index, sample))
+}
