@@ -17,7 +17,7 @@ fn an_emulated_board_is_put_into_service_run_recorded_and_overlaid_from_the_comm
     assert!(shell.device("info").contains("board       QEMU mps2-an386\n"));
     let status = shell.device("status");
     assert!(status.starts_with("mode        disarmed\nreferenced  yes\n"), "{status}");
-    assert!(status.contains("position    8192 counts\n"), "{status}");
+    assert!(status.contains("position    98.714 mm\n"), "{status}");
     let _ = shell.device("config import servo-b-tuned");
     assert_eq!(shell.device("config get velocity_gain"), "velocity_gain = 2000\n");
     assert!(shell.device("reference 8192").starts_with("referenced"));

@@ -1,5 +1,6 @@
 //! Arguments of the command line.
 
+mod device;
 mod experiments;
 mod transients;
 
@@ -7,6 +8,7 @@ use std::num::NonZeroU16;
 use std::path::PathBuf;
 use std::time::Duration;
 
+pub use device::{ConfigAction, Device, DeviceAction, Place};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Tune};
 pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
 
@@ -312,78 +314,6 @@ pub struct PortChoice {
     pub port: String,
 }
 
-/// Arguments of `device`.
-#[derive(Debug, Args)]
-pub struct Device {
-    /// The port.
-    #[command(flatten)]
-    pub port: PortChoice,
-    /// What to do.
-    #[command(subcommand)]
-    pub action: DeviceAction,
-}
-
-/// Subcommands of `device`.
-#[derive(Debug, Subcommand)]
-pub enum DeviceAction {
-    /// Who the rig is
-    Info,
-    /// How the rig is
-    Status,
-    /// Enable the drive, valve at null; the only way out of a fault. The rig gives up its last record: fetch
-    /// it first (`pneudrive record`)
-    Arm,
-    /// Disable the drive
-    Disarm,
-    /// Stop at once: a fault that only arming leaves
-    Stop,
-    /// State where the axis stands; sets the encoder's counter. The drive must be disarmed
-    #[command(allow_negative_numbers = true)]
-    Reference {
-        /// Position now, encoder counts (0 is the retracted end)
-        counts: i32,
-    },
-    /// Home the axis: move it slowly to its stop or switch, which gives counts their meaning. The drive
-    /// must be armed
-    Home,
-    /// The fault log, newest first
-    Faults,
-    /// Parameters of the controller
-    #[command(subcommand)]
-    Config(ConfigAction),
-}
-
-/// Subcommands of `device config`.
-#[derive(Debug, Subcommand)]
-pub enum ConfigAction {
-    /// One parameter, or all
-    Get {
-        /// Its name, such as velocity_gain
-        name: Option<String>,
-    },
-    /// Change a parameter; the drive must be disarmed
-    #[command(allow_negative_numbers = true)]
-    Set {
-        /// Its name; an entry of the gain profile is named like `gain_profile[3]`
-        name: String,
-        /// The new value
-        #[arg(value_parser = whole_number)]
-        value: i32,
-    },
-    /// Write all parameters to a file, a line each
-    Export {
-        /// The file
-        file: PathBuf,
-    },
-    /// Take over the controller's parameters of a rig, or of an exported file; the drive must be disarmed
-    Import {
-        /// A built-in rig, a rig file, or what `export` has written
-        from: String,
-    },
-    /// Store the parameters, for the next reset; the drive must be disarmed
-    Save,
-}
-
 /// Arguments of `run`.
 #[derive(Debug, Args)]
 pub struct Run {
@@ -451,6 +381,9 @@ pub struct Monitor {
     /// Also write the values to this file
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// Figures as the rig sends them, in counts and samples, not in mm, kPa and s
+    #[arg(long)]
+    pub counts: bool,
     /// Seconds from one value to the next
     #[arg(long = "every", value_name = "S", default_value_t = 0.2, value_parser = interval)]
     pub every_s: f64,

@@ -24,6 +24,7 @@ pub use record::{Pieces, Record, RecordChanged, RecordHead};
 use crate::exit::Exit;
 use crate::foreign::{NAME, SENTENCE, cleaned};
 use crate::port::{self, Link};
+use crate::units::Units;
 use crate::words;
 use advance::Advance;
 
@@ -348,9 +349,9 @@ impl Client {
                     })?,
                 Mode::Fault => {
                     return Err(Exit::Tripped.error(format!(
-                        "{} tripped at sample {}: {} ({}); `pneudrive device arm` leaves the fault",
+                        "{} tripped {}: {} ({}); `pneudrive device arm` leaves the fault",
                         self.name,
-                        status.index,
+                        self.place_in_run(status.index),
                         words::fault_code_name(status.fault),
                         words::fault_meaning(status.fault)
                     )));
@@ -366,6 +367,13 @@ impl Client {
 }
 
 impl Client {
+    /// Where a run has come to: also in s, where the rig has told its period.
+    fn place_in_run(&self, index: u32) -> String {
+        let after =
+            |(_, parameters): &(u32, RigParameters)| format!(", after {}", Units::of(parameters).time(index));
+        format!("at sample {index}{}", self.known.as_ref().map_or_else(String::new, after))
+    }
+
     /// Ends a run before its time.
     fn end_early(&mut self, last: Option<Status>) -> Result<Status> {
         if last.is_some_and(|status| status.duration_samples == UNTIL_STOPPED) {

@@ -38,6 +38,7 @@ use crate::cli::{Cli, Command, Integration, MethodName, RigChoice};
 use crate::client::RigParameters;
 use crate::exit::Exit;
 use crate::output::{self, Stream};
+use crate::parameter_names::names_of;
 
 /// The program: reads the command line, does what it asks for, tells what went wrong.
 #[must_use]
@@ -172,7 +173,7 @@ fn few(names: &[&str]) -> String {
 
 /// Says which parameters the rig's firmware does not have.
 fn tell_lacking(parameters: &RigParameters) {
-    let names = parameters.lacking_names();
+    let names = names_of(&parameters.lacking_names());
     if !names.is_empty() {
         tell!(
             "note: the rig's firmware is older than this program; it has no {}, and does as with their defaults",

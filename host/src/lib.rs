@@ -59,6 +59,7 @@ pub mod ladder;
 mod noise;
 pub mod page;
 pub mod parallel;
+mod parameter_names;
 pub mod part_file;
 #[cfg(unix)]
 mod plant_server;
@@ -77,6 +78,7 @@ pub mod sweep;
 pub mod target;
 pub mod transient;
 pub mod tuning;
+mod units;
 pub mod virtual_rig;
 pub mod whole_file;
 mod words;

@@ -8,6 +8,7 @@ use pneudrive_sim::Decision;
 
 use crate::ensemble::Lost;
 use crate::foreign::{NAME, SENTENCE, cleaned};
+use crate::parameter_names::Written;
 
 /// The protocol version of a rig, and what comes of it if it is not that of this program.
 pub(crate) fn protocol(version: u16) -> String {
@@ -134,8 +135,7 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
     match refused {
         Refused::NotNow(refusal) => match Refusal::from_code(*refusal) {
             Some(Refusal::NotArmed) => {
-                "the drive is not armed; arm it first (`pneudrive device arm`). To ask a disarmed drive for a move trips it"
-                    .to_owned()
+                "the drive is not armed; arm it first (`pneudrive device arm`)".to_owned()
             }
             Some(Refusal::Running) => {
                 "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
@@ -211,11 +211,10 @@ pub(crate) fn commander(host: &str) -> String {
 }
 
 fn out_of_range(id: u16, value: i32) -> String {
-    match pneudrive_controller::parameters::lookup(id) {
-        Some(parameter) => format!(
-            "{} = {value} is out of range: {} to {} {}",
-            parameter.name, parameter.min, parameter.max, parameter.unit
-        ),
+    match Written::of(id) {
+        Some(written) => {
+            format!("{} = {} is out of range: {}", written.name, written.text(value), written.range())
+        }
         None => format!("parameter {id} = {value} is out of range"),
     }
 }

@@ -230,7 +230,7 @@ fn a_rig_is_armed_run_recorded_and_overlaid_from_the_command_line() {
     assert_eq!(device("config get gain_profile[3]"), "gain_profile[3] = 2000\n= 0");
     assert!(
         device("config set velocity_gain 70000")
-            .contains("velocity_gain = 70000 is out of range: 0 to 65535")
+            .contains("controller.velocity_gain = 70000 is out of range: 0 to 65535")
     );
     assert!(device("config get nonsense").contains("there is no parameter nonsense"));
     assert!(device("config get gain_profile[256]").contains("gain_profile has the entries 0 to 255"));

@@ -13,16 +13,19 @@ fn an_axis_that_is_homed_counts_from_its_stop() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
     let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
     assert!(device("home").contains("the drive is not armed; arm it first"));
-    assert!(device("status").starts_with("mode        fault command-while-disarmed"));
+    assert!(device("status").starts_with("mode        disarmed\n"), "refused without a trip");
     device("arm");
     let said = device("home");
-    assert!(
-        said.starts_with("homed: the axis stands at ") && said.ends_with(" counts, armed\n= 0"),
-        "{said}"
-    );
+    assert!(said.starts_with("homed: the axis stands at ") && said.ends_with(" mm, armed\n= 0"), "{said}");
     assert!(device("status").starts_with("mode        armed\nreferenced  yes\n"));
+    assert_eq!(device("faults"), "no faults\n= 0");
+    assert!(device("stop").starts_with("stopped"));
     let faults = device("faults");
-    assert!(faults.starts_with("reset    1 ") && faults.contains(" command-while-disarmed "), "{faults}");
+    assert!(faults.starts_with("reset    1 ") && faults.contains(" stop "), "{faults}");
+    assert!(
+        faults.contains(" s into the run  at ") && faults.contains(" mm  a stop was requested"),
+        "{faults}"
+    );
     assert_eq!(faults.lines().count(), 2, "one event and the exit code: {faults}");
 }
 
@@ -77,14 +80,85 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
 
     let whole = fs::read_to_string(folder.path().join("parameters.txt")).expect("exported");
-    fs::write(folder.path().join("cut.txt"), &whole[..whole.find("velocity_gain").expect("a line")])
-        .expect("written");
+    fs::write(
+        folder.path().join("cut.txt"),
+        &whole[..whole.find("controller.velocity_gain").expect("a line")],
+    )
+    .expect("written");
     let said = device("config import cut.txt");
     assert!(said.contains("cut.txt: its first line tells of 55 parameters, and 6 are there"), "{said}");
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
     assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
     assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));
     assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
+}
+
+/// Once the device had names and units of its own: hold_ms, pressure_max_pa.
+#[test]
+fn parameters_have_the_names_the_units_and_the_words_of_rig_files() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    assert_eq!(device("config get safety.hold_s"), "safety.hold_s = 60 s\n= 0");
+    assert_eq!(device("config set safety.hold_s 1.5"), "safety.hold_s = 1.5 s\n= 0");
+    assert_eq!(device("config get hold_ms"), "hold_ms = 1500 ms\n= 0", "the name that it had, in its unit");
+    assert_eq!(device("config set controller.loop open"), "controller.loop = open\n= 0");
+    assert!(device("config set controller.loop ajar").contains("\"ajar\" is none of closed, open"));
+    assert!(device("config set safety.hold_s 0.0001").contains("the device has it as a whole number of ms"));
+    assert!(
+        device("config set safety.hold_s 4000").contains("safety.hold_s = 4000 is out of range: 0 to 3600 s")
+    );
+    let list = device("config get");
+    assert!(list.contains("\nencoder.mm_per_count ") && list.contains(" 0.01205 mm "), "{list}");
+    device("config export parameters.txt");
+    let text = fs::read_to_string(folder.path().join("parameters.txt")).expect("exported");
+    assert!(text.contains("\nsafety.hold_s = 1.5\ncontroller.gain_profile = "), "{text}");
+    assert!(device("config import parameters.txt").starts_with("took over"));
+}
+
+#[test]
+fn figures_are_in_mm_kpa_and_s_and_in_counts_on_request() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    assert_eq!(device("reference 98.72mm"), "referenced: the axis stands at 98.726 mm\n= 0");
+    assert_eq!(device("reference 8193 --counts"), "referenced: the axis stands at 8193 counts\n= 0");
+    assert!(device("reference 98.72cm").contains("is not a whole number"));
+    let said = device("status");
+    assert!(said.contains("\nposition    98.726 mm\n") && said.contains(" kPa\nspool       "), "{said}");
+    let said = device("status --counts");
+    assert!(said.contains("\nposition    8193 counts\n") && said.contains(" raw\nspool       "), "{said}");
+    let monitor = |more: &str| {
+        transcript(folder.path(), &format!("monitor --port {} --every 0.01 --count 1{more}", rig.port()))
+    };
+    assert!(monitor("").contains(" 98.726 mm  error ") && monitor("").contains(" kPa  at 0.000 s"));
+    assert!(
+        monitor(" --counts").contains(" 8193 counts  error ")
+            && monitor(" --counts").contains(" raw  at 0 samples")
+    );
+}
+
+/// Once a setting that the rig is never told was passed over in silence.
+#[test]
+fn a_setting_that_the_test_of_a_rig_does_not_take_is_refused() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let run = |more: &str| {
+        transcript(
+            folder.path(),
+            &format!("run servo-b-tuned --port {} --set test.duration_s=0.05 {more}", rig.port()),
+        )
+    };
+    for key in ["load.mass_kg=9", "test.position_m=0.1", "supply.temperature_k=290"] {
+        let said = run(&format!("--config --set {key}"));
+        assert!(said.contains("a rig is not told this") && said.ends_with("= 1"), "{key}: {said}");
+    }
+    let said = run("--set controller.velocity_gain=5");
+    assert!(
+        said.contains("--set controller.velocity_gain: a run downloads the test alone; --config"),
+        "{said}"
+    );
+    assert!(run("--set controller.velocity_gain=5 --config").ends_with("= 0"));
+    assert!(run("--set controller.loop=open").contains("controller.loop = closed on the rig and"));
+    let said = run("--set test.decimation=2");
+    assert!(said.ends_with("= 0"), "{said}");
 }
 
 #[test]

@@ -157,7 +157,7 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
 
     let said = ok(folder.path(), &format!("monitor --port {port} --every 0.01 --count 3 --csv values.csv"));
     assert_eq!(said.lines().count(), 3);
-    assert!(said.starts_with("done ") && said.contains(" kPa  sample 307"), "{said}");
+    assert!(said.starts_with("done ") && said.contains(" kPa  at 0.399 s"), "{said}");
     let values = fs::read_to_string(folder.path().join("values.csv")).expect("written");
     assert_eq!(values.lines().count(), 4, "{values}");
     assert!(values.starts_with("time_s,mode,index,setpoint_counts,"), "{values}");

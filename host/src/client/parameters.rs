@@ -7,6 +7,7 @@ use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
 
 use super::change::Change;
 use super::{Client, unexpected};
+use crate::parameter_names::{Written, name_of};
 use crate::words;
 
 /// How often parameters are read when they change meanwhile.
@@ -71,10 +72,8 @@ impl Client {
                 Ok(values) => {
                     for (id, value) in (at..).zip(values) {
                         into.values.set(id, value).map_err(|_| {
-                            anyhow!(
-                                "{} has {value} for parameter {id}, which is out of range here",
-                                self.name
-                            )
+                            let name = name_of(id);
+                            anyhow!("{} has {value} for {name}, which is out of range here", self.name)
                         })?;
                     }
                     (at, until) = (until, end);
@@ -161,12 +160,16 @@ impl Client {
         let default = Parameters::default();
         let wanted = on_rig.lacking.iter().find(|&&id| parameters.get(id) != default.get(id));
         let Some(&id) = wanted else { return Ok(()) };
+        let text = |of: &Parameters| {
+            let value = of.get(id).unwrap_or(0);
+            Written::of(id).map_or_else(|| value.to_string(), |written| written.text(value))
+        };
         bail!(
             "{}: its firmware has no parameter {}, which shall be {} (by default {}); flash a newer one, or leave it as by default",
             self.name,
-            lookup(id).map_or("?", |parameter| parameter.name),
-            parameters.get(id).unwrap_or(0),
-            default.get(id).unwrap_or(0)
+            name_of(id),
+            text(parameters),
+            text(&default)
         )
     }
 }

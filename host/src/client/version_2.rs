@@ -1,9 +1,13 @@
 //! What version 2 of the protocol has added: homing, the moves, stored configuration, fault log.
 
-use anyhow::Result;
-use pneudrive_protocol::{ConfigState, Event, MAX_EVENTS, Motion, ReplyBody, RequestBody, Spread};
+use anyhow::{Result, bail};
+use pneudrive_controller::Refusal;
+use pneudrive_protocol::{
+    ConfigState, Event, MAX_EVENTS, Mode, Motion, Refused, ReplyBody, RequestBody, Spread,
+};
 
 use super::{Client, unexpected};
+use crate::words;
 
 impl Client {
     /// Homes the axis; [`Client::motion`] tells when it is done.
@@ -12,6 +16,11 @@ impl Client {
     /// When it is refused or not answered.
     pub fn home(&mut self) -> Result<()> {
         self.needs_version(2, "homing")?;
+        // An older firmware would trip.
+        if self.status()?.mode == Mode::Disarmed {
+            let not_armed = Refused::NotNow(Refusal::NotArmed.code());
+            bail!("{}: {}", self.name, words::refusal(&not_armed));
+        }
         self.take_over()?;
         self.ask_done(RequestBody::Home)
     }

@@ -4,23 +4,24 @@ mod config;
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::{
     ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
 
 use super::interrupts::Interrupts;
-use crate::cli::{Device, DeviceAction};
+use crate::cli::{Device, DeviceAction, Place};
 use crate::client::{Client, Commander};
 use crate::exit::Exit;
+use crate::units::Units;
 use crate::words;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
     let mut client = Client::connect(&arguments.port.port)?;
     match &arguments.action {
         DeviceAction::Info => info(&mut client),
-        DeviceAction::Status => status(&mut client),
+        DeviceAction::Status => status(&mut client, arguments.counts),
         DeviceAction::Arm => client.arm().map(|()| say!("armed: the drive is enabled, the valve at null")),
         DeviceAction::Disarm => {
             client.disarm()?;
@@ -33,13 +34,38 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Stop => {
             client.stop().map(|()| say!("stopped: the drive is disabled until `device arm`"))
         }
-        DeviceAction::Reference { counts } => {
-            client.reference(*counts).map(|()| say!("referenced: the axis stands at {counts} counts"))
-        }
-        DeviceAction::Home => home(&mut client),
-        DeviceAction::Faults => faults(&mut client),
+        DeviceAction::Reference { place } => reference(&mut client, *place, arguments.counts),
+        DeviceAction::Home => home(&mut client, arguments.counts),
+        DeviceAction::Faults => faults(&mut client, arguments.counts),
         DeviceAction::Config(action) => config::execute(&mut client, action),
     }
+}
+
+/// In what unit its figures are told. A rig whose parameters cannot be read is told in counts.
+fn units(client: &mut Client, counts: bool) -> Units {
+    match client.parameters() {
+        Ok(parameters) if counts => Units::raw(&parameters),
+        Ok(parameters) => Units::of(&parameters),
+        Err(error) => {
+            eprintln!("note: figures are as the rig sends them, as its scales are not known: {error:#}");
+            Units::default()
+        }
+    }
+}
+
+/// States where the axis stands.
+fn reference(client: &mut Client, place: Place, counts: bool) -> Result<()> {
+    let units = Units::of(&client.parameters()?);
+    let count = match place {
+        Place::Counts(count) => count,
+        Place::Millimetres(mm) => units.count_at(mm).with_context(|| {
+            format!("{mm} mm is no count of its encoder, or its scale is not known; state counts")
+        })?,
+    };
+    client.reference(count)?;
+    let place = if counts { format!("{count} counts") } else { units.length(count) };
+    say!("referenced: the axis stands at {place}");
+    Ok(())
 }
 
 fn info(client: &mut Client) -> Result<()> {
@@ -88,7 +114,7 @@ fn provenance(state: &ConfigState) -> String {
 }
 
 /// Homes the axis and waits for the end. Ctrl-C stops it.
-fn home(client: &mut Client) -> Result<()> {
+fn home(client: &mut Client, counts: bool) -> Result<()> {
     let interrupts = Interrupts::watch();
     let timeout_ms = client.parameters()?.values.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
     // The rig trips after its own time-out; an emulated one may be some times slower than the clock.
@@ -120,24 +146,26 @@ fn home(client: &mut Client) -> Result<()> {
                 words::fault_meaning(status.fault)
             )));
         }
-        _ => say!("homed: the axis stands at {} counts, armed", status.position),
+        _ => say!("homed: the axis stands at {}, armed", units(client, counts).length(status.position)),
     }
     Ok(())
 }
 
-fn faults(client: &mut Client) -> Result<()> {
+fn faults(client: &mut Client, counts: bool) -> Result<()> {
     let events = client.events()?;
     if events.is_empty() {
         say!("no faults");
+        return Ok(());
     }
+    let units = units(client, counts);
     for event in events {
         say!(
-            "reset {:>4}  {:>12.3} s  {:<22} sample {:>8}  at {:>8} counts  {}",
+            "reset {:>4}  {:>12.3} s  {:<22} {:>12} into the run  at {:>12}  {}",
             event.boot,
             event.time_us as f64 / 1e6,
             words::fault_code_name(event.code),
-            event.index,
-            event.position,
+            units.time(event.index),
+            units.length(event.position),
             words::fault_meaning(event.code)
         );
     }
@@ -169,18 +197,19 @@ fn words_of(owner: &Commander) -> String {
     }
 }
 
-fn status(client: &mut Client) -> Result<()> {
+fn status(client: &mut Client, counts: bool) -> Result<()> {
     let status = client.status()?;
     let Status { fault, index, duration_samples, .. } = status;
+    let units = units(client, counts);
     let motion = if client.info()?.version >= 2 { Some(client.motion()?) } else { None };
     let mode = match status.mode {
         Mode::Running if motion.is_some_and(|motion| motion.homing) => "homing".to_owned(),
         Mode::Disarmed => "disarmed".to_owned(),
         Mode::Armed => "armed".to_owned(),
         Mode::Running if duration_samples == UNTIL_STOPPED => {
-            format!("running until it is stopped, sample {index}")
+            format!("running until it is stopped, for {} now", units.time(index))
         }
-        Mode::Running => format!("running, sample {index} of {duration_samples}"),
+        Mode::Running => format!("running, {} of {}", units.time(index), units.time(duration_samples)),
         Mode::Done => "done, holding".to_owned(),
         Mode::Fault => format!("fault {}: {}", words::fault_code_name(fault), words::fault_meaning(fault)),
     };
@@ -192,12 +221,12 @@ fn status(client: &mut Client) -> Result<()> {
     if let Some(owner) = client.owner()? {
         say!("owner       {}", words_of(&owner));
     }
-    say!("setpoint    {} counts", status.setpoint);
-    say!("position    {} counts", status.position);
-    say!("error       {} counts", status.error);
-    say!("command     {} counts", status.command);
-    say!("pressures   {} and {} raw", status.pressure_1, status.pressure_2);
-    say!("spool       {} raw", status.spool);
+    say!("setpoint    {}", units.setpoint(status.setpoint));
+    say!("position    {}", units.length(status.position));
+    say!("error       {}", units.length(status.error));
+    say!("command     {}", units.command(status.command.into()));
+    say!("pressures   {} and {}", units.pressure(status.pressure_1), units.pressure(status.pressure_2));
+    say!("spool       {}", units.spool(status.spool));
     say!("recorded    {} samples", status.recorded);
     say!("damaged     {} frames", status.damaged_frames);
     Ok(())

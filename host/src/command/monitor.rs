@@ -6,12 +6,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use pneudrive_controller::parameters::id;
 use pneudrive_protocol::{Mode, Status};
 
 use crate::cli::Monitor;
-use crate::client::{Client, RigParameters};
+use crate::client::Client;
 use crate::output::{self, Stream};
+use crate::units::Units;
 use crate::words;
 
 /// Header of the file.
@@ -19,7 +19,8 @@ const COLUMNS: &str = "time_s,mode,index,setpoint_counts,position_counts,error_c
 
 pub(super) fn execute(arguments: &Monitor) -> Result<()> {
     let mut client = Client::connect(&arguments.port.port)?;
-    let units = Units::of(&client.parameters()?);
+    let parameters = client.parameters()?;
+    let units = if arguments.counts { Units::raw(&parameters) } else { Units::of(&parameters) };
     let mut csv = arguments.csv.as_deref().map(new_csv).transpose()?;
     let begun = Instant::now();
     for count in 0.. {
@@ -34,7 +35,7 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
                 .and_then(|()| csv.flush())
                 .context("cannot write the file")?;
         }
-        show(&units.line(&status, client.losses()));
+        show(&line(&units, &status, client.losses()));
         if output::is_broken() {
             break; // Whoever looked on has gone.
         }
@@ -89,40 +90,20 @@ fn mode(status: &Status) -> String {
     }
 }
 
-/// What the raw numbers of a rig mean.
-struct Units {
-    mm_per_count: f64,
-    kpa_per_raw: f64,
-    kpa_at_0: f64,
-}
-
-impl Units {
-    fn of(parameters: &RigParameters) -> Units {
-        let get = |id: u16| f64::from(parameters.values.get(id).unwrap_or(0));
-        let full_scale = get(id::SENSOR_BITS).exp2() - 1.0;
-        Units {
-            mm_per_count: get(id::ENCODER_PM_PER_COUNT) / 1e9,
-            kpa_per_raw: (get(id::PRESSURE_MAX_PA) - get(id::PRESSURE_MIN_PA)) / full_scale / 1e3,
-            kpa_at_0: get(id::PRESSURE_MIN_PA) / 1e3,
-        }
-    }
-
-    fn line(&self, s: &Status, (damaged, repeats): (u32, u32)) -> String {
-        let mm = |counts: i32| f64::from(counts) * self.mm_per_count;
-        let kpa = |raw: i16| f64::from(raw) * self.kpa_per_raw + self.kpa_at_0;
-        let lost = match (s.damaged_frames + damaged, repeats) {
-            (0, 0) => String::new(),
-            (damaged, repeats) => format!("  link: {damaged} damaged, {repeats} asked again"),
-        };
-        format!(
-            "{:<9} {:>9.3} mm  error {:>8.3} mm  command {:>5}  P1 {:>6.1} P2 {:>6.1} kPa  sample {}{lost}",
-            mode(s),
-            mm(s.position),
-            mm(s.error),
-            s.command,
-            kpa(s.pressure_1),
-            kpa(s.pressure_2),
-            s.index
-        )
-    }
+/// What a person sees of a status, and what the link has lost.
+fn line(units: &Units, s: &Status, (damaged, repeats): (u32, u32)) -> String {
+    let lost = match (s.damaged_frames.saturating_add(damaged), repeats) {
+        (0, 0) => String::new(),
+        (damaged, repeats) => format!("  link: {damaged} damaged, {repeats} asked again"),
+    };
+    format!(
+        "{:<9} {:>12}  error {:>11}  command {:>11}  P1 {:>10}  P2 {:>10}  at {}{lost}",
+        mode(s),
+        units.length(s.position),
+        units.length(s.error),
+        units.command(s.command.into()),
+        units.pressure(s.pressure_1),
+        units.pressure(s.pressure_2),
+        units.time(s.index)
+    )
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::{id, lookup};
+use pneudrive_controller::parameters::id;
 use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
 use pneudrive_sim::Rig;
 
@@ -15,6 +15,7 @@ use super::{Progress, load_rig, tell_lacking};
 use crate::cli::Run;
 use crate::client::{Client, RigParameters};
 use crate::exit::Exit;
+use crate::parameter_names::{Written, is_parameter};
 use crate::words;
 
 /// How long a stepper's spool may take to mid-travel; a start then says why it is refused.
@@ -22,6 +23,9 @@ const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = load_rig(&arguments.rig, &arguments.settings)?;
+    for setting in &arguments.settings {
+        check_setting(setting, arguments.config)?;
+    }
     let mut client = Client::connect(&arguments.port.port)?;
     let streaming = arguments.stream.as_deref().map(|path| (path, arguments.every));
     let last_sample = last_sample(arguments, &rig)?;
@@ -37,6 +41,38 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     }
     say!("next: pneudrive record --port {}", arguments.port.port);
     Ok(())
+}
+
+/// Keys of a test that is downloaded. The others of `[test]` are the simulator's.
+const OF_THE_TEST: [&str; 7] = [
+    "test.moves",
+    "test.targets",
+    "test.duration_s",
+    "test.repeat_every_s",
+    "test.impulse",
+    "test.decimation",
+    "test.pre_trigger",
+];
+
+/// Keys that say what the moves mean: a rig where they are others is refused.
+const OF_THE_MOVES: [&str; 4] =
+    ["controller.loop", "controller.period_s", "controller.exit_on_dead_band", "operator.model"];
+
+/// Whether a setting has an effect on a rig: one that has none is refused, not passed over.
+fn check_setting(setting: &str, with_parameters: bool) -> Result<()> {
+    let key = setting.split('=').next().unwrap_or_default().trim();
+    if key == "name" || OF_THE_TEST.contains(&key) || OF_THE_MOVES.contains(&key) {
+        return Ok(());
+    }
+    match (is_parameter(key), with_parameters) {
+        (true, true) => Ok(()),
+        (true, false) => bail!(
+            "--set {key}: a run downloads the test alone; --config downloads the parameters of the controller with it"
+        ),
+        (false, _) => {
+            bail!("--set {key}: a rig is not told this; it is for the simulator (`pneudrive simulate`)")
+        }
+    }
 }
 
 /// The last sample of the test, if it is to last as long as is asked for.
@@ -132,7 +168,7 @@ fn tell_hold(parameters: &RigParameters) {
     let hold_ms = parameters.values.get(id::HOLD_MS).filter(|_| !parameters.lacking.contains(&id::HOLD_MS));
     match hold_ms {
         Some(ms) => say!("left alone, a rig in real time is disarmed after {} s", f64::from(ms) / 1e3),
-        None => tell!("note: its firmware holds for ever: it has no hold_ms"),
+        None => tell!("note: its firmware holds for ever: it has no safety.hold_s"),
     }
 }
 
@@ -193,17 +229,21 @@ fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> 
     Ok(())
 }
 
+/// A parameter and its value, as a rig file has them.
+fn said(id: u16, value: i32) -> String {
+    Written::of(id).map_or_else(String::new, |written| format!("{} = {}", written.name, written.text(value)))
+}
+
 /// Says which parameters of the rig are not those of the file: the run is the rig's, not the file's.
 /// With another loop or period the moves would mean something else: that is refused.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
     for id in [id::OPEN_LOOP, id::STEPPER, id::PERIOD_US, id::ON_ARRIVAL] {
         let (on_rig, in_file) = (rig.get(id), file.get(id));
         if on_rig != in_file {
-            let parameter = lookup(id).map_or("?", |parameter| parameter.name);
             bail!(
-                "{parameter} is {} on the rig and {} in {name}, so its moves would mean something else; --config downloads the parameters of the file",
-                on_rig.unwrap_or(0),
-                in_file.unwrap_or(0)
+                "{} on the rig and {} in {name}, so its moves would mean something else; --config downloads the parameters of the file",
+                said(id, on_rig.unwrap_or(0)),
+                said(id, in_file.unwrap_or(0))
             );
         }
     }
@@ -211,10 +251,7 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
         .iter()
         .zip(file.iter())
         .filter(|((_, on_rig), (_, in_file))| on_rig != in_file)
-        .map(|((id, on_rig), (_, in_file))| {
-            let parameter = lookup(id).map_or("?", |parameter| parameter.name);
-            format!("{parameter} is {on_rig}, not {in_file}")
-        })
+        .map(|((id, on_rig), (_, in_file))| format!("{} there and {}", said(id, on_rig), said(id, in_file)))
         .collect();
     if let Some(first) = differences.first() {
         let others = differences.len() - 1;

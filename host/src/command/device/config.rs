@@ -2,42 +2,43 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Error, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::{Parameter, TABLE, by_name};
+use pneudrive_controller::parameters::{TABLE, by_name};
 use pneudrive_sim::Rig;
 
-use crate::cli::{ConfigAction, whole_number};
+use crate::cli::ConfigAction;
 use crate::client::Client;
 use crate::command::{few, rig_text, tell_lacking};
+use crate::parameter_names::{Written, names_of};
 use crate::run_folder::put;
-use crate::target::parameter_text;
 
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {
         ConfigAction::Get { name: None } => {
             let parameters = read(client)?;
-            for parameter in &TABLE {
-                let value = parameter_text(&parameters, parameter.id, parameter.len);
-                say!("{:<28} {value:>12} {:<14} {}", parameter.name, parameter.unit, parameter.meaning);
+            for written in Written::all() {
+                let (value, meaning) = (written.all_text(&parameters), written.parameter.meaning);
+                say!("{:<40} {value:>12} {:<14} {meaning}", written.name, written.unit());
             }
             Ok(())
         }
         ConfigAction::Get { name: Some(name) } => {
             let parameters = read(client)?;
-            if let Some(list) = by_name(name).filter(|parameter| parameter.len > 1) {
-                say!("{name} = {}", parameter_text(&parameters, list.id, list.len));
+            if let Some(list) = Written::named(name).filter(|written| written.parameter.len > 1) {
+                say!("{} = {}", list.name, list.all_text(&parameters));
                 return Ok(());
             }
-            let (parameter, entry) = parameter_of(name)?;
-            let value = parameters.get(parameter.id + entry).unwrap_or(0);
-            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
+            let (written, entry) = parameter_of(name)?;
+            let value = parameters.get(written.parameter.id + entry).unwrap_or(0);
+            say!("{}", line(&written, entry, value));
             Ok(())
         }
         ConfigAction::Set { name, value } => {
-            let (parameter, entry) = parameter_of(name)?;
-            client.set_parameters(parameter.id + entry, &[*value])?;
-            say!("{}", format!("{name} = {value} {}", parameter.unit).trim_end());
+            let (written, entry) = parameter_of(name)?;
+            let value = written.value(value)?;
+            client.set_parameters(written.parameter.id + entry, &[value])?;
+            say!("{}", line(&written, entry, value));
             Ok(())
         }
         ConfigAction::Export { file } => {
@@ -48,11 +49,11 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
         ConfigAction::Import { from } => {
             let (name, Named { parameters, unnamed }) = importable(from)?;
             if !unnamed.is_empty() {
-                tell!("note: {from} does not name {}; they are as by default", few(&unnamed));
+                tell!("note: {from} does not name {}; they are as by default", few(&names_of(&unnamed)));
             }
             let left_out = client.import_parameters(&parameters)?;
             if !left_out.is_empty() {
-                tell!("note: its firmware has no {}; they are as by default", few(&left_out));
+                tell!("note: its firmware has no {}; they are as by default", few(&names_of(&left_out)));
             }
             say!("took over the controller's parameters of {name}");
             Ok(())
@@ -75,15 +76,18 @@ fn read(client: &mut Client) -> Result<Parameters> {
 /// What the first line of an exported file has before the number of its parameters.
 const HEAD: &str = "# The controller's ";
 
+/// A parameter, or an entry of a list, with its value.
+fn line(written: &Written, entry: u16, value: i32) -> String {
+    let entry = if written.parameter.len > 1 { format!("[{entry}]") } else { String::new() };
+    format!("{}{entry} = {} {}", written.name, written.text(value), written.unit()).trim_end().to_owned()
+}
+
 /// All parameters, `name = value` a line. The first line tells how many, so that a file that was cut is not taken.
 fn exported(parameters: &Parameters) -> String {
-    let line = |parameter: &Parameter| {
-        let value = parameter_text(parameters, parameter.id, parameter.len);
-        format!("{} = {value}\n", parameter.name)
-    };
+    let line = |written: Written| format!("{} = {}\n", written.name, written.all_text(parameters));
     let count = TABLE.len();
     let head = format!("{HEAD}{count} parameters; `pneudrive device config import` takes them over.\n");
-    std::iter::once(head).chain(TABLE.iter().map(line)).collect()
+    std::iter::once(head).chain(Written::all().map(line)).collect()
 }
 
 /// Parameters that a file names, and the names of those that it does not: these are as by default.
@@ -153,42 +157,39 @@ fn is_content(line: &str) -> bool {
 /// Takes over `name = value`, or `name = value,value` for a list, whose last entry repeats; tells the name.
 fn take_line(parameters: &mut Parameters, line: &str) -> Result<&'static str> {
     let (name, text) = line.split_once('=').ok_or_else(|| anyhow!("{line:?} is not name = value"))?;
-    let parameter = by_name(name.trim()).ok_or_else(|| anyhow!("there is no parameter {}", name.trim()))?;
-    let values: Vec<i32> = text
-        .split(',')
-        .map(|value| whole_number(value.trim()))
-        .collect::<Result<_, _>>()
-        .map_err(Error::msg)?;
+    let name = name.trim();
+    let written = Written::named(name).ok_or_else(|| anyhow!("there is no parameter {name}"))?;
+    let parameter = written.parameter;
+    let values = text.trim().trim_start_matches('[').trim_end_matches(']').split(',');
+    let values: Vec<i32> = values.map(|value| written.value(value.trim())).collect::<Result<_>>()?;
     let last = values.last().copied().unwrap_or(0);
     if values.len() > usize::from(parameter.len) {
-        bail!("{} has {} entries, not {}", parameter.name, parameter.len, values.len());
+        bail!("{} has {} entries, not {}", written.name, parameter.len, values.len());
     }
     let entries = values.into_iter().chain(std::iter::repeat(last));
     for (id, value) in (parameter.id..parameter.id + parameter.len).zip(entries) {
         parameters.set(id, value).map_err(|_| {
-            anyhow!("{} = {value} is out of range: {} to {}", parameter.name, parameter.min, parameter.max)
+            anyhow!("{} = {} is out of range: {}", written.name, written.text(value), written.range())
         })?;
     }
     Ok(parameter.name)
 }
 
 /// A parameter and the entry meant, from `name` or `name[entry]`.
-fn parameter_of(text: &str) -> Result<(&'static Parameter, u16)> {
+fn parameter_of(text: &str) -> Result<(Written, u16)> {
     let (name, entry) = match text.strip_suffix(']').and_then(|text| text.split_once('[')) {
         Some((name, entry)) => (name, entry.parse::<u16>().ok()),
         None => (text, Some(0)),
     };
-    let parameter = by_name(name)
+    let written = Written::named(name)
         .ok_or_else(|| anyhow!("there is no parameter {name}; `pneudrive device config get` lists them"))?;
-    if parameter.len > 1 && !text.ends_with(']') {
-        bail!(
-            "{name} is a list: name an entry, such as {name}[3], with the entries 0 to {}",
-            parameter.len - 1
-        );
+    let len = written.parameter.len;
+    if len > 1 && !text.ends_with(']') {
+        bail!("{name} is a list: name an entry, such as {name}[3], with the entries 0 to {}", len - 1);
     }
     match entry {
-        Some(entry) if entry < parameter.len => Ok((parameter, entry)),
-        _ => bail!("{name} has the entries 0 to {}", parameter.len - 1),
+        Some(entry) if entry < len => Ok((written, entry)),
+        _ => bail!("{name} has the entries 0 to {}", len - 1),
     }
 }
 
@@ -203,13 +204,33 @@ mod tests {
         parameters.set(id::VELOCITY_GAIN, 2000).expect("in range");
         parameters.set(id::GAIN_PROFILE + 3, 99).expect("in range");
         let text = exported(&parameters);
+        assert!(text.contains("\ncontroller.velocity_gain = 2000\n"), "{text}");
+        assert!(text.contains("\ncontroller.gain_profile = 8192,6144,4096,99,"), "{text}");
         assert!(
-            text.contains("\nvelocity_gain = 2000\n") && text.contains("\ngain_profile = 8192,6144,4096,99,")
+            text.contains("\nsafety.hold_s = 60\n") && text.contains("\nencoder.mm_per_count = 0.01205\n")
         );
         assert_eq!(
             parse_exported(&text).expect("exported").expect("whole"),
             Named { parameters, unnamed: vec![] }
         );
+    }
+
+    /// As the program before this one wrote it: in the device's own names and units.
+    #[test]
+    fn a_file_that_was_exported_with_the_names_of_the_device_is_taken_over() {
+        let mut parameters = Parameters::default();
+        parameters.set(id::HOLD_MS, 1500).expect("in range");
+        parameters.set(id::LAW, 3).expect("in range");
+        let line = |parameter: &pneudrive_controller::parameters::Parameter| {
+            let value = crate::target::parameter_text(&parameters, parameter.id, parameter.len);
+            format!("{} = {value}\n", parameter.name)
+        };
+        let lines: String = TABLE.iter().map(line).collect();
+        let head = format!("{HEAD}55 parameters; `pneudrive device config import` takes them over.\n");
+        for old in [head + &lines, lines] {
+            let named = parse_exported(&old).expect("exported").expect("whole");
+            assert_eq!(named, Named { parameters: parameters.clone(), unnamed: vec![] });
+        }
     }
 
     #[test]
@@ -237,7 +258,9 @@ mod tests {
     fn a_line_that_is_wrong_is_named() {
         for (text, message) in [
             ("period_us = 1300\nspeed = 3\n", "there is no parameter speed"),
-            ("# a comment\nperiod_us = 50\n", "period_us = 50 is out of range: 100 to 100000"),
+            ("# a comment\nperiod_us = 50\n", "period_us = 50 is out of range: 100 to 100000 us"),
+            ("period_us = 1300\nsafety.hold_s = 3601\n", "safety.hold_s = 3601 is out of range: 0 to 3600 s"),
+            ("period_us = 1300\nhold_ms = 1\nsafety.hold_s = 1\n", "hold_ms has been given already"),
             ("period_us = 1,2\n", "period_us has 1 entries, not 2"),
             ("period_us = 1300\nscale\n", "is not name = value"),
             ("period_us = x\n", "\"x\" is not a whole number"),

@@ -50,7 +50,7 @@ pub const LIES: &[Told] = &[
     told(
         "a range of pressures without width",
         |_, _, reply| config(reply, |id, value| if id == 25 { 1_000_000 } else { value }),
-        &[(MONITOR, "= 0"), (STATUS, "= 0"), (RECORD, "= ")],
+        &[(MONITOR, " raw  at "), (STATUS, " raw\nspool"), (RECORD, "= ")],
     ),
     told(
         "a fault log without its events",

@@ -1,0 +1,299 @@
+//! Names and values of the controller's parameters as a person reads and writes them: those of rig files.
+//!
+//! A parameter that one key of a rig file gives has the name, the unit and the words of that key: `hold_ms = 60000` of
+//! the device is `safety.hold_s = 60`. One that comes of several keys (a limit in counts comes of the stroke, the margin and
+//! the encoder), or of none, has the device's own name. The device's names are understood everywhere, with its units.
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::{Parameter, TABLE, by_name, id, lookup};
+
+use crate::cli::whole_number;
+
+/// How a key of a rig file writes the value of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    /// As it is.
+    Whole,
+    /// In a unit that is 10 to this power times as large, which the key's name tells.
+    Scaled(u32),
+    /// By a word; its place is the value.
+    Words(&'static [&'static str]),
+}
+
+use Form::{Scaled, Whole, Words};
+
+const OFF_ON: Form = Words(&["false", "true"]);
+
+/// Parameters that have a key of their own, by id.
+#[rustfmt::skip]
+const KEYS: &[(u16, &str, Form)] = &[
+    (id::PERIOD_US, "controller.period_s", Scaled(6)),
+    (id::DELAY_US, "controller.delay_s", Scaled(6)),
+    (id::OPEN_LOOP, "controller.loop", Words(&["closed", "open"])),
+    (id::LAW, "controller.law", Words(&["gain-profile", "proportional", "moore-proportional", "on-off"])),
+    (id::PROFILE_SPAN_COUNTS, "controller.profile_span_counts", Whole),
+    (id::PROPORTIONAL_GAIN, "controller.proportional_gain", Whole),
+    (id::VELOCITY_GAIN, "controller.velocity_gain", Whole),
+    (id::ACCELERATION_GAIN, "controller.acceleration_gain", Whole),
+    (id::VELOCITY_WINDOW_SAMPLES, "controller.velocity_window_samples", Whole),
+    (id::ACCELERATION_WINDOW_SAMPLES, "controller.acceleration_window_samples", Whole),
+    (id::VELOCITY_DEAD_BAND, "controller.velocity_dead_band", Whole),
+    (id::DEAD_BAND_COUNTS, "controller.dead_band_counts", Whole),
+    (id::SCALE, "controller.scale", Whole),
+    (id::NULL_OFFSET_COUNTS, "controller.null_offset_counts", Whole),
+    (id::LATE_SAMPLE_US, "safety.late_sample_us", Whole),
+    (id::HOST_SILENCE_MS, "safety.host_silence_s", Scaled(3)),
+    (id::ENCODER_INVERTED, "encoder.polarity", Words(&["1", "-1"])),
+    (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count", Scaled(9)),
+    (id::SENSOR_BITS, "sensors.bits", Whole),
+    (id::PRESSURE_MIN_PA, "sensors.pressure_min_pa", Whole),
+    (id::PRESSURE_MAX_PA, "sensors.pressure_max_pa", Whole),
+    (id::SPOOL_MIN_NM, "sensors.spool_min_mm", Scaled(6)),
+    (id::SPOOL_MAX_NM, "sensors.spool_max_mm", Scaled(6)),
+    (id::MAX_STEPS, "operator.max_steps", Whole),
+    (id::DEAD_ZONE_COUNTS, "controller.dead_zone_counts", Whole),
+    (id::RELAY_HYSTERESIS_COUNTS, "controller.relay_hysteresis_counts", Whole),
+    (id::TOLERANCE_COUNTS, "controller.tolerance_counts", Whole),
+    (id::MONITORING_US, "controller.monitoring_s", Scaled(6)),
+    (id::DWELL_US, "controller.dwell_s", Scaled(6)),
+    (id::FORCED_EXIT_US, "controller.forced_exit_s", Scaled(6)),
+    (id::ON_ARRIVAL, "controller.exit_on_dead_band", OFF_ON),
+    (id::NO_MOTION_MS, "safety.no_motion_s", Scaled(3)),
+    (id::HOMING_SWITCH, "controller.homing", Words(&["stop", "switch"])),
+    (id::HOMING_COMMAND_COUNTS, "controller.homing_command_counts", Whole),
+    (id::HOMING_POSITION_COUNTS, "controller.homing_position_counts", Whole),
+    (id::HOMING_STILL_MS, "controller.homing_still_s", Scaled(3)),
+    (id::HOMING_TIMEOUT_MS, "controller.homing_timeout_s", Scaled(3)),
+    (id::PULSE_WIDTH_US, "operator.pulse_width_us", Whole),
+    (id::DIRECTION_SETUP_US, "operator.direction_setup_us", Whole),
+    (id::HOLD_MS, "safety.hold_s", Scaled(3)),
+    (id::GAIN_PROFILE, "controller.gain_profile", Whole),
+];
+
+/// Keys of a rig file that a parameter comes of together with others.
+pub(crate) const OF_SEVERAL: [&str; 12] = [
+    "actuator.stroke_m",
+    "controller.learn_null_offset",
+    "controller.learning_gain",
+    "controller.pressure_feedback_gain",
+    "exhaust.pressure_pa",
+    "operator.model",
+    "safety.end_max_mm",
+    "safety.end_min_mm",
+    "safety.max_speed_m_s",
+    "safety.position_margin_mm",
+    "safety.sensor_watch",
+    "supply.pressure_pa",
+];
+
+/// A parameter as it is written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Written {
+    /// Its line in the table.
+    pub parameter: &'static Parameter,
+    /// The key of a rig file, or the device's own name.
+    pub name: &'static str,
+    form: Form,
+}
+
+impl Written {
+    /// A parameter, or the list that an entry belongs to, by its id.
+    pub fn of(id: u16) -> Option<Written> {
+        let parameter = lookup(id)?;
+        let key = KEYS.iter().find(|(of, ..)| *of == parameter.id);
+        let (name, form) = key.map_or((parameter.name, Whole), |&(_, name, form)| (name, form));
+        Some(Written { parameter, name, form })
+    }
+
+    /// A parameter by the key of a rig file or by the device's own name, which goes with its unit.
+    pub fn named(name: &str) -> Option<Written> {
+        let of_key = KEYS.iter().find(|(_, key, _)| *key == name).and_then(|(id, ..)| Written::of(*id));
+        let own = || by_name(name).map(|parameter| Written { parameter, name: parameter.name, form: Whole });
+        of_key.or_else(own)
+    }
+
+    /// All of them, in the order of the table.
+    pub fn all() -> impl Iterator<Item = Written> {
+        TABLE.iter().filter_map(|parameter| Written::of(parameter.id))
+    }
+
+    /// Its unit: that of the key, whose name may tell it.
+    pub fn unit(&self) -> &'static str {
+        match self.form {
+            Whole => self.parameter.unit,
+            Scaled(_) if self.parameter.id == id::ENCODER_PM_PER_COUNT => "mm",
+            Scaled(_) => self.name.rsplit('_').next().unwrap_or(""),
+            Words(_) => "",
+        }
+    }
+
+    /// A value as text.
+    pub fn text(&self, value: i32) -> String {
+        match self.form {
+            Whole => value.to_string(),
+            Scaled(digits) => scaled(value, digits),
+            Words(words) => {
+                let word = usize::try_from(value).ok().and_then(|place| words.get(place));
+                word.map_or_else(|| value.to_string(), |word| (*word).to_owned())
+            }
+        }
+    }
+
+    /// The value of a text.
+    ///
+    /// # Errors
+    /// When it is no such value, or has more digits than the device.
+    pub fn value(&self, text: &str) -> Result<i32> {
+        let value = match self.form {
+            Whole => whole_number(text).map_err(|error| anyhow!("{error}")),
+            Scaled(digits) => unscaled(text, digits).with_context(|| self.device_unit()),
+            Words(words) => {
+                let text = text.trim_matches('"');
+                let place = words.iter().position(|word| *word == text);
+                place
+                    .map(|place| place as i32)
+                    .with_context(|| format!("{text:?} is none of {}", words.join(", ")))
+            }
+        };
+        value.with_context(|| self.name)
+    }
+
+    fn device_unit(&self) -> String {
+        format!("the device has it as a whole number of {}", self.parameter.unit)
+    }
+
+    /// Its value or values, equal entries at the end of a list once.
+    pub fn all_text(&self, parameters: &Parameters) -> String {
+        let Parameter { id, len, .. } = *self.parameter;
+        match len {
+            1 => self.text(parameters.get(id).unwrap_or(0)),
+            len => crate::target::parameter_text(parameters, id, len),
+        }
+    }
+
+    /// Its range, in words.
+    pub fn range(&self) -> String {
+        let Parameter { min, max, .. } = *self.parameter;
+        match self.form {
+            Words(words) => words.join(" or "),
+            _ => format!("{} to {} {}", self.text(min), self.text(max), self.unit()).trim_end().to_owned(),
+        }
+    }
+}
+
+/// The name of the parameter with an id.
+pub(crate) fn name_of(id: u16) -> &'static str {
+    Written::of(id).map_or("?", |written| written.name)
+}
+
+/// Names of parameters of the device as a person knows them.
+pub(crate) fn names_of(own: &[&'static str]) -> Vec<&'static str> {
+    own.iter().map(|name| by_name(name).map_or(*name, |parameter| name_of(parameter.id))).collect()
+}
+
+/// Whether a key of a rig file, or a part of its value, becomes a parameter of the controller.
+pub(crate) fn is_parameter(key: &str) -> bool {
+    OF_SEVERAL.contains(&key) || KEYS.iter().any(|(_, name, _)| *name == key)
+}
+
+/// A number of 10^-digits as a decimal fraction, exactly.
+fn scaled(value: i32, digits: u32) -> String {
+    let (unit, size) = (10u64.pow(digits), u64::from(value.unsigned_abs()));
+    let sign = if value < 0 { "-" } else { "" };
+    let fraction = format!("{:0width$}", size % unit, width = digits as usize);
+    let fraction = fraction.trim_end_matches('0');
+    let point = if fraction.is_empty() { "" } else { "." };
+    format!("{sign}{}{point}{fraction}", size / unit)
+}
+
+/// The whole number of 10^-digits that a decimal fraction is.
+fn unscaled(text: &str, digits: u32) -> Result<i32> {
+    let number: f64 = text.parse().map_err(|_| anyhow!("{text:?} is not a number"))?;
+    let value = number * f64::from(10u32.pow(digits));
+    let whole = value.round();
+    if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&whole) {
+        bail!("{text} is too large");
+    }
+    if (value - whole).abs() > 1e-5 {
+        bail!("{text} has digits that are too small");
+    }
+    Ok(whole as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_sim::Rig;
+    use pneudrive_sim::rig::explain;
+
+    use super::*;
+
+    #[test]
+    fn every_name_is_a_key_of_rig_files_and_stands_for_one_parameter() {
+        for (place, (of, key, _)) in KEYS.iter().enumerate() {
+            assert!(explain(key).is_ok(), "{key}");
+            assert!(KEYS[place + 1..].iter().all(|(other, name, _)| other != of && name != key), "{key}");
+        }
+        for key in OF_SEVERAL {
+            assert!(explain(key).is_ok(), "{key}");
+        }
+    }
+
+    /// What a key says in a rig file, it says of the device, too.
+    #[test]
+    fn a_rig_file_that_says_what_is_written_of_a_parameter_gives_it_that_value() {
+        let default = Rig::read("test", "").expect("the empty file").parameters();
+        for written in Written::all().filter(|written| KEYS.iter().any(|(_, key, _)| *key == written.name)) {
+            let Parameter { id, len, .. } = *written.parameter;
+            let text = written.all_text(&default);
+            let quoted = match written.form {
+                Words(words) if words[0].parse::<i32>().is_err() && words[0] != "false" => {
+                    format!("\"{text}\"")
+                }
+                _ if len > 1 => format!("[{text}]"),
+                _ => text,
+            };
+            let setting = format!("{} = {quoted}\n", written.name);
+            let rig = Rig::read("test", &setting).unwrap_or_else(|problems| panic!("{setting}: {problems}"));
+            assert_eq!(rig.parameters().get(id), default.get(id), "{setting}");
+        }
+    }
+
+    #[test]
+    fn a_value_comes_back_from_its_text() {
+        for written in Written::all() {
+            let Parameter { min, max, default, name, .. } = *written.parameter;
+            for value in [min, max, default, min.saturating_add(1), max.saturating_sub(1)] {
+                let value = value.clamp(min, max);
+                assert_eq!(written.value(&written.text(value)).ok(), Some(value), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_in_their_own_units_and_names_of_the_device_in_its() {
+        for (name, text, value) in [
+            ("safety.hold_s", "60", 60_000),
+            ("hold_ms", "60000", 60_000),
+            ("controller.period_s", "0.0013", 1300),
+            ("controller.loop", "open", 1),
+            ("encoder.polarity", "-1", 1),
+            ("encoder.mm_per_count", "0.01205", 12_050_000),
+            ("sensors.spool_min_mm", "-1.25", -1_250_000),
+            ("controller.velocity_gain", "70", 70),
+        ] {
+            let written = Written::named(name).expect("there is");
+            assert_eq!(
+                (written.value(text).ok(), written.text(value)),
+                (Some(value), text.to_owned()),
+                "{name}"
+            );
+        }
+        let hold = Written::named("safety.hold_s").expect("there is");
+        assert_eq!((hold.unit(), hold.range()), ("s", "0 to 3600 s".to_owned()));
+        assert!(
+            format!("{:#}", hold.value("0.00001").expect_err("too small")).contains("whole number of ms")
+        );
+        assert!(hold.value("1e300").is_err() && hold.value("nan").is_err() && hold.value("x").is_err());
+    }
+}

@@ -1,0 +1,137 @@
+//! Figures of a device for a person: mm, kPa and s, as far as its parameters tell their scales; else what was sent.
+
+use pneudrive_controller::parameters::id;
+
+use crate::client::RigParameters;
+
+/// What the raw numbers of a device mean; None where nobody knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Units {
+    mm_per_count: Option<f64>,
+    period_s: Option<f64>,
+    /// Per raw count, and at 0.
+    kpa: Option<[f64; 2]>,
+    spool_mm: Option<[f64; 2]>,
+    open_loop: bool,
+    stepper: bool,
+}
+
+impl Units {
+    /// Those that parameters tell.
+    pub fn of(parameters: &RigParameters) -> Units {
+        let RigParameters { values, lacking } = parameters;
+        let known = |id: u16| values.get(id).filter(|_| !lacking.contains(&id)).map(f64::from);
+        let full_scale = known(id::SENSOR_BITS).map(|bits| bits.exp2() - 1.0);
+        let range = |min: u16, max: u16, unit: f64| {
+            let (min, max) = (known(min)? / unit, known(max)? / unit);
+            Some([(max - min) / full_scale?, min]).filter(|[scale, _]| *scale > 0.0)
+        };
+        Units {
+            mm_per_count: known(id::ENCODER_PM_PER_COUNT).map(|pm| pm / 1e9),
+            period_s: known(id::PERIOD_US).map(|us| us / 1e6),
+            kpa: range(id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA, 1e3),
+            spool_mm: range(id::SPOOL_MIN_NM, id::SPOOL_MAX_NM, 1e6),
+            ..Units::raw(parameters)
+        }
+    }
+
+    /// None: what a device sends, as it is.
+    pub fn raw(parameters: &RigParameters) -> Units {
+        let is = |id: u16| parameters.values.get(id) == Some(1);
+        Units { open_loop: is(id::OPEN_LOOP), stepper: is(id::STEPPER), ..Units::default() }
+    }
+
+    /// A place or a distance of the encoder.
+    pub fn length(&self, counts: i32) -> String {
+        match self.mm_per_count {
+            Some(mm) => format!("{:.3} mm", f64::from(counts) * mm),
+            None => format!("{counts} counts"),
+        }
+    }
+
+    /// The count that is nearest to a place; None where the scale is unknown, or there is none.
+    pub fn count_at(&self, mm: f64) -> Option<i32> {
+        let count = (mm / self.mm_per_count?).round();
+        (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&count).then_some(count as i32)
+    }
+
+    /// A setpoint: a place, or in open loop a command.
+    pub fn setpoint(&self, counts: i32) -> String {
+        if self.open_loop { self.command(counts) } else { self.length(counts) }
+    }
+
+    /// A command to the valve. How many volts the amplifier makes of it, no device tells.
+    pub fn command(&self, counts: i32) -> String {
+        let unit = if self.stepper { "steps" } else { "counts" };
+        format!("{counts} {unit}")
+    }
+
+    /// An absolute pressure.
+    pub fn pressure(&self, raw: i16) -> String {
+        match self.kpa {
+            Some([scale, at_0]) => format!("{:.1} kPa", f64::from(raw) * scale + at_0),
+            None => format!("{raw} raw"),
+        }
+    }
+
+    /// Where the spool is; of a stepper by its steps.
+    pub fn spool(&self, raw: i16) -> String {
+        match self.spool_mm {
+            _ if self.stepper => format!("{raw} steps"),
+            Some([scale, at_0]) => format!("{:.3} mm", f64::from(raw) * scale + at_0),
+            None => format!("{raw} raw"),
+        }
+    }
+
+    /// The time of so many samples.
+    pub fn time(&self, samples: u32) -> String {
+        match self.period_s {
+            Some(period) => format!("{:.3} s", f64::from(samples) * period),
+            None => format!("{samples} samples"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_controller::Parameters;
+
+    use super::*;
+
+    fn parameters(changes: &[(u16, i32)]) -> RigParameters {
+        let mut values = Parameters::default();
+        changes.iter().for_each(|&(id, value)| values.set(id, value).expect("in range"));
+        RigParameters { values, lacking: Vec::new() }
+    }
+
+    #[test]
+    fn figures_are_in_mm_kpa_and_s() {
+        let units = Units::of(&parameters(&[]));
+        assert_eq!(units.length(8192), "98.714 mm");
+        assert_eq!(units.count_at(98.714), Some(8192));
+        assert_eq!(
+            (units.pressure(0), units.pressure(4095)),
+            ("0.0 kPa".to_owned(), "1000.0 kPa".to_owned())
+        );
+        assert_eq!((units.spool(0), units.time(1000)), ("-1.250 mm".to_owned(), "1.300 s".to_owned()));
+        assert_eq!(
+            (units.setpoint(8192), units.command(-7)),
+            ("98.714 mm".to_owned(), "-7 counts".to_owned())
+        );
+        let open = Units::of(&parameters(&[(id::OPEN_LOOP, 1)]));
+        assert_eq!(open.setpoint(960), "960 counts", "a setpoint of an open loop is a command");
+        assert_eq!(Units::of(&parameters(&[(id::STEPPER, 1)])).spool(-3), "-3 steps");
+    }
+
+    #[test]
+    fn where_a_scale_is_unknown_what_was_sent_is_said() {
+        let raw = Units::raw(&parameters(&[]));
+        assert_eq!((raw.length(8192), raw.pressure(7)), ("8192 counts".to_owned(), "7 raw".to_owned()));
+        assert_eq!((raw.spool(7), raw.time(9)), ("7 raw".to_owned(), "9 samples".to_owned()));
+        assert_eq!(raw.count_at(1.0), None);
+        let empty = Units::of(&parameters(&[(id::PRESSURE_MIN_PA, 1_000_000)]));
+        assert_eq!((empty.pressure(7), empty.length(0)), ("7 raw".to_owned(), "0.000 mm".to_owned()));
+        let lacking = RigParameters { lacking: vec![id::ENCODER_PM_PER_COUNT], ..parameters(&[]) };
+        assert_eq!(Units::of(&lacking).length(5), "5 counts", "a default is no measurement");
+    }
+}
