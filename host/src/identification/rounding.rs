@@ -93,13 +93,13 @@ fn mean_error(counts: f64, noise: f64) -> f64 {
 pub(super) fn judged(model: &Model, residuals: &DVector<f64>) -> Judged {
     let mut left = residuals.clone();
     let mut rounded = [false; CHANNELS.len()];
-    for channel in FIRST..CHANNELS.len() {
+    for (channel, rounded) in rounded.iter_mut().enumerate().skip(FIRST) {
         let scatter = |of: &DVector<f64>| scatter(model, of, channel);
         let tried = TRIED.map(|noise| without_rounding(model, residuals, channel, noise));
         let best = tried.into_iter().min_by(|a, b| scatter(a).total_cmp(&scatter(b)));
         let Some(best) = best else { continue };
         if scatter(&best) < (1.0 - KNOWN) * scatter(residuals) {
-            rounded[channel] = true;
+            *rounded = true;
             copy(model, channel, &best, &mut left);
         }
     }

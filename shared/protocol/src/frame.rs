@@ -92,6 +92,7 @@ impl<const N: usize> core::hash::Hash for Accumulator<N> {
 }
 
 impl<const N: usize> Clone for Accumulator<N> {
+    #[expect(clippy::needless_match, reason = "the decoder's state is not Clone")]
     fn clone(&self) -> Self {
         let cobs = match self.cobs {
             DecoderState::Idle => DecoderState::Idle,
