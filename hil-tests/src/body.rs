@@ -184,7 +184,7 @@ pub fn stepper(start: Start) {
 fn replayed(client: &mut Client) -> Replay {
     let (info, parameters) = (client.info().expect("an answer"), client.parameters().expect("an answer"));
     let record = client.record(|_, _| {}).expect("a record");
-    let text = TargetFile::new(&record, &info, &parameters).to_text();
+    let text = TargetFile::new(&record, &info, &parameters).expect("samples that files count to").to_text();
     replay(&TargetFile::from_text(&text).expect("a whole file")).expect("a record that can be replayed")
 }
 

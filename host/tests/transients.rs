@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use program::{exists, folder, ok, pneudrive, transcript, virtual_rig};
+use program::{exists, folder, ok, pneudrive, transcript, virtual_rig, with_line};
 
 /// The test that the record and the run folder hold: at rest, then a step at 0.3 s.
 const TEST: &str = "servo-b-tuned --set test.duration_s=0.45";
@@ -277,6 +277,8 @@ fn a_header_that_cannot_be_is_refused_by_its_key() {
         ("measured_period_us", "0", "the header's measured_period_us is 0; it must be more than 0"),
         ("measured_period_us", "-1300", "the header's measured_period_us is -1300; it must be more than 0"),
         ("mm_per_count", "inf", "the header's mm_per_count is \"inf\", not a number"),
+        ("pressure_scale_pa", "-244.2", "the header's pressure_scale_pa is -244.2; it must be more than 0"),
+        ("spool_scale_mm", "0", "the header's spool_scale_mm is 0; it must be more than 0"),
         ("pressure_scale_pa", "NaN", "the header's pressure_scale_pa is \"NaN\", not a number"),
         ("spool_scale_mm", "wide", "the header's spool_scale_mm is \"wide\", not a number"),
         (
@@ -290,20 +292,12 @@ fn a_header_that_cannot_be_is_refused_by_its_key() {
             "the header's param.acceleration_window_samples is 999; it must be a whole number from 1 to 63",
         ),
     ] {
-        let with = |line: &str| {
-            if line.starts_with(&format!("# {key} = ")) {
-                format!("# {key} = {value}")
-            } else {
-                line.to_owned()
-            }
-        };
-        let text: Vec<String> = record().lines().map(with).collect();
-        fs::write(folder.path().join("header.dat"), text.join("\n") + "\n").expect("written");
+        let text = with_line(record(), key, Some(value));
+        fs::write(folder.path().join("header.dat"), text).expect("written");
         all_refuse(folder.path(), "header.dat", &format!("header.dat: {says}"));
     }
-    let without: Vec<&str> =
-        record().lines().filter(|line| !line.starts_with("# measured_period_us")).collect();
-    fs::write(folder.path().join("header.dat"), without.join("\n") + "\n").expect("written");
+    let without = with_line(record(), "measured_period_us", None);
+    fs::write(folder.path().join("header.dat"), without).expect("written");
     all_refuse(
         folder.path(),
         "header.dat",

@@ -47,7 +47,7 @@ fn units(client: &mut Client, counts: bool) -> Units {
         Ok(parameters) if counts => Units::raw(&parameters),
         Ok(parameters) => Units::of(&parameters),
         Err(error) => {
-            eprintln!("note: figures are as the rig sends them, as its scales are not known: {error:#}");
+            tell!("note: figures are as the rig sends them, as its scales are not known: {error:#}");
             Units::default()
         }
     }

@@ -201,8 +201,8 @@ fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupts: &Interrup
 fn wait_for_null(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
     let begun = Instant::now();
     while begun.elapsed() < WALK_TO_NULL {
-        if interrupts.seen().load(Ordering::Relaxed) {
-            bail!("stopped before the start, as you asked");
+        if interrupts.look() {
+            return Err(Exit::Interrupted.error("stopped before the start, as you asked"));
         }
         if rig.word("operator.model") != "stepper" || client.status()?.spool == 0 {
             break;

@@ -60,7 +60,7 @@ impl TargetFile {
         };
         let (file, covered) = TargetFile::read_text(&text).with_context(|| path.display().to_string())?;
         if let Some(note) = covered.note() {
-            eprintln!("note: {}: {note}", path.display());
+            tell!("note: {}: {note}", path.display());
         }
         Ok(file)
     }
