@@ -7,6 +7,7 @@ pub const BUILTIN: &[(&str, &str)] = &[
     ("servo-a", include_str!("../../rigs/servo-a.toml")),
     ("servo-a-tuned", include_str!("../../rigs/servo-a-tuned.toml")),
     ("servo-b", include_str!("../../rigs/servo-b.toml")),
+    ("servo-b-thesis", include_str!("../../rigs/servo-b-thesis.toml")),
     ("servo-b-tuned", include_str!("../../rigs/servo-b-tuned.toml")),
     ("servo-c", include_str!("../../rigs/servo-c.toml")),
     ("servo-c-tuned", include_str!("../../rigs/servo-c-tuned.toml")),
