@@ -20,6 +20,7 @@ use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Board, Control};
 use pneudrive_controller::{Command, Config, Mode, Sample};
+use pneudrive_sim::positive_gain::SWITCHES;
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::kept_flash::KeptFlash;
@@ -215,8 +216,8 @@ impl VirtualRig {
                 "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
             );
         }
-        if rig.switch("faults.positive_gain_only") {
-            bail!("faults.positive_gain_only is the simulator's own; no firmware has this bug");
+        if let Some(switch) = SWITCHES.into_iter().find(|switch| rig.switch(switch)) {
+            bail!("{switch} is the simulator's own; no firmware has this bug");
         }
         let mut board = VirtualBoard::new(rig, seed, pace, flash);
         let mut control = Box::<Control>::default();

@@ -1,14 +1,18 @@
 //! The historical bug of the gain routine (thesis 8.2.5, L(19); EQUATIONS section 9): it could give
-//! positive gains only.
+//! positive gains only. The thesis has no more of it, so there are two readings:
 //!
 //! ```text
-//! n_pg   = Kp[i] |n_p|                               instead of Kp[i] n_p
+//! positive_gain_only               n_pg = Kp[i] |n_p|       instead of Kp[i] n_p
+//! last_gain_for_negative_errors    n_pg = Kp[last] n_p      for n_p < 0
 //! demand = (n_pg - Kv n_v - Ka n_a) / scale + null offset
 //! ```
 //!
+//! The second is "min(n_p/4, 255)" of Appendix IX (a) to the letter: n_p/4 of a negative n_p is a large number without
+//! its sign.
+//!
 //! All else is as in the gain-profile and proportional laws: exact sums, one saturation, division toward
 //! zero, dead bands, limits. It is a component of the simulator alone, for a repetition of the thesis's
-//! figures: no firmware has it. After an overshoot the error pushes on in its direction.
+//! figures: no firmware has it. After an overshoot the first pushes on in the direction of the error.
 
 use std::num::NonZeroU32;
 
@@ -18,24 +22,38 @@ use pneudrive_controller::{Command, Config, Mode, Observation};
 
 use crate::rig::Rig;
 
+/// The readings of the bug.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reading {
+    /// The error counts as positive.
+    PositiveError,
+    /// Negative errors have the last gain of the profile.
+    LastGain,
+}
+
 /// The faulty law, in place of the controller's between its sample and its output.
 #[derive(Clone, Debug)]
 pub struct PositiveGain {
+    reading: Reading,
     law: LawConfig,
     drive: DriveConfig,
     /// Where the spool of a stepper is, steps.
     location: i16,
 }
 
+/// The keys that ask for it, the first one before the second.
+pub const SWITCHES: [&str; 2] = ["faults.positive_gain_only", "faults.last_gain_for_negative_errors"];
+
 impl PositiveGain {
     /// The bug, if a rig asks for it.
     #[must_use]
     pub fn of(rig: &Rig, config: &Config) -> Option<PositiveGain> {
-        rig.switch("faults.positive_gain_only").then(|| PositiveGain::new(config))
-    }
-
-    fn new(config: &Config) -> PositiveGain {
-        PositiveGain { law: config.law.clone(), drive: config.drive, location: 0 }
+        let reading = match SWITCHES.map(|switch| rig.switch(switch)) {
+            [true, _] => Reading::PositiveError,
+            [false, true] => Reading::LastGain,
+            [false, false] => return None,
+        };
+        Some(PositiveGain { reading, law: config.law.clone(), drive: config.drive, location: 0 })
     }
 
     /// What the faulty law makes of a sample: the same with another command, which is null where the
@@ -73,7 +91,11 @@ impl PositiveGain {
         let still =
             seen.velocity.unsigned_abs() < u64::from(law.velocity_dead_band.map_or(0, NonZeroU32::get));
         let velocity = if still { 0 } else { seen.velocity };
-        let sum = i64::from(self.gain(seen.error)) * i64::from(seen.error).abs()
+        let error = match self.reading {
+            Reading::PositiveError => i64::from(seen.error).abs(),
+            Reading::LastGain => i64::from(seen.error),
+        };
+        let sum = i64::from(self.gain(seen.error)) * error
             - i64::from(law.velocity_gain) * velocity
             - i64::from(law.acceleration_gain) * seen.acceleration;
         sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) / i64::from(law.scale.get()) + null
@@ -85,7 +107,8 @@ impl PositiveGain {
         match self.law.kind {
             LawKind::GainProfile => {
                 let index = (error.unsigned_abs() / self.law.profile_span) as usize;
-                profile[index.min(profile.len() - 1)]
+                let last = profile.len() - 1;
+                profile[if self.reading == Reading::LastGain && error < 0 { last } else { index.min(last) }]
             }
             // A checked rig has no other law here.
             _ => self.law.proportional_gain,
@@ -126,6 +149,15 @@ mod tests {
         // (8192 * 3 - 1000 - 300) / 256 = 90.9; (8192 * 3 - 40000 + 10) / 256 = -60.2
         assert_eq!(command(&law, seen(-3, 1000, 300)), 90);
         assert_eq!(command(&law, seen(-3, 40_000, -10)), -60);
+    }
+
+    /// By hand: 96 and 168 counts of command for errors of 3 and 7, and 256/256 counts to the count of a negative one.
+    #[test]
+    fn negative_errors_have_the_last_gain_of_the_profile_if_the_index_is_wrong() {
+        let law = faulty(&["faults.positive_gain_only=false", "faults.last_gain_for_negative_errors=true"]);
+        for (error, expected) in [(3, 96), (7, 168), (-3, -3), (-7, -7), (1000, 1000), (-1000, -1000)] {
+            assert_eq!(command(&law, seen(error, 0, 0)), expected, "{error}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::keys::{COUNT, Default, Key, Kind, choice, integer, key, number};
 use super::read::{Reader, did_you_mean, value_of};
 use super::{Rig, Value, default_value, whole_microseconds};
 use crate::faults::{FaultEvent, FaultKind, OpenSensor};
+use crate::positive_gain::SWITCHES;
 
 /// The fields of an event, in the order of `FIELDS`, with their values.
 pub type Fields = Vec<(&'static str, Value)>;
@@ -140,20 +141,27 @@ impl Reader<'_> {
                 self.problem_at_key(PATH, format!("pressure_pa = {pressure} is no dip: it must be between exhaust.pressure_pa = {low} and supply.pressure_pa = {high}"));
             }
         }
-        self.check_positive_gain(rig);
+        for switch in SWITCHES {
+            self.check_positive_gain(rig, switch);
+        }
     }
 
-    fn check_positive_gain(&mut self, rig: &Rig) {
-        if !rig.switch("faults.positive_gain_only") {
+    fn check_positive_gain(&mut self, rig: &Rig, switch: &'static str) {
+        if !rig.switch(switch) {
             return;
         }
         let refused = match rig.word("controller.law") {
+            _ if switch == SWITCHES[1] && rig.switch(SWITCHES[0]) => {
+                "there is one bug: take one of its readings"
+            }
             _ if rig.word("controller.model") != "sampled" => "it is a bug of the sampled controller",
             _ if rig.word("controller.loop") != "closed" => "an open loop has no gain",
-            "gain-profile" | "proportional" => return,
+            "gain-profile" => return,
+            _ if switch == SWITCHES[1] => "it is for the law gain-profile",
+            "proportional" => return,
             _ => "it is for the laws gain-profile and proportional",
         };
-        self.problem_at_key("faults.positive_gain_only", refused.to_owned());
+        self.problem_at_key(switch, refused.to_owned());
     }
 }
 

@@ -368,6 +368,7 @@ pub static KEYS: &[Key] = &[
     number("load.stop_damping_ratio", 0.5, 0.0, 10.0, "", "Damping ratio of the end stops."),
 
     key("faults.event", Kind::Events, Default::Absent("nothing goes wrong"), "", "What goes wrong and when, a table [[faults.event]] each."),
+    switch("faults.last_gain_for_negative_errors", false, "L(19)", "The same bug in another reading: a negative error has the last gain of the profile; in the simulator only."),
     switch("faults.positive_gain_only", false, "L(19)", "The controller's historical bug (thesis 8.2.5): the error always counts as positive; in the simulator only."),
 
     number("safety.position_margin_mm", 3.0, 0.0, 1000.0, "", "How far outside the stroke the position may be before the supervisor trips."),

@@ -137,6 +137,10 @@ fn the_positive_gain_bug_is_for_the_laws_that_it_was_in() {
             }
         }
     }
+    let other = "[faults]\nlast_gain_for_negative_errors = true\n";
+    assert!(only_problem(&format!("{other}[controller]\nlaw = \"proportional\"\n")).contains("gain-profile"));
+    assert!(only_problem(&format!("{other}positive_gain_only = true\n")).contains("one of its readings"));
+    assert!(read(other).is_ok());
     let continuous = "[controller]\nmodel = \"continuous\"\n[operator]\nhysteresis_percent = 0\n";
     assert!(only_problem(&format!("{bug}{continuous}")).contains("of the sampled controller"));
 }
