@@ -1,21 +1,26 @@
 //! The application studies of the thesis (chapter 8) and its published comparisons (7.3), run on the model.
 //!
-//! A [`Study`] names rigs with settings, what the thesis says of them, and for each such statement a
-//! predicate over the runs. What the model shows and whether it agrees is computed from the runs, never
-//! written, and judged in each of the runs of an ensemble: a verdict holds if it is that of all. The rigs of the thesis are not here: where it compares with one, the model without the change
-//! stands in for it.
+//! A [`Study`] names rigs with settings, what the thesis says of them, and for each such statement a predicate over
+//! the runs. What the model shows and whether it agrees is computed from the runs, never written: each drive is run
+//! from many starts, and a verdict holds if it surely holds in most of them. A drive without the change stands beside
+//! each one with it, from the same start: what both show is not the work of the change. The rigs of the thesis are not
+//! here: where it compares with one, the verdict is open.
 
 mod catalogue;
 mod finding;
 mod outcome;
 mod page;
 mod runs;
+mod starts;
+mod steadiness;
 
 pub use catalogue::STUDIES;
 pub use finding::{Finding, Verdict};
 pub use outcome::Outcome;
 pub use page::{index, page, statements, summary};
-pub use runs::run;
+pub use runs::{Studied, run};
+pub use starts::STARTS;
+pub use steadiness::{Steadiness, Swing};
 
 /// A study.
 #[derive(Debug)]
@@ -48,18 +53,6 @@ pub struct Variant {
 pub struct Statement {
     /// What the thesis says.
     pub thesis: &'static str,
-    /// Asks the runs, which come in the order of the variants.
+    /// Asks the runs of one start, which come in the order of the variants.
     pub judge: fn(&[Outcome]) -> Finding,
-}
-
-impl Study {
-    /// What the model shows of each statement. `runs` has the outcomes of the drives as they are, in the order of the
-    /// variants, and then those of their neighbours.
-    #[must_use]
-    pub fn findings(&self, runs: &[Vec<Outcome>]) -> Vec<Finding> {
-        let over_runs = |statement: &Statement| {
-            Finding::over(&runs.iter().map(|outcomes| (statement.judge)(outcomes)).collect::<Vec<_>>())
-        };
-        self.statements.iter().map(over_runs).collect()
-    }
 }

@@ -61,7 +61,7 @@ const COMMANDS: [(&str, &str); 19] = [
     ("replay TARGET01.DAT", ""),
     ("characterise servo-b flow-gain --out made", "made/flow-gain.csv"),
     ("study list", ""),
-    ("study impulse --ensemble 1 --out made", "made/impulse.html"),
+    ("study impulse --starts 1 --out made", "made/impulse.html"),
     ("ladder servo-b --set test.duration_s=0.02 --ensemble 1 --out made", "made/ladder.html"),
     ("sweep s.toml --out made", "made/sweep.csv"),
     ("tune servo-b-tuned --generations 0 --draws 1 --out made", "made/tuned.toml"),

@@ -7,7 +7,7 @@ use clap::Args;
 use pneudrive_sim::characteristics::CURVES;
 
 use super::{Neighbours, RigChoice, percent};
-use crate::study::STUDIES;
+use crate::study::{STARTS, STUDIES};
 use crate::sweep::execution::Shard;
 use crate::sweep::metric::FIGURES;
 
@@ -53,12 +53,9 @@ pub struct Study {
     /// Where to leave NAME.html, and of all index.html
     #[arg(long, value_name = "DIR", required_if_eq_any(with_pages()))]
     pub out: Option<PathBuf>,
-    /// Neighbours of each drive.
-    #[command(flatten)]
-    pub neighbours: Neighbours,
-    /// Do not ask, however long it lasts
-    #[arg(long)]
-    pub yes: bool,
+    /// Starts of each drive: its test elsewhere on the stroke, its dither elsewhere in its period
+    #[arg(long, value_name = "N", default_value_t = STARTS as u16, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub starts: u16,
 }
 
 /// Tells the studies, and runs none.

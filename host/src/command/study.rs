@@ -3,11 +3,10 @@
 use anyhow::Result;
 
 use super::Progress;
-use super::long_work::Pace;
 use crate::cli::{ALL, LIST, Study as Arguments};
 use crate::page::GENERATOR;
 use crate::run_folder::{make_writable, refuse_foreign};
-use crate::study::{Finding, STUDIES, Study, index, page, run, statements, summary};
+use crate::study::{Finding, STUDIES, Studied, Study, index, page, run, statements, summary};
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.name == LIST {
@@ -23,21 +22,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     for name in studies.iter().map(|study| study.name).chain(all.then_some(INDEX)) {
         refuse_foreign(&place(name), GENERATOR)?;
     }
-    let mut progress = Progress::of("studying", "drives");
-    let mut pace = Pace::begin("the study", arguments.yes);
-    let outcomes = run(&studies, arguments.neighbours.spacing(), |done, all| {
-        progress.at(done as u64, all as u64);
-        progress.aside(|| pace.at(done, all))
-    });
+    let mut progress = Progress::of("studying", "starts");
+    let starts = usize::from(arguments.starts);
+    let studied = run(&studies, starts, |done, all| progress.at(done as u64, all as u64));
     progress.done();
-    let outcomes = outcomes?;
-    let mut findings: Vec<Vec<Finding>> = Vec::new();
-    for (study, outcomes) in studies.iter().zip(&outcomes) {
-        let found = study.findings(outcomes);
-        page(study, outcomes).write(&place(study.name))?;
-        tell(study, &found);
-        findings.push(found);
+    let studied = studied?;
+    for (study, studied) in studies.iter().zip(&studied) {
+        page(study, studied).write(&place(study.name))?;
+        tell(study, studied);
     }
+    let findings: Vec<Vec<Finding>> = studied.into_iter().map(|studied| studied.findings).collect();
     if all {
         index(&studies, &findings).write(&place(INDEX))?;
         let every: Vec<Finding> = findings.into_iter().flatten().collect();
@@ -57,9 +51,9 @@ fn list() {
     }
 }
 
-fn tell(study: &Study, findings: &[Finding]) {
+fn tell(study: &Study, studied: &Studied) {
     say!("{} ({}): {}", study.name, study.section, study.about);
-    for row in statements(study, findings).rows {
+    for row in statements(study, &studied.findings).rows {
         say!("  thesis   {}\n  model    {}\n  verdict  {}\n", row[0], row[1], row[2]);
     }
 }

@@ -1,6 +1,19 @@
-//! What the model shows of a statement of the thesis, over a run and its neighbours.
+//! What the model shows of a statement of the thesis, at one start and over all of them.
+//!
+//! A start agrees, differs, or does not decide it. Of n starts the share that agrees is known within its 95 % interval
+//! (Wilson), and so is the share that differs:
+//!
+//! ```text
+//! agrees              the share that agrees is above two thirds, at the lower end of its interval
+//! differs             the same of the share that differs
+//! cannot be decided   one of these would hold if the undecided starts said the same
+//! depends             none of them: it holds in some starts and not in others
+//! ```
+//!
+//! Of 16 starts 15 must say the same, of 64 starts 51.
 
 use crate::range;
+use crate::tuning::Proportion;
 
 /// What the model shows of a statement.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,55 +33,73 @@ pub enum Verdict {
     Differs,
     /// What to compare with is not to be had, or the runs do not show it.
     Open,
-    /// Runs of drives that differ by next to nothing do not all say the same.
+    /// It does from some starts and not from others.
     Depends,
 }
+
+/// A verdict is that of more than this part of all starts.
+const MOST: f64 = 2.0 / 3.0;
 
 impl Finding {
     pub(super) fn new(agrees: bool, shows: String) -> Finding {
         Finding { shows, verdict: if agrees { Verdict::Agrees } else { Verdict::Differs } }
     }
 
-    /// The same where the runs may be too short to show it: `agrees` is None then.
+    /// The same where the runs may not show it: `agrees` is None then.
     pub(super) fn decided(agrees: Option<bool>, shows: String) -> Finding {
         match agrees {
             Some(agrees) => Finding::new(agrees, shows),
-            None => Finding { shows: shows + "; the runs do not decide it", verdict: Verdict::Open },
+            None => Finding { shows, verdict: Verdict::Open },
         }
     }
 
-    /// What the runs of an ensemble show together, the nominal one first.
-    pub(super) fn over(findings: &[Finding]) -> Finding {
-        let nominal = &findings[0];
-        let texts: Vec<&str> = findings.iter().map(|finding| finding.shows.as_str()).collect();
-        let shows = in_ranges(&texts).unwrap_or_else(|| nominal.shows.clone());
-        let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
-        if count(nominal.verdict) == findings.len() {
-            return Finding { shows, verdict: nominal.verdict };
-        }
-        let [agree, differ, open] = [Verdict::Agrees, Verdict::Differs, Verdict::Open].map(count);
-        let shares = format!(
-            "of {} runs that differ by next to nothing {agree} agree, {differ} differ and {open} do not decide it",
-            findings.len()
-        );
-        Finding { shows: format!("{shows}; {shares}"), verdict: Verdict::Depends }
-    }
-
-    /// The thesis compares with a graph that the scan has lost.
+    /// The thesis compares with its rig, or with a graph that the scan has lost.
     pub(super) fn open(shows: String) -> Finding {
-        Finding { shows: shows + "; the graph to compare with is lost", verdict: Verdict::Open }
+        Finding { shows: format!("{shows}; {LOST}"), verdict: Verdict::Open }
+    }
+
+    /// What all starts show together, the rig as it is first.
+    pub(super) fn over(starts: &[Finding]) -> Finding {
+        let texts: Vec<&str> = starts.iter().map(|finding| finding.shows.as_str()).collect();
+        let shows = in_ranges(&texts).unwrap_or_else(|| format!("as the rig is: {}", texts[0]));
+        if starts.iter().all(|finding| finding.shows.ends_with(LOST)) {
+            return Finding { shows, verdict: Verdict::Open };
+        }
+        let count = |verdict| starts.iter().filter(|finding| finding.verdict == verdict).count();
+        let [agree, differ, open] = [Verdict::Agrees, Verdict::Differs, Verdict::Open].map(count);
+        let agreeing = Proportion { met: agree, of: starts.len() };
+        let shares = format!("Starts that agree: {agreeing}; that differ: {differ}; undecided: {open}");
+        Finding {
+            shows: format!("{shows}. {shares}"),
+            verdict: Verdict::of_shares(agree, differ, starts.len()),
+        }
     }
 }
 
+/// Behind what nothing can be held against.
+const LOST: &str = "what to compare with is lost";
+
 impl Verdict {
+    /// Of so many starts that agree and that differ; the others do not decide it.
+    fn of_shares(agree: usize, differ: usize, of: usize) -> Verdict {
+        let open = of - agree - differ;
+        let surely = |met: usize| Proportion { met, of }.interval()[0] > MOST;
+        match () {
+            () if surely(agree) => Verdict::Agrees,
+            () if surely(differ) => Verdict::Differs,
+            () if surely(agree + open) || surely(differ + open) => Verdict::Open,
+            () => Verdict::Depends,
+        }
+    }
+
     /// As it stands in the tables.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Verdict::Agrees => "agrees",
             Verdict::Differs => "differs",
-            Verdict::Open => "open",
-            Verdict::Depends => "depends",
+            Verdict::Open => "cannot be decided",
+            Verdict::Depends => "depends on the start",
         }
     }
 }
@@ -112,6 +143,9 @@ fn pieces(text: &str) -> Vec<&str> {
 
 #[cfg(test)]
 mod tests {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
     use super::*;
 
     #[test]
@@ -123,15 +157,60 @@ mod tests {
     }
 
     #[test]
-    fn a_verdict_holds_if_it_is_that_of_every_run() {
-        let finding = |agrees: bool, mm: f64| Finding::new(agrees, format!("it ends {mm:.1} mm off"));
-        let all = Finding::over(&[finding(true, 1.0), finding(true, 2.0)]);
-        assert_eq!(
-            all,
-            Finding { shows: "it ends 1.0 (1.0 to 2.0) mm off".into(), verdict: Verdict::Agrees }
-        );
-        let divided = Finding::over(&[finding(true, 1.0), finding(false, 1.0), finding(true, 1.0)]);
-        assert_eq!(divided.verdict, Verdict::Depends);
-        assert!(divided.shows.contains("of 3 runs that differ by next to nothing 2 agree, 1 differ"));
+    fn a_verdict_holds_if_all_but_one_of_sixteen_starts_say_it() {
+        for (agree, differ, verdict) in [
+            (16, 0, Verdict::Agrees),
+            (15, 1, Verdict::Agrees),
+            (14, 2, Verdict::Depends),
+            (8, 8, Verdict::Depends),
+            (1, 15, Verdict::Differs),
+            (15, 0, Verdict::Agrees),
+            (14, 1, Verdict::Open),
+            (0, 0, Verdict::Open),
+            (2, 2, Verdict::Depends),
+            (1, 1, Verdict::Open),
+        ] {
+            assert_eq!(Verdict::of_shares(agree, differ, 16), verdict, "{agree} agree, {differ} differ");
+        }
+    }
+
+    /// Drawn starts of drives whose true share is known: what is said of most starts is rarely wrong.
+    #[test]
+    fn a_statement_that_holds_from_two_thirds_of_drawn_starts_is_said_to_agree_once_in_forty_at_most() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut verdicts = |share: f64, starts: usize| -> Vec<Verdict> {
+            let mut agrees = || f64::from(random.next_u32()) / 2f64.powi(32) < share;
+            let mut one = || (0..starts).filter(|_| agrees()).count();
+            (0..4000).map(|_| one()).map(|agree| Verdict::of_shares(agree, starts - agree, starts)).collect()
+        };
+        let part = |verdicts: &[Verdict], wanted| {
+            verdicts.iter().filter(|verdict| **verdict == wanted).count() as f64 / verdicts.len() as f64
+        };
+        for starts in [16, 32, 64] {
+            let edge = verdicts(MOST, starts);
+            assert!(part(&edge, Verdict::Agrees) < 0.025 && part(&edge, Verdict::Differs) == 0.0, "{starts}");
+            let even = verdicts(0.5, starts);
+            assert!(part(&even, Verdict::Depends) > 0.99, "{starts}");
+            assert!(part(&verdicts(0.98, starts), Verdict::Agrees) > 0.9, "{starts}");
+            assert!(part(&verdicts(0.02, starts), Verdict::Differs) > 0.9, "{starts}");
+        }
+    }
+
+    #[test]
+    fn shares_are_told_with_their_interval() {
+        let finding =
+            |agrees: Option<bool>, mm: f64| Finding::decided(agrees, format!("it ends {mm:.1} mm off"));
+        let starts = [finding(Some(true), 1.0), finding(Some(false), 2.0), finding(None, 1.5)];
+        let found = Finding::over(&starts);
+        assert_eq!(found.verdict, Verdict::Depends);
+        let said = "it ends 1.0 (1.0 to 2.0) mm off. Starts that agree: 1 of 3, 33 % (6 to 79 %); that differ: 1; undecided: 1";
+        assert_eq!(found.shows, said);
+    }
+
+    #[test]
+    fn what_has_nothing_to_be_held_against_stays_open_and_has_no_shares() {
+        let found = Finding::over(&vec![Finding::open("it goes at 3 mm/s".to_owned()); 16]);
+        assert_eq!(found.verdict, Verdict::Open);
+        assert_eq!(found.shows, format!("it goes at 3 mm/s; {LOST}"));
     }
 }

@@ -2,9 +2,9 @@
 
 use pneudrive_sim::{Rig, Run};
 
-use super::Variant;
+use super::steadiness::{Steadiness, Swing, swing};
 use crate::deviation::deviations;
-use crate::evaluation::{LimitCycle, Motion, Move, Oscillation, TOLERANCE_MM, moves};
+use crate::evaluation::{Motion, Move, TOLERANCE_MM, moves};
 use crate::run_folder::StoredRun;
 use crate::transient::{COMMAND, POSITION, SETPOINT, Transient};
 
@@ -24,21 +24,15 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    pub(super) fn of(rig: &Rig, run: &Run) -> Outcome {
-        let transient = Transient::of_run(rig.name(), &StoredRun::of(rig, run));
+    pub(super) fn of(name: &'static str, rig: &Rig, run: &Run) -> Outcome {
+        let transient = Transient::of_run(name, &StoredRun::of(rig, run));
         Outcome {
-            name: "",
+            name,
             moves: moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM),
             transient,
             evaluations: run.work.integrator.evaluations,
             tripped: run.fault.map(|(_, sample)| sample as usize),
         }
-    }
-
-    /// The same under the name of a study's variant.
-    pub(super) fn called(&self, variant: Variant) -> Outcome {
-        let transient = Transient { name: variant.name.to_owned(), ..self.transient.clone() };
-        Outcome { name: variant.name, transient, ..self.clone() }
     }
 
     /// The moves but the first, which begins at rest and stays where it is.
@@ -50,43 +44,39 @@ impl Outcome {
         self.moves.last().expect("a run has a move")
     }
 
-    /// Its limit cycle: the largest that a move shows, or else the worst of its long moves.
-    pub(super) fn vibration(&self) -> LimitCycle {
-        let shown = self.moves.iter().map(|one| one.limit_cycle);
-        let shown = shown.filter(|one| matches!(one, LimitCycle::Sustained(_)));
-        let long = || self.long_moves().map(|one| one.limit_cycle).reduce(LimitCycle::or_worse);
-        shown.reduce(LimitCycle::or_worse).or_else(long).unwrap_or(self.last().limit_cycle)
+    /// How far it swings at the end of its long moves; None if it has none, or was stopped.
+    pub(super) fn swing(&self) -> Option<Swing> {
+        if self.tripped.is_some() {
+            return None;
+        }
+        let spans: Vec<[f64; 2]> = self.spans().collect();
+        Swing::of(&self.transient.time, &self.transient.channels[POSITION], &spans)
     }
 
-    /// The moves that last half as long as the longest at least: no impulse, and no hold before the first step.
-    fn long_moves(&self) -> impl Iterator<Item = &Move> {
+    /// When each of its moves begins and ends, s.
+    fn spans(&self) -> impl Iterator<Item = [f64; 2]> {
         let end_s = self.transient.time.last().copied().unwrap_or(0.0);
         let ends = self.moves.iter().skip(1).map(|one| one.start_s).chain([end_s]);
-        let lengths: Vec<f64> = self.moves.iter().zip(ends).map(|(one, end)| end - one.start_s).collect();
-        let longest = lengths.iter().copied().fold(0.0, f64::max);
-        self.moves.iter().zip(lengths).filter(move |(_, length)| *length >= 0.5 * longest).map(|(one, _)| one)
+        self.moves.iter().zip(ends).map(|(one, end)| [one.start_s, end])
     }
 
-    /// Whether it vibrates; None if its runs do not show it.
+    /// Whether it vibrates; None if that comes or goes, or its runs do not show it.
     pub(super) fn vibrates(&self) -> Option<bool> {
-        Some(self.amplitude_mm()? > 0.0)
-    }
-
-    /// Half of its swing, mm; 0 of a drive that comes to rest, None if its runs do not show it.
-    pub(super) fn amplitude_mm(&self) -> Option<f64> {
-        Some(self.vibration().swing_mm()? / 2.0)
-    }
-
-    /// Whether it comes to rest, in words.
-    pub(super) fn rest(&self) -> String {
-        let name = self.name;
-        match self.vibration() {
-            LimitCycle::Sustained(Oscillation { swing_mm, frequency_hz, .. }) => {
-                format!("{name}: vibrates by +-{:.1} mm at {frequency_hz:.1} Hz", swing_mm / 2.0)
-            }
-            LimitCycle::None { .. } => format!("{name}: comes to rest"),
-            LimitCycle::Undecided(doubt) => format!("{name}: whether it vibrates is not decidable; {doubt}"),
+        match self.swing()?.steadiness {
+            Steadiness::Vibrates => Some(true),
+            Steadiness::Steady => Some(false),
+            Steadiness::Neither => None,
         }
+    }
+
+    /// Its swing from peak to peak, mm.
+    pub(super) fn swing_mm(&self) -> Option<f64> {
+        Some(self.swing()?.mean_mm)
+    }
+
+    /// How far it swings, in words.
+    pub(super) fn rest(&self) -> String {
+        format!("{} swings by {}", self.name, said(self.swing_mm(), 2, "mm"))
     }
 
     /// The largest overshoot of a move, mm; None if a move does not show it.
@@ -98,13 +88,6 @@ impl Outcome {
     pub(super) fn rise_s(&self) -> Option<f64> {
         let rises: Option<Vec<f64>> = self.asked().iter().map(|one| one.rise_s).collect();
         rises.and_then(|rises| mean(&rises))
-    }
-
-    /// Mean of the steady errors without their signs, mm, over some of its moves; None if one of them does not
-    /// show it.
-    pub(super) fn error_mm(moves: &[Move]) -> Option<f64> {
-        let errors: Option<Vec<f64>> = moves.iter().map(|one| Some(one.steady_error_mm?.abs())).collect();
-        errors.and_then(|errors| mean(&errors))
     }
 
     /// Mean of the errors without their signs, mm, over the last quarters of some moves, whether the drive stands
@@ -122,17 +105,26 @@ impl Outcome {
         tail.iter().sum::<f64>() / tail.len() as f64
     }
 
-    /// Half of the swing of the position in each stretch of `seconds` from a time on, mm.
+    /// The swing of the position, from peak to peak, in each stretch of `seconds` from a time on, mm.
     pub(super) fn swings(&self, from: f64, seconds: f64) -> Vec<f64> {
         let end = self.transient.time.last().copied().unwrap_or(0.0);
         let stretches = ((end - from) / seconds) as usize;
-        let swing = |number: usize| {
-            let begin = from + seconds * number as f64;
-            let part = self.transient.between(begin, begin + seconds);
-            let position = part.channels[POSITION].iter().copied();
-            (position.clone().fold(f64::MIN, f64::max) - position.fold(f64::MAX, f64::min)) / 2.0
+        let begins = (0..stretches).map(|number| from + seconds * number as f64);
+        let (time, position) = (&self.transient.time, &self.transient.channels[POSITION]);
+        begins.map(|begin| swing(time, position, [begin, begin + seconds])).collect()
+    }
+
+    /// Mean distance from the setpoint in the first half second of each move that is asked for, mm.
+    pub(super) fn lag_mm(&self) -> Option<f64> {
+        let [setpoint, position] = [SETPOINT, POSITION].map(|channel| &self.transient.channels[channel]);
+        let place = |time_s: f64| self.transient.time.partition_point(|time| *time < time_s);
+        let lag = |one: &Move| {
+            let during = place(one.start_s)..place(one.start_s + 0.5);
+            let distances: Vec<f64> = during.map(|k| (setpoint[k] - position[k]).abs()).collect();
+            mean(&distances)
         };
-        (0..stretches).map(swing).collect()
+        let lags: Option<Vec<f64>> = self.asked().iter().map(lag).collect();
+        lags.and_then(|lags| mean(&lags))
     }
 
     /// The largest change of the command from a sample to the next while the setpoint holds and the
@@ -205,18 +197,25 @@ mod tests {
     }
 
     #[test]
-    fn swings_are_half_of_what_the_position_covers_in_each_stretch() {
+    fn swings_are_what_the_position_covers_in_each_stretch() {
         let swings = outcome().swings(0.5, 0.25);
         assert_eq!(swings.len(), 5);
-        assert!((swings[0] - 37.5).abs() < 1e-6 && (swings[1] - 12.5).abs() < 0.3, "{swings:?}");
+        assert!((swings[0] - 75.0).abs() < 0.6 && (swings[1] - 25.0).abs() < 0.6, "{swings:?}");
         assert!(swings[2..].iter().all(|swing| *swing == 0.0), "{swings:?}");
     }
 
+    /// For 0.1 s it is 100 mm away, then for 0.2 s 50 mm in the mean: 40 mm over half a second.
     #[test]
-    fn a_drive_that_stands_has_no_amplitude_and_its_channels_settle() {
-        let outcome = outcome();
-        assert_eq!((outcome.amplitude_mm(), outcome.settled(POSITION)), (Some(0.0), 100.0));
-        assert_eq!(outcome.rest(), "straight: comes to rest");
-        assert_eq!(Outcome::error_mm(outcome.asked()), Some(0.0));
+    fn the_lag_is_the_mean_distance_from_the_setpoint_after_a_step() {
+        let lag = outcome().lag_mm().expect("it moves");
+        assert!((lag - 40.0).abs() < 0.2, "{lag}");
+    }
+
+    #[test]
+    fn a_drive_whose_moves_are_short_or_that_was_stopped_has_no_swing() {
+        assert_eq!(outcome().swing(), None);
+        assert_eq!(outcome().settled(POSITION), 100.0);
+        assert_eq!(outcome().rest(), "straight swings by nothing that is decidable");
+        assert_eq!(Outcome { tripped: Some(3), ..outcome() }.swing(), None);
     }
 }

@@ -1,26 +1,25 @@
 //! The page of a study, and the index of all.
 
-use super::{Finding, Outcome, Study, Variant, Verdict};
-use crate::evaluation::{self, Move, TOLERANCE_MM};
+use super::steadiness::SEEN_MM;
+use super::{Finding, Studied, Study, Variant, Verdict};
+use crate::evaluation::{self, TOLERANCE_MM};
 use crate::page::{Figure, Page, Table};
 use crate::report;
 use crate::transient::Transient;
 
-/// The page of a study: its statements, the drives' moves, and their transients on the same graphs. `runs` as in
-/// [`Study::findings`].
+/// The page of a study: its statements, the drives' moves, and their transients on the same graphs.
 #[must_use]
-pub fn page(study: &Study, runs: &[Vec<Outcome>]) -> Page {
-    let findings = study.findings(runs);
-    let moves = study.variants.iter().enumerate().map(|(drive, variant)| {
-        let moves: Vec<Vec<Move>> = runs.iter().map(|outcomes| outcomes[drive].moves.clone()).collect();
-        let table = evaluation::table(&moves, TOLERANCE_MM);
+pub fn page(study: &Study, studied: &Studied) -> Page {
+    let moves = study.variants.iter().zip(&studied.moves).map(|(variant, moves)| {
+        let table = evaluation::table(moves, TOLERANCE_MM);
         Table { heading: format!("{}: {}", variant.name, table.heading), ..table }
     });
-    let transients: Vec<Transient> = runs[0].iter().map(|outcome| outcome.transient.clone()).collect();
+    let transients: Vec<Transient> = studied.own.iter().map(|outcome| outcome.transient.clone()).collect();
+    let tables = [statements(study, &studied.findings), drives(study.variants)];
     Page {
         title: format!("{} (thesis {})", study.about, study.section),
-        notes: vec![summary(&findings), over(runs.len())],
-        tables: [statements(study, &findings), drives(study.variants)].into_iter().chain(moves).collect(),
+        notes: vec![summary(&studied.findings), over(studied.moves.first().map_or(0, Vec::len))],
+        tables: tables.into_iter().chain(moves).collect(),
         figures: graphs(&transients),
     }
 }
@@ -31,14 +30,11 @@ fn graphs(transients: &[Transient]) -> Vec<Figure> {
     transients.chunks(together).map(|some| Figure::over_time(report::panels(some))).collect()
 }
 
-/// On how many runs a verdict rests, in a sentence.
-fn over(runs: usize) -> String {
-    match runs {
-        1 => "Each drive was run once, without its neighbours.".to_owned(),
-        _ => format!(
-            "Each drive was run {runs} times, its mass and starting position changed by next to nothing: figures are ranges over these runs, and a verdict holds if it is that of all."
-        ),
-    }
+/// On how many starts a verdict rests, in a sentence.
+fn over(starts: usize) -> String {
+    format!(
+        "Each drive was run from {starts} starts: its test elsewhere on the stroke, its dither elsewhere in its period. Figures are those of the rig as it is, with their range over the starts; a verdict holds if the 95 % interval of its share of starts lies above two thirds. The graphs show the rig as it is. A drive vibrates if it swings by more than {SEEN_MM} mm in each of the last three stretches of 0.4 s of a move of 2 s or more, and is steady if it does so in none."
+    )
 }
 
 /// How many statements the model shows, in a sentence.
@@ -51,7 +47,7 @@ pub fn summary(findings: &[Finding]) -> String {
     };
     let depends = match count(Verdict::Depends) {
         0 => String::new(),
-        depends => format!(" The verdict on {depends} depends on less than is known of a drive."),
+        depends => format!(" The verdict on {depends} depends on the start."),
     };
     let open = match count(Verdict::Open) {
         0 => String::new(),
@@ -103,7 +99,7 @@ pub fn index(studies: &[&Study], findings: &[Vec<Finding>]) -> Page {
         title: "Application studies: the thesis and the model".to_owned(),
         notes: vec![
             summary(&all),
-            "The rigs of the thesis are not here: where it compares with one, the model without the change stands in for it.".to_owned(),
+            "The rigs of the thesis are not here: where it compares with one, the statement cannot be decided.".to_owned(),
         ],
         tables: vec![Table {
             heading: "all statements".to_owned(),

@@ -1,68 +1,80 @@
-//! Runs the drives of studies, each with its neighbours on all processors. A drive that several studies ask for is run
-//! once.
+//! Runs the drives of studies from many starts: all of them together on all processors. At each start the drives of a
+//! study begin in the same place and phase, so that they differ by what the study changes alone.
 
-use anyhow::{Context, Result, bail};
-use pneudrive_sim::rig::builtin;
-use pneudrive_sim::{Accuracy, Rig};
+use anyhow::{Context, Result};
+use pneudrive_sim::{Accuracy, run as simulate};
 
-use super::{Outcome, Study, Variant};
-use crate::ensemble::{Spacing, run_ensemble};
-use crate::run_folder::StoredRun;
-use crate::transient::Transient;
+use super::starts::at_start;
+use super::{Finding, Outcome, Study, Variant};
+use crate::evaluation::Move;
+use crate::parallel;
 
-/// Rig and settings: what makes two variants the same run.
-type Drive = (&'static str, &'static [&'static str]);
+/// A study that has been run.
+#[derive(Clone, Debug)]
+pub struct Studied {
+    /// What each drive did at the first start, the rig as it is, in the order of the variants.
+    pub own: Vec<Outcome>,
+    /// The moves of each drive at each start.
+    pub moves: Vec<Vec<Vec<Move>>>,
+    /// What the model shows of each statement, over all starts.
+    pub findings: Vec<Finding>,
+}
 
-/// The outcomes of each study: of its drives as they are, in the order of its variants, and then of each of their
-/// neighbours. `progress` is given drives done and drives in all.
+/// A study at one start.
+struct AtStart {
+    /// Kept of the first start alone: a transient takes half a megabyte.
+    own: Option<Vec<Outcome>>,
+    moves: Vec<Vec<Move>>,
+    findings: Vec<Finding>,
+}
+
+/// Runs studies, from so many starts each. `progress` is given what is done and what is to do, a study at a start each.
 ///
 /// # Errors
-/// When a drive cannot be integrated, or `progress` wants no more.
+/// When a drive cannot be integrated.
+///
+/// # Panics
+/// If asked for no starts.
 pub fn run(
     studies: &[&Study],
-    spacing: Spacing,
-    mut progress: impl FnMut(usize, usize) -> Result<()>,
-) -> Result<Vec<Vec<Vec<Outcome>>>> {
-    let mut drives: Vec<Drive> = Vec::new();
-    for variant in studies.iter().flat_map(|study| study.variants) {
-        if !drives.contains(&drive(variant)) {
-            drives.push(drive(variant));
-        }
-    }
-    let mut runs: Vec<Vec<Outcome>> = Vec::with_capacity(drives.len());
-    for drive in &drives {
-        progress(runs.len(), drives.len())?;
-        runs.push(run_one(*drive, spacing)?);
-    }
-    progress(drives.len(), drives.len())?;
-    let of_drive = |variant: &Variant, number: usize| {
-        let drive = drives.iter().position(|one| *one == drive(variant)).expect("it was run");
-        runs[drive][number].called(*variant)
-    };
-    let of_study = |study: &&Study, number: usize| -> Vec<Outcome> {
-        study.variants.iter().map(|variant| of_drive(variant, number)).collect()
-    };
-    Ok(studies
-        .iter()
-        .map(|study| (0..spacing.runs).map(|number| of_study(study, number)).collect())
-        .collect())
+    starts: usize,
+    mut progress: impl FnMut(usize, usize),
+) -> Result<Vec<Studied>> {
+    assert!(starts > 0, "a study needs a start");
+    let jobs: Vec<(&Study, usize)> =
+        studies.iter().flat_map(|study| (0..starts).map(|start| (*study, start))).collect();
+    let one = |job: &(&Study, usize)| at_one_start(job.0, job.1);
+    let done = parallel::map(&jobs, parallel::processors(), one, |done| progress(done, jobs.len()));
+    let done: Vec<AtStart> = done.into_iter().collect::<Result<_>>()?;
+    let mut done = done.into_iter();
+    Ok(studies.iter().map(|study| together(study, done.by_ref().take(starts).collect())).collect())
 }
 
-fn drive(variant: &Variant) -> Drive {
-    (variant.rig, variant.settings)
+fn at_one_start(study: &Study, start: usize) -> Result<AtStart> {
+    let outcomes: Vec<Outcome> =
+        study.variants.iter().map(|variant| outcome(variant, start)).collect::<Result<_>>()?;
+    Ok(AtStart {
+        moves: outcomes.iter().map(|outcome| outcome.moves.clone()).collect(),
+        findings: study.statements.iter().map(|statement| (statement.judge)(&outcomes)).collect(),
+        own: (start == 0).then_some(outcomes),
+    })
 }
 
-/// A drive and its neighbours, the nominal run with the band of all.
-fn run_one((name, settings): Drive, spacing: Spacing) -> Result<Vec<Outcome>> {
-    let text = builtin(name).with_context(|| format!("there is no built-in rig {name}"))?;
-    let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();
-    let rig = Rig::read_with(name, text, &settings)?;
-    let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, Outcome::of, |_, _| {})
-        .with_context(|| format!("{name} with {settings:?} cannot be simulated"))?;
-    if let Some(why) = ensemble.nominal.lost.failed.first() {
-        bail!("a neighbour of {name} with {settings:?} cannot be simulated; write a smaller --change: {why}");
+fn outcome(variant: &Variant, start: usize) -> Result<Outcome> {
+    let rig = at_start(variant, start)?;
+    let run = simulate(&rig, Accuracy::of_draw(&rig))
+        .with_context(|| format!("{}, start {start}, cannot be simulated", variant.name))?;
+    Ok(Outcome::of(variant.name, &rig, &run))
+}
+
+fn together(study: &Study, starts: Vec<AtStart>) -> Studied {
+    let of_statement = |number: usize| {
+        Finding::over(&starts.iter().map(|start| start.findings[number].clone()).collect::<Vec<_>>())
+    };
+    let of_drive = |drive: usize| starts.iter().map(|start| start.moves[drive].clone()).collect();
+    Studied {
+        findings: (0..study.statements.len()).map(of_statement).collect(),
+        moves: (0..study.variants.len()).map(of_drive).collect(),
+        own: starts.into_iter().find_map(|start| start.own).expect("the first start is among them"),
     }
-    let mut outcomes = ensemble.measured;
-    outcomes[0].transient = Transient::of_run(name, &StoredRun::of_judged(&rig, &ensemble.nominal));
-    Ok(outcomes)
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use super::super::outcome::said;
 use super::super::{Finding, Statement, Study, Variant};
+use super::{SAME_MM, grows};
 use crate::transient::{PRESSURES, SPOOL};
 
 pub(super) const LUT_STEPPER: Study = Study {
@@ -33,15 +34,25 @@ pub(super) const LUT_STEPPER: Study = Study {
 
 /// The retraction of 7.3.2, for as long as it takes to see that the drive hunts: a cycle takes 2.4 s.
 const RETRACTION: &[&str] =
-    &["test.moves=[[0.0, 16384], [0.3, 8192]]", "test.position_m=0.197433225", "test.duration_s=12.0"];
+    &["test.moves=[[0.0, 16384], [0.3, 8192]]", "test.position_m=0.197433225", RETRACTION_TIME];
+const RETRACTION_TIME: &str = "test.duration_s=12.0";
+
+/// Of its end, s: two cycles.
+const HUNTS_FROM_S: f64 = 6.9;
+const HUNTS_S: f64 = 5.0;
+
+/// The gains of the file are those of 1.6 kg. With these the retraction overshoots by 0.6 mm instead of 1.4 mm (the worst
+/// of six starts).
+const FOR_15_KG: &[&str] =
+    &["controller.velocity_gain=3000", "controller.acceleration_gain=8000", RETRACTION_TIME];
 
 pub(super) const LUT_SOLENOID: Study = Study {
     name: "lut-solenoid",
     section: "7.3.2",
     about: "The same drive with a solenoid-operated valve",
     variants: &[
-        Variant { name: "lut-solenoid", rig: "lut-solenoid", settings: &[] },
-        Variant { name: "lut-stepper, same move", rig: "lut-stepper", settings: RETRACTION },
+        Variant { name: "solenoid", rig: "lut-solenoid", settings: FOR_15_KG },
+        Variant { name: "stepper, same move", rig: "lut-stepper", settings: RETRACTION },
     ],
     statements: &[
         Statement {
@@ -58,13 +69,12 @@ pub(super) const LUT_SOLENOID: Study = Study {
         Statement {
             thesis: "It is more stable than with the stepper-operated valve.",
             judge: |runs| {
-                let [solenoid, stepper] =
-                    [&runs[0], &runs[1]].map(|run| Some(run.overshoot_mm()? + run.amplitude_mm()?));
-                let overshoots = |run: usize| said(runs[run].overshoot_mm(), 1, "mm");
-                let [one, other] =
-                    [0, 1].map(|run| format!("{}, overshoot {}", runs[run].rest(), overshoots(run)));
-                let more_stable = solenoid.zip(stepper).map(|(solenoid, stepper)| solenoid < stepper);
-                Finding::decided(more_stable, format!("{one}; {other}"))
+                let swing = |run: usize| runs[run].swings(HUNTS_FROM_S, HUNTS_S).first().copied();
+                let [one, other] = [0, 1].map(|run| said(swing(run), 2, "mm"));
+                Finding::decided(
+                    grows(swing(0), swing(1), SAME_MM),
+                    format!("it hunts by {one} in the last {HUNTS_S} s, with the stepper by {other}"),
+                )
             },
         },
         Statement {
