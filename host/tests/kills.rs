@@ -221,7 +221,7 @@ const LEAVE: [(&str, &str, &[&str]); 8] = [
     ("ladder servo-b --set test.duration_s=0.02 --ensemble 1 --out out", "out", &["ladder.html"]),
     ("sweep s.toml --out out", "out", &["sweep.csv", "sweep.html"]),
     ("tune servo-b-tuned --generations 0 --draws 1 --out out", "out", &["tuned.toml", "tune.html"]),
-    ("study impulse --ensemble 1 --out out", "out", &["impulse.html"]),
+    ("study impulse --starts 1 --out out", "out", &["impulse.html"]),
 ];
 
 /// A folder with what these commands read.
