@@ -69,16 +69,16 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         "characterise servo-b flow-gain --out .",
         "characterise servo-b pressure-drop --out .",
         "characterise servo-b frequency-response --out .",
-        "study impulse --out .",
+        "study impulse --starts 2 --out .",
         "ladder servo-a --set test.duration_s=0.2 --out .",
         "tune servo-a --settled 2 --overshoot 20 --population 2 --generations 2 --load 0% --friction 0% --out .",
     ] {
         ok(folder.path(), arguments);
     }
-    // 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once. The neighbours of a run shade six of
-    // them between two edges each. The tuning keeps
-    // the gains of the file, and no draw meets its goal: the steps are one curve on two graphs, with the two bounds; those
-    // that settle and those that do not are two on the third; then come the profile, four of the file's rig, and the search.
+    // 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once, of two drives, too. The neighbours
+    // of a run shade six of them between two edges each. The tuning keeps the gains of the file, and no draw meets its
+    // goal: the steps are one curve on two graphs, with the two bounds; those that settle and those that do not are two
+    // on the third; then come the profile, four of the file's rig, and the search.
     for (name, graphs, curves) in [
         ("run/report.html", 5, 7 + 12),
         ("eval.html", 7, 9 + 12),
@@ -87,7 +87,7 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         ("flow-gain.html", 2, 10),
         ("frequency-response.html", 2, 4),
         ("pressure-drop.html", 1, 3),
-        ("impulse.html", 5, 7 + 12),
+        ("impulse.html", 5, 13),
         ("ladder.html", 4, 31),
         ("tune.html", 8, 12),
     ] {
