@@ -178,6 +178,9 @@ pub struct Simulate {
     /// Take [test] from this rig file instead
     #[arg(long, value_name = "FILE")]
     pub test: Option<String>,
+    /// Take moves, gains and initial state from a TARGET file or a streamed run; or go on from the end of a run folder
+    #[arg(long, value_name = "FILE|RUN", conflicts_with = "test")]
+    pub from: Option<PathBuf>,
     /// Where to leave trace.csv, run.json and report.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,

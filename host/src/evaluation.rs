@@ -18,6 +18,7 @@ mod figures;
 mod limit_cycle;
 mod motion;
 mod noise;
+mod other_rig;
 mod stretch;
 mod swings;
 mod table;
@@ -26,6 +27,7 @@ pub use air::{Air, Chambers};
 pub use figures::to_json;
 pub use limit_cycle::{Doubt, LimitCycle, Oscillation};
 pub use motion::Motion;
+pub use other_rig::refuse_other_rig;
 pub use table::{remarks, table};
 
 use pneudrive_sim::{Rig, Run};

@@ -66,6 +66,7 @@ mod plant_server;
 pub mod port;
 pub mod punctuality;
 pub mod range;
+pub mod recorded_test;
 pub mod replay;
 pub mod report;
 pub mod rig_text;

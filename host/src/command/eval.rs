@@ -10,11 +10,11 @@ use pneudrive_sim::{Accuracy, Rig, Run};
 use super::{Progress, load_rig};
 use crate::cli::{Eval, Stretch};
 use crate::ensemble::{Ensemble, Spacing, run_ensemble};
-use crate::evaluation::{Chambers, Motion, Move, moves, remarks, table};
+use crate::evaluation::{Chambers, Motion, Move, moves, refuse_other_rig, remarks, table};
 use crate::page::{Curve, Figure, GENERATOR, Page, Panel};
 use crate::report;
 use crate::run_folder::{StoredRun, is_trace, put, refuse_foreign, rig_of};
-use crate::transient::{CHANNELS, POSITION, Transient};
+use crate::transient::{CHANNELS, Transient};
 use crate::words;
 
 /// Names of the columns behind the channels in a CSV file.
@@ -69,34 +69,12 @@ fn rig_beside(arguments: &Eval, transient: &Transient) -> Result<Option<Rig>> {
     match &arguments.rig {
         Some(named) => {
             let rig = load_rig(named, &[])?;
-            refuse_other(transient, &rig)?;
+            refuse_other_rig(transient, &rig)?;
             Ok(Some(rig))
         }
         None if arguments.file.is_dir() => Ok(rig_of(&arguments.file).ok()),
         None => Ok(None),
     }
-}
-
-/// A stop gives way by less, mm.
-const STOP_GIVES_MM: f64 = 3.0;
-
-/// # Errors
-/// When a transient cannot be of a rig: its encoder counts otherwise, or the drive was where the rig has no stroke.
-fn refuse_other(transient: &Transient, rig: &Rig) -> Result<()> {
-    let [counted, counts] = [transient.mm_per_count, rig.number("encoder.mm_per_count")];
-    let (name, test) = (rig.name(), &transient.name);
-    if (counted / counts - 1.0).abs() > 1e-6 {
-        bail!("{test} is not of {name}: its encoder counts {counted} mm, that of {name} {counts} mm");
-    }
-    let stroke = 1e3 * rig.number("actuator.stroke_m");
-    let [low, high] = [f64::min, f64::max].map(|of| transient.channels[POSITION].iter().copied().reduce(of));
-    let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(0.0));
-    if low < -STOP_GIVES_MM || high > stroke + STOP_GIVES_MM {
-        bail!(
-            "{test} is not of {name}: it goes from {low:.1} to {high:.1} mm, and the stroke of {name} is {stroke:.1} mm"
-        );
-    }
-    Ok(())
 }
 
 /// What is told where a transient and the rig beside it have different names.

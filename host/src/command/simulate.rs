@@ -11,6 +11,7 @@ use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
 use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
 use crate::exit::Exit;
 use crate::page::{Page, Table};
+use crate::recorded_test::taken_from;
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::transient::Transient;
@@ -21,6 +22,11 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let mut rig = load_choice(&arguments.rig)?;
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
+    }
+    let mut origin = Vec::new();
+    if let Some(from) = &arguments.from {
+        let taken = taken_from(from, &rig)?;
+        (rig, origin) = (taken.rig, taken.notes);
     }
     let accuracy = accuracy(&arguments.integration, &rig);
     let mut progress = Progress::new("simulating");
@@ -36,6 +42,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
         judged.columns = columns.0.clone();
     }
     let mut notes = notes(&rig, &judged);
+    notes.extend(origin);
     let table = table(&moves, TOLERANCE_MM);
     let remarks = remarks(&moves);
     notes.extend(remarks.iter().cloned());
