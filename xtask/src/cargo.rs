@@ -68,8 +68,10 @@ pub fn in_inner(workspace: &Path, arguments: &[&str], target_folder: &Path) -> C
     command
 }
 
+/// By its name: rustup's cargo then takes the toolchain of `folder` for all that it builds. The one that CARGO names would
+/// leave the choice to each compiler that it starts in the folder of a dependency, which may pin one of its own.
 fn cargo(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut command = Command::new("cargo");
     command.current_dir(folder).args(arguments);
     LEAKS.iter().for_each(|name| {
         command.env_remove(name);
