@@ -241,7 +241,7 @@ fn an_effect_that_rounding_does_not_hide_is_noticed_without_noise_too() {
             recorded_with(folder.path(), &text, &[(key, hidden)]);
             let keys = "load.mass_kg,load.viscous_n_s_per_m,load.coulomb_extend_n,valve.discharge_supply";
             let printed = transcript(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {keys}"));
-            assert!(printed.ends_with("= 1"), "{key}, dither {dither}: {printed}");
+            assert!(printed.ends_with("= 7"), "{key}, dither {dither}: {printed}");
         }
     }
 }

@@ -151,7 +151,7 @@ fn an_incline_that_friction_seems_to_make_up_for_is_told() {
 fn an_incline_that_friction_cannot_make_up_for_is_a_misfit_and_named_with_its_size() {
     let folder = folder();
     let (printed, json) = identified(folder.path(), MIDDLE, "--set load.incline_deg=65");
-    assert!(printed.ends_with("= 1"), "{printed}");
+    assert!(printed.ends_with("= 7"), "{printed}");
     let cause = &json["causes"][0];
     assert_eq!((&cause["effect"], &cause["significant"]), (&"an incline".into(), &true.into()), "{cause}");
     let number = |name: &str| cause[name].as_f64().expect("a number");

@@ -158,20 +158,25 @@ fn a_drive_is_stopped_as_soon_as_nobody_reads_what_the_program_says() {
 #[test]
 fn a_drive_is_stopped_where_its_progress_cannot_be_written() {
     let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
-    // Another host's parameters: this is told on standard error before the start.
-    ok(folder.path(), &format!("device --port {} config set velocity_gain 1999", rig.port()));
     let arguments = format!("run servo-b-tuned --set test.duration_s=4 --port {}", rig.port());
-    let begun = Instant::now();
-    let (code, output) = run(folder.path(), &arguments, [Fate::Read, Fate::Full]);
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(code == 8 && said.contains("cannot write to standard error"), "{said}");
-    assert!(begun.elapsed() < Duration::from_secs(3), "it was not run to its end");
-    assert_eq!(mode(&rig, folder.path()), "fault stop: a stop was requested");
-    ok(folder.path(), &format!("device --port {} arm", rig.port()));
-    // Before the start, while what the test wants from before is recorded, nothing moves yet.
-    let before = format!("{arguments} --set test.pre_trigger=60");
-    let (code, _) = run(folder.path(), &before, [Fate::Read, Fate::Full]);
-    assert_eq!((code, mode(&rig, folder.path()).as_str()), (8, "disarmed"));
+    let full = |arguments: &str| {
+        let begun = Instant::now();
+        let (code, output) = run(folder.path(), arguments, [Fate::Read, Fate::Full]);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(code == 8 && said.contains("cannot write to standard error"), "{code}: {said}");
+        assert!(begun.elapsed() < Duration::from_secs(3), "it was not run to its end");
+        mode(&rig, folder.path())
+    };
+    // The first that is told is the progress of the run.
+    assert_eq!(full(&arguments), "fault stop: a stop was requested");
+    for action in ["arm", "disarm"] {
+        ok(folder.path(), &format!("device --port {} {action}", rig.port()));
+    }
+    // Another host's parameters are told before the start: nothing has moved.
+    ok(folder.path(), &format!("device --port {} config set velocity_gain 1999", rig.port()));
+    assert_eq!(full(&arguments), "disarmed");
+    // Likewise while what the test wants from before its start is recorded.
+    assert_eq!(full(&format!("{arguments} --set test.pre_trigger=60")), "disarmed");
 }
 
 /// The signal that a file at its limit sends once killed the program.

@@ -202,7 +202,7 @@ fn wait_for_null(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Res
     let begun = Instant::now();
     while begun.elapsed() < WALK_TO_NULL {
         if interrupts.look() {
-            return Err(Exit::Interrupted.error("stopped before the start, as you asked"));
+            return Err(interrupts.not_begun());
         }
         if rig.word("operator.model") != "stepper" || client.status()?.spool == 0 {
             break;
