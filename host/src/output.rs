@@ -1,4 +1,4 @@
-//! What the program says: lines on standard output ([`say!`]) and on standard error ([`tell!`]).
+//! What the program says: lines on standard output (`say!`) and on standard error (`tell!`).
 //!
 //! Either can break: the reader of a pipe goes, a disk is full, a file reaches its limit. `println!` and `eprintln!`
 //! panic then, and leave a drive that moves. Here the first failure of each is kept, and what would follow on the same

@@ -179,22 +179,23 @@ pub fn soak_link(tally: &mut Tally) {
     });
 }
 
-/// All states of the link within wider bounds: jobs of the two hosts, then faults, resets, power cuts and silences.
+/// Bounds of the checker of the link: jobs of the two hosts, then faults, resets, power cuts and silences. These are CI's.
+const BOUNDS_OF_CI: &str = "runs configures 2 1 1 0";
+
+/// All states of the link within wider bounds than the tests have.
 pub fn link_states(tally: &mut Tally) {
-    for bounds in ["both both 1 0 0 0", "both both 0 0 0 1", "runs runs 1 1 0 0"] {
-        tally.check(&format!("states of the link: {bounds}"), || {
-            let run_it = [
-                "run",
-                "--release",
-                "--package",
-                "pneudrive-protocol-model",
-                "--example",
-                "link_states",
-                "--",
-            ];
-            run(&mut in_root(&[&run_it[..], &bounds.split(' ').collect::<Vec<_>>()].concat()))
-        });
+    let wider = ["both both 1 0 0 0", "both both 0 0 0 1", "runs runs 1 1 1 0", "runs runs 2 0 0 0"];
+    for bounds in [BOUNDS_OF_CI].into_iter().chain(wider) {
+        all_states(tally, bounds);
     }
+}
+
+fn all_states(tally: &mut Tally, bounds: &str) {
+    let run_it =
+        ["run", "--release", "--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
+    tally.check(&format!("states of the link: {bounds}"), || {
+        run(&mut in_root(&[&run_it[..], &bounds.split(' ').collect::<Vec<_>>()].concat()))
+    });
 }
 
 /// What CI runs.
@@ -205,6 +206,7 @@ pub fn ci(tally: &mut Tally) {
     for group in Group::value_variants() {
         test_group(tally, *group);
     }
+    all_states(tally, BOUNDS_OF_CI);
     docs(tally);
 }
 
