@@ -13,8 +13,10 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use pneudrive_controller::law::Loop;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Config, Parameters};
+use pneudrive_controller::{Config, Move, Parameters};
+use pneudrive_protocol::RecordedSample;
 use pneudrive_sim::Rig;
 
 use crate::evaluation::refuse_other_rig;
@@ -59,17 +61,11 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
     let with_gains = rig.with_settings(&gains)?;
     let config =
         Config::new(&header.parameters).map_err(|error| anyhow::anyhow!("its parameters: {error:?}"))?;
-    let plan = moves::plans(&config, &recorded)?.into_iter().next().context("it has no moves")?;
+    let first = *recorded.first().context("it has no samples")?;
     let period_s = f64::from(header.parameters.get(id::PERIOD_US).unwrap_or(0)) / 1e6;
-    let first = recorded.first().context("it has no samples")?;
-    let setpoint = first.position.saturating_add(i32::from(first.error));
-    let before = plan.sequence.held_first.filter(|held| *held != first.position).unwrap_or(setpoint);
-    let later = plan.sequence.moves().iter().filter(|one| (one.at_sample as usize) < recorded.len());
-    let mut all: Vec<(f64, i32)> =
-        later.map(|one| (f64::from(one.at_sample) * period_s, one.target)).collect();
-    if all.first().is_none_or(|(at, _)| *at > 0.0) && (before != first.position || all.is_empty()) {
-        all.insert(0, (0.0, before));
-    }
+    let moves = moves_of(&config, &recorded, first)?;
+    let all: Vec<(f64, i32)> =
+        moves.iter().map(|one| (f64::from(one.at_sample) * period_s, one.target)).collect();
     let [offset, scale] = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
     let pressure = |raw: i16| offset + scale * f64::from(raw);
     let start = Start {
@@ -81,6 +77,23 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
     notes.insert(0, format!("{} moves and the initial state are those of {name}", all.len()));
     let test = test_of(&all, duration_s, &start, rig);
     Ok(Taken { rig: with_gains.with_test(&test)?, notes })
+}
+
+/// The moves of a record that begins with the sample `first`; one at the start of the test, too, where it does not begin
+/// with what is in force before any move: in closed loop the count of the first sample, in open loop null.
+fn moves_of(config: &Config, recorded: &[RecordedSample], first: RecordedSample) -> Result<Vec<Move>> {
+    let plan = moves::plans(config, recorded)?.into_iter().next().context("it has no moves")?;
+    let of_record = plan.sequence.moves().iter().filter(|one| (one.at_sample as usize) < recorded.len());
+    let mut all: Vec<Move> = of_record.copied().collect();
+    let (before, asked) = match config.law.control_loop {
+        Loop::Closed => (first.position, first.position.saturating_add(i32::from(first.error))),
+        Loop::Open => (0, 0),
+    };
+    let begins = all.first().is_some_and(|one| one.at_sample == 0);
+    if !begins && (asked != before || all.is_empty()) {
+        all.insert(0, Move { at_sample: 0, target: asked });
+    }
+    Ok(all)
 }
 
 /// The gains that differ, as settings of a rig, and a sentence about each.

@@ -52,6 +52,26 @@ fn a_record_gives_a_simulation_its_moves_gains_and_initial_state() {
     assert_eq!(setpoints[0], setpoints[1][..setpoints[0].len()]);
 }
 
+/// In open loop moves are commands: what is not commanded is null, wherever the drive stands.
+#[test]
+fn a_record_in_open_loop_gives_its_commands() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    for (moves, expected) in
+        [("[[0.0,0]]", "[[0.0,0]]"), ("[[0.0,0],[0.13,300],[0.26,0]]", "[[0.13,300],[0.26,0]]")]
+    {
+        let asked = format!("--set controller.loop=open --set test.moves={moves} --set test.duration_s=0.39");
+        ok(folder.path(), &format!("run servo-b-tuned {asked} --config --port {}", rig.port()));
+        let said = ok(folder.path(), &format!("record --port {}", rig.port()));
+        let name = said.split(':').next().expect("a file");
+        ok(
+            folder.path(),
+            &format!("simulate servo-b-tuned --from {name} --ensemble 1 --no-report --out open"),
+        );
+        let found = &run_json(folder.path(), "open")["keys"]["test.moves"];
+        assert_eq!(*found, serde_json::from_str::<Value>(expected).expect("JSON"), "{moves}");
+    }
+}
+
 #[test]
 fn a_run_goes_on_from_the_end_of_another() {
     let folder = folder();
