@@ -15,6 +15,7 @@ pub mod body;
 pub mod cost;
 #[cfg(unix)]
 mod emulated;
+pub mod golden;
 pub mod linked;
 #[cfg(unix)]
 pub mod requests;

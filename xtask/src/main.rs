@@ -55,6 +55,12 @@ enum Command {
     /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/speed.md
     /// anew
     Cost,
+    /// Replace the golden hashes of results that have changed (hil-tests/golden.toml)
+    Bless {
+        /// Words of the line of CHANGELOG.md that says why they have
+        #[arg(long)]
+        cause: String,
+    },
     /// 100,000 downloads over a faulty line, and 1,000 kills of either side of a record
     SoakLink,
     /// All states of two hosts, a rig and their lines, within wider bounds than the tests have
@@ -76,6 +82,7 @@ fn main() -> ExitCode {
         Command::ProveRounding => steps::prove_rounding(&mut tally),
         Command::Figures => steps::figures(&mut tally),
         Command::Cost => steps::cost(&mut tally),
+        Command::Bless { cause } => steps::bless(&mut tally, &cause),
         Command::LinkStates => steps::link_states(&mut tally),
         Command::SoakLink => steps::soak_link(&mut tally),
     }

@@ -162,6 +162,11 @@ pub fn prove_rounding(tally: &mut Tally) {
     tally.check("a changed rounding makes the test fail", || example("prove_rounding", &[]));
 }
 
+/// Results that have changed become the golden ones.
+pub fn bless(tally: &mut Tally, cause: &str) {
+    tally.check("golden hashes", || example("bless", &[cause]));
+}
+
 /// Runs a program of hil-tests.
 fn example(name: &str, arguments: &[&str]) -> Result<()> {
     let run_it = ["run", "--package", "pneudrive-hil-tests", "--example", name, "--"];
