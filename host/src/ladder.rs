@@ -159,7 +159,7 @@ impl Climbed {
         Rung {
             component: plan.component,
             model: plan.model,
-            evaluations: run.work.integrator.evaluations as f64 / samples,
+            evaluations: run.work.integrator.n_rhs_evaluations as f64 / samples,
             flow_iterations: run.work.network.iterations as f64 / samples,
             time_over_reference: self.time_over_reference,
             deviations: pairs.map(|(reference, transient)| deviations(reference, transient)).collect(),

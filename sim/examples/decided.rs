@@ -40,7 +40,7 @@ impl Counts {
         self.decided += u32::from(decision.is_decided());
         self.parted += u32::from(off > AGREES);
         self.parted_before += u32::from(off_before > AGREES);
-        let evaluations = |run: &Run| run.work.integrator.evaluations as f64;
+        let evaluations = |run: &Run| run.work.integrator.n_rhs_evaluations as f64;
         self.evaluations += (evaluations(&usual) / evaluations(&before)).ln();
         if decision.is_decided() && off > AGREES {
             self.wrong += 1;

@@ -46,7 +46,8 @@ impl Timed {
 
     fn row(&self) -> String {
         let run = run(&self.rig, self.accuracy).expect("a transient");
-        let (evaluations, samples) = (run.work.integrator.evaluations as f64, run.observations.len() as f64);
+        let (evaluations, samples) =
+            (run.work.integrator.n_rhs_evaluations as f64, run.observations.len() as f64);
         format!(
             "| {} | {:.0e} | {:.1} | {:.2} | {:.0} |",
             self.title,

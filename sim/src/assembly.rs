@@ -27,7 +27,6 @@ use crate::faults::Schedule;
 use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::friction::Contact;
 use crate::gas::Gas;
-use crate::integrator::{Ahead, Event, Hybrid, Slope};
 use crate::load::Load;
 use crate::network::{Network, Nodes};
 use crate::number::{Number, Pair};
@@ -35,6 +34,7 @@ use crate::operator::{self, Operator, Request, SpoolState};
 use crate::stop::Side;
 use crate::valve::{Restrictions, Valve};
 use lands::Lands;
+use pneudrive_solver::{Derivative, Event, StepLimit, System};
 use ports::Ports;
 pub use valve_state::ValveState;
 
@@ -47,7 +47,7 @@ pub(crate) const CORE: usize = 6;
 /// the lands, then those of the operator.
 pub(crate) const GUARDS: usize = LOAD_GUARDS + operator::GUARDS;
 /// Guards that need the flows: the direction of the air in each port.
-pub(crate) const FLOW_GUARDS: usize = 2;
+pub(crate) const END_GUARDS: usize = 2;
 
 /// The state vector.
 pub(crate) type StateVector = [f64; STATES];
@@ -89,7 +89,7 @@ pub(crate) struct Assembly {
     lands: Lands,
     ports: Ports,
     /// What the spool will do next, as long as no mode of it changes.
-    outlook: Option<Ahead>,
+    outlook: Option<StepLimit>,
     /// The last solution of the network, and the instant and state it belongs to.
     solved: Option<(f64, StateVector, Nodes)>,
 }
@@ -143,7 +143,7 @@ impl Assembly {
     }
 
     /// A request to the operator takes effect at `t`. A spool that jumps takes the flows with it.
-    pub fn drive(&mut self, t: f64, x: &mut StateVector, request: Request) -> Slope {
+    pub fn drive(&mut self, t: f64, x: &mut StateVector, request: Request) -> Derivative {
         let foreseen = self.parts.operator.is_foreseen();
         self.outlook = None;
         self.settle(t, x);
@@ -157,13 +157,17 @@ impl Assembly {
             self.parts.network.jump();
             self.find_port_directions(t, x);
         }
-        self.slope_after(foreseen && spool == before)
+        self.derivative_after(foreseen && spool == before)
     }
 
     /// What an event of the spool leaves of dx/dt, if before it the spool was `foreseen`: where the spool is
     /// no state, only its position is felt, and that does not jump.
-    fn slope_after(&self, foreseen: bool) -> Slope {
-        if foreseen && self.parts.operator.is_foreseen() { Slope::Kept } else { Slope::Lost }
+    fn derivative_after(&self, foreseen: bool) -> Derivative {
+        if foreseen && self.parts.operator.is_foreseen() {
+            Derivative::Continuous
+        } else {
+            Derivative::Discontinuous
+        }
     }
 
     /// Brings the integrator's state of the spool to where it is, before a mode of it changes.
@@ -326,7 +330,7 @@ impl Assembly {
     }
 }
 
-impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
+impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     fn derivative(&mut self, t: f64, x: &StateVector) -> StateVector {
         let mut slope = self.rates_but_spool(t, x);
         self.follow(x);
@@ -354,49 +358,49 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
         guards
     }
 
-    fn flow_guards(&mut self, t: f64, x: &StateVector) -> [f64; FLOW_GUARDS] {
+    fn end_guards(&mut self, t: f64, x: &StateVector) -> [f64; END_GUARDS] {
         let nodes = self.nodes_found(t, x);
         self.ports.guards(&nodes)
     }
 
-    fn sharpen(&mut self, sharp: bool) {
-        if self.parts.network.sharpen(sharp) {
+    fn tighten(&mut self, tight: bool) {
+        if self.parts.network.tighten(tight) {
             self.solved = None;
         }
     }
 
-    fn try_step(&mut self, h: f64) {
-        self.parts.network.try_step(h);
+    fn begin_step(&mut self, h: f64) {
+        self.parts.network.begin_step(h);
     }
 
-    fn core_alone(&self) -> bool {
+    fn only_core_moves(&self) -> bool {
         self.parts.operator.is_foreseen() && self.parts.lag.is_none() && self.parts.sensor_lag.is_none()
     }
 
-    fn swings(&self) -> bool {
-        self.parts.operator.longest_step().is_finite()
+    fn oscillates(&self) -> bool {
+        self.parts.operator.max_step().is_finite()
     }
 
-    fn longest_step(&self) -> f64 {
-        self.parts.operator.longest_step()
+    fn max_step(&self) -> f64 {
+        self.parts.operator.max_step()
     }
 
-    fn next_instant(&self, t: f64) -> f64 {
-        self.parts.operator.next_instant(t).min(self.parts.faults.next_instant())
+    fn next_time_event(&self, t: f64) -> f64 {
+        self.parts.operator.next_time_event(t).min(self.parts.faults.next_time_event())
     }
 
-    fn ahead(&mut self, t: f64, x: &StateVector) -> Ahead {
-        self.look_ahead(t, x)
+    fn step_limit(&mut self, t: f64, x: &StateVector) -> StepLimit {
+        self.find_step_limit(t, x)
     }
 
-    fn cross(&mut self, event: Event, t: f64, x: &mut StateVector) -> Slope {
+    fn handle_event(&mut self, event: Event, t: f64, x: &mut StateVector) -> Derivative {
         let mut foreseen = self.parts.operator.is_foreseen();
         self.outlook = None;
-        if matches!(event, Event::Instant | Event::Guard(LOAD_GUARDS..)) {
+        if matches!(event, Event::Time | Event::Guard(LOAD_GUARDS..)) {
             self.settle(t, x);
         }
         match event {
-            Event::Instant => {
+            Event::Time => {
                 foreseen &= !self.pass_faults(t, x);
                 let flow_force = self.flow_force(t, x);
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
@@ -417,16 +421,16 @@ impl Hybrid<STATES, GUARDS, FLOW_GUARDS> for Assembly {
                 self.parts.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);
                 x[slot::SPOOL_VELOCITY] = spool.velocity;
             }
-            Event::FlowGuard(port) => {
+            Event::EndGuard(port) => {
                 self.ports.turn(port, t);
                 foreseen = false;
             }
         }
-        let slope = self.slope_after(foreseen);
-        if slope == Slope::Lost {
+        let derivative = self.derivative_after(foreseen);
+        if derivative == Derivative::Discontinuous {
             self.solved = None;
             self.parts.network.expect_jump();
         }
-        slope
+        derivative
     }
 }

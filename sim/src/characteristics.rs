@@ -29,8 +29,8 @@ pub mod pressure_drop;
 pub mod pressure_gain;
 pub mod valve_models;
 
-use crate::integrator::IntegrationError;
 use crate::rig::Rig;
+use pneudrive_solver::IntegrationError;
 
 /// A curve that can be asked for.
 pub struct Curve {

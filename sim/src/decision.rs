@@ -19,11 +19,11 @@
 //! more than a tenth of the distance to the coarser run, one by more than all of it.
 
 use crate::follow::{Reading, Timing, follow};
-use crate::integrator::IntegrationError;
 use crate::plant::{Accuracy, seconds};
 use crate::rig::Rig;
 use crate::run::{Run, run};
 use crate::sensors::Sensors;
+use pneudrive_solver::IntegrationError;
 
 /// A run whose positions are estimated to be more wrong than this is not decided, m.
 pub const LARGEST_ERROR_M: f64 = 1e-5;

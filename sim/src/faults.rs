@@ -149,14 +149,14 @@ impl Schedule {
     }
 
     /// When something begins or ends next, s; infinity for never.
-    pub fn next_instant(&self) -> f64 {
+    pub fn next_time_event(&self) -> f64 {
         self.instants.get(self.passed).map_or(f64::INFINITY, |&us| seconds(us))
     }
 
     /// Passes every instant up to `t`; false if there is none.
     pub fn pass(&mut self, t: f64) -> bool {
         let before = self.passed;
-        while self.next_instant() <= t {
+        while self.next_time_event() <= t {
             self.passed += 1;
         }
         if self.passed == before {
@@ -183,8 +183,8 @@ mod tests {
     fn of_dips_that_overlap_the_deepest_counts_and_the_supply_recovers_after_the_last() {
         let mut schedule = Schedule::new(&[dip(200, 100, 2e5), dip(100, 300, 4e5)]);
         let mut seen = Vec::new();
-        while schedule.next_instant().is_finite() {
-            let t = schedule.next_instant();
+        while schedule.next_time_event().is_finite() {
+            let t = schedule.next_time_event();
             assert!(schedule.pass(t));
             seen.push(((t * 1e6).round() as u64, schedule.now.supply_pressure));
         }
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn nothing_is_passed_before_its_instant_and_sensors_have_none() {
         let sensor = FaultEvent { at_us: 10, kind: FaultKind::EncoderLoss };
-        assert_eq!(Schedule::new(&[sensor]).next_instant(), f64::INFINITY);
+        assert_eq!(Schedule::new(&[sensor]).next_time_event(), f64::INFINITY);
         let mut schedule = Schedule::new(&[FaultEvent { at_us: 20, kind: FaultKind::StuckSpool }]);
         assert!(!schedule.pass(19e-6) && !schedule.now.stuck_spool);
         assert!(schedule.pass(20e-6) && schedule.now.stuck_spool);

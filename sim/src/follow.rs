@@ -5,9 +5,9 @@
 
 use pneudrive_controller::Command;
 
-use crate::integrator::IntegrationError;
 use crate::plant::{Accuracy, Plant};
 use crate::rig::Rig;
+use pneudrive_solver::IntegrationError;
 
 /// Sample period and delay of the output after the sample, whole microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

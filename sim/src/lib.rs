@@ -16,7 +16,6 @@
 //! | `build` | a rig's keys into its components |
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`faults`] | what goes wrong and when, and what it does to plant and sensors |
-//! | [`integrator`] | Runge-Kutta with dense output and located events |
 //! | [`sensors`], [`plant`] | what the controller sees: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
 //! | [`positive_gain`] | the historical bug of the gain routine, for repetition |
@@ -43,7 +42,6 @@ pub mod flow_law;
 pub mod follow;
 pub mod friction;
 pub mod gas;
-pub mod integrator;
 pub mod iso6358;
 pub mod leakage;
 pub mod load;
@@ -54,7 +52,6 @@ pub mod plant;
 pub mod play;
 pub mod positive_gain;
 pub mod rig;
-mod root;
 pub mod run;
 pub mod sensors;
 pub mod stop;
@@ -66,7 +63,7 @@ mod walls;
 pub use assembly::ValveState;
 pub use decision::{Decision, decide};
 pub use follow::follow;
-pub use integrator::{IntegrationError, Method};
 pub use plant::{Accuracy, Plant};
+pub use pneudrive_solver::{IntegrationError, Method};
 pub use rig::Rig;
 pub use run::{Recording, Run, run, run_recorded, run_watched};

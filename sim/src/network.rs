@@ -158,7 +158,7 @@ pub struct Network {
     short_error: f64,
     short_step: f64,
     /// Whether flows are solved to rounding instead.
-    sharp: bool,
+    tight: bool,
     /// Solutions that were not found, and those found since, until these are [`CALM`].
     failures: u32,
     found: u32,
@@ -235,7 +235,7 @@ impl Network {
             flow_error: FLOW_ERROR,
             short_error: FLOW_ERROR,
             short_step: f64::INFINITY,
-            sharp: false,
+            tight: false,
             failures: 0,
             found: 0,
             work: NetworkWork::default(),
@@ -263,13 +263,13 @@ impl Network {
     }
 
     /// A step of `h` seconds is about to be tried.
-    pub fn try_step(&mut self, h: f64) {
+    pub fn begin_step(&mut self, h: f64) {
         self.flow_error = self.short_error * (self.short_step / h).min(1.0);
     }
 
     /// Has flows solved to rounding from now on, or no more; tells whether that is new.
-    pub fn sharpen(&mut self, sharp: bool) -> bool {
-        std::mem::replace(&mut self.sharp, sharp) != sharp
+    pub fn tighten(&mut self, tight: bool) -> bool {
+        std::mem::replace(&mut self.tight, tight) != tight
     }
 
     /// The flows jump: what they were says nothing of the next ones.

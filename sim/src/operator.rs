@@ -86,10 +86,10 @@ impl Operator {
 
     /// The longest step (s) in which no guard can change its sign twice unseen.
     #[must_use]
-    pub fn longest_step(&self) -> f64 {
+    pub fn max_step(&self) -> f64 {
         match self {
-            Operator::Solenoid(solenoid) => solenoid.longest_step(),
-            Operator::Empirical(empirical) => empirical.longest_step(),
+            Operator::Solenoid(solenoid) => solenoid.max_step(),
+            Operator::Empirical(empirical) => empirical.max_step(),
             Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => f64::INFINITY,
         }
     }
@@ -108,7 +108,7 @@ impl Operator {
     /// Whether nothing but a request will move its spool.
     #[must_use]
     pub fn stands(&self, t: f64) -> bool {
-        self.is_foreseen() && self.longest_step().is_infinite() && self.next_instant(t).is_infinite()
+        self.is_foreseen() && self.max_step().is_infinite() && self.next_time_event(t).is_infinite()
     }
 
     /// A request takes effect at `t`, under a flow force (N) on the spool.
@@ -227,15 +227,15 @@ impl Operator {
 
     /// The next instant after `t` at which the operator changes of itself.
     #[must_use]
-    pub fn next_instant(&self, t: f64) -> f64 {
+    pub fn next_time_event(&self, t: f64) -> f64 {
         match self {
-            Operator::Solenoid(solenoid) => solenoid.next_instant(),
-            Operator::OnOff(on_off) => on_off.next_instant(t),
+            Operator::Solenoid(solenoid) => solenoid.next_time_event(),
+            Operator::OnOff(on_off) => on_off.next_time_event(t),
             Operator::Empirical(_) | Operator::Stepper(_) | Operator::Stuck(_) => f64::INFINITY,
         }
     }
 
-    /// Passes the instant `t` of [`Operator::next_instant`]; at another one nothing happens.
+    /// Passes the instant `t` of [`Operator::next_time_event`]; at another one nothing happens.
     pub fn pass_instant(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
         match self {
             Operator::Solenoid(solenoid) => solenoid.pass_instant(t, spool, flow_force),

@@ -6,16 +6,16 @@
 
 use pneudrive_controller::{Command, Sample};
 
-use crate::assembly::{Assembly, CORE, Effects, FLOW_GUARDS, GUARDS, SCALE, STATES, ValveState, slot};
+use crate::assembly::{Assembly, CORE, END_GUARDS, Effects, GUARDS, SCALE, STATES, ValveState, slot};
 use crate::build;
 use crate::faults::SensorFaults;
 use crate::follow::Reading;
-use crate::integrator::{Hybrid, IntegrationError, Integrator, Method, Work};
 use crate::network::NetworkWork;
 use crate::number::Pair;
 use crate::operator::Request;
 use crate::rig::Rig;
 use crate::sensors::Sensors;
+use pneudrive_solver::{IntegrationError, Integrator, Method, Statistics, System};
 
 /// How exactly a plant is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl Accuracy {
 #[derive(Clone, Debug)]
 pub struct Plant {
     assembly: Assembly,
-    integrator: Integrator<STATES, GUARDS, FLOW_GUARDS, CORE>,
+    integrator: Integrator<STATES, GUARDS, END_GUARDS, CORE>,
     sensors: Sensors,
     sensor_faults: SensorFaults,
     period_us: u64,
@@ -119,7 +119,7 @@ pub struct Snapshot {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlantWork {
     /// The integrator's part.
-    pub integrator: Work,
+    pub integrator: Statistics,
     /// The network's part.
     pub network: NetworkWork,
 }
@@ -201,7 +201,7 @@ impl Plant {
     /// The target of a continuous controller changes at the present sample, in counts.
     pub fn set_target(&mut self, target: i32) {
         let at = self.sample_time_of(self.k);
-        self.integrator.cut(&mut self.assembly, at, |assembly, x| assembly.set_target(at, x, target));
+        self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.set_target(at, x, target));
     }
 
     /// The command of a continuous controller at the present sample, counts.
@@ -238,14 +238,14 @@ impl Plant {
         if let Some(request) = self.due {
             let changes = self.changes(request);
             let horizon = if changes { output } else { f64::INFINITY };
-            self.integrator.run_to(&mut self.assembly, t.min(output), horizon)?;
+            self.integrator.integrate_to(&mut self.assembly, t.min(output), horizon)?;
             if t < output {
                 return Ok(());
             }
             self.drive(output, request);
         }
         let horizon = if self.restless { self.output_time_of(self.k + 1) } else { f64::INFINITY };
-        self.integrator.run_to(&mut self.assembly, t, horizon)
+        self.integrator.integrate_to(&mut self.assembly, t, horizon)
     }
 
     fn changes(&self, request: Request) -> bool {
@@ -257,7 +257,7 @@ impl Plant {
         self.restless = self.changes(request);
         if self.restless {
             self.request = request;
-            self.integrator.cut(&mut self.assembly, at, |assembly, x| assembly.drive(at, x, request));
+            self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.drive(at, x, request));
         }
     }
 
@@ -265,7 +265,7 @@ impl Plant {
         let x = self.integrator.state(t);
         self.assembly.follow(&x);
         let Effects { air, actuator_force, friction_force, acceleration } = self.assembly.effects(&x);
-        let [one, two] = slot::MASS.map(|mass| self.integrator.slope(t, mass));
+        let [one, two] = slot::MASS.map(|mass| self.integrator.derivative_of(mass, t));
         let flows = match one.zip(two) {
             Some((one, two)) => self.assembly.port_flows_of(Pair::new([one, two]), &air),
             None => self.assembly.port_flows(t, &x),
@@ -320,7 +320,7 @@ impl Plant {
     /// What the run has cost so far.
     #[must_use]
     pub fn work(&self) -> PlantWork {
-        PlantWork { integrator: self.integrator.work, network: self.assembly.parts.network.work }
+        PlantWork { integrator: self.integrator.statistics, network: self.assembly.parts.network.work }
     }
 }
 
@@ -330,7 +330,7 @@ mod tests {
     use crate::assembly::CORE;
     use crate::rig::BUILTIN;
 
-    /// Every built-in rig with commands to and fro, held, flying, in its stops: `Hybrid::core_alone` leaves what rests
+    /// Every built-in rig with commands to and fro, held, flying, in its stops: `System::only_core_moves` leaves what rests
     /// out of the sums of a step.
     #[test]
     fn while_the_core_moves_alone_nothing_else_does() {
@@ -344,7 +344,7 @@ mod tests {
                 plant.next_sample().expect("a sample");
                 let t = plant.sample_time_of(plant.k);
                 let x = plant.integrator.state(t);
-                if plant.assembly.core_alone() {
+                if plant.assembly.only_core_moves() {
                     alone += 1;
                     let slope = plant.assembly.derivative(t, &x);
                     assert_eq!(slope[CORE..], [0.0; STATES - CORE], "{name} at {t} s");

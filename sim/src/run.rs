@@ -3,11 +3,11 @@
 use pneudrive_controller::{Command, Config, Fault, Mode, Observation, State, output, sample};
 
 use crate::follow::Reading;
-use crate::integrator::IntegrationError;
 use crate::plant::{Accuracy, Plant, PlantWork, seconds};
 use crate::positive_gain::PositiveGain;
 use crate::rig::{Rig, whole_microseconds};
 use crate::trace::Row;
+use pneudrive_solver::IntegrationError;
 
 /// What came out of a run.
 #[derive(Clone, Debug)]

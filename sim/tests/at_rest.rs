@@ -47,7 +47,7 @@ fn held(settings: &[&str], command: &str, tolerance: f64) -> Result<Run, String>
 /// What is wrong with a run that ends early or takes more than `most` steps.
 fn problem(settings: &[&str], command: &str, tolerance: f64, most: u64) -> Option<String> {
     let found = match held(settings, command, tolerance) {
-        Ok(run) if run.work.integrator.steps + run.work.integrator.rejected <= most => return None,
+        Ok(run) if run.work.integrator.n_steps + run.work.integrator.n_rejected_steps <= most => return None,
         Ok(run) => format!("{:?}", run.work.integrator),
         Err(why) => why,
     };

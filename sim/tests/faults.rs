@@ -121,7 +121,7 @@ fn a_leak_ends_at_the_pressure_of_the_surroundings_and_holds_no_step_back_there(
     let run = simulate("", &["kind = \"leak\"\nat_s = 0\nchamber = 2\ndiameter_mm = 4"], &settings);
     let last = run.rows.last().expect("rows").plant;
     assert!((last.pressures[1] - 101_300.0).abs() < 1e-3, "{}", last.pressures[1]);
-    assert!(run.work.integrator.steps < 5000, "{:?}", run.work.integrator);
+    assert!(run.work.integrator.n_steps < 5000, "{:?}", run.work.integrator);
 }
 
 #[test]

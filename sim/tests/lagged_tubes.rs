@@ -45,7 +45,7 @@ fn a_lag_of_10_microseconds_changes_a_transient_by_micrometres_and_a_tenth_of_wh
 fn lags_of_the_thesis_run_through_full_openings_without_a_search_for_flows_at_every_step() {
     for lag_s in [0.001, 0.01] {
         let run = opened("servo-b", 2048, true, lag_s);
-        let steps = run.work.integrator.steps;
+        let steps = run.work.integrator.n_steps;
         assert!(run.work.network.bracketed < steps / 100, "{lag_s} s: {:?}", run.work);
     }
 }

@@ -3,9 +3,9 @@
 
 use pneudrive_sim::Method;
 use pneudrive_sim::friction::{Contact, DryFriction};
-use pneudrive_sim::integrator::{Event, Hybrid, Integrator, Slope};
 use pneudrive_sim::load::Load;
 use pneudrive_sim::stop::{Side, Stops};
+use pneudrive_solver::{Derivative, Event, Integrator, System};
 
 /// A load that is pulled through a spring by its end at `pull * t`, and pushed by a constant force.
 struct Pulled {
@@ -24,7 +24,7 @@ impl Pulled {
     }
 }
 
-impl Hybrid<2, 2, 0> for Pulled {
+impl System<2, 2, 0> for Pulled {
     fn derivative(&mut self, t: f64, x: &[f64; 2]) -> [f64; 2] {
         [x[1], self.load.acceleration(self.applied(t, x), self.contact)]
     }
@@ -32,23 +32,17 @@ impl Hybrid<2, 2, 0> for Pulled {
         let friction = self.load.friction.guard(self.contact, self.applied(t, x), x[1]);
         [friction, self.load.stops.guard(self.side, x[0])]
     }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Slope {
+    fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Derivative {
         if event == Event::Guard(1) {
             self.side = self.load.stops.after(self.side, x[0]);
-            return Slope::Lost;
+            return Derivative::Discontinuous;
         }
         if self.contact != Contact::Stuck {
             x[1] = 0.0;
         }
         self.contact = self.load.friction.after(self.contact, self.applied(t, x));
         self.changes.push((t, x[0]));
-        Slope::Lost
+        Derivative::Discontinuous
     }
 }
 
@@ -86,7 +80,7 @@ fn pulled_over_a_dry_surface() -> Pulled {
 #[test]
 fn a_mass_pulled_slowly_over_a_dry_surface_sticks_and_slips_as_the_closed_form_does() {
     let mut pulled = pulled_over_a_dry_surface();
-    integrator([0.0; 2]).run_to(&mut pulled, 14.0, 14.0).expect("a transient");
+    integrator([0.0; 2]).integrate_to(&mut pulled, 14.0, 14.0).expect("a transient");
     let (amplitude, rate) = ((STATIC - COULOMB) / SPRING, (SPRING / MASS).sqrt());
     let slip = 2.0 * (std::f64::consts::PI - (amplitude * rate / PULL).atan()) / rate;
     let way = 2.0 * amplitude + PULL * slip;
@@ -108,7 +102,7 @@ fn a_mass_that_sticks_has_no_velocity_at_all_while_the_force_on_it_grows() {
     let mut looks = 0;
     for step in 1..14_000 {
         let t = f64::from(step) * 1e-3;
-        integrator.run_to(&mut pulled, t, t).expect("a transient");
+        integrator.integrate_to(&mut pulled, t, t).expect("a transient");
         let x = integrator.state(t);
         if pulled.contact == Contact::Stuck {
             looks += 1;
@@ -125,7 +119,7 @@ fn the_slower_the_pull_the_nearer_is_a_slip_to_twice_the_drop_of_friction_over_t
     let excess = |pull: f64| {
         let mut pulled = Pulled { pull, ..pulled_over_a_dry_surface() };
         let until = STATIC / SPRING / pull + 0.1;
-        integrator([0.0; 2]).run_to(&mut pulled, until, until).expect("a transient");
+        integrator([0.0; 2]).integrate_to(&mut pulled, until, until).expect("a transient");
         let [from, to] = [pulled.changes[0].1, pulled.changes[1].1];
         to - from - 2.0 * (STATIC - COULOMB) / SPRING
     };
@@ -154,7 +148,7 @@ fn bounce(damping_ratio: f64, speed: f64) -> (f64, f64) {
     let mut deepest = 0.0_f64;
     for step in 1..=2000 {
         let t = f64::from(step) * 1e-5;
-        integrator.run_to(&mut mass, t, t).expect("a transient");
+        integrator.integrate_to(&mut mass, t, t).expect("a transient");
         deepest = deepest.max(integrator.state(t)[0] - 0.3);
     }
     assert_eq!(mass.side, Side::Free, "it has left");
@@ -190,7 +184,7 @@ fn a_stop_never_gives_more_energy_than_it_takes_and_less_with_more_damping() {
 fn a_mass_pressed_into_a_stop_comes_to_rest_at_the_force_over_the_stiffness() {
     let mut mass = thrown(0.5, 900.0);
     let mut integrator = integrator([0.299, 0.0]);
-    integrator.run_to(&mut mass, 1.0, 1.0).expect("a transient");
+    integrator.integrate_to(&mut mass, 1.0, 1.0).expect("a transient");
     let x = integrator.state(1.0);
     assert!((x[0] - 0.3 - 900.0 / STIFFNESS).abs() < 1e-9 && x[1].abs() < 1e-9, "{x:?}");
 }

@@ -111,6 +111,6 @@ fn summary(rig: &Rig, run: &Run) -> String {
         rig.name(),
         run.observations.len(),
         rig.period_us(),
-        run.work.integrator.steps
+        run.work.integrator.n_steps
     )
 }

@@ -30,7 +30,7 @@ impl Outcome {
             name,
             moves: moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM),
             transient,
-            evaluations: run.work.integrator.evaluations,
+            evaluations: run.work.integrator.n_rhs_evaluations,
             tripped: run.fault.map(|(_, sample)| sample as usize),
         }
     }

@@ -25,10 +25,15 @@ pub fn rig(name: &str) -> Result<Rig, String> {
 pub fn row(name: &str, rig: &Rig) -> String {
     let run = run(rig, Accuracy::of(rig)).expect("a transient");
     let (work, network) = (run.work.integrator, run.work.network);
-    let a_sample = work.evaluations as f64 / run.observations.len() as f64;
+    let a_sample = work.n_rhs_evaluations as f64 / run.observations.len() as f64;
     format!(
         "| {name} | {a_sample:.1} | {} | {} | {} | {} | {} | {} |\n",
-        work.evaluations, work.steps, work.rejected, work.restarts, network.iterations, network.bracketed,
+        work.n_rhs_evaluations,
+        work.n_steps,
+        work.n_rejected_steps,
+        work.n_restarts,
+        network.iterations,
+        network.bracketed,
     )
 }
 

@@ -13,7 +13,7 @@
 
 use super::*;
 use crate::air::Station;
-use crate::integrator::{Event, Hybrid, Integrator, Method, Slope};
+use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
 
 const VOLUME: f64 = 3e-4;
 const AREA: f64 = 2e-6;
@@ -41,7 +41,7 @@ impl Vessel {
     }
 }
 
-impl Hybrid<2, 0, 0> for Vessel {
+impl System<2, 0, 0> for Vessel {
     fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
         let air = self.air(x);
         let volume = Volume { volume: VOLUME, rate: 0.0 };
@@ -50,14 +50,8 @@ impl Hybrid<2, 0, 0> for Vessel {
     fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
         []
     }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; 2]) -> Slope {
-        Slope::Lost
+    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; 2]) -> Derivative {
+        Derivative::Discontinuous
     }
 }
 
@@ -65,7 +59,7 @@ impl Hybrid<2, 0, 0> for Vessel {
 fn after(vessel: &mut Vessel, pressure: f64, until: f64) -> Air {
     let start = Air::state_of(&vessel.gas, pressure, 294.0, VOLUME);
     let mut integrator = Integrator::<2, 0, 0>::new(Method::DormandPrince, 1e-12, [1e-5, 1.0], start);
-    integrator.run_to(vessel, until, until).expect("smooth");
+    integrator.integrate_to(vessel, until, until).expect("smooth");
     vessel.air(&integrator.state(until))
 }
 

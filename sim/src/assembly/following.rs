@@ -5,19 +5,19 @@
 //! took is told of these jumps (EQUATIONS section 11 rules 3 and 8).
 
 use super::{Assembly, StateVector, slot, spool_state};
-use crate::integrator::Slope;
 use crate::load::Motion;
 use crate::operator;
+use pneudrive_solver::Derivative;
 
 impl Assembly {
     /// The target of the continuous controller changes, at a sample instant.
-    pub fn set_target(&mut self, t: f64, x: &StateVector, target: i32) -> Slope {
+    pub fn set_target(&mut self, t: f64, x: &StateVector, target: i32) -> Derivative {
         self.follow(x);
         if let Some(law) = &mut self.parts.continuous {
             law.set_target(target, x[slot::POSITION]);
         }
         self.tell_jump(t, x);
-        Slope::Lost
+        Derivative::Discontinuous
     }
 
     /// The command of the continuous controller, counts: every state has its own.

@@ -2,23 +2,23 @@
 //!
 //! Where time alone moves the spool, so it does its events: stick and slip, stops and the edges of the lands.
 //! They are located before a step is made, which then ends on them. A spool under a flow force, in a stop or with
-//! a command that moves all the time is watched at every step instead (`Hybrid::guards`).
+//! a command that moves all the time is watched at every step instead (`System::guards`).
 
 use super::{Assembly, LANDS, SPOOL_GUARDS, StateVector, spool_state};
-use crate::integrator::crossing::{LOOKS, first_of};
-use crate::integrator::{Ahead, Event};
+use pneudrive_solver::crossing::{PROBES, first_crossing};
+use pneudrive_solver::{Event, StepLimit};
 
 impl Assembly {
     /// What ends the next step, if its error does not.
-    pub(super) fn look_ahead(&mut self, t: f64, x: &StateVector) -> Ahead {
+    pub(super) fn find_step_limit(&mut self, t: f64, x: &StateVector) -> StepLimit {
         if let Some(outlook) = self.outlook
             && t < outlook.until
         {
             return outlook;
         }
-        let instant = self.parts.operator.next_instant(t).min(self.parts.faults.next_instant());
-        let instant = Ahead { until: instant, event: Some(Event::Instant) };
-        let clear = instant.within(t + self.parts.operator.longest_step());
+        let instant = self.parts.operator.next_time_event(t).min(self.parts.faults.next_time_event());
+        let instant = StepLimit { until: instant, event: Some(Event::Time) };
+        let clear = instant.within(t + self.parts.operator.max_step());
         if !self.parts.operator.is_foreseen() {
             return clear;
         }
@@ -28,17 +28,17 @@ impl Assembly {
     }
 
     /// The spool's first event before what ends the time that is looked at.
-    fn spool_event(&self, t: f64, x: &StateVector, clear: Ahead) -> Ahead {
+    fn spool_event(&self, t: f64, x: &StateVector, clear: StepLimit) -> StepLimit {
         // Forever at rest.
         if clear.until.is_infinite() {
             return clear;
         }
         let span = clear.until - t;
         let guards_at = |part: f64| self.spool_guards(t + part * span, x, 0.0);
-        let [one, two, three, four] = LOOKS;
+        let [one, two, three, four] = PROBES;
         let looks = [guards_at(one), guards_at(two), guards_at(three), guards_at(four)];
-        let found = first_of(&guards_at(0.0), &looks, guards_at);
-        found.map_or(clear, |(guard, part)| Ahead {
+        let found = first_crossing(&guards_at(0.0), &looks, guards_at);
+        found.map_or(clear, |(guard, part)| StepLimit {
             until: t + part * span,
             event: Some(Event::Guard(LANDS + guard)),
         })

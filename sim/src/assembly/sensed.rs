@@ -30,12 +30,12 @@ impl Assembly {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CORE, FLOW_GUARDS, GUARDS, SCALE, STATES};
+    use super::super::{CORE, END_GUARDS, GUARDS, SCALE, STATES};
     use super::*;
-    use crate::integrator::{Integrator, Method};
     use crate::plant::{Accuracy, Plant};
     use crate::rig::Rig;
     use crate::{build, follow};
+    use pneudrive_solver::{Integrator, Method};
 
     fn rig(lag: f64, overlap: f64) -> Rig {
         let text = format!(
@@ -54,11 +54,11 @@ mod tests {
             x[place] = pressure - step;
         }
         let mut assembly = Assembly::new(parts, &x);
-        let mut integrator: Integrator<STATES, GUARDS, FLOW_GUARDS, CORE> =
+        let mut integrator: Integrator<STATES, GUARDS, END_GUARDS, CORE> =
             Integrator::with_core(Method::DormandPrince, 1e-11, SCALE, x);
         for k in 1..10 {
             let t = 2e-3 * f64::from(k);
-            integrator.run_to(&mut assembly, t, f64::INFINITY).expect("integrated");
+            integrator.integrate_to(&mut assembly, t, f64::INFINITY).expect("integrated");
             let sensed = assembly.sensed_pressures(&integrator.state(t));
             for (sensed, pressure) in sensed.into_iter().zip(pressures) {
                 let expected = pressure - step * (-t / lag).exp();

@@ -4,12 +4,12 @@ use crate::air::Station;
 use crate::build;
 use crate::dither::Dither;
 use crate::gas::Gas;
-use crate::integrator::{Event, Hybrid, IntegrationError, Integrator, Method, Slope};
 use crate::network::{Network, Node, PortFlow};
 use crate::operator::{GUARDS, Operator, Request, SpoolState};
 use crate::rig::Rig;
-use crate::root::bracketed_root;
 use crate::valve::Valve;
+use pneudrive_solver::bracketed_root;
+use pneudrive_solver::{Derivative, Event, IntegrationError, Integrator, Method, System};
 
 /// A valve with gauges right at its ports: no tubes. The air comes to it through ports of the valve's
 /// own bore, so that it has the speed there that the flow gives it.
@@ -138,19 +138,19 @@ impl SpoolBench {
         };
         let step = (counts - self.counts).signum() as i8;
         let at = self.at;
-        self.integrator.cut(&mut self.on_bench, at, |on_bench, x| {
+        self.integrator.interrupt(&mut self.on_bench, at, |on_bench, x| {
             on_bench.settle(at, x);
             for _ in 0..pulses {
                 on_bench.0.drive(at, spool_state(x), Request { counts, step }, 0.0);
             }
-            Slope::Lost
+            Derivative::Discontinuous
         });
         self.counts = counts;
     }
 
     /// Goes on to `t` and tells where the spool is then, m.
     pub fn spool_at(&mut self, t: f64) -> Result<f64, IntegrationError> {
-        self.integrator.run_to(&mut self.on_bench, t, t)?;
+        self.integrator.integrate_to(&mut self.on_bench, t, t)?;
         self.at = t;
         let x = self.integrator.state(t);
         Ok(self.on_bench.0.position(t, self.on_bench.place(t, &x)))
@@ -179,7 +179,7 @@ impl OnBench {
     }
 }
 
-impl Hybrid<2, GUARDS, 0> for OnBench {
+impl System<2, GUARDS, 0> for OnBench {
     fn derivative(&mut self, t: f64, x: &[f64; 2]) -> [f64; 2] {
         self.0.derivative(t, spool_state(x), 0.0)
     }
@@ -188,27 +188,23 @@ impl Hybrid<2, GUARDS, 0> for OnBench {
         self.0.guards(t, self.place(t, x), 0.0)
     }
 
-    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
-        []
+    fn next_time_event(&self, t: f64) -> f64 {
+        self.0.next_time_event(t)
     }
 
-    fn next_instant(&self, t: f64) -> f64 {
-        self.0.next_instant(t)
+    fn max_step(&self) -> f64 {
+        self.0.max_step()
     }
 
-    fn longest_step(&self) -> f64 {
-        self.0.longest_step()
-    }
-
-    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Slope {
+    fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Derivative {
         self.settle(t, x);
         let mut spool = spool_state(x);
         match event {
             Event::Guard(guard) => self.0.cross(guard, t, &mut spool, 0.0),
-            Event::Instant | Event::FlowGuard(_) => self.0.pass_instant(t, spool, 0.0),
+            Event::Time | Event::EndGuard(_) => self.0.pass_instant(t, spool, 0.0),
         }
         x[1] = spool.velocity;
-        Slope::Lost
+        Derivative::Discontinuous
     }
 }
 

@@ -4,8 +4,8 @@
 
 use super::restriction::{Approach, MaybeApproach, Place, factor};
 use super::{Network, Node, Nodes, PortFlow, Station, Surroundings, mean_of_inflows};
-use crate::root::bracketed_root;
 use crate::valve::Conductances;
+use pneudrive_solver::bracketed_root;
 
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.
 const MOST_PASSES: u32 = 400;

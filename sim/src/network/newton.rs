@@ -137,7 +137,7 @@ impl Network {
         nodes.exner = (nodes.exner + exner).larger(half).smaller(pair(2.0) * nodes.exner);
         nodes.supply += supply;
         nodes.exhaust += exhaust;
-        let error = pair(if self.sharp { FLOW_ERROR } else { self.flow_error });
+        let error = pair(if self.tight { FLOW_ERROR } else { self.flow_error });
         let settles = |flow: Pair, change: Pair| match slopes {
             Slopes::Tangent => {
                 (error * flow.abs()).larger(pair(SMALLEST * SMALLEST)).at_least(change * change)

@@ -88,7 +88,7 @@ impl Empirical {
     }
 
     /// s.
-    pub(super) fn longest_step(&self) -> f64 {
+    pub(super) fn max_step(&self) -> f64 {
         self.flight.as_ref().map_or(f64::INFINITY, Flight::quarter_period)
     }
 

@@ -28,7 +28,7 @@ impl Hysteresis {
         self.command + self.dither.value(t)
     }
 
-    /// The output at `t`, as long as [`Hysteresis::next_instant`] has not been passed.
+    /// The output at `t`, as long as [`Hysteresis::next_time_event`] has not been passed.
     pub fn output(&self, t: f64) -> f64 {
         self.play.output(self.input(t))
     }
@@ -58,7 +58,7 @@ impl Hysteresis {
     }
 
     /// When the branch changes next, if the command stays; infinity for never.
-    pub fn next_instant(&self) -> f64 {
+    pub fn next_time_event(&self) -> f64 {
         self.next
     }
 
@@ -90,7 +90,7 @@ impl Hysteresis {
         }
     }
 
-    /// Takes the branch that holds after [`Hysteresis::next_instant`].
+    /// Takes the branch that holds after [`Hysteresis::next_time_event`].
     pub fn pass_instant(&mut self) {
         let t = self.next;
         let input = self.input(t);
@@ -124,7 +124,7 @@ mod tests {
     }
 
     fn follow(hysteresis: &mut Hysteresis, until: f64) -> f64 {
-        while hysteresis.next_instant() <= until {
+        while hysteresis.next_time_event() <= until {
             hysteresis.pass_instant();
         }
         hysteresis.output(until)
@@ -165,15 +165,15 @@ mod tests {
         follow(&mut hysteresis, at - 1e-5);
         hysteresis.jump(at, 0.1);
         assert_eq!(hysteresis.play.branch(), Branch::Held(0.1 + 0.2 - 0.05));
-        assert!(hysteresis.next_instant() > at + 1e-3);
+        assert!(hysteresis.next_time_event() > at + 1e-3);
     }
 
     #[test]
     fn without_dither_nothing_happens_between_outputs() {
         let still = Dither { amplitude: 0.0, ..DITHER };
         let mut hysteresis = Hysteresis::new(0.05, still, 0.0);
-        assert_eq!(hysteresis.next_instant(), f64::INFINITY);
+        assert_eq!(hysteresis.next_time_event(), f64::INFINITY);
         hysteresis.jump(1.0, 0.25);
-        assert_eq!((hysteresis.next_instant(), hysteresis.output(1.0)), (f64::INFINITY, 0.2));
+        assert_eq!((hysteresis.next_time_event(), hysteresis.output(1.0)), (f64::INFINITY, 0.2));
     }
 }

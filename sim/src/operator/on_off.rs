@@ -50,7 +50,7 @@ impl OnOff {
         self.from + (self.target - self.from).signum() * speed * (t - self.since)
     }
 
-    pub(super) fn next_instant(&self, t: f64) -> f64 {
+    pub(super) fn next_time_event(&self, t: f64) -> f64 {
         let arrival = self.arrival();
         if arrival > t && self.from != self.target { arrival } else { f64::INFINITY }
     }
@@ -76,7 +76,7 @@ mod tests {
         for (counts, position) in [(5, 1e-3), (2048, 1e-3), (0, 0.0), (-1, -1e-3)] {
             valve.drive(1.0, request(counts));
             assert_eq!((valve.position(1.0), valve.commanded()), (position, position));
-            assert_eq!(valve.next_instant(1.0), f64::INFINITY, "without a switching time it is there");
+            assert_eq!(valve.next_time_event(1.0), f64::INFINITY, "without a switching time it is there");
         }
     }
 
@@ -84,11 +84,11 @@ mod tests {
     fn a_switch_takes_its_time_and_twice_that_from_end_to_end() {
         let mut valve = OnOff::new(1e-3, 0.01);
         valve.drive(0.0, request(1));
-        assert_eq!(valve.next_instant(0.0), 0.01);
+        assert_eq!(valve.next_time_event(0.0), 0.01);
         assert!((valve.position(0.005) - 0.5e-3).abs() < 1e-18);
         valve.arrive(0.01);
         valve.drive(0.02, request(-1));
-        assert!((valve.next_instant(0.02) - 0.04).abs() < 1e-15);
+        assert!((valve.next_time_event(0.02) - 0.04).abs() < 1e-15);
         assert!(valve.position(0.03).abs() < 1e-15);
     }
 
@@ -98,6 +98,6 @@ mod tests {
         valve.drive(0.0, request(1));
         valve.drive(0.004, request(0));
         assert!((valve.position(0.004) - 0.4e-3).abs() < 1e-18);
-        assert!((valve.next_instant(0.004) - 0.008).abs() < 1e-15);
+        assert!((valve.next_time_event(0.004) - 0.008).abs() < 1e-15);
     }
 }

@@ -218,7 +218,7 @@ impl Solenoid {
     fn forces(&self, t: f64, hysteresis: &Hysteresis) -> Drive {
         let p = &self.parameters;
         let (level, driven) = hysteresis.course();
-        let inside = t + 0.5 * (self.next_instant() - t).min(MOMENT);
+        let inside = t + 0.5 * (self.next_time_event() - t).min(MOMENT);
         let pulls = self.magnetism.output(inside) + self.bias() > 0.0;
         let magnetic = if pulls { p.force_gain * (level + self.bias()) } else { 0.0 };
         let steady = magnetic - p.spring_preload - p.friction.force(self.contact, 0.0);
@@ -292,9 +292,9 @@ impl Solenoid {
 
     /// The next kink of the magnetic force: of the hysteresis, or where the coil has no more current
     /// to lose.
-    pub(super) fn next_instant(&self) -> f64 {
+    pub(super) fn next_time_event(&self) -> f64 {
         match &self.magnetism {
-            Magnetism::Stepped(hysteresis) => hysteresis.next_instant().min(self.passage),
+            Magnetism::Stepped(hysteresis) => hysteresis.next_time_event().min(self.passage),
             Magnetism::Moving(_) => f64::INFINITY,
         }
     }
@@ -311,14 +311,14 @@ impl Solenoid {
     }
 
     /// s.
-    pub(super) fn longest_step(&self) -> f64 {
+    pub(super) fn max_step(&self) -> f64 {
         self.flight.as_ref().map_or(f64::INFINITY, Flight::quarter_period)
     }
 
     /// Where the coil runs out of current nothing changes but the force's slope.
     pub(super) fn pass_instant(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
         if let Magnetism::Stepped(hysteresis) = &mut self.magnetism
-            && t >= hysteresis.next_instant()
+            && t >= hysteresis.next_time_event()
         {
             hysteresis.pass_instant();
         }

@@ -32,7 +32,7 @@
 use super::{Ratio, STEEPEST};
 use crate::air::Station;
 use crate::gas::Gas;
-use crate::root::bracketed_root;
+use pneudrive_solver::bracketed_root;
 
 /// 4fL/D below which a pipe has no drop worth the name.
 pub(super) const LEAST_SPAN: f64 = 1e-12;

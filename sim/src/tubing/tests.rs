@@ -1,7 +1,7 @@
 //! The tests of every kind of tube.
 
 use super::*;
-use crate::root::bracketed_root;
+use pneudrive_solver::bracketed_root;
 
 const AIR: f64 = 286.76;
 

@@ -1,11 +1,11 @@
 //! The command of the continuous controller and the hysteresis on it, looked at in a transient.
 
-use super::super::{FLOW_GUARDS, GUARDS, SCALE, STATES};
+use super::super::{END_GUARDS, GUARDS, SCALE, STATES};
 use super::*;
 use crate::build;
 use crate::friction::Contact;
-use crate::integrator::{Integrator, Method};
 use crate::rig::Rig;
+use pneudrive_solver::{Integrator, Method};
 
 /// Half the width of the loop of servo-drive B, m.
 const HALF_WIDTH: f64 = 0.05e-3;
@@ -13,7 +13,7 @@ const HALF_WIDTH: f64 = 0.05e-3;
 /// Servo-drive B under the continuous controller, at the start of a move.
 struct Transient {
     assembly: Assembly,
-    integrator: Integrator<STATES, GUARDS, FLOW_GUARDS>,
+    integrator: Integrator<STATES, GUARDS, END_GUARDS>,
 }
 
 impl Transient {
@@ -31,12 +31,12 @@ impl Transient {
 
     fn aim(&mut self, t: f64, target: i32) {
         let assembly = &mut self.assembly;
-        self.integrator.cut(assembly, t, |assembly, x| assembly.set_target(t, x, target));
+        self.integrator.interrupt(assembly, t, |assembly, x| assembly.set_target(t, x, target));
     }
 
     /// The state at `t`, and the command there in m of spool travel.
     fn look(&mut self, t: f64) -> (StateVector, f64) {
-        self.integrator.run_to(&mut self.assembly, t, f64::INFINITY).expect("a transient");
+        self.integrator.integrate_to(&mut self.assembly, t, f64::INFINITY).expect("a transient");
         let x = self.integrator.state(t);
         self.assembly.follow(&x);
         (x, self.assembly.parts.operator.commanded())

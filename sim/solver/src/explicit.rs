@@ -1,36 +1,36 @@
 //! One trial step of an explicit method, its error, and how stiff it found the system. The first M states move.
 
-use super::segment::{Segment, Taken, Trial};
-use super::tableau::MOST_STAGES;
-use super::{Hybrid, Integrator};
+use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
+use crate::tableau::MAX_STAGES;
+use crate::{Integrator, System};
 
-impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrator<N, G, F, CORE> {
-    pub(super) fn explicit_trial<const M: usize>(
+impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
+    pub(crate) fn explicit_step<const M: usize>(
         &mut self,
-        system: &mut impl Hybrid<N, G, F>,
-        slope: [f64; N],
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
         h: f64,
-    ) -> Trial<N> {
-        let (stages, x) = self.stages::<M>(system, slope, h);
+    ) -> TrialStep<N> {
+        let (stages, x) = self.stages::<M>(system, derivative, h);
         let error = self.error_norm(&combined::<M, N>(self.tableau.error, &stages, h), &x);
-        let taken = (error <= 1.0).then(|| Taken {
-            segment: self.segment_of::<M>(&stages, &x, h),
+        let accepted = (error <= 1.0).then(|| AcceptedStep {
+            dense: self.dense_output_of::<M>(&stages, &x, h),
             x,
-            end_slope: Some(stages[self.tableau.last_stage()]),
+            end_derivative: Some(stages[self.tableau.last_stage()]),
             stiffness: self.stiffness_of::<M>(&stages, &x),
         });
-        Trial { error, order: self.tableau.error_order, taken }
+        TrialStep { error, order: self.tableau.error_order, accepted }
     }
 
-    /// The slopes of all stages and the state at the end; the last stage is the slope there.
+    /// The derivatives of all stages and the state at the end; the last stage is the derivative there.
     fn stages<const M: usize>(
         &mut self,
-        system: &mut impl Hybrid<N, G, F>,
-        slope: [f64; N],
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
         h: f64,
-    ) -> ([[f64; N]; MOST_STAGES], [f64; N]) {
-        let mut stages = [[0.0; N]; MOST_STAGES];
-        stages[0] = slope;
+    ) -> ([[f64; N]; MAX_STAGES], [f64; N]) {
+        let mut stages = [[0.0; N]; MAX_STAGES];
+        stages[0] = derivative;
         let mut x = self.x;
         for (stage, weights) in self.tableau.weights.iter().enumerate() {
             let moved = combined::<M, N>(weights, &stages, h);
@@ -39,13 +39,13 @@ impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrat
             }
             stages[stage + 1] = system.derivative(self.t + h * self.tableau.nodes[stage], &x);
         }
-        self.work.evaluations += self.tableau.weights.len() as u64;
+        self.statistics.n_rhs_evaluations += self.tableau.weights.len() as u64;
         (stages, x)
     }
 
     /// h times the fastest rate of decay: the last two stages are slopes at the same time, at states that
     /// differ by little (Hairer, Norsett, Wanner II, IV.2).
-    fn stiffness_of<const M: usize>(&self, stages: &[[f64; N]; MOST_STAGES], x: &[f64; N]) -> f64 {
+    fn stiffness_of<const M: usize>(&self, stages: &[[f64; N]; MAX_STAGES], x: &[f64; N]) -> f64 {
         let last = self.tableau.last_stage();
         let apart = combined::<M, N>(self.tableau.apart, stages, 1.0);
         let (mut states, mut slopes) = (0.0, 0.0);
@@ -58,12 +58,12 @@ impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrat
         if states > 0.0 { (slopes / states).sqrt() } else { 0.0 }
     }
 
-    fn segment_of<const M: usize>(
+    fn dense_output_of<const M: usize>(
         &self,
-        stages: &[[f64; N]; MOST_STAGES],
+        stages: &[[f64; N]; MAX_STAGES],
         x: &[f64; N],
         h: f64,
-    ) -> Segment<N> {
+    ) -> DenseOutput<N> {
         let end = &stages[self.tableau.last_stage()];
         let quartic = combined::<M, N>(self.tableau.dense, stages, h);
         let mut coefficients = [[0.0; N]; 6];
@@ -76,14 +76,14 @@ impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrat
             coefficients[2][i] = bend;
             coefficients[3][i] = rise - h * end[i] - bend;
         }
-        Segment { start: self.t, width: h, coefficients, refined: false }
+        DenseOutput { start: self.t, width: h, coefficients, refined: false }
     }
 }
 
 /// h times the weighted sum of the stages.
 fn combined<const M: usize, const N: usize>(
     weights: &[f64],
-    stages: &[[f64; N]; MOST_STAGES],
+    stages: &[[f64; N]; MAX_STAGES],
     h: f64,
 ) -> [f64; M] {
     let mut sum = [0.0; M];

@@ -1,13 +1,24 @@
-//! The coefficients of the methods.
+//! The coefficients of the explicit methods.
+//!
+//! Dormand-Prince 5(4) with its interpolant of order 4 (Hairer, Norsett, Wanner, Solving Ordinary Differential
+//! Equations I, II.5 and II.6), and Merson 4(3) with cubic Hermite interpolation (II.4).
 
-use super::Method;
+/// An explicit method of integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Dormand-Prince 5(4): the default.
+    #[default]
+    DormandPrince,
+    /// Runge-Kutta-Merson 4(3).
+    Merson,
+}
 
 /// Stages of the larger method, the slope at the end included.
-pub(super) const MOST_STAGES: usize = 7;
+pub(crate) const MAX_STAGES: usize = 7;
 
 /// An explicit method whose last stage is the slope at the end of the step.
 #[derive(Debug)]
-pub(super) struct Tableau {
+pub(crate) struct Tableau {
     /// Where stages 2.. are evaluated, in parts of the step.
     pub nodes: &'static [f64],
     /// Weights of the earlier slopes in stages 2..; those of the last stage make the step itself.
@@ -23,16 +34,18 @@ pub(super) struct Tableau {
 }
 
 impl Tableau {
+    /// The coefficients of a method.
+    pub fn of(method: Method) -> &'static Tableau {
+        match method {
+            Method::DormandPrince => &DORMAND_PRINCE,
+            Method::Merson => &MERSON,
+        }
+    }
+
     /// Which stage is the slope at the end.
+    #[inline]
     pub fn last_stage(&self) -> usize {
         self.weights.len()
-    }
-}
-
-pub(super) fn of(method: Method) -> &'static Tableau {
-    match method {
-        Method::DormandPrince => &DORMAND_PRINCE,
-        Method::Merson => &MERSON,
     }
 }
 

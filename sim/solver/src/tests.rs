@@ -1,25 +1,20 @@
 //! Order of convergence on problems with known answers, and events against closed forms.
 
 use super::*;
+use crate::{Event, System};
 
 /// A system without events: its right-hand side alone.
 struct Smooth<F>(F);
 
-impl<const N: usize, F: FnMut(f64, &[f64; N]) -> [f64; N]> Hybrid<N, 0, 0> for Smooth<F> {
+impl<const N: usize, F: FnMut(f64, &[f64; N]) -> [f64; N]> System<N, 0, 0> for Smooth<F> {
     fn derivative(&mut self, t: f64, x: &[f64; N]) -> [f64; N] {
         self.0(t, x)
     }
     fn guards(&mut self, _: f64, _: &[f64; N]) -> [f64; 0] {
         []
     }
-    fn flow_guards(&mut self, _: f64, _: &[f64; N]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, _: f64, _: &mut [f64; N]) -> Slope {
-        Slope::Lost
+    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; N]) -> Derivative {
+        Derivative::Discontinuous
     }
 }
 
@@ -33,11 +28,11 @@ fn error_with_step(method: Method, h: f64) -> f64 {
     let mut integrator = Integrator::<2, 0, 0>::new(method, 1e6, [1.0; 2], [1.0, 0.0]);
     let steps = (2.0 / h).round() as u32;
     for step in 1..=steps {
-        integrator.wanted = 1.0;
+        integrator.step_size = 1.0;
         let t = f64::from(step) * h;
-        integrator.run_to(&mut Smooth(oscillator), t, t).expect("smooth");
+        integrator.integrate_to(&mut Smooth(oscillator), t, t).expect("smooth");
     }
-    assert_eq!(integrator.work.steps, u64::from(steps));
+    assert_eq!(integrator.statistics.n_steps, u64::from(steps));
     let x = integrator.state(2.0);
     (x[0] - 2.0_f64.cos()).hypot(x[1] + 2.0_f64.sin())
 }
@@ -60,9 +55,9 @@ fn the_order_holds_on_a_nonlinear_problem() {
     let error = |method, h: f64| {
         let mut integrator = Integrator::<1, 0, 0>::new(method, 1e6, [1.0], [1.0]);
         for step in 1..=(0.5 / h).round() as u32 {
-            integrator.wanted = 1.0;
+            integrator.step_size = 1.0;
             integrator
-                .run_to(&mut Smooth(riccati), f64::from(step) * h, f64::from(step) * h)
+                .integrate_to(&mut Smooth(riccati), f64::from(step) * h, f64::from(step) * h)
                 .expect("smooth");
         }
         (integrator.state(0.5)[0] - 2.0).abs()
@@ -78,8 +73,8 @@ fn the_dense_output_is_as_good_between_the_ends_of_a_step() {
     for (method, order) in [(Method::DormandPrince, 5.0), (Method::Merson, 4.0)] {
         let error = |h: f64| {
             let mut integrator = Integrator::<2, 0, 0>::new(method, 1e6, [1.0; 2], [1.0, 0.0]);
-            integrator.wanted = 1.0;
-            integrator.run_to(&mut Smooth(oscillator), h, h).expect("smooth");
+            integrator.step_size = 1.0;
+            integrator.integrate_to(&mut Smooth(oscillator), h, h).expect("smooth");
             let x = integrator.state(0.4 * h);
             (x[0] - (0.4 * h).cos()).hypot(x[1] + (0.4 * h).sin())
         };
@@ -93,7 +88,7 @@ fn a_tighter_tolerance_gives_a_smaller_error() {
     let error = |tolerance| {
         let mut integrator =
             Integrator::<2, 0, 0>::new(Method::DormandPrince, tolerance, [1.0; 2], [1.0, 0.0]);
-        integrator.run_to(&mut Smooth(oscillator), 10.0, 10.0).expect("smooth");
+        integrator.integrate_to(&mut Smooth(oscillator), 10.0, 10.0).expect("smooth");
         (integrator.state(10.0)[0] - 10.0_f64.cos()).abs()
     };
     assert!(error(1e-6) < 1e-4);
@@ -105,24 +100,18 @@ struct Ball {
     bounces: Vec<f64>,
 }
 
-impl Hybrid<2, 1, 0> for Ball {
+impl System<2, 1, 0> for Ball {
     fn derivative(&mut self, _: f64, x: &[f64; 2]) -> [f64; 2] {
         [x[1], -10.0]
     }
     fn guards(&mut self, _: f64, x: &[f64; 2]) -> [f64; 1] {
         [x[0]]
     }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Slope {
+    fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Derivative {
         assert_eq!(event, Event::Guard(0));
         self.bounces.push(t);
         *x = [0.0, -x[1]];
-        Slope::Lost
+        Derivative::Discontinuous
     }
 }
 
@@ -130,7 +119,7 @@ impl Hybrid<2, 1, 0> for Ball {
 fn events_are_hit_to_a_picosecond() {
     let mut ball = Ball { bounces: Vec::new() };
     let mut integrator = Integrator::<2, 1, 0>::new(Method::DormandPrince, 1e-9, [1.0; 2], [1.0, 0.0]);
-    integrator.run_to(&mut ball, 4.0, 4.0).expect("a ball");
+    integrator.integrate_to(&mut ball, 4.0, 4.0).expect("a ball");
     let fall = 0.2_f64.sqrt();
     assert_eq!(ball.bounces.len(), 4);
     for (i, at) in ball.bounces.iter().enumerate() {
@@ -142,32 +131,26 @@ fn events_are_hit_to_a_picosecond() {
 /// A guard that dips below zero and comes back within one step.
 struct Dip;
 
-impl Hybrid<1, 1, 0> for Dip {
+impl System<1, 1, 0> for Dip {
     fn derivative(&mut self, _: f64, _: &[f64; 1]) -> [f64; 1] {
         [1.0]
     }
     fn guards(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
         [(x[0] - 0.6) * (x[0] - 0.6) - 0.0001]
     }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, t: f64, x: &mut [f64; 1]) -> Slope {
+    fn handle_event(&mut self, _: Event, t: f64, x: &mut [f64; 1]) -> Derivative {
         assert!((t - 0.59).abs() < 1e-9, "{t}");
         x[0] += 1.0;
-        Slope::Lost
+        Derivative::Discontinuous
     }
 }
 
 #[test]
 fn a_guard_that_comes_back_within_one_step_is_seen() {
     let mut integrator = Integrator::<1, 1, 0>::new(Method::DormandPrince, 1e-3, [1.0], [0.0]);
-    integrator.wanted = 1.0;
-    integrator.run_to(&mut Dip, 1.0, 1.0).expect("a line");
-    assert_eq!(integrator.work.events, 1);
+    integrator.step_size = 1.0;
+    integrator.integrate_to(&mut Dip, 1.0, 1.0).expect("a line");
+    assert_eq!(integrator.statistics.n_events, 1);
 }
 
 /// A guard that begins at zero, and comes back before the step is first looked into.
@@ -176,31 +159,25 @@ struct Return {
     came_back: Option<f64>,
 }
 
-impl Hybrid<1, 1, 0> for Return {
+impl System<1, 1, 0> for Return {
     fn derivative(&mut self, _: f64, _: &[f64; 1]) -> [f64; 1] {
         [1.0]
     }
     fn guards(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
         [if self.came_back.is_some() { 1.0 } else { x[0] * (0.02 - x[0]) }]
     }
-    fn flow_guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
-        []
-    }
-    fn next_instant(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn cross(&mut self, _: Event, t: f64, _: &mut [f64; 1]) -> Slope {
+    fn handle_event(&mut self, _: Event, t: f64, _: &mut [f64; 1]) -> Derivative {
         self.came_back = Some(t);
-        Slope::Lost
+        Derivative::Discontinuous
     }
 }
 
 #[test]
 fn a_guard_that_begins_at_zero_and_comes_back_at_once_is_crossed_where_it_comes_back() {
     let mut integrator = Integrator::<1, 1, 0>::new(Method::DormandPrince, 1e-3, [1.0], [0.0]);
-    integrator.wanted = 1.0;
+    integrator.step_size = 1.0;
     let mut system = Return::default();
-    integrator.run_to(&mut system, 0.5, 1.0).expect("a line");
+    integrator.integrate_to(&mut system, 0.5, 1.0).expect("a line");
     let at = system.came_back.expect("an event");
     assert!((at - 0.02).abs() < 1e-12, "{at}");
 }
@@ -213,7 +190,7 @@ fn broken(t: f64, _: &[f64; 1]) -> [f64; 1] {
 #[test]
 fn a_state_that_stops_being_a_number_is_said_with_its_time() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [0.0]);
-    let error = integrator.run_to(&mut Smooth(broken), 1.0, 1.0).expect_err("not a number");
+    let error = integrator.integrate_to(&mut Smooth(broken), 1.0, 1.0).expect_err("not a number");
     assert!(matches!(error, IntegrationError::NotANumber { at_s } if (at_s - 0.5).abs() < 1e-6), "{error}");
 }
 
@@ -222,8 +199,11 @@ fn a_state_that_stops_being_a_number_is_said_with_its_time() {
 fn a_slope_that_is_no_number_ends_a_run_at_once() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [0.0]);
     integrator.t = 1.0;
-    let error = integrator.run_to(&mut Smooth(broken), 2.0, 2.0).expect_err("not a number");
-    assert_eq!((error, integrator.work.evaluations), (IntegrationError::NotANumber { at_s: 1.0 }, 1));
+    let error = integrator.integrate_to(&mut Smooth(broken), 2.0, 2.0).expect_err("not a number");
+    assert_eq!(
+        (error, integrator.statistics.n_rhs_evaluations),
+        (IntegrationError::NotANumber { at_s: 1.0 }, 1)
+    );
 }
 
 /// A rotation so fast that its steps come to nothing, though each one succeeds.
@@ -234,7 +214,7 @@ fn whirl(_: f64, x: &[f64; 2]) -> [f64; 2] {
 #[test]
 fn a_run_that_would_take_for_ever_is_ended_and_said_so() {
     let mut integrator = Integrator::<2, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0; 2], [1.0, 0.0]);
-    let error = integrator.run_to(&mut Smooth(whirl), 1.0, 1.0).expect_err("too fast");
+    let error = integrator.integrate_to(&mut Smooth(whirl), 1.0, 1.0).expect_err("too fast");
     assert!(matches!(error, IntegrationError::NoProgress { at_s } if at_s < 1e-3), "{error}");
 }
 
@@ -246,8 +226,12 @@ fn chase(t: f64, x: &[f64; 1]) -> [f64; 1] {
 #[test]
 fn a_stiff_stretch_is_followed_in_steps_of_what_happens_in_it() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
-    integrator.run_to(&mut Smooth(chase), 3.0, 3.0).expect("a solution");
-    assert!(integrator.stiffness.implicit && integrator.work.steps < 1000, "{:?}", integrator.work);
+    integrator.integrate_to(&mut Smooth(chase), 3.0, 3.0).expect("a solution");
+    assert!(
+        integrator.stiffness.implicit && integrator.statistics.n_steps < 1000,
+        "{:?}",
+        integrator.statistics
+    );
     assert!((integrator.state(3.0)[0] - 3.0_f64.cos()).abs() < 1e-7);
 }
 
@@ -257,15 +241,15 @@ fn implicit_errors(h: f64) -> (f64, f64) {
     let mut inside = 0.0_f64;
     for _ in 0..(0.5 / h).round() as u32 {
         let slope = riccati(integrator.t, &integrator.x);
-        let slopes = integrator.slopes(&mut Smooth(riccati), slope);
-        // Whatever its error, the step is taken.
+        let slopes = integrator.linearize(&mut Smooth(riccati), slope);
+        // Whatever its error, the step is accepted.
         integrator.tolerance = 1.0;
-        let trial = integrator.implicit_trial(&mut Smooth(riccati), slope, &slopes, h);
+        let trial = integrator.rosenbrock_step(&mut Smooth(riccati), slope, &slopes, h);
         integrator.tolerance = 1e-11;
-        let taken = trial.taken.expect("a small error");
+        let accepted = trial.accepted.expect("a small error");
         let middle = integrator.t + 0.5 * h;
-        inside = inside.max((taken.segment.at(middle)[0] - 1.0 / (1.0 - middle)).abs());
-        (integrator.t, integrator.x) = (integrator.t + h, taken.x);
+        inside = inside.max((accepted.dense.at(middle)[0] - 1.0 / (1.0 - middle)).abs());
+        (integrator.t, integrator.x) = (integrator.t + h, accepted.x);
     }
     ((integrator.x[0] - 2.0).abs(), inside)
 }

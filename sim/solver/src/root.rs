@@ -3,9 +3,9 @@
 /// The root of `f` between `a` and `b`, where `f` changes sign, to `tolerance` in the argument.
 ///
 /// Chandrupatla's method (Advances in Engineering Software 28, 1997): bisection where the three
-/// last points do not look like a monotone curve, else inverse quadratic interpolation. Cannot leave
-/// the bracket, and needs no slope: flows have an infinite one at zero pressure difference.
-pub(crate) fn bracketed_root(mut f: impl FnMut(f64) -> f64, bracket: [(f64, f64); 2], tolerance: f64) -> f64 {
+/// last points do not look like a monotone curve, else inverse quadratic interpolation. It cannot leave
+/// the bracket and needs no derivative, which may be infinite at the root.
+pub fn bracketed_root(mut f: impl FnMut(f64) -> f64, bracket: [(f64, f64); 2], tolerance: f64) -> f64 {
     let [(mut b, mut fb), (mut a, mut fa)] = bracket;
     let (mut c, mut fc);
     let mut t = 0.5;
@@ -31,6 +31,7 @@ pub(crate) fn bracketed_root(mut f: impl FnMut(f64) -> f64, bracket: [(f64, f64)
 }
 
 /// The place of the root between a and b by inverse quadratic interpolation, where that is safe.
+#[inline]
 fn interpolate(a: f64, fa: f64, b: f64, fb: f64, c: f64, fc: f64) -> Option<f64> {
     let xi = (a - b) / (c - b);
     let phi = (fa - fb) / (fc - fb);

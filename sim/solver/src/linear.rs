@@ -1,7 +1,7 @@
 //! A small system of linear equations.
 
 /// s - J in triangular factors, rows exchanged for the largest pivot.
-pub(super) struct Factors<const N: usize> {
+pub(crate) struct Factors<const N: usize> {
     rows: [[f64; N]; N],
     /// Which row each step of the elimination took.
     taken: [usize; N],

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! h_new/h = 0.9 err^(-1/p)                                          from one step
-//! h_new/h = 0.9 err^(-1/p) (h/h_before) (err_before/err)^(1/p)      from two: what comes changes as what came
+//! h_new/h = 0.9 err^(-1/p) (h/h_before) (err_before/err)^(1/p)      from two: the error goes on to change as it did
 //! ```
 //!
-//! The shorter of the two (Gustafsson, ACM Transactions on Mathematical Software 20, 1994): a stretch that
-//! gets rougher from step to step is not met with steps that are too long for it. After a rejected step
-//! the next one is no longer than the one that was accepted.
+//! The shorter of the two is taken (predictive controller: Gustafsson, ACM Transactions on Mathematical Software 20,
+//! 1994), so that steps shrink in time where the solution gets rougher. After a rejected step the next one is no longer
+//! than the one that was accepted.
 
 /// The last accepted step of this stretch: its size, and err^(1/p) of its error over the allowed one.
 #[derive(Clone, Copy, Debug)]
@@ -16,34 +16,36 @@ struct Before {
     root: f64,
 }
 
-/// What is known of the pace of this stretch.
+/// The step-size control of a smooth stretch.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pace {
+pub(crate) struct StepControl {
     before: Option<Before>,
     rejected: bool,
 }
 
-impl Pace {
+impl StepControl {
     /// The step that an error over the allowed one, of a trial of size `h`, asks for, over h. The error goes
     /// with this power of the step. A step that is good enough is taken into account.
+    #[inline]
     pub fn factor(&mut self, h: f64, error: f64, order: f64) -> f64 {
         let root = root_of(error.max(1e-10), order);
         let plain = 0.9 / root;
         let good = error <= 1.0;
-        let foreseen = match self.before {
+        let predicted = match self.before {
             Some(before) if good => plain * h / before.h * before.root / root,
             _ => plain,
         };
-        let most = if self.rejected { 1.0 } else { 5.0 };
+        let max_growth = if self.rejected { 1.0 } else { 5.0 };
         if good {
             // A step of next to no error says little.
-            let least = if error < 1e-2 { root_of(1e-2, order) } else { root };
-            *self = Pace { before: Some(Before { h, root: least }), rejected: false };
+            let at_least = if error < 1e-2 { root_of(1e-2, order) } else { root };
+            *self = StepControl { before: Some(Before { h, root: at_least }), rejected: false };
         }
-        plain.min(foreseen).clamp(0.2, most)
+        plain.min(predicted).clamp(0.2, max_growth)
     }
 
     /// A step was too long.
+    #[inline]
     pub fn reject(&mut self) {
         self.rejected = true;
     }
@@ -52,6 +54,7 @@ impl Pace {
 /// The root of this order (a whole number) of x > 0, to a thousandth: a step's size needs no more.
 ///
 /// A part of the exponent, and two of Newton's steps on y^n = x.
+#[inline]
 fn root_of(x: f64, order: f64) -> f64 {
     const ONE: u64 = 1.0_f64.to_bits();
     let n = order as u64;

@@ -1,8 +1,8 @@
 //! Which kind of method the present stretch needs.
 //!
 //! An explicit method may not step farther than about 3 over the fastest rate of decay, however little
-//! happens. Air that has nearly come to rest decays with no bound (a flow goes with the root of its
-//! pressure difference), and so do lagged tubes at small flows. Where step after step ends at that
+//! happens. A right-hand side that goes with the root of a state (a flow through an
+//! orifice) decays with no bound near its zero. Where step after step ends at that
 //! bound, or moves the state by no more than a few errors, the implicit method takes over, until its own
 //! steps are no longer than the bound.
 
@@ -22,7 +22,7 @@ const WORTH: f64 = 3.0 * BOUND;
 
 /// The verdict on the present stretch.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Stiffness {
+pub(crate) struct Stiffness {
     pub implicit: bool,
     at_bound: u32,
     others: u32,
@@ -31,6 +31,7 @@ pub(super) struct Stiffness {
 impl Stiffness {
     /// Takes an accepted step into account: h times the rate of decay that it met, and how far it moved
     /// the state in allowed errors.
+    #[inline]
     pub fn note(&mut self, rate: f64, moved: f64) {
         if self.implicit {
             if rate < WORTH && moved > IDLE {

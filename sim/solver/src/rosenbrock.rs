@@ -7,12 +7,12 @@
 //! x_1 = x + sum_j a_5j u_j + u_5 + u_6,   error u_6
 //! ```
 //!
-//! J and df/dt by differences: each state is moved by little more than the tolerance allows, because where
-//! the air is nearly at rest its flow bends within a millionth of a pressure.
+//! J and df/dt by differences: each state is moved by little more than the tolerance allows, because a
+//! right-hand side may bend within that much of a state.
 
-use super::linear::Factors;
-use super::segment::{Segment, Taken, Trial};
-use super::{Hybrid, Integrator};
+use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
+use crate::linear::Factors;
+use crate::{Integrator, System};
 
 const STAGES: usize = 6;
 
@@ -63,15 +63,19 @@ const DENSE: [[f64; 5]; 2] = [
     ],
 ];
 
-/// The slopes of a system over its states and over time at the beginning of a step.
-pub(super) struct Slopes<const N: usize> {
+/// The derivatives of dx/dt by the states and by time at the beginning of a step.
+pub(crate) struct Linearization<const N: usize> {
     jacobian: [[f64; N]; N],
     by_time: [f64; N],
 }
 
-impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrator<N, G, F, CORE> {
+impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
     /// What a step from the present state needs, whatever its size.
-    pub(super) fn slopes(&mut self, system: &mut impl Hybrid<N, G, F>, slope: [f64; N]) -> Slopes<N> {
+    pub(crate) fn linearize(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
+    ) -> Linearization<N> {
         let mut jacobian = [[0.0; N]; N];
         for j in 0..N {
             let mut x = self.x;
@@ -79,12 +83,12 @@ impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrat
             let moved = system.derivative(self.t, &x);
             let by = x[j] - self.x[j];
             for i in 0..N {
-                jacobian[i][j] = (moved[i] - slope[i]) / by;
+                jacobian[i][j] = (moved[i] - derivative[i]) / by;
             }
         }
         let later = system.derivative(self.t + MOMENT, &self.x);
-        self.work.evaluations += N as u64 + 1;
-        Slopes { jacobian, by_time: std::array::from_fn(|i| (later[i] - slope[i]) / MOMENT) }
+        self.statistics.n_rhs_evaluations += N as u64 + 1;
+        Linearization { jacobian, by_time: std::array::from_fn(|i| (later[i] - derivative[i]) / MOMENT) }
     }
 
     fn moved_by(&self, state: usize) -> f64 {
@@ -92,50 +96,50 @@ impl<const N: usize, const G: usize, const F: usize, const CORE: usize> Integrat
         part * self.scale[state].max(self.x[state].abs())
     }
 
-    pub(super) fn implicit_trial(
+    pub(crate) fn rosenbrock_step(
         &mut self,
-        system: &mut impl Hybrid<N, G, F>,
-        slope: [f64; N],
-        slopes: &Slopes<N>,
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
+        linearization: &Linearization<N>,
         h: f64,
-    ) -> Trial<N> {
-        let u = self.increments(system, slope, slopes, h);
+    ) -> TrialStep<N> {
+        let u = self.increments(system, derivative, linearization, h);
         let x = std::array::from_fn(|i| self.x[i] + combined(A[5], &u, i) + u[5][i]);
         let error = self.error_norm(&u[5], &x);
-        let taken = (error <= 1.0).then(|| Taken {
-            segment: Segment {
+        let accepted = (error <= 1.0).then(|| AcceptedStep {
+            dense: DenseOutput {
                 start: self.t,
                 width: h,
                 coefficients: self.interpolant(&u, &x),
                 refined: true,
             },
             x,
-            end_slope: None,
-            stiffness: h * self.fastest(&slopes.jacobian),
+            end_derivative: None,
+            stiffness: h * self.fastest(&linearization.jacobian),
         });
-        Trial { error, order: ERROR_ORDER, taken }
+        TrialStep { error, order: ERROR_ORDER, accepted }
     }
 
     fn increments(
         &mut self,
-        system: &mut impl Hybrid<N, G, F>,
-        slope: [f64; N],
-        slopes: &Slopes<N>,
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
+        linearization: &Linearization<N>,
         h: f64,
     ) -> [[f64; N]; STAGES] {
-        let factors = Factors::of(slopes.jacobian, 1.0 / (h * GAMMA));
+        let factors = Factors::of(linearization.jacobian, 1.0 / (h * GAMMA));
         let mut u = [[0.0; N]; STAGES];
         for stage in 0..STAGES {
             let f = if stage == 0 {
-                slope
+                derivative
             } else {
-                self.work.evaluations += 1;
+                self.statistics.n_rhs_evaluations += 1;
                 let x = std::array::from_fn(|i| self.x[i] + combined(A[stage], &u, i));
                 system.derivative(self.t + ALPHA[stage] * h, &x)
             };
             let by_time = h * GAMMA_I[stage];
             u[stage] = factors.solve(std::array::from_fn(|i| {
-                f[i] + combined(C[stage], &u, i) / h + by_time * slopes.by_time[i]
+                f[i] + combined(C[stage], &u, i) / h + by_time * linearization.by_time[i]
             }));
         }
         u

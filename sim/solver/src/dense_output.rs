@@ -6,7 +6,7 @@
 /// x = r1 + theta (r2 + (1-theta) (r3 + theta (r4 + (1-theta) (r5 + theta r6))))
 /// ```
 #[derive(Clone, Debug)]
-pub(super) struct Segment<const N: usize> {
+pub(crate) struct DenseOutput<const N: usize> {
     pub start: f64,
     pub width: f64,
     pub coefficients: [[f64; N]; 6],
@@ -15,9 +15,9 @@ pub(super) struct Segment<const N: usize> {
 }
 
 /// Where a refined segment has the slopes of the system.
-pub(super) const REFINED_AT: [f64; 2] = [0.25, 0.5];
+pub(crate) const REFINED_AT: [f64; 2] = [0.25, 0.5];
 
-impl<const N: usize> Segment<N> {
+impl<const N: usize> DenseOutput<N> {
     pub fn at(&self, t: f64) -> [f64; N] {
         self.at_part((t - self.start) / self.width)
     }
@@ -34,7 +34,7 @@ impl<const N: usize> Segment<N> {
     }
 
     /// dx/dt of one state.
-    pub fn slope_at(&self, t: f64, state: usize) -> f64 {
+    pub fn derivative_of(&self, state: usize, t: f64) -> f64 {
         let theta = (t - self.start) / self.width;
         let rest = 1.0 - theta;
         let [_, r2, r3, r4, r5, r6] = self.coefficients.map(|row| row[state]);
@@ -51,7 +51,7 @@ impl<const N: usize> Segment<N> {
     pub fn refine(&mut self, slopes: &[[f64; N]; 2]) {
         let [_, r2, r3, r4, r5, r6] = &mut self.coefficients;
         for i in 0..N {
-            // Slopes of the cubic part there, and what is left for theta^2 (1-theta)^2 (r5 + theta r6).
+            // Linearization of the cubic part there, and what is left for theta^2 (1-theta)^2 (r5 + theta r6).
             let quarter = self.width * slopes[0][i] - (r2[i] + 0.5 * r3[i] + 0.3125 * r4[i]);
             let half = self.width * slopes[1][i] - (r2[i] + 0.25 * r4[i]);
             r6[i] = 16.0 * half;
@@ -62,20 +62,20 @@ impl<const N: usize> Segment<N> {
 }
 
 /// A step that was tried.
-pub(super) struct Trial<const N: usize> {
+pub(crate) struct TrialStep<const N: usize> {
     /// Its error over what is allowed, and the power of the step size that it goes with.
     pub error: f64,
     pub order: f64,
     /// None where the error is more than that, or no number.
-    pub taken: Option<Taken<N>>,
+    pub accepted: Option<AcceptedStep<N>>,
 }
 
 /// A step that is good enough.
-pub(super) struct Taken<const N: usize> {
-    pub segment: Segment<N>,
+pub(crate) struct AcceptedStep<const N: usize> {
+    pub dense: DenseOutput<N>,
     /// The state at the end, and dx/dt there if it is known.
     pub x: [f64; N],
-    pub end_slope: Option<[f64; N]>,
+    pub end_derivative: Option<[f64; N]>,
     /// The step times the fastest rate of decay in it.
     pub stiffness: f64,
 }

@@ -1,0 +1,41 @@
+//! Why an integration cannot go on.
+
+/// Most steps in a millisecond, tried or accepted: at that pace a second takes a quarter of an hour.
+pub(crate) const MAX_STEPS: u64 = 200_000;
+
+/// Why an integration cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum IntegrationError {
+    /// The state is no longer a number.
+    #[error(
+        "the state stopped being a number at t = {at_s} s: a parameter is far outside of what the equations hold for"
+    )]
+    NotANumber {
+        /// When.
+        at_s: f64,
+    },
+    /// The step size fell to nothing.
+    #[error(
+        "the step size fell below {step_s:.1e} s at t = {at_s} s: the system is too stiff for these methods"
+    )]
+    StepTooSmall {
+        /// When.
+        at_s: f64,
+        /// The step that would have been needed.
+        step_s: f64,
+    },
+    /// The steps are so small that the run would not end.
+    #[error(
+        "a millisecond takes more than {MAX_STEPS} steps at t = {at_s} s: the system is too stiff for these methods"
+    )]
+    NoProgress {
+        /// When.
+        at_s: f64,
+    },
+    /// Events follow each other without end.
+    #[error("events pile up at t = {at_s} s: two modes hand over to each other without end")]
+    EventsPileUp {
+        /// When.
+        at_s: f64,
+    },
+}

@@ -1,0 +1,90 @@
+//! The first event in a step: seen at a few probed, unless all guards stay clear of zero, then located on the
+//! refined step.
+
+use crate::crossing::{PROBES, Probed, any_may_cross, first_crossing, stay_clear};
+use crate::dense_output::DenseOutput;
+use crate::root::bracketed_root;
+use crate::{Event, Integrator, System};
+
+/// To how much of a step the zero of an end guard is located: such a guard is dear.
+const END_GUARD_RESOLUTION: f64 = 1e-10;
+
+/// A step's instants.
+struct Span {
+    start: f64,
+    width: f64,
+    end: f64,
+}
+
+impl Span {
+    fn when(&self, theta: f64) -> f64 {
+        if theta == 1.0 { self.end } else { self.start + theta * self.width }
+    }
+}
+
+impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
+    /// The first guard in a step from the present state to `x` at `end` that becomes negative, and when.
+    pub(crate) fn first_event(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        step: &mut DenseOutput<N>,
+        end: f64,
+        x: &[f64; N],
+    ) -> Option<(Event, f64)> {
+        let span = Span { start: step.start, width: step.width, end };
+        let begin = self.guards.unwrap_or_else(|| system.guards(span.start, &self.x));
+        let (middle, last) = (system.guards(span.when(0.5), &step.at_part(0.5)), system.guards(end, x));
+        let end_guards = system.end_guards(end, x);
+        self.guards = Some(last);
+        let end_guards_hold = end_guards.iter().all(|value| *value >= 0.0);
+        if end_guards_hold && stay_clear(&begin, &middle, &last) {
+            return None;
+        }
+        let mut probed = probed(system, step, &span, x);
+        if end_guards_hold && !any_may_cross(&begin, &probed) {
+            return None;
+        }
+        if self.refine(system, step) {
+            probed = self::probed(system, step, &span, x);
+        }
+        let by_guard =
+            first_crossing(&begin, &probed, |theta| system.guards(span.when(theta), &step.at_part(theta)))
+                .map(|(guard, theta)| (Event::Guard(guard), span.when(theta)));
+        let by_end_guard = self.first_end_guard(system, step, &span, &end_guards);
+        [by_guard, by_end_guard].into_iter().flatten().min_by(|(_, one), (_, other)| one.total_cmp(other))
+    }
+
+    fn first_end_guard(
+        &self,
+        system: &mut impl System<N, G, E>,
+        step: &DenseOutput<N>,
+        span: &Span,
+        after: &[f64; E],
+    ) -> Option<(Event, f64)> {
+        let mut first: Option<(Event, f64)> = None;
+        for guard in (0..E).filter(|guard| after[*guard] < 0.0) {
+            let before = system.end_guards(span.start, &self.x)[guard].max(0.0);
+            let value_at = |theta: f64| system.end_guards(span.when(theta), &step.at_part(theta))[guard];
+            let theta = bracketed_root(value_at, [(0.0, before), (1.0, after[guard])], END_GUARD_RESOLUTION);
+            first = earlier(first, (Event::EndGuard(guard), span.when(theta)));
+        }
+        first
+    }
+}
+
+/// The guards at [`PROBES`].
+fn probed<const N: usize, const G: usize, const E: usize>(
+    system: &mut impl System<N, G, E>,
+    step: &DenseOutput<N>,
+    span: &Span,
+    x: &[f64; N],
+) -> Probed<G> {
+    let mut inside = |i: usize| system.guards(span.when(PROBES[i]), &step.at_part(PROBES[i]));
+    let [one, two, three] = [inside(0), inside(1), inside(2)];
+    [one, two, three, system.guards(span.end, x)]
+}
+
+/// Of two at the same instant the one that is known already.
+fn earlier(known: Option<(Event, f64)>, other: (Event, f64)) -> Option<(Event, f64)> {
+    known.filter(|(_, at)| *at <= other.1).or(Some(other))
+}

@@ -1,0 +1,365 @@
+//! The integrator: steps of one smooth stretch, ended at its first event.
+//!
+//! Between a step's ends the state can be read at any time, so a sample costs no step. Where an event leaves dx/dt
+//! continuous, the next step has its first stage already.
+
+use crate::dense_output::{AcceptedStep, DenseOutput, REFINED_AT, TrialStep};
+use crate::error::{IntegrationError, MAX_STEPS};
+use crate::rosenbrock::Linearization;
+use crate::statistics::Statistics;
+use crate::step_size::StepControl;
+use crate::stiffness::Stiffness;
+use crate::system::{Derivative, Event, System};
+use crate::tableau::{Method, Tableau};
+
+/// Smallest step, s: below it rounding of the time is felt.
+const MIN_STEP: f64 = 1e-13;
+
+/// Most events within [`MIN_STEP`] of each other.
+const MAX_EVENTS_AT_ONCE: u32 = 64;
+
+/// The time in which [`MAX_STEPS`] may be tried, s.
+const STRETCH: f64 = 1e-3;
+
+/// The first step that is tried, s.
+const FIRST_STEP: f64 = 1e-5;
+
+/// An integration of a [`System`] of N states, G guards and E end guards, and where it is.
+#[derive(Clone, Debug)]
+pub struct Integrator<const N: usize, const G: usize, const E: usize, const CORE: usize = N> {
+    pub(crate) tableau: &'static Tableau,
+    /// Allowed error of a step, in each state's scale.
+    pub(crate) tolerance: f64,
+    /// What counts as large in each state.
+    pub(crate) scale: [f64; N],
+    pub(crate) t: f64,
+    pub(crate) x: [f64; N],
+    /// dx/dt at t, if it is known in the present modes.
+    derivative: Option<[f64; N]>,
+    /// The guards at t, if they are known in the present modes.
+    pub(crate) guards: Option<[f64; G]>,
+    /// The step that led to t.
+    last_step: Option<DenseOutput<N>>,
+    /// The state that was asked for last, as long as it is what it was.
+    read: Option<(f64, [f64; N])>,
+    /// The event at t, until it has been handled.
+    pending: Option<Event>,
+    /// The step size that the error asks for.
+    pub(crate) step_size: f64,
+    /// The same where the system oscillates while now it does not, or the other way about.
+    other_step_size: f64,
+    oscillates: bool,
+    control: StepControl,
+    /// Events within [`MIN_STEP`], and since when.
+    events_at_once: (u32, f64),
+    pub(crate) stiffness: Stiffness,
+    /// When the present [`STRETCH`] began, and the steps tried until then.
+    stretch: (f64, u64),
+    /// What it has cost so far.
+    pub statistics: Statistics,
+}
+
+/// A size that a step is tried with.
+struct Proposal {
+    h: f64,
+    end: f64,
+    /// Whether something else than the error ends the step.
+    limited: bool,
+}
+
+impl<const N: usize, const G: usize, const E: usize> Integrator<N, G, E, N> {
+    /// An integration from `x` at t = 0. A step's error may be `tolerance` times the larger of a state and its
+    /// `scale`.
+    #[must_use]
+    pub fn new(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
+        Integrator::with_core(method, tolerance, scale, x)
+    }
+}
+
+impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
+    /// The same of a system of which at times only the first CORE states move ([`System::only_core_moves`]):
+    /// explicit steps then leave the others alone.
+    #[must_use]
+    pub fn with_core(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
+        Integrator {
+            tableau: Tableau::of(method),
+            tolerance,
+            scale,
+            t: 0.0,
+            x,
+            derivative: None,
+            guards: None,
+            last_step: None,
+            read: None,
+            pending: None,
+            step_size: FIRST_STEP,
+            other_step_size: FIRST_STEP,
+            oscillates: false,
+            control: StepControl::default(),
+            events_at_once: (0, 0.0),
+            stiffness: Stiffness::default(),
+            stretch: (0.0, 0),
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// The state at `t`, which must lie in the last step of [`Integrator::integrate_to`].
+    #[must_use]
+    pub fn state(&mut self, t: f64) -> [f64; N] {
+        if let Some((at, x)) = self.read
+            && at == t
+        {
+            return x;
+        }
+        let x = match &self.last_step {
+            Some(step) if t < self.t => step.at(t),
+            _ => self.x,
+        };
+        self.read = Some((t, x));
+        x
+    }
+
+    /// The derivative of one state at `t`, as in [`Integrator::state`]; None where it may have jumped.
+    #[must_use]
+    pub fn derivative_of(&self, state: usize, t: f64) -> Option<f64> {
+        match &self.last_step {
+            Some(step) => Some(step.derivative_of(state, t.min(self.t))),
+            None => self.derivative.map(|derivative| derivative[state]),
+        }
+    }
+
+    /// Integrates to `t`, or a little beyond it, but not beyond `horizon`; handles every event up to and at `t`.
+    ///
+    /// # Errors
+    /// When the state is no longer a number, or steps or events pile up.
+    pub fn integrate_to(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        t: f64,
+        horizon: f64,
+    ) -> Result<(), IntegrationError> {
+        loop {
+            if self.t <= t
+                && let Some(event) = self.pending.take()
+            {
+                self.handle(system, event)?;
+            } else if self.t < t {
+                self.step(system, horizon.max(t))?;
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Ends the last step at `t`, because the system is changed from outside there. `change` is given the system
+    /// and its state.
+    pub fn interrupt<S: System<N, G, E>>(
+        &mut self,
+        system: &mut S,
+        t: f64,
+        change: impl FnOnce(&mut S, &mut [f64; N]) -> Derivative,
+    ) {
+        if t < self.t {
+            if let Some(mut step) = self.last_step.take() {
+                self.refine(system, &mut step);
+                self.x = step.at(t);
+            }
+            self.pending = None;
+            self.derivative = None;
+        }
+        self.t = t;
+        let derivative = change(system, &mut self.x);
+        self.restart(derivative, system.oscillates());
+    }
+
+    /// Makes the dense output of a step that is left before its end as exact as the step; tells whether it was not.
+    pub(crate) fn refine(&mut self, system: &mut impl System<N, G, E>, step: &mut DenseOutput<N>) -> bool {
+        let new = !step.refined;
+        if new {
+            let derivatives =
+                REFINED_AT.map(|part| system.derivative(step.start + part * step.width, &step.at_part(part)));
+            self.statistics.n_rhs_evaluations += 2;
+            step.refine(&derivatives);
+        }
+        new
+    }
+
+    fn restart(&mut self, after: Derivative, oscillates: bool) {
+        if oscillates != self.oscillates {
+            self.oscillates = oscillates;
+            std::mem::swap(&mut self.step_size, &mut self.other_step_size);
+        }
+        self.last_step = None;
+        self.read = None;
+        self.guards = None;
+        self.control = StepControl::default();
+        if after == Derivative::Discontinuous {
+            self.derivative = None;
+        }
+        self.statistics.n_restarts += u64::from(self.derivative.is_none());
+    }
+
+    fn handle(&mut self, system: &mut impl System<N, G, E>, event: Event) -> Result<(), IntegrationError> {
+        let (count, since) = self.events_at_once;
+        self.events_at_once = if self.t - since < MIN_STEP { (count + 1, since) } else { (0, self.t) };
+        if self.events_at_once.0 > MAX_EVENTS_AT_ONCE {
+            return Err(IntegrationError::EventsPileUp { at_s: self.t });
+        }
+        let after = system.handle_event(event, self.t, &mut self.x);
+        self.statistics.n_events += 1;
+        self.restart(after, system.oscillates());
+        Ok(())
+    }
+
+    fn count_step(&mut self) -> Result<(), IntegrationError> {
+        let (since, before) = self.stretch;
+        let tried = self.statistics.n_steps + self.statistics.n_rejected_steps;
+        if self.t - since >= STRETCH {
+            self.stretch = (self.t, tried);
+        } else if tried - before > MAX_STEPS {
+            return Err(IntegrationError::NoProgress { at_s: self.t });
+        }
+        Ok(())
+    }
+
+    /// One accepted step, ended at the first event in it.
+    fn step(&mut self, system: &mut impl System<N, G, E>, horizon: f64) -> Result<(), IntegrationError> {
+        self.count_step()?;
+        system.tighten(self.stiffness.implicit);
+        let limit = system.step_limit(self.t, &self.x);
+        if limit.until <= self.t && limit.event.is_some() {
+            self.pending = limit.event;
+            return Ok(());
+        }
+        let derivative = self.present_derivative(system);
+        // No step is short enough for a derivative that is no number.
+        if !derivative.iter().all(|rate| rate.is_finite()) {
+            return Err(IntegrationError::NotANumber { at_s: self.t });
+        }
+        let (AcceptedStep { mut dense, x, end_derivative, .. }, end) =
+            self.accepted_step(system, derivative, limit.until.min(horizon))?;
+        self.statistics.n_steps += 1;
+        match self.first_event(system, &mut dense, end, &x) {
+            Some((event, at)) => {
+                self.x = dense.at(at);
+                self.t = at;
+                self.derivative = None;
+                self.pending = Some(event);
+            }
+            None => {
+                self.x = x;
+                self.t = end;
+                self.derivative = end_derivative.filter(|_| !self.stiffness.implicit);
+                self.pending = limit.event.filter(|_| end == limit.until);
+            }
+        }
+        self.last_step = Some(dense);
+        self.read = None;
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn present_derivative(&mut self, system: &mut impl System<N, G, E>) -> [f64; N] {
+        match self.derivative {
+            Some(derivative) => derivative,
+            None => {
+                self.statistics.n_rhs_evaluations += 1;
+                system.derivative(self.t, &self.x)
+            }
+        }
+    }
+
+    /// Tries steps until the error is small enough: the step, and when it ends.
+    fn accepted_step(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
+        limit: f64,
+    ) -> Result<(AcceptedStep<N>, f64), IntegrationError> {
+        let linearization = self.stiffness.implicit.then(|| self.linearize(system, derivative));
+        loop {
+            let Proposal { h, end, limited } = self.propose(limit);
+            let trial = self.try_step(system, derivative, linearization.as_ref(), h);
+            let error = trial.error;
+            if !error.is_finite() {
+                self.step_size = 0.1 * h;
+            } else {
+                let next = h * self.control.factor(h, error, trial.order);
+                if let Some(step) = trial.accepted {
+                    // A step cut short by an event says nothing of the size that the error asks for.
+                    self.step_size = if limited { next.max(self.step_size) } else { next };
+                    self.note_stiffness(&step, limited);
+                    return Ok((step, end));
+                }
+                self.step_size = next;
+            }
+            self.statistics.n_rejected_steps += 1;
+            self.control.reject();
+            if self.step_size < MIN_STEP {
+                return Err(self.no_step(error));
+            }
+        }
+    }
+
+    fn no_step(&self, error: f64) -> IntegrationError {
+        match error.is_finite() {
+            true => IntegrationError::StepTooSmall { at_s: self.t, step_s: self.step_size },
+            false => IntegrationError::NotANumber { at_s: self.t },
+        }
+    }
+
+    #[inline(always)]
+    fn propose(&self, limit: f64) -> Proposal {
+        let room = limit - self.t;
+        // A remainder of less than a tenth of a step would cost as much as a whole one.
+        let limited = self.step_size >= 0.9 * room;
+        // Two equal steps to the end rather than a long one and a short one.
+        let even = room < 2.0 * self.step_size && room.is_finite();
+        let h = match (limited, even) {
+            (true, _) => room,
+            (false, true) => 0.5 * room,
+            (false, false) => self.step_size,
+        };
+        Proposal { h, end: if limited { limit } else { self.t + h }, limited }
+    }
+
+    #[inline(always)]
+    fn try_step(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
+        linearization: Option<&Linearization<N>>,
+        h: f64,
+    ) -> TrialStep<N> {
+        system.begin_step(h);
+        match linearization {
+            Some(linearization) => self.rosenbrock_step(system, derivative, linearization, h),
+            None if system.only_core_moves() => self.explicit_step::<CORE>(system, derivative, h),
+            None => self.explicit_step::<N>(system, derivative, h),
+        }
+    }
+
+    /// A step cut short says nothing of how far a method might go.
+    fn note_stiffness(&mut self, step: &AcceptedStep<N>, limited: bool) {
+        if !limited {
+            let moved: [f64; N] = std::array::from_fn(|i| step.x[i] - self.x[i]);
+            self.stiffness.note(step.stiffness, self.error_norm(&moved, &step.x));
+        }
+    }
+
+    /// The largest error of a state over what is allowed.
+    pub(crate) fn error_norm<const M: usize>(&self, error: &[f64; M], x: &[f64; N]) -> f64 {
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
+        for i in 0..M {
+            let ratio = error[i].abs() / self.scale[i].max(x[i].abs());
+            largest = largest.max(ratio);
+            sum += ratio;
+        }
+        // What is no number is in no maximum.
+        if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -1,0 +1,96 @@
+//! What the integrator needs to know of a system.
+
+/// A hybrid system of N states: smooth as long as its modes stay, with G guards that are cheap and E that are
+/// dear.
+///
+/// A mode ends in one of two ways: at a time that is known beforehand ([`System::step_limit`]), at which a step is
+/// made to end, or where a guard becomes negative, which the integrator finds on the dense output of a step.
+pub trait System<const N: usize, const G: usize, const E: usize> {
+    /// dx/dt in the present modes. It must be smooth a little beyond them, as a step looks past its events.
+    fn derivative(&mut self, t: f64, x: &[f64; N]) -> [f64; N];
+
+    /// Not negative as long as the present modes hold. They are evaluated inside a step as well, so that a guard
+    /// that becomes negative and comes back is seen.
+    fn guards(&mut self, t: f64, x: &[f64; N]) -> [f64; G];
+
+    /// The same for guards that are dear: they are evaluated at the end of a step only.
+    fn end_guards(&mut self, _t: f64, _x: &[f64; N]) -> [f64; E] {
+        [f64::INFINITY; E]
+    }
+
+    /// The first time after `t` at which the modes change whatever the state is; infinite where there is none.
+    fn next_time_event(&self, _t: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The longest step in which the integrator sees what the guards do.
+    fn max_step(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// How far a step from `t` may go. A system that can tell its next event from the present state says it here,
+    /// and keeps the guard of that event positive: then nothing has to be searched for.
+    fn step_limit(&mut self, t: f64, _x: &[f64; N]) -> StepLimit {
+        StepLimit { until: self.next_time_event(t), event: Some(Event::Time) }.within(t + self.max_step())
+    }
+
+    /// Tightens whatever is solved iteratively in [`System::derivative`], or loosens it again: while derivatives
+    /// are differenced for a Jacobian, they need all their digits.
+    fn tighten(&mut self, _tight: bool) {}
+
+    /// A step of size `h` is about to be tried: an error of dx/dt counts `h` times in it.
+    fn begin_step(&mut self, _h: f64) {}
+
+    /// Whether a state oscillates in the present modes. Step sizes with and without an oscillation are remembered
+    /// apart.
+    fn oscillates(&self) -> bool {
+        false
+    }
+
+    /// Whether the states behind the first CORE ones ([`crate::Integrator::with_core`]) have no derivative in the
+    /// present modes.
+    fn only_core_moves(&self) -> bool {
+        false
+    }
+
+    /// Changes the modes at an event, and the state where it jumps. Tells what that makes of dx/dt.
+    fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; N]) -> Derivative;
+}
+
+/// How far a step may go, and the event that comes then, if one does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepLimit {
+    /// When.
+    pub until: f64,
+    /// What happens then.
+    pub event: Option<Event>,
+}
+
+impl StepLimit {
+    /// The same, but no farther than to `until`.
+    #[must_use]
+    #[inline]
+    pub fn within(self, until: f64) -> StepLimit {
+        if until < self.until { StepLimit { until, event: None } } else { self }
+    }
+}
+
+/// What ends a smooth stretch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The time of [`System::next_time_event`].
+    Time,
+    /// The guard of this index becomes negative.
+    Guard(usize),
+    /// The end guard of this index becomes negative.
+    EndGuard(usize),
+}
+
+/// What an event makes of dx/dt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Derivative {
+    /// It is continuous, and goes on with another curvature: it need not be evaluated anew.
+    Continuous,
+    /// It may have jumped.
+    Discontinuous,
+}
