@@ -320,7 +320,7 @@ impl Plant {
     /// What the run has cost so far.
     #[must_use]
     pub fn work(&self) -> PlantWork {
-        PlantWork { integrator: self.integrator.statistics, network: self.assembly.parts.network.work }
+        PlantWork { integrator: self.integrator.statistics(), network: self.assembly.parts.network.work }
     }
 }
 

@@ -30,6 +30,7 @@ pub mod nucleo;
 pub mod probe;
 pub mod stack;
 pub mod steps;
+pub mod structure;
 pub mod tally;
 pub mod thumb;
 pub mod tools;

@@ -14,7 +14,7 @@ pub(crate) struct DenseOutput<const N: usize> {
     pub refined: bool,
 }
 
-/// Where a refined segment has the slopes of the system.
+/// Where a refined output has the derivative of the system.
 pub(crate) const REFINED_AT: [f64; 2] = [0.25, 0.5];
 
 impl<const N: usize> DenseOutput<N> {
@@ -46,12 +46,12 @@ impl<const N: usize> DenseOutput<N> {
         (line + theta * line_by) / self.width
     }
 
-    /// The polynomial of degree 5 with the slopes of the system at [`REFINED_AT`] of the step, besides state
+    /// The polynomial of degree 5 with the derivatives of the system at [`REFINED_AT`] of the step, besides state
     /// and slope at its ends: of order 5, where that of the method itself is of order 4.
     pub fn refine(&mut self, slopes: &[[f64; N]; 2]) {
         let [_, r2, r3, r4, r5, r6] = &mut self.coefficients;
         for i in 0..N {
-            // Linearization of the cubic part there, and what is left for theta^2 (1-theta)^2 (r5 + theta r6).
+            // Derivatives of the cubic part there, and what is left for theta^2 (1-theta)^2 (r5 + theta r6).
             let quarter = self.width * slopes[0][i] - (r2[i] + 0.5 * r3[i] + 0.3125 * r4[i]);
             let half = self.width * slopes[1][i] - (r2[i] + 0.25 * r4[i]);
             r6[i] = 16.0 * half;

@@ -1,10 +1,11 @@
-//! The first event in a step: seen at a few probed, unless all guards stay clear of zero, then located on the
-//! refined step.
+//! The first event in a step. Unless all guards stay clear of zero, they are probed at a few places; a zero is then
+//! located on the refined dense output.
 
 use crate::crossing::{PROBES, Probed, any_may_cross, first_crossing, stay_clear};
 use crate::dense_output::DenseOutput;
+use crate::progress::Progress;
 use crate::root::bracketed_root;
-use crate::{Event, Integrator, System};
+use crate::system::{Event, System};
 
 /// To how much of a step the zero of an end guard is located: such a guard is dear.
 const END_GUARD_RESOLUTION: f64 = 1e-10;
@@ -22,20 +23,22 @@ impl Span {
     }
 }
 
-impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
-    /// The first guard in a step from the present state to `x` at `end` that becomes negative, and when.
-    pub(crate) fn first_event(
+impl<const N: usize> Progress<N> {
+    /// The first guard in a step from the present state to `x` at `end` that becomes negative, and when. `guards` are
+    /// those at its beginning, if they are known, and become those at its end.
+    pub(crate) fn first_event<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
+        guards: &mut Option<[f64; G]>,
         step: &mut DenseOutput<N>,
         end: f64,
         x: &[f64; N],
     ) -> Option<(Event, f64)> {
         let span = Span { start: step.start, width: step.width, end };
-        let begin = self.guards.unwrap_or_else(|| system.guards(span.start, &self.x));
+        let begin = guards.unwrap_or_else(|| system.guards(span.start, &self.x));
         let (middle, last) = (system.guards(span.when(0.5), &step.at_part(0.5)), system.guards(end, x));
         let end_guards = system.end_guards(end, x);
-        self.guards = Some(last);
+        *guards = Some(last);
         let end_guards_hold = end_guards.iter().all(|value| *value >= 0.0);
         if end_guards_hold && stay_clear(&begin, &middle, &last) {
             return None;
@@ -54,7 +57,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         [by_guard, by_end_guard].into_iter().flatten().min_by(|(_, one), (_, other)| one.total_cmp(other))
     }
 
-    fn first_end_guard(
+    fn first_end_guard<const G: usize, const E: usize>(
         &self,
         system: &mut impl System<N, G, E>,
         step: &DenseOutput<N>,

@@ -1,30 +1,33 @@
 //! One trial step of an explicit method, its error, and how stiff it found the system. The first M states move.
 
 use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
-use crate::tableau::MAX_STAGES;
-use crate::{Integrator, System};
+use crate::progress::Progress;
+use crate::system::System;
+use crate::tableau::{MAX_STAGES, Tableau};
 
-impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
-    pub(crate) fn explicit_step<const M: usize>(
+impl<const N: usize> Progress<N> {
+    pub(crate) fn explicit_step<const M: usize, const G: usize, const E: usize>(
         &mut self,
+        tableau: &Tableau,
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],
         h: f64,
     ) -> TrialStep<N> {
-        let (stages, x) = self.stages::<M>(system, derivative, h);
-        let error = self.error_norm(&combined::<M, N>(self.tableau.error, &stages, h), &x);
+        let (stages, x) = self.stages::<M, G, E>(tableau, system, derivative, h);
+        let error = self.error_norm(&combined::<M, N>(tableau.error, &stages, h), &x);
         let accepted = (error <= 1.0).then(|| AcceptedStep {
-            dense: self.dense_output_of::<M>(&stages, &x, h),
+            dense: self.dense_output_of::<M>(tableau, &stages, &x, h),
             x,
-            end_derivative: Some(stages[self.tableau.last_stage()]),
-            stiffness: self.stiffness_of::<M>(&stages, &x),
+            end_derivative: Some(stages[tableau.last_stage()]),
+            stiffness: self.stiffness_of::<M>(tableau, &stages, &x),
         });
-        TrialStep { error, order: self.tableau.error_order, accepted }
+        TrialStep { error, order: tableau.error_order, accepted }
     }
 
     /// The derivatives of all stages and the state at the end; the last stage is the derivative there.
-    fn stages<const M: usize>(
+    fn stages<const M: usize, const G: usize, const E: usize>(
         &mut self,
+        tableau: &Tableau,
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],
         h: f64,
@@ -32,22 +35,27 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         let mut stages = [[0.0; N]; MAX_STAGES];
         stages[0] = derivative;
         let mut x = self.x;
-        for (stage, weights) in self.tableau.weights.iter().enumerate() {
+        for (stage, weights) in tableau.weights.iter().enumerate() {
             let moved = combined::<M, N>(weights, &stages, h);
             for i in 0..M {
                 x[i] = self.x[i] + moved[i];
             }
-            stages[stage + 1] = system.derivative(self.t + h * self.tableau.nodes[stage], &x);
+            stages[stage + 1] = system.derivative(self.t + h * tableau.nodes[stage], &x);
         }
-        self.statistics.n_rhs_evaluations += self.tableau.weights.len() as u64;
+        self.statistics.n_rhs_evaluations += tableau.weights.len() as u64;
         (stages, x)
     }
 
     /// h times the fastest rate of decay: the last two stages are slopes at the same time, at states that
     /// differ by little (Hairer, Norsett, Wanner II, IV.2).
-    fn stiffness_of<const M: usize>(&self, stages: &[[f64; N]; MAX_STAGES], x: &[f64; N]) -> f64 {
-        let last = self.tableau.last_stage();
-        let apart = combined::<M, N>(self.tableau.apart, stages, 1.0);
+    fn stiffness_of<const M: usize>(
+        &self,
+        tableau: &Tableau,
+        stages: &[[f64; N]; MAX_STAGES],
+        x: &[f64; N],
+    ) -> f64 {
+        let last = tableau.last_stage();
+        let apart = combined::<M, N>(tableau.apart, stages, 1.0);
         let (mut states, mut slopes) = (0.0, 0.0);
         for i in 0..M {
             let per_scale = 1.0 / self.scale[i].max(x[i].abs());
@@ -60,12 +68,13 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
 
     fn dense_output_of<const M: usize>(
         &self,
+        tableau: &Tableau,
         stages: &[[f64; N]; MAX_STAGES],
         x: &[f64; N],
         h: f64,
     ) -> DenseOutput<N> {
-        let end = &stages[self.tableau.last_stage()];
-        let quartic = combined::<M, N>(self.tableau.dense, stages, h);
+        let end = &stages[tableau.last_stage()];
+        let quartic = combined::<M, N>(tableau.dense, stages, h);
         let mut coefficients = [[0.0; N]; 6];
         coefficients[0] = self.x;
         coefficients[4][..M].copy_from_slice(&quartic);

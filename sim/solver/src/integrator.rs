@@ -3,8 +3,9 @@
 //! Between a step's ends the state can be read at any time, so a sample costs no step. Where an event leaves dx/dt
 //! continuous, the next step has its first stage already.
 
-use crate::dense_output::{AcceptedStep, DenseOutput, REFINED_AT, TrialStep};
+use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
 use crate::error::{IntegrationError, MAX_STEPS};
+use crate::progress::Progress;
 use crate::rosenbrock::Linearization;
 use crate::statistics::Statistics;
 use crate::step_size::StepControl;
@@ -27,17 +28,12 @@ const FIRST_STEP: f64 = 1e-5;
 /// An integration of a [`System`] of N states, G guards and E end guards, and where it is.
 #[derive(Clone, Debug)]
 pub struct Integrator<const N: usize, const G: usize, const E: usize, const CORE: usize = N> {
-    pub(crate) tableau: &'static Tableau,
-    /// Allowed error of a step, in each state's scale.
-    pub(crate) tolerance: f64,
-    /// What counts as large in each state.
-    pub(crate) scale: [f64; N],
-    pub(crate) t: f64,
-    pub(crate) x: [f64; N],
+    tableau: &'static Tableau,
+    now: Progress<N>,
     /// dx/dt at t, if it is known in the present modes.
     derivative: Option<[f64; N]>,
     /// The guards at t, if they are known in the present modes.
-    pub(crate) guards: Option<[f64; G]>,
+    guards: Option<[f64; G]>,
     /// The step that led to t.
     last_step: Option<DenseOutput<N>>,
     /// The state that was asked for last, as long as it is what it was.
@@ -45,18 +41,16 @@ pub struct Integrator<const N: usize, const G: usize, const E: usize, const CORE
     /// The event at t, until it has been handled.
     pending: Option<Event>,
     /// The step size that the error asks for.
-    pub(crate) step_size: f64,
+    step_size: f64,
     /// The same where the system oscillates while now it does not, or the other way about.
     other_step_size: f64,
     oscillates: bool,
     control: StepControl,
     /// Events within [`MIN_STEP`], and since when.
     events_at_once: (u32, f64),
-    pub(crate) stiffness: Stiffness,
+    stiffness: Stiffness,
     /// When the present [`STRETCH`] began, and the steps tried until then.
     stretch: (f64, u64),
-    /// What it has cost so far.
-    pub statistics: Statistics,
 }
 
 /// A size that a step is tried with.
@@ -83,10 +77,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
     pub fn with_core(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
         Integrator {
             tableau: Tableau::of(method),
-            tolerance,
-            scale,
-            t: 0.0,
-            x,
+            now: Progress { t: 0.0, x, tolerance, scale, statistics: Statistics::default() },
             derivative: None,
             guards: None,
             last_step: None,
@@ -99,8 +90,13 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
             events_at_once: (0, 0.0),
             stiffness: Stiffness::default(),
             stretch: (0.0, 0),
-            statistics: Statistics::default(),
         }
+    }
+
+    /// What it has cost so far.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        self.now.statistics
     }
 
     /// The state at `t`, which must lie in the last step of [`Integrator::integrate_to`].
@@ -112,8 +108,8 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
             return x;
         }
         let x = match &self.last_step {
-            Some(step) if t < self.t => step.at(t),
-            _ => self.x,
+            Some(step) if t < self.now.t => step.at(t),
+            _ => self.now.x,
         };
         self.read = Some((t, x));
         x
@@ -123,7 +119,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
     #[must_use]
     pub fn derivative_of(&self, state: usize, t: f64) -> Option<f64> {
         match &self.last_step {
-            Some(step) => Some(step.derivative_of(state, t.min(self.t))),
+            Some(step) => Some(step.derivative_of(state, t.min(self.now.t))),
             None => self.derivative.map(|derivative| derivative[state]),
         }
     }
@@ -139,11 +135,11 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         horizon: f64,
     ) -> Result<(), IntegrationError> {
         loop {
-            if self.t <= t
+            if self.now.t <= t
                 && let Some(event) = self.pending.take()
             {
                 self.handle(system, event)?;
-            } else if self.t < t {
+            } else if self.now.t < t {
                 self.step(system, horizon.max(t))?;
             } else {
                 return Ok(());
@@ -159,29 +155,17 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         t: f64,
         change: impl FnOnce(&mut S, &mut [f64; N]) -> Derivative,
     ) {
-        if t < self.t {
+        if t < self.now.t {
             if let Some(mut step) = self.last_step.take() {
-                self.refine(system, &mut step);
-                self.x = step.at(t);
+                self.now.refine(system, &mut step);
+                self.now.x = step.at(t);
             }
             self.pending = None;
             self.derivative = None;
         }
-        self.t = t;
-        let derivative = change(system, &mut self.x);
+        self.now.t = t;
+        let derivative = change(system, &mut self.now.x);
         self.restart(derivative, system.oscillates());
-    }
-
-    /// Makes the dense output of a step that is left before its end as exact as the step; tells whether it was not.
-    pub(crate) fn refine(&mut self, system: &mut impl System<N, G, E>, step: &mut DenseOutput<N>) -> bool {
-        let new = !step.refined;
-        if new {
-            let derivatives =
-                REFINED_AT.map(|part| system.derivative(step.start + part * step.width, &step.at_part(part)));
-            self.statistics.n_rhs_evaluations += 2;
-            step.refine(&derivatives);
-        }
-        new
     }
 
     fn restart(&mut self, after: Derivative, oscillates: bool) {
@@ -196,28 +180,29 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         if after == Derivative::Discontinuous {
             self.derivative = None;
         }
-        self.statistics.n_restarts += u64::from(self.derivative.is_none());
+        self.now.statistics.n_restarts += u64::from(self.derivative.is_none());
     }
 
     fn handle(&mut self, system: &mut impl System<N, G, E>, event: Event) -> Result<(), IntegrationError> {
         let (count, since) = self.events_at_once;
-        self.events_at_once = if self.t - since < MIN_STEP { (count + 1, since) } else { (0, self.t) };
+        self.events_at_once =
+            if self.now.t - since < MIN_STEP { (count + 1, since) } else { (0, self.now.t) };
         if self.events_at_once.0 > MAX_EVENTS_AT_ONCE {
-            return Err(IntegrationError::EventsPileUp { at_s: self.t });
+            return Err(IntegrationError::EventsPileUp { at_s: self.now.t });
         }
-        let after = system.handle_event(event, self.t, &mut self.x);
-        self.statistics.n_events += 1;
+        let after = system.handle_event(event, self.now.t, &mut self.now.x);
+        self.now.statistics.n_events += 1;
         self.restart(after, system.oscillates());
         Ok(())
     }
 
     fn count_step(&mut self) -> Result<(), IntegrationError> {
         let (since, before) = self.stretch;
-        let tried = self.statistics.n_steps + self.statistics.n_rejected_steps;
-        if self.t - since >= STRETCH {
-            self.stretch = (self.t, tried);
+        let tried = self.now.statistics.n_steps + self.now.statistics.n_rejected_steps;
+        if self.now.t - since >= STRETCH {
+            self.stretch = (self.now.t, tried);
         } else if tried - before > MAX_STEPS {
-            return Err(IntegrationError::NoProgress { at_s: self.t });
+            return Err(IntegrationError::NoProgress { at_s: self.now.t });
         }
         Ok(())
     }
@@ -226,29 +211,29 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
     fn step(&mut self, system: &mut impl System<N, G, E>, horizon: f64) -> Result<(), IntegrationError> {
         self.count_step()?;
         system.tighten(self.stiffness.implicit);
-        let limit = system.step_limit(self.t, &self.x);
-        if limit.until <= self.t && limit.event.is_some() {
+        let limit = system.step_limit(self.now.t, &self.now.x);
+        if limit.until <= self.now.t && limit.event.is_some() {
             self.pending = limit.event;
             return Ok(());
         }
         let derivative = self.present_derivative(system);
         // No step is short enough for a derivative that is no number.
         if !derivative.iter().all(|rate| rate.is_finite()) {
-            return Err(IntegrationError::NotANumber { at_s: self.t });
+            return Err(IntegrationError::NotANumber { at_s: self.now.t });
         }
         let (AcceptedStep { mut dense, x, end_derivative, .. }, end) =
             self.accepted_step(system, derivative, limit.until.min(horizon))?;
-        self.statistics.n_steps += 1;
-        match self.first_event(system, &mut dense, end, &x) {
+        self.now.statistics.n_steps += 1;
+        match self.now.first_event(system, &mut self.guards, &mut dense, end, &x) {
             Some((event, at)) => {
-                self.x = dense.at(at);
-                self.t = at;
+                self.now.x = dense.at(at);
+                self.now.t = at;
                 self.derivative = None;
                 self.pending = Some(event);
             }
             None => {
-                self.x = x;
-                self.t = end;
+                self.now.x = x;
+                self.now.t = end;
                 self.derivative = end_derivative.filter(|_| !self.stiffness.implicit);
                 self.pending = limit.event.filter(|_| end == limit.until);
             }
@@ -263,8 +248,8 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         match self.derivative {
             Some(derivative) => derivative,
             None => {
-                self.statistics.n_rhs_evaluations += 1;
-                system.derivative(self.t, &self.x)
+                self.now.statistics.n_rhs_evaluations += 1;
+                system.derivative(self.now.t, &self.now.x)
             }
         }
     }
@@ -276,7 +261,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         derivative: [f64; N],
         limit: f64,
     ) -> Result<(AcceptedStep<N>, f64), IntegrationError> {
-        let linearization = self.stiffness.implicit.then(|| self.linearize(system, derivative));
+        let linearization = self.stiffness.implicit.then(|| self.now.linearize(system, derivative));
         loop {
             let Proposal { h, end, limited } = self.propose(limit);
             let trial = self.try_step(system, derivative, linearization.as_ref(), h);
@@ -293,7 +278,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
                 }
                 self.step_size = next;
             }
-            self.statistics.n_rejected_steps += 1;
+            self.now.statistics.n_rejected_steps += 1;
             self.control.reject();
             if self.step_size < MIN_STEP {
                 return Err(self.no_step(error));
@@ -303,14 +288,14 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
 
     fn no_step(&self, error: f64) -> IntegrationError {
         match error.is_finite() {
-            true => IntegrationError::StepTooSmall { at_s: self.t, step_s: self.step_size },
-            false => IntegrationError::NotANumber { at_s: self.t },
+            true => IntegrationError::StepTooSmall { at_s: self.now.t, step_s: self.step_size },
+            false => IntegrationError::NotANumber { at_s: self.now.t },
         }
     }
 
     #[inline(always)]
     fn propose(&self, limit: f64) -> Proposal {
-        let room = limit - self.t;
+        let room = limit - self.now.t;
         // A remainder of less than a tenth of a step would cost as much as a whole one.
         let limited = self.step_size >= 0.9 * room;
         // Two equal steps to the end rather than a long one and a short one.
@@ -320,7 +305,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
             (false, true) => 0.5 * room,
             (false, false) => self.step_size,
         };
-        Proposal { h, end: if limited { limit } else { self.t + h }, limited }
+        Proposal { h, end: if limited { limit } else { self.now.t + h }, limited }
     }
 
     #[inline(always)]
@@ -333,33 +318,22 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
     ) -> TrialStep<N> {
         system.begin_step(h);
         match linearization {
-            Some(linearization) => self.rosenbrock_step(system, derivative, linearization, h),
-            None if system.only_core_moves() => self.explicit_step::<CORE>(system, derivative, h),
-            None => self.explicit_step::<N>(system, derivative, h),
+            Some(linearization) => self.now.rosenbrock_step(system, derivative, linearization, h),
+            None if system.only_core_moves() => {
+                self.now.explicit_step::<CORE, G, E>(self.tableau, system, derivative, h)
+            }
+            None => self.now.explicit_step::<N, G, E>(self.tableau, system, derivative, h),
         }
     }
 
     /// A step cut short says nothing of how far a method might go.
     fn note_stiffness(&mut self, step: &AcceptedStep<N>, limited: bool) {
         if !limited {
-            let moved: [f64; N] = std::array::from_fn(|i| step.x[i] - self.x[i]);
-            self.stiffness.note(step.stiffness, self.error_norm(&moved, &step.x));
+            let moved: [f64; N] = std::array::from_fn(|i| step.x[i] - self.now.x[i]);
+            self.stiffness.note(step.stiffness, self.now.error_norm(&moved, &step.x));
         }
-    }
-
-    /// The largest error of a state over what is allowed.
-    pub(crate) fn error_norm<const M: usize>(&self, error: &[f64; M], x: &[f64; N]) -> f64 {
-        let (mut largest, mut sum) = (0.0_f64, 0.0);
-        for i in 0..M {
-            let ratio = error[i].abs() / self.scale[i].max(x[i].abs());
-            largest = largest.max(ratio);
-            sum += ratio;
-        }
-        // What is no number is in no maximum.
-        if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
     }
 }
 
 #[cfg(test)]
-#[path = "tests.rs"]
 mod tests;

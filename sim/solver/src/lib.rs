@@ -51,6 +51,7 @@ mod event_search;
 mod explicit;
 mod integrator;
 mod linear;
+mod progress;
 mod root;
 mod rosenbrock;
 mod statistics;

@@ -12,7 +12,8 @@
 
 use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
 use crate::linear::Factors;
-use crate::{Integrator, System};
+use crate::progress::Progress;
+use crate::system::System;
 
 const STAGES: usize = 6;
 
@@ -69,9 +70,9 @@ pub(crate) struct Linearization<const N: usize> {
     by_time: [f64; N],
 }
 
-impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
+impl<const N: usize> Progress<N> {
     /// What a step from the present state needs, whatever its size.
-    pub(crate) fn linearize(
+    pub(crate) fn linearize<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],
@@ -96,7 +97,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         part * self.scale[state].max(self.x[state].abs())
     }
 
-    pub(crate) fn rosenbrock_step(
+    pub(crate) fn rosenbrock_step<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],
@@ -120,7 +121,7 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         TrialStep { error, order: ERROR_ORDER, accepted }
     }
 
-    fn increments(
+    fn increments<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],

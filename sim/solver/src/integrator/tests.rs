@@ -32,7 +32,7 @@ fn error_with_step(method: Method, h: f64) -> f64 {
         let t = f64::from(step) * h;
         integrator.integrate_to(&mut Smooth(oscillator), t, t).expect("smooth");
     }
-    assert_eq!(integrator.statistics.n_steps, u64::from(steps));
+    assert_eq!(integrator.statistics().n_steps, u64::from(steps));
     let x = integrator.state(2.0);
     (x[0] - 2.0_f64.cos()).hypot(x[1] + 2.0_f64.sin())
 }
@@ -150,7 +150,7 @@ fn a_guard_that_comes_back_within_one_step_is_seen() {
     let mut integrator = Integrator::<1, 1, 0>::new(Method::DormandPrince, 1e-3, [1.0], [0.0]);
     integrator.step_size = 1.0;
     integrator.integrate_to(&mut Dip, 1.0, 1.0).expect("a line");
-    assert_eq!(integrator.statistics.n_events, 1);
+    assert_eq!(integrator.statistics().n_events, 1);
 }
 
 /// A guard that begins at zero, and comes back before the step is first looked into.
@@ -198,10 +198,10 @@ fn a_state_that_stops_being_a_number_is_said_with_its_time() {
 #[test]
 fn a_slope_that_is_no_number_ends_a_run_at_once() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-6, [1.0], [0.0]);
-    integrator.t = 1.0;
+    integrator.now.t = 1.0;
     let error = integrator.integrate_to(&mut Smooth(broken), 2.0, 2.0).expect_err("not a number");
     assert_eq!(
-        (error, integrator.statistics.n_rhs_evaluations),
+        (error, integrator.statistics().n_rhs_evaluations),
         (IntegrationError::NotANumber { at_s: 1.0 }, 1)
     );
 }
@@ -228,9 +228,9 @@ fn a_stiff_stretch_is_followed_in_steps_of_what_happens_in_it() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
     integrator.integrate_to(&mut Smooth(chase), 3.0, 3.0).expect("a solution");
     assert!(
-        integrator.stiffness.implicit && integrator.statistics.n_steps < 1000,
+        integrator.stiffness.implicit && integrator.statistics().n_steps < 1000,
         "{:?}",
-        integrator.statistics
+        integrator.statistics()
     );
     assert!((integrator.state(3.0)[0] - 3.0_f64.cos()).abs() < 1e-7);
 }
@@ -240,18 +240,18 @@ fn implicit_errors(h: f64) -> (f64, f64) {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-11, [1.0], [1.0]);
     let mut inside = 0.0_f64;
     for _ in 0..(0.5 / h).round() as u32 {
-        let slope = riccati(integrator.t, &integrator.x);
-        let slopes = integrator.linearize(&mut Smooth(riccati), slope);
+        let slope = riccati(integrator.now.t, &integrator.now.x);
+        let slopes = integrator.now.linearize(&mut Smooth(riccati), slope);
         // Whatever its error, the step is accepted.
-        integrator.tolerance = 1.0;
-        let trial = integrator.rosenbrock_step(&mut Smooth(riccati), slope, &slopes, h);
-        integrator.tolerance = 1e-11;
+        integrator.now.tolerance = 1.0;
+        let trial = integrator.now.rosenbrock_step(&mut Smooth(riccati), slope, &slopes, h);
+        integrator.now.tolerance = 1e-11;
         let accepted = trial.accepted.expect("a small error");
-        let middle = integrator.t + 0.5 * h;
+        let middle = integrator.now.t + 0.5 * h;
         inside = inside.max((accepted.dense.at(middle)[0] - 1.0 / (1.0 - middle)).abs());
-        (integrator.t, integrator.x) = (integrator.t + h, accepted.x);
+        (integrator.now.t, integrator.now.x) = (integrator.now.t + h, accepted.x);
     }
-    ((integrator.x[0] - 2.0).abs(), inside)
+    ((integrator.now.x[0] - 2.0).abs(), inside)
 }
 
 #[test]

@@ -1,0 +1,47 @@
+//! Where an integration is, how exactly it goes on, and what it has cost: all that a step begins from.
+
+use crate::dense_output::{DenseOutput, REFINED_AT};
+use crate::statistics::Statistics;
+use crate::system::System;
+
+/// What a step begins from.
+#[derive(Clone, Debug)]
+pub(crate) struct Progress<const N: usize> {
+    pub t: f64,
+    pub x: [f64; N],
+    /// Allowed error of a step, in each state's scale.
+    pub tolerance: f64,
+    /// What counts as large in each state.
+    pub scale: [f64; N],
+    pub statistics: Statistics,
+}
+
+impl<const N: usize> Progress<N> {
+    /// The largest error of one of the first M states over what is allowed.
+    pub fn error_norm<const M: usize>(&self, error: &[f64; M], x: &[f64; N]) -> f64 {
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
+        for i in 0..M {
+            let ratio = error[i].abs() / self.scale[i].max(x[i].abs());
+            largest = largest.max(ratio);
+            sum += ratio;
+        }
+        // What is no number is in no maximum.
+        if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
+    }
+
+    /// Makes the dense output as exact inside a step as at its end; tells whether it was not.
+    pub fn refine<const G: usize, const E: usize>(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        step: &mut DenseOutput<N>,
+    ) -> bool {
+        let new = !step.refined;
+        if new {
+            let derivatives =
+                REFINED_AT.map(|part| system.derivative(step.start + part * step.width, &step.at_part(part)));
+            self.statistics.n_rhs_evaluations += 2;
+            step.refine(&derivatives);
+        }
+        new
+    }
+}

@@ -1,0 +1,49 @@
+//! Layers of crates: a crate depends on crates of lower layers only.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use toml_edit::{DocumentMut, Item};
+
+/// The crates, from the lowest layer up, with their folders. Those of one layer do not know each other.
+const LAYERS: [&[(&str, &str)]; 6] = [
+    &[
+        ("pneudrive-controller", "shared/controller"),
+        ("pneudrive-solver", "sim/solver"),
+        ("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"),
+    ],
+    &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
+    &[("pneudrive-app", "firmware/app"), ("xtask", "xtask")],
+    &[("pneudrive-protocol-model", "shared/protocol/model"), ("pneudrive", "host")],
+    &[("pneudrive-hil-tests", "hil-tests")],
+    &[("pneudrive-properties", "fuzz/properties")],
+];
+
+/// Dependencies that do not go down.
+///
+/// # Errors
+/// When a manifest cannot be read.
+pub fn upward(root: &Path) -> Result<Vec<String>> {
+    let mut broken = Vec::new();
+    for (layer, crates) in LAYERS.iter().enumerate() {
+        for (name, folder) in *crates {
+            let file = root.join(folder).join("Cargo.toml");
+            let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+            broken.extend(not_below(name, layer, &text).with_context(|| file.display().to_string())?);
+        }
+    }
+    Ok(broken)
+}
+
+/// Dependencies of a manifest of this layer that are not of a lower one.
+pub fn not_below(name: &str, layer: usize, manifest: &str) -> Result<Vec<String>> {
+    let document: DocumentMut = manifest.parse()?;
+    let dependencies = document.get("dependencies").and_then(Item::as_table);
+    let named = dependencies.into_iter().flat_map(|table| table.iter()).map(|(key, _)| key.to_owned());
+    let above =
+        |key: &String| LAYERS[layer..].iter().flat_map(|crates| crates.iter()).any(|(other, _)| other == key);
+    Ok(named
+        .filter(above)
+        .map(|key| format!("{name} depends on {key}, which is no layer below it"))
+        .collect())
+}
