@@ -5,13 +5,13 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pneudrive_controller::Command;
-use pneudrive_sim::air::Station;
-use pneudrive_sim::flow_law::FlowLaw;
-use pneudrive_sim::gas::Gas;
+use pneudrive_sim::component::air::Station;
+use pneudrive_sim::component::gas::Gas;
+use pneudrive_sim::component::tubing::Tube;
+use pneudrive_sim::component::valve::Valve;
+use pneudrive_sim::component::valve::flow_law::FlowLaw;
 use pneudrive_sim::network::{Laws, Network, PortFlow};
 use pneudrive_sim::rig::BUILTIN;
-use pneudrive_sim::tubing::Tube;
-use pneudrive_sim::valve::Valve;
 use pneudrive_sim::{Accuracy, Plant, Rig, run};
 
 /// The valve of servo-drive B.

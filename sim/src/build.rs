@@ -2,30 +2,30 @@
 
 use pneudrive_controller::Config;
 
-use crate::actuator::Actuator;
-use crate::air::{Air, Station};
 use crate::assembly::{Lag, Parts, STATES, StateVector, slot};
+use crate::component::actuator::Actuator;
+use crate::component::actuator::leakage::Leakage;
+use crate::component::actuator::walls::Walls;
+use crate::component::air::{Air, Station};
+use crate::component::dither::Dither;
+use crate::component::faults::Schedule;
+use crate::component::friction::DryFriction;
+use crate::component::gas::Gas;
+use crate::component::load::Load;
+use crate::component::operator::Operator;
+use crate::component::operator::empirical::{Empirical, EmpiricalParameters};
+use crate::component::operator::on_off::OnOff;
+use crate::component::operator::solenoid::{Solenoid, SolenoidParameters};
+use crate::component::operator::stepper::Stepper;
+use crate::component::stop::Stops;
+use crate::component::tubing::Tube;
+use crate::component::valve::Valve;
+use crate::component::valve::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
+use crate::component::valve::flow_law::FlowLaw;
+use crate::component::valve::iso6358::Iso6358;
 use crate::continuous::ContinuousLaw;
-use crate::dither::Dither;
-use crate::faults::Schedule;
-use crate::flow_force::{DEFAULT_INLET, DEFAULT_OUTLET, FlowForce};
-use crate::flow_law::FlowLaw;
-use crate::friction::DryFriction;
-use crate::gas::Gas;
-use crate::iso6358::Iso6358;
-use crate::leakage::Leakage;
-use crate::load::Load;
 use crate::network::{Laws, Network, Vessels};
-use crate::operator::Operator;
-use crate::operator::empirical::{Empirical, EmpiricalParameters};
-use crate::operator::on_off::OnOff;
-use crate::operator::solenoid::{Solenoid, SolenoidParameters};
-use crate::operator::stepper::Stepper;
 use crate::rig::Rig;
-use crate::stop::Stops;
-use crate::tubing::Tube;
-use crate::valve::Valve;
-use crate::walls::Walls;
 
 /// The components of a rig, and the state in which its test begins.
 pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {

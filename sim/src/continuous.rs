@@ -20,7 +20,7 @@
 use pneudrive_controller::Config;
 use pneudrive_controller::law::{LawConfig, LawKind};
 
-use crate::operator;
+use crate::component::operator;
 
 /// The law on one target, and the entry of the profile that it is in.
 #[derive(Clone, Debug)]

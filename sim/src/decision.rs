@@ -18,11 +18,11 @@
 //! Two decades of tolerance change the error 50-fold as a rule. Of 299 closed loops drawn at random 14 were off by
 //! more than a tenth of the distance to the coarser run, one by more than all of it.
 
+use crate::component::sensors::Sensors;
 use crate::follow::{Reading, Timing, follow};
 use crate::plant::{Accuracy, seconds};
 use crate::rig::Rig;
 use crate::run::{Run, run};
-use crate::sensors::Sensors;
 use pneudrive_solver::IntegrationError;
 
 /// A run whose positions are estimated to be more wrong than this is not decided, m.

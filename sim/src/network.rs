@@ -10,7 +10,7 @@
 //! T_n  = sum over inflows (mdot T) / sum of inflows
 //! ```
 //!
-//! psi is the flow function of [`crate::gas`] and T the temperature upstream. With upstream Mach
+//! psi is the flow function of [`crate::component::gas`] and T the temperature upstream. With upstream Mach
 //! numbers (V.9, 6.54; EQUATIONS section 1) the air approaches a restriction at the speed that its
 //! own flow has in the port's area A_p, and w and T upstream become their stagnation values:
 //!
@@ -38,12 +38,12 @@ mod nodes;
 mod rest;
 mod restriction;
 
-use crate::air::Station;
-use crate::flow_law::FlowLaw;
-use crate::gas::Gas;
+use crate::component::air::Station;
+use crate::component::gas::Gas;
+use crate::component::tubing::{FarEnd, Tube};
+use crate::component::valve::flow_law::FlowLaw;
+use crate::component::valve::{Conductances, Valve};
 use crate::number::{Number, Pair};
-use crate::tubing::{FarEnd, Tube};
-use crate::valve::{Conductances, Valve};
 use course::Course;
 pub(crate) use nodes::{Nodes, Surroundings};
 

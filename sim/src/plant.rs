@@ -8,13 +8,13 @@ use pneudrive_controller::{Command, Sample};
 
 use crate::assembly::{Assembly, CORE, END_GUARDS, Effects, GUARDS, SCALE, STATES, ValveState, slot};
 use crate::build;
-use crate::faults::SensorFaults;
+use crate::component::faults::SensorFaults;
+use crate::component::operator::Request;
+use crate::component::sensors::Sensors;
 use crate::follow::Reading;
 use crate::network::NetworkWork;
 use crate::number::Pair;
-use crate::operator::Request;
 use crate::rig::Rig;
-use crate::sensors::Sensors;
 use pneudrive_solver::{IntegrationError, Integrator, Method, Statistics, System};
 
 /// How exactly a plant is integrated.

@@ -2,9 +2,9 @@
 //! forms.
 
 use pneudrive_sim::Method;
-use pneudrive_sim::friction::{Contact, DryFriction};
-use pneudrive_sim::load::Load;
-use pneudrive_sim::stop::{Side, Stops};
+use pneudrive_sim::component::friction::{Contact, DryFriction};
+use pneudrive_sim::component::load::Load;
+use pneudrive_sim::component::stop::{Side, Stops};
 use pneudrive_solver::{Derivative, Event, Integrator, System};
 
 /// A load that is pulled through a spring by its end at `pull * t`, and pushed by a constant force.

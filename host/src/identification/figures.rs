@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::Rig;
-use pneudrive_sim::actuator::Actuator;
+use pneudrive_sim::component::actuator::Actuator;
 
 use super::recording::Recording;
 use crate::page::Table;

@@ -4,8 +4,8 @@
 //! other chamber.
 
 use super::{Assembly, StateVector, slot};
-use crate::air::{Air, Station};
-use crate::faults::through_hole;
+use crate::component::air::{Air, Station};
+use crate::component::faults::through_hole;
 use crate::network::{Nodes, PortFlow, Surroundings};
 use crate::number::{Number, Pair};
 

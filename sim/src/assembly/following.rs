@@ -5,8 +5,8 @@
 //! took is told of these jumps (EQUATIONS section 11 rules 3 and 8).
 
 use super::{Assembly, StateVector, slot, spool_state};
-use crate::load::Motion;
-use crate::operator;
+use crate::component::load::Motion;
+use crate::component::operator;
 use pneudrive_solver::Derivative;
 
 impl Assembly {

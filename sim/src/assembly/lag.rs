@@ -21,10 +21,10 @@
 //! zero, P_sv goes to what the tube without lag has.
 
 use super::{StateVector, slot};
-use crate::air::Station;
-use crate::gas::Gas;
+use crate::component::air::Station;
+use crate::component::gas::Gas;
+use crate::component::tubing::Tube;
 use crate::number::{Number, Pair};
-use crate::tubing::Tube;
 
 /// The lag, and what the ratios will come to.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 //! Within the last micrometres before its edge a land's area bends sharply, and at the edge it breaks off:
 //! a spool that passes an edge is an event.
 
-use crate::valve::Valve;
+use crate::component::valve::Valve;
 
 /// m: edges as near as this to each other are passed at once.
 const TOGETHER: f64 = 1e-15;

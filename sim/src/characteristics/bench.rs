@@ -1,13 +1,13 @@
 //! Parts of a rig on a bench: the valve between two pressures, its operator with no air in it.
 
-use crate::air::Station;
 use crate::build;
-use crate::dither::Dither;
-use crate::gas::Gas;
+use crate::component::air::Station;
+use crate::component::dither::Dither;
+use crate::component::gas::Gas;
+use crate::component::operator::{GUARDS, Operator, Request, SpoolState};
+use crate::component::valve::Valve;
 use crate::network::{Network, Node, PortFlow};
-use crate::operator::{GUARDS, Operator, Request, SpoolState};
 use crate::rig::Rig;
-use crate::valve::Valve;
 use pneudrive_solver::bracketed_root;
 use pneudrive_solver::{Derivative, Event, IntegrationError, Integrator, Method, System};
 

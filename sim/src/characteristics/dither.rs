@@ -8,7 +8,7 @@ use super::bench::{SpoolBench, ValveBench};
 use super::hysteresis::{branches, reading_m, sweep};
 use super::{Characteristic, Figure, Graph, Unfit, evenly};
 use crate::build;
-use crate::dither::Dither;
+use crate::component::dither::Dither;
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "a blocked port over command, by frequency of the dither (7.1.2.2, Fig. 7.8)";

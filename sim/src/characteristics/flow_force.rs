@@ -6,7 +6,7 @@
 use super::bench::ValveBench;
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
 use crate::build;
-use crate::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
+use crate::component::valve::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "force of the flow on the spool over the spool, by supply pressure (6.4.4)";

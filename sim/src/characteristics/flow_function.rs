@@ -7,9 +7,9 @@
 
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
 use crate::build;
-use crate::discharge::perry;
-use crate::flow_law::FlowLaw;
-use crate::gas::Gas;
+use crate::component::gas::Gas;
+use crate::component::valve::discharge::perry;
+use crate::component::valve::flow_law::FlowLaw;
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "flow of a land over the pressure ratio (V.9)";

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 use super::bench::{SpoolBench, decay_s, natural_hz};
 use super::{Characteristic, Figure, Graph, Reading, Series, Unfit};
 use crate::build;
-use crate::dither::Dither;
+use crate::component::dither::Dither;
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "gain and phase of the spool under a swept sine (7.1.2.3)";

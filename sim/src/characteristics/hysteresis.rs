@@ -8,7 +8,7 @@
 use super::bench::{SpoolBench, decay_s};
 use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::build;
-use crate::dither::Dither;
+use crate::component::dither::Dither;
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "spool over command, up and down (7.1.2.1, Fig. 7.6)";

@@ -3,7 +3,7 @@
 
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
 use crate::build;
-use crate::leakage::Leakage;
+use crate::component::actuator::leakage::Leakage;
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str =

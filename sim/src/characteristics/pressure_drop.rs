@@ -3,8 +3,8 @@
 //! Positive flows go away from the end whose pressure is known; against it the far end is the higher one.
 
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
-use crate::air::Station;
 use crate::build;
+use crate::component::air::Station;
 use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "pressure behind a tube over its flow (7.1.4)";

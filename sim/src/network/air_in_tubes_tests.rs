@@ -2,7 +2,7 @@
 
 use super::tests::network_with;
 use super::*;
-use crate::valve::{Valve, thesis_valve};
+use crate::component::valve::{Valve, thesis_valve};
 
 const BORE: f64 = 0.004;
 

@@ -3,7 +3,7 @@
 
 use super::restriction::Place;
 use super::*;
-use crate::valve::{Valve, thesis_valve};
+use crate::component::valve::{Valve, thesis_valve};
 
 const N: f64 = 1.4;
 const R: f64 = 286.76;

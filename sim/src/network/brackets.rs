@@ -4,7 +4,7 @@
 
 use super::restriction::{Approach, MaybeApproach, Place, factor};
 use super::{Network, Node, Nodes, PortFlow, Station, Surroundings, mean_of_inflows};
-use crate::valve::Conductances;
+use crate::component::valve::Conductances;
 use pneudrive_solver::bracketed_root;
 
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.

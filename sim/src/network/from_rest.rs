@@ -54,10 +54,10 @@ fn is_near(before: &Nodes, now: &Nodes) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::component::tubing::Tube;
+    use crate::component::valve::{Valve, thesis_valve};
     use crate::network::PortFlow;
     use crate::network::tests::{chambers, network_with};
-    use crate::tubing::Tube;
-    use crate::valve::{Valve, thesis_valve};
 
     const PORTS: [[PortFlow; 2]; 4] = [
         [PortFlow::Charging, PortFlow::Charging],
@@ -86,7 +86,7 @@ mod tests {
             for spool in [-0.9e-3, -1e-6, 0.0, 0.1e-3, 0.3e-3] {
                 for (p1, p2) in [(110e3, 580e3), (325e3, 400e3), (588e3, 102e3), (20e3, 300e3)] {
                     for ports in PORTS {
-                        let chambers = crate::air::Station::both(&chambers(&gas, p1, p2));
+                        let chambers = crate::component::air::Station::both(&chambers(&gas, p1, p2));
                         let around = Surroundings::new(valve.conductances(&gas, spool), chambers, &ports);
                         let (mut one, mut other) = (network.clone(), network.clone());
                         let found = one.come_from_rest(&around);

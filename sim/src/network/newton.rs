@@ -8,9 +8,9 @@ use super::nodes::{Nodes, Surroundings, pair};
 use super::rest::{Slopes, is_rounding, land_line, square_slope};
 use super::restriction::{MaybeApproach, Place, SquareFlow};
 use super::{FLOW_ERROR, Network};
-use crate::air::Station;
+use crate::component::air::Station;
+use crate::component::tubing::FarEnd;
 use crate::number::{Number, Pair};
-use crate::tubing::FarEnd;
 
 /// Residual of a port without a bore, per unit of Exner pressure: of the size of the others, kg^2/s^2.
 const OPEN_PORT: f64 = 1e-6;

@@ -1,9 +1,9 @@
 //! Both nodes at once, and what surrounds them.
 
 use super::{Node, PortFlow};
-use crate::air::Station;
+use crate::component::air::Station;
+use crate::component::valve::Conductances;
 use crate::number::{Number, Pair};
-use crate::valve::Conductances;
 
 /// The same number for both.
 #[inline(always)]

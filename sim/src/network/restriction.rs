@@ -2,7 +2,7 @@
 //! Newton's method needs, and how the air approaches it.
 
 use super::{Network, PortFlow, Station};
-use crate::flow_law::FlowLaw;
+use crate::component::valve::flow_law::FlowLaw;
 use crate::number::Number;
 
 /// A signed square of the flow from a place into a node, with its slopes over both Exner pressures and over

@@ -1,7 +1,7 @@
 //! The network against the reference, against its own brackets, and against the audit's figures.
 
 use super::*;
-use crate::valve::thesis_valve;
+use crate::component::valve::thesis_valve;
 
 pub(super) fn network_with(tube: bool, approach: bool) -> (Gas, Network) {
     let gas = Gas::new(1.4, 286.76);
@@ -153,7 +153,7 @@ fn approaching_air_raises_the_flow_as_far_as_the_audit_says() {
 fn the_flow_of_a_node_saturates_and_that_of_a_single_restriction_does_not() {
     let flow = |has_node: bool, spool: f64| {
         let (gas, mut network) = network(false);
-        let valve = crate::valve::Valve { has_node, ..thesis_valve() }.conductances(&gas, spool);
+        let valve = crate::component::valve::Valve { has_node, ..thesis_valve() }.conductances(&gas, spool);
         network.solve(&valve, &chambers(&gas, 200e3, 200e3), &[PortFlow::Charging, PortFlow::Discharging])[0]
             .port_flow()
     };

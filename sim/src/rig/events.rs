@@ -8,7 +8,7 @@ use toml_edit::{Item, TableLike};
 use super::keys::{COUNT, Default, Key, Kind, choice, integer, key, number};
 use super::read::{Reader, did_you_mean, value_of};
 use super::{Rig, Value, default_value, whole_microseconds};
-use crate::faults::{FaultEvent, FaultKind, OpenSensor};
+use crate::component::faults::{FaultEvent, FaultKind, OpenSensor};
 use crate::positive_gain::SWITCHES;
 
 /// The fields of an event, in the order of `FIELDS`, with their values.

@@ -93,7 +93,7 @@ const MAX_EXPORTS: u32 = 8;
 fn resolved(modules: &Modules, from: &Name, path: &[String], depth: u32) -> Option<(Name, String)> {
     let (mut at, rest) = begin(modules, from, path)?;
     for (i, step) in rest.iter().enumerate() {
-        let child = [&at[..], &[step.clone()]].concat();
+        let child = [&at[..], std::slice::from_ref(step)].concat();
         if modules.0.contains_key(&child) {
             at = child;
             continue;
@@ -121,7 +121,7 @@ fn begin<'a>(modules: &Modules, from: &Name, path: &'a [String]) -> Option<(Name
             Some((from[..kept].to_vec(), &path[ups..]))
         }
         _ => {
-            let child = [&from[..], &[first.clone()]].concat();
+            let child = [&from[..], std::slice::from_ref(first)].concat();
             modules.0.contains_key(&child).then(|| (from.clone(), path))
         }
     }

@@ -10,8 +10,8 @@
 //!
 //! The 1.5 % are for air that comes in hotter than the supply: in the model it is, where it comes fast through the port.
 
-use pneudrive_sim::actuator::Actuator;
-use pneudrive_sim::gas::Gas;
+use pneudrive_sim::component::actuator::Actuator;
+use pneudrive_sim::component::gas::Gas;
 use pneudrive_sim::{Rig, build};
 
 use super::Course;

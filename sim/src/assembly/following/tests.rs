@@ -3,7 +3,7 @@
 use super::super::{END_GUARDS, GUARDS, SCALE, STATES};
 use super::*;
 use crate::build;
-use crate::friction::Contact;
+use crate::component::friction::Contact;
 use crate::rig::Rig;
 use pneudrive_solver::{Integrator, Method};
 
@@ -44,7 +44,7 @@ impl Transient {
 
     /// What the hysteresis lets through at `t`, m.
     fn magnetised(&self, t: f64) -> f64 {
-        let crate::operator::Operator::Solenoid(solenoid) = &self.assembly.parts.operator else {
+        let crate::component::operator::Operator::Solenoid(solenoid) = &self.assembly.parts.operator else {
             unreachable!("servo-drive B has a solenoid");
         };
         solenoid.magnetised(t)

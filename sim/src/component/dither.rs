@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crate::component::play::Motion;
 use crate::number::Number;
-use crate::play::Motion;
 
 /// A sinusoid over time.
 #[derive(Clone, Copy, Debug)]

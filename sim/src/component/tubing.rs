@@ -30,8 +30,8 @@
 mod connector;
 mod pipe;
 
-use crate::air::Station;
-use crate::gas::Gas;
+use crate::component::air::Station;
+use crate::component::gas::Gas;
 use crate::number::Number;
 use connector::Connector;
 use pipe::Pipe;

@@ -3,8 +3,8 @@
 //! The input is a function of time alone, so the instants at which the branch changes are known in
 //! closed form: no step has to find them.
 
-use crate::dither::{CREST, Dither, TROUGH};
-use crate::play::{Branch, Motion, Play};
+use crate::component::dither::{CREST, Dither, TROUGH};
+use crate::component::play::{Branch, Motion, Play};
 
 /// Play on a command plus dither, all in m of spool travel.
 #[derive(Clone, Copy, Debug)]

@@ -11,8 +11,8 @@
 //! where u has a kink. A driven branch ends at du/dt = 0, which asks for r' and so for the flows; a
 //! held one asks for the state alone. Where r or r' jump, rule 3 decides anew.
 
-use crate::dither::Dither;
-use crate::play::{self, Branch, Motion, Play};
+use crate::component::dither::Dither;
+use crate::component::play::{self, Branch, Motion, Play};
 
 /// Where the amplifier is in its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,13 +3,13 @@
 //!
 //! | law | psi | K |
 //! |---|---|---|
-//! | orifice | isentropic flow function ([`crate::gas`]) | (C_d A)^2 2n/((n-1)R) |
-//! | Perry | the same times C_d(r)^2 ([`crate::discharge`]) | A^2 2n/((n-1)R) |
-//! | ISO 6358 | P_u^2 and an ellipse ([`crate::iso6358`]) | (C rho_0)^2 T_0 |
+//! | orifice | isentropic flow function ([`crate::component::gas`]) | (C_d A)^2 2n/((n-1)R) |
+//! | Perry | the same times C_d(r)^2 ([`crate::component::valve::discharge`]) | A^2 2n/((n-1)R) |
+//! | ISO 6358 | P_u^2 and an ellipse ([`crate::component::valve::iso6358`]) | (C rho_0)^2 T_0 |
 
-use crate::discharge::{perry, perry_slope};
-use crate::gas::{FlowFunction, Gas};
-use crate::iso6358::Iso6358;
+use crate::component::gas::{FlowFunction, Gas};
+use crate::component::valve::discharge::{perry, perry_slope};
+use crate::component::valve::iso6358::Iso6358;
 use crate::number::Number;
 
 /// A law of flow.

@@ -5,11 +5,11 @@
 //! ```
 //!
 //! Positive means extension. F_const acts along +y (EQUATIONS section 6); L_e is the force of the
-//! end stops ([`crate::stop`]), F_r the dry friction ([`crate::friction`]). The
+//! end stops ([`crate::component::stop`]), F_r the dry friction ([`crate::component::friction`]). The
 //! applied force is all but F_r: what a stuck load is tested with.
 
-use crate::friction::{Contact, DryFriction};
-use crate::stop::{Side, Stops};
+use crate::component::friction::{Contact, DryFriction};
+use crate::component::stop::{Side, Stops};
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;

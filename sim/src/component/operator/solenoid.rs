@@ -14,9 +14,9 @@ use super::flight::{Drive, Flight, Oscillator};
 use super::hysteresis::Hysteresis;
 use super::moving_hysteresis::MovingHysteresis;
 use super::{GUARDS, Request, SpoolState, within_range};
-use crate::dither::Dither;
-use crate::friction::{Contact, DryFriction};
-use crate::stop::{Side, Stops};
+use crate::component::dither::Dither;
+use crate::component::friction::{Contact, DryFriction};
+use crate::component::stop::{Side, Stops};
 
 /// The parameters of a solenoid, SI.
 #[derive(Clone, Copy, Debug)]

@@ -30,8 +30,8 @@
 //! pressure is in proportion to the flow, with the slope that it has at M = 1.
 
 use super::{Ratio, STEEPEST};
-use crate::air::Station;
-use crate::gas::Gas;
+use crate::component::air::Station;
+use crate::component::gas::Gas;
 use pneudrive_solver::bracketed_root;
 
 /// 4fL/D below which a pipe has no drop worth the name.

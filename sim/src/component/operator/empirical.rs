@@ -10,8 +10,8 @@
 
 use super::flight::{Drive, Flight, Oscillator};
 use super::{GUARDS, Request, SpoolState};
-use crate::dither::Dither;
-use crate::play::{self, Play};
+use crate::component::dither::Dither;
+use crate::component::play::{self, Play};
 
 /// The parameters of an empirical solenoid, SI.
 #[derive(Clone, Copy, Debug)]

@@ -6,14 +6,14 @@
 //! w'/w = (n-1) (R sum of mdot T_in / (P V) - V'/V) + ((n-1)^2 / n) Q / (P V)
 //! ```
 //!
-//! The last line is the energy balance of [`crate::air`], U' = n/(n-1) R sum of mdot T_in - P V' + Q with
+//! The last line is the energy balance of [`crate::component::air`], U' = n/(n-1) R sum of mdot T_in - P V' + Q with
 //! U = P V / (n-1). The thesis has adiabatic chambers, h = 0. The coefficient h is constant and the walls keep their
 //! temperature T_w; dead volumes and tubes have no wall of their own.
 
 use std::f64::consts::PI;
 
-use crate::air::Air;
-use crate::gas::Gas;
+use crate::component::air::Air;
+use crate::component::gas::Gas;
 use crate::number::Pair;
 
 /// The walls of both chambers, SI.
@@ -56,7 +56,7 @@ impl Walls {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::air::Volume;
+    use crate::component::air::Volume;
     use crate::number::Number;
 
     const GAS_CONSTANT: f64 = 286.76;

@@ -4,7 +4,7 @@
 //! m|m| = K/T psi(w_up, w_down),   K = 2n/((n-1)R) (Cd A)^2,   psi = w_u w_d^e (w_u - w_d)
 //! ```
 //!
-//! with psi and e of [`crate::gas`]. With w at the known end and b = m^2 T / (K w^(e+2)):
+//! with psi and e of [`crate::component::gas`]. With w at the known end and b = m^2 T / (K w^(e+2)):
 //!
 //! ```text
 //! known upstream,    r = w_far/w:  r^e (1 - r) = b       d ln r/d ln m = -2 (1-r)/((e+1) r - e)
@@ -16,8 +16,8 @@
 //! r_s = (2 + s e)/(2 + s (e+1)).
 
 use super::{Ratio, STEEPEST};
-use crate::air::Station;
-use crate::gas::Gas;
+use crate::component::air::Station;
+use crate::component::gas::Gas;
 
 /// Four reach rounding at any flow; one is to spare.
 const MOST_ITERATIONS: u32 = 5;

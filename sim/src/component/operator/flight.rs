@@ -16,7 +16,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::SpoolState;
-use crate::dither::Dither;
+use crate::component::dither::Dither;
 use crate::number::{Number, Pair};
 
 /// A damped oscillator.

@@ -5,12 +5,12 @@
 //! mdot = (1 - P_d/P_u)/(1 - b) mdot at b,   b = 0.999          P_d > b P_u
 //! ```
 //!
-//! u is the side of the higher pressure; psi is the flow function of [`crate::gas`]. The air takes mass
+//! u is the side of the higher pressure; psi is the flow function of [`crate::component::gas`]. The air takes mass
 //! and the enthalpy of the side that it comes from. Close to equal pressures the flow of a hole is
 //! laminar, as usual from a ratio of 0.999 on; the root alone would have an infinite slope there.
 
-use crate::air::Station;
-use crate::gas::Gas;
+use crate::component::air::Station;
+use crate::component::gas::Gas;
 
 /// b.
 const LAMINAR_FROM: f64 = 0.999;

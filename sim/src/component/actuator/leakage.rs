@@ -23,8 +23,8 @@
 
 use std::f64::consts::PI;
 
-use crate::air::Air;
-use crate::gas::Gas;
+use crate::component::air::Air;
+use crate::component::gas::Gas;
 use crate::number::{Number, Pair};
 
 /// How the piston leaks.

@@ -39,7 +39,7 @@
 
 use std::f64::consts::PI;
 
-use crate::gas::Gas;
+use crate::component::gas::Gas;
 
 /// Coefficients of z^0 to z^11.
 pub type Polynomial = [f64; 12];
@@ -191,7 +191,7 @@ fn coefficient(polynomial: &Polynomial, opening: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::valve::thesis_valve;
+    use crate::component::valve::thesis_valve;
 
     const STAND_IN: FlowForce = FlowForce::Experimental { inlet: DEFAULT_INLET, outlet: DEFAULT_OUTLET };
     const BOTH: [FlowForce; 2] = [FlowForce::Analytical, STAND_IN];

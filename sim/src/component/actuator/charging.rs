@@ -12,7 +12,7 @@
 //! V dP/dt = n R T_s mdot.
 
 use super::*;
-use crate::air::Station;
+use crate::component::air::Station;
 use pneudrive_solver::{Derivative, Event, Integrator, Method, System};
 
 const VOLUME: f64 = 3e-4;

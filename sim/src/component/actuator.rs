@@ -4,7 +4,7 @@
 //! V_1 = A_1 y + V_R1,  V_2 = A_2 (L - y) + V_R2                          (6.21, 6.22)
 //! m' = sum of mdot                                                       mass
 //! w'/w = (n-1) (R sum of mdot T_in / (P V) - V'/V)                       energy: 6.15, 6.17 in w;
-//!                                                                        with heat, see [`crate::walls`]
+//!                                                                        with heat, see [`crate::component::actuator::walls`]
 //! T = P V / (m R),   T_in: of the air that comes in, else T              (6.6)
 //! F_a = P_1 A_1 - P_2 A_2 - P_e A_R2                                     (6.25)
 //! ```
@@ -13,13 +13,16 @@
 //! mass exactly, and a chamber with shut ports keeps w V^(n-1). The thesis's temperature equations
 //! 6.16 and 6.18 follow from these two; as printed they lose mass with leakage (EQUATIONS section 5).
 
+pub mod leakage;
+pub(crate) mod walls;
+
 use std::f64::consts::PI;
 
-use crate::air::{Air, Volume};
-use crate::gas::Gas;
-use crate::leakage::{self, Leakage};
+use leakage::Leakage;
+use crate::component::actuator::walls::Walls;
+use crate::component::air::{Air, Volume};
+use crate::component::gas::Gas;
 use crate::number::{Number, Pair};
-use crate::walls::Walls;
 
 /// The dimensions of a cylinder, SI.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@
 //! rho_0 = 1.185 kg/m^3, T_0 = 293.15 K: the standard reference atmosphere (100 kPa, 65 % humidity)
 //! ```
 //!
-//! As [`crate::network`] wants it, over the Exner pressures w of [`crate::gas`]:
+//! As [`crate::network`] wants it, over the Exner pressures w of [`crate::component::gas`]:
 //!
 //! ```text
 //! mdot^2 = K/T_u psi(w_u, w_d),   K = (C rho_0)^2 T_0,   psi = P_u^2 g
@@ -17,7 +17,7 @@
 //! psi and its slopes are continuous at r = b. An isentropic orifice of the same choked flow passes
 //! within 0.4 % of it for b = 0.528.
 
-use crate::gas::{FlowFunction, Gas};
+use crate::component::gas::{FlowFunction, Gas};
 
 /// rho_0, kg/m^3.
 const REFERENCE_DENSITY: f64 = 1.185;

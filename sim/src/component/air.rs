@@ -6,7 +6,7 @@
 //! T = P V / (m R)
 //! ```
 
-use crate::gas::Gas;
+use crate::component::gas::Gas;
 use crate::number::{Number, Pair};
 
 /// A place with an Exner pressure and a temperature, or two of them.

@@ -12,10 +12,15 @@
 //! (6.39 to 6.46): the lands are all there is. Flow node (6.47 to 6.51): each port has a small volume between its lands and its bore of area A_p, whose
 //! pressure balances the three flows. [`crate::network`] solves that balance.
 
+pub mod discharge;
+pub mod flow_force;
+pub mod flow_law;
+pub mod iso6358;
+
 use std::f64::consts::PI;
 
-use crate::flow_law::FlowLaw;
-use crate::gas::Gas;
+use crate::component::gas::Gas;
+use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
 /// The dimensions of the valve that its flow depends on, SI.

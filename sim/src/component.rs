@@ -1,0 +1,16 @@
+//! The components of a drive, a file each: its equations with their numbers in the thesis, its keys in a rig file,
+//! what they must hold, and how it is made from them.
+
+pub mod actuator;
+pub mod air;
+pub mod dither;
+pub mod faults;
+pub mod friction;
+pub mod gas;
+pub mod load;
+pub mod operator;
+pub mod play;
+pub mod sensors;
+pub mod stop;
+pub mod tubing;
+pub mod valve;
