@@ -74,8 +74,10 @@ fn simulated(seed: u64) -> Option<Transient> {
 fn settings(rig: &Rig, random: &mut ChaCha8Rng) -> Vec<String> {
     let mut by_ratio = |low: f64, high: f64| low * (high / low).powf(unit_interval(random));
     let friction = by_ratio(0.1, 2.0);
-    let mut settings: Vec<String> =
-        FRICTION.iter().map(|key| format!("{key}={:?}", friction * rig.number(key))).collect();
+    let mut settings: Vec<String> = FRICTION
+        .iter()
+        .map(|key| format!("{key}={:?}", friction * rig.number_at(key).expect("a number")))
+        .collect();
     settings.push(format!("load.mass_kg={:?}", by_ratio(0.5, 60.0)));
     settings.push(format!("supply.pressure_pa={:?}", by_ratio(3.5e5, 9e5)));
     if let Some(Value::Integer(gain)) = rig.value("controller.velocity_gain") {

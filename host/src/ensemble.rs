@@ -16,6 +16,7 @@
 //! The nominal run is integrated until it is decided (see [`pneudrive_sim::decision`]); its neighbours are draws, for
 //! which a coarser tolerance will do.
 
+use pneudrive_sim::keys;
 use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 use std::sync::Mutex;
@@ -98,8 +99,8 @@ enum Done<T> {
 /// The rigs around a rig; in the place of one that is not valid, as a value lies at a limit of its key, what is wrong.
 #[must_use]
 pub fn neighbours(rig: &Rig, spacing: Spacing) -> Vec<Result<Rig, Problems>> {
-    let (mass, position) = (rig.number("load.mass_kg"), rig.number("test.position_m"));
-    let stroke = rig.number("actuator.stroke_m");
+    let (mass, position) = (rig.get(&keys::load::MASS_KG), rig.get(&keys::test::POSITION_M));
+    let stroke = rig.get(&keys::actuator::STROKE_M);
     let count = spacing.runs.saturating_sub(1);
     let neighbour = |i: usize| {
         let angle = TAU * (van_der_corput(i) + 1.0 / 24.0);
@@ -207,16 +208,19 @@ mod tests {
         let others = rigs(9);
         assert_eq!(others.len(), 8);
         let change = |path: &str, scale: f64| -> Vec<f64> {
-            let nominal = rig().number(path);
-            others.iter().map(|other| (other.number(path) - nominal) / (scale * 1e-5)).collect()
+            let nominal = rig().number_at(path).expect("a number");
+            others
+                .iter()
+                .map(|other| (other.number_at(path).expect("a number") - nominal) / (scale * 1e-5))
+                .collect()
         };
-        let mass = change("load.mass_kg", rig().number("load.mass_kg"));
-        let position = change("test.position_m", rig().number("actuator.stroke_m"));
+        let mass = change("load.mass_kg", rig().get(&keys::load::MASS_KG));
+        let position = change("test.position_m", rig().get(&keys::actuator::STROKE_M));
         for (mass, position) in mass.iter().zip(&position) {
             assert!((mass.hypot(*position) - 1.0).abs() < 1e-6, "{mass} {position}");
         }
         assert!(mass.iter().sum::<f64>().abs() < 1e-6 && position.iter().sum::<f64>().abs() < 1e-6);
-        let masses = |rigs: &[Rig]| rigs.iter().map(|rig| rig.number("load.mass_kg")).collect::<Vec<_>>();
+        let masses = |rigs: &[Rig]| rigs.iter().map(|rig| rig.get(&keys::load::MASS_KG)).collect::<Vec<_>>();
         assert_eq!(masses(&rigs(5)), masses(&others)[..4]);
         assert!(rigs(1).is_empty());
     }

@@ -4,6 +4,8 @@
 //! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
 //! the right-hand side and solutions of the flows, times of this machine beside them.
 
+use pneudrive_sim::component::{operator, valve};
+use pneudrive_sim::keys;
 use std::time::Instant;
 
 use anyhow::{Result, anyhow, bail};
@@ -204,13 +206,13 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
 }
 
 /// Whether the keys mean something on a rig as it is: an operator that it has, a valve that has a node.
-fn applies(rig: &Rig, keys: &[&str]) -> bool {
-    let operator = rig.word("operator.model");
-    keys.iter().all(|key| match key.split_once('=') {
-        Some(("valve.model", _)) => rig.word("valve.model") != "iso-6358",
+fn applies(rig: &Rig, settings: &[&str]) -> bool {
+    let operator = rig.get(&keys::operator::MODEL);
+    settings.iter().all(|setting| match setting.split_once('=') {
+        Some(("valve.model", _)) => rig.get(&keys::valve::MODEL) != valve::Model::Iso6358,
         Some(("valve.flow_force", "none")) => true,
-        Some(("valve.flow_force" | "operator.model", _)) => operator.starts_with("solenoid"),
-        Some((path, _)) if path.starts_with("operator.") => operator == "solenoid",
+        Some(("valve.flow_force" | "operator.model", _)) => operator.is_solenoid(),
+        Some((path, _)) if path.starts_with("operator.") => operator == operator::Model::Solenoid,
         _ => true,
     })
 }

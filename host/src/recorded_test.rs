@@ -156,7 +156,7 @@ struct Start {
 
 impl Start {
     fn settings(&self, rig: Option<&Rig>) -> Vec<String> {
-        let own = |key: &str| rig.map(|rig| rig.number(key));
+        let own = |key: &str| rig.and_then(|rig| rig.number_at(key));
         let mut all = vec![
             ("test.position_m", Some(self.position_m)),
             ("test.pressure_1_pa", Some(self.pressures_pa[0])),

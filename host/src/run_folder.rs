@@ -16,6 +16,8 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use crc::{CRC_64_XZ, Crc};
 use pneudrive_controller::parameters::TABLE;
+use pneudrive_sim::key::Typed;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Fields, Value};
 use pneudrive_sim::trace::{COLUMNS, to_csv_with};
 use pneudrive_sim::{Decision, Rig};
@@ -47,7 +49,8 @@ const FORMAT: &str = "pneudrive-run 1";
 const OPEN: &str = "open";
 
 /// Keys of the windows over which the controller forms velocity and acceleration.
-const WINDOWS: [&str; 2] = ["controller.velocity_window_samples", "controller.acceleration_window_samples"];
+static WINDOWS: [&Typed<i64>; 2] =
+    [&keys::controller::VELOCITY_WINDOW_SAMPLES, &keys::controller::ACCELERATION_WINDOW_SAMPLES];
 
 /// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder, and its page if it has one; all of
 /// them or none, and none of another run stays. `moves` has the moves of the run, and then those of each of its neighbours.

@@ -9,6 +9,8 @@
 mod caller;
 mod door;
 
+use pneudrive_sim::component::controller;
+use pneudrive_sim::keys;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -125,7 +127,7 @@ impl VirtualBoard {
 /// With the seed of the noise, if there is noise and the name has room for it.
 fn name_of(rig: &Rig, seed: u64) -> String {
     let with_seed = format!("{NAME}, seed {seed}");
-    let told = rig.number("sensors.noise_counts") > 0.0 && with_seed.len() <= LONGEST_NAME;
+    let told = rig.get(&keys::sensors::NOISE_COUNTS) > 0.0 && with_seed.len() <= LONGEST_NAME;
     if told { with_seed } else { NAME.to_owned() }
 }
 
@@ -211,13 +213,13 @@ impl VirtualRig {
     /// # Errors
     /// For a rig with the simulator's own controller.
     pub fn with_flash(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> Result<VirtualRig> {
-        if rig.word("controller.model") == "continuous" {
+        if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
             bail!(
                 "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
             );
         }
-        if let Some(switch) = SWITCHES.into_iter().find(|switch| rig.switch(switch)) {
-            bail!("{switch} is the simulator's own; no firmware has this bug");
+        if let Some(switch) = SWITCHES.into_iter().find(|switch| rig.get(switch)) {
+            bail!("{} is the simulator's own; no firmware has this bug", switch.path);
         }
         let mut board = VirtualBoard::new(rig, seed, pace, flash);
         let mut control = Box::<Control>::default();

@@ -2,6 +2,7 @@
 
 mod program;
 
+use pneudrive_sim::keys;
 use std::path::Path;
 
 use pneudrive::evaluation::{Air, Chambers, Motion, moves, moves_of_run};
@@ -58,8 +59,9 @@ fn truth(name: &str, settings: &[String]) -> f64 {
 fn recorded(rig: &Rig, run: &Run, seed: u64) -> Transient {
     let mut transient = Transient::of_run("", &StoredRun::of(rig, run));
     let mut sensors = Sensors::new(rig, seed);
-    let [low, high] = ["sensors.pressure_min_pa", "sensors.pressure_max_pa"].map(|key| rig.number(key) / 1e3);
-    let step = (high - low) / f64::from((1 << rig.integer("sensors.bits")) - 1);
+    let [low, high] =
+        [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA].map(|key| rig.get(key) / 1e3);
+    let step = (high - low) / f64::from((1 << rig.get(&keys::sensors::BITS)) - 1);
     for (k, row) in run.rows.iter().enumerate() {
         let seen = sensors.read(row.plant.position, row.plant.pressures, row.plant.spool);
         transient.channels[POSITION][k] = f64::from(seen.position) * transient.mm_per_count;

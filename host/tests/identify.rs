@@ -2,6 +2,7 @@
 
 mod program;
 
+use pneudrive_sim::keys;
 use std::fs;
 use std::path::Path;
 
@@ -64,7 +65,7 @@ fn a_fit_finds_what_a_rig_is_and_says_what_the_record_does_not_show() {
     }
     let fitted = fs::read_to_string(folder.path().join("identified/fitted.toml")).expect("there");
     let rig = Rig::read("fitted.toml", &fitted).expect("valid");
-    assert_eq!(rig.number("load.mass_kg"), json["parameters"][0]["estimate"].as_f64().expect("a number"));
+    assert_eq!(rig.get(&keys::load::MASS_KG), json["parameters"][0]["estimate"].as_f64().expect("a number"));
     ok(folder.path(), "simulate identified/fitted.toml --out simulated");
     assert!(
         fitted.contains("# identified, 95 % interval:") && fitted.contains("duration_s = 0.45"),
@@ -267,7 +268,7 @@ fn what_the_data_do_not_show_is_in_the_intervals_of_what_depends_on_it() {
     assert_eq!(json["fits"], true);
     let told = json["parameters"].as_array().expect("a list");
     for parameter in told {
-        let truth = real.number(parameter["key"].as_str().expect("a key"));
+        let truth = real.number_at(parameter["key"].as_str().expect("a key")).expect("a number");
         let [low, high] = [0, 1].map(|end| parameter["interval_95"][end].as_f64().expect("a number"));
         assert!(low <= truth && truth <= high, "{parameter}");
         assert!(!parameter["rests_on"].as_array().expect("a list").is_empty(), "{parameter}");

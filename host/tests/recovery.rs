@@ -2,6 +2,7 @@
 
 mod program;
 
+use pneudrive_sim::keys;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -51,7 +52,7 @@ fn a_leak_is_noticed_by_its_trace_where_all_residuals_together_pass_for_noise() 
     assert!(!trial.fits);
     let leak = trial.causes.iter().find(|cause| cause.settings.contains("leakage")).expect("it is named");
     let (value, error) = leak.value.expect("a leak is a number");
-    let hidden = hidden.truth().expect("valid").number("actuator.leakage_coefficient");
+    let hidden = hidden.truth().expect("valid").get(&keys::leakage::LEAKAGE_COEFFICIENT);
     assert!((value - hidden).abs() < 3.0 * error, "{leak:?}, hidden {hidden:e}");
     assert!(value > 5.0 * error, "{leak:?} is told from none");
 }
@@ -110,7 +111,7 @@ fn stiction_and_the_force_balance_are_near_what_was_hidden_without_a_model_of_th
         (figures.stiction[0], "load.static_extend_n", 0.2),
         (figures.stiction[1], "load.static_retract_n", 0.2),
     ] {
-        let (figure, hidden) = (figure.expect(key), recorded.truth().number(key));
+        let (figure, hidden) = (figure.expect(key), recorded.truth().number_at(key).expect("a number"));
         println!("{key}: {figure:?}, hidden {hidden}");
         assert!((figure.value / hidden - 1.0).abs() < off, "{key}: {figure:?}, hidden {hidden}");
     }
@@ -124,12 +125,12 @@ fn what_no_sample_depends_on_is_neither_fitted_nor_told_an_interval_of() {
     for key in ["load.coulomb_retract_n", "load.static_retract_n"] {
         let unseen = found.unseen.iter().find(|unseen| unseen.parameter.key.path == key).expect("not seen");
         assert!(unseen.confused_with.is_empty() && unseen.over_prior == 1.0, "{unseen:?}");
-        assert_eq!(found.rig.number(key), unseen.parameter.start, "it keeps its value");
+        assert_eq!(found.rig.number_at(key).expect("a number"), unseen.parameter.start, "it keeps its value");
     }
     assert!(found.fits, "{:?}", found.spectrum);
     let truth = recorded.truth();
     let missed = found.estimates.iter().filter(|told| {
-        let truth = truth.number(told.parameter.key.path);
+        let truth = truth.number_at(told.parameter.key.path).expect("a number");
         !(told.interval[0]..=told.interval[1]).contains(&truth)
     });
     assert!(missed.count() <= 3, "{:?}", found.estimates);
@@ -146,20 +147,20 @@ fn forces_that_only_act_together_carry_one_another_in_their_intervals() {
     let truth = recorded.truth();
     // The rig lies on an incline, which is a constant force of its own.
     let weight =
-        9.806_65 * truth.number("load.mass_kg") * truth.number("load.incline_deg").to_radians().sin();
+        9.806_65 * truth.get(&keys::load::MASS_KG) * truth.get(&keys::load::INCLINE_DEG).to_radians().sin();
     let stiction =
         found.estimates.iter().find(|told| told.parameter.key.path == "load.static_extend_n").expect("told");
     assert!(stiction.assumed > 0.9, "{stiction:?}");
     assert!(stiction.rests_on.iter().any(|share| share.path == "load.constant_force_n"), "{stiction:?}");
     let [low, high] = stiction.interval;
     assert!(
-        high - low > 40.0 && (low..=high).contains(&truth.number("load.static_extend_n")),
+        high - low > 40.0 && (low..=high).contains(&truth.get(&keys::friction::STATIC_EXTEND_N)),
         "{stiction:?}"
     );
     // What the two make together is known to a fraction of a newton.
     let given = stiction.given.as_ref().expect("known with another");
     assert!(given.standard_error < 0.2 && given.known.len() == 1, "{given:?}");
-    let force = found.rig.number("load.constant_force_n");
-    let breakaway = truth.number("load.static_extend_n") + weight;
+    let force = found.rig.get(&keys::load::CONSTANT_FORCE_N);
+    let breakaway = truth.get(&keys::friction::STATIC_EXTEND_N) + weight;
     assert!((stiction.value - force - breakaway).abs() < 1.0, "{stiction:?} {force} {breakaway}");
 }

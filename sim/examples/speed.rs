@@ -8,6 +8,7 @@
 #[path = "../tests/cases/loosest.rs"]
 mod loosest;
 
+use pneudrive_sim::keys;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -54,7 +55,7 @@ impl Timed {
             self.accuracy.tolerance,
             evaluations / samples,
             1e3 * self.best.as_secs_f64(),
-            self.rig.number("test.duration_s") / self.best.as_secs_f64(),
+            self.rig.get(&keys::test::DURATION_S) / self.best.as_secs_f64(),
         )
     }
 }

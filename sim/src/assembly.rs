@@ -10,6 +10,7 @@
 //! system is; the order of what happens at one instant is EQUATIONS section 11.
 
 mod air;
+pub(crate) mod build;
 mod following;
 mod lag;
 mod lands;

@@ -29,7 +29,8 @@ pub mod pressure_drop;
 pub mod pressure_gain;
 pub mod valve_models;
 
-use crate::rig::Rig;
+use crate::keys;
+use crate::values::Rig;
 use pneudrive_solver::IntegrationError;
 
 /// A curve that can be asked for.
@@ -166,8 +167,8 @@ pub const SUPPLY_FAMILY_PA: [f64; 5] = [506.5e3, 405.2e3, 303.9e3, 202.6e3, 101.
 
 /// The rig's own supply pressure, Pa, and those of the family; of two that are the same one.
 fn supplies(rig: &Rig) -> Vec<f64> {
-    let own = rig.number("supply.pressure_pa");
-    let family = SUPPLY_FAMILY_PA.map(|above| rig.number("exhaust.pressure_pa") + above);
+    let own = rig.get(&keys::supply::PRESSURE_PA);
+    let family = SUPPLY_FAMILY_PA.map(|above| rig.get(&keys::exhaust::PRESSURE_PA) + above);
     std::iter::once(own).chain(family.into_iter().filter(|supply| (supply - own).abs() > 50.0)).collect()
 }
 

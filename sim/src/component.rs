@@ -3,14 +3,19 @@
 
 pub mod actuator;
 pub mod air;
+pub mod controller;
 pub mod dither;
+pub mod encoder;
+pub mod exhaust;
 pub mod faults;
 pub mod friction;
 pub mod gas;
 pub mod load;
 pub mod operator;
 pub mod play;
+pub mod safety;
 pub mod sensors;
 pub mod stop;
+pub mod supply;
 pub mod tubing;
 pub mod valve;

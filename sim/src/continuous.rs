@@ -20,7 +20,10 @@
 use pneudrive_controller::Config;
 use pneudrive_controller::law::{LawConfig, LawKind};
 
+use crate::component::controller;
+use crate::component::encoder::pulse;
 use crate::component::operator;
+use crate::values::Rig;
 
 /// The law on one target, and the entry of the profile that it is in.
 #[derive(Clone, Debug)]
@@ -38,6 +41,18 @@ pub struct ContinuousLaw {
 }
 
 impl ContinuousLaw {
+    /// The law of a rig, if it has the continuous controller.
+    ///
+    /// # Panics
+    /// When the rig has not been checked.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Option<ContinuousLaw> {
+        (rig.get(&controller::keys::MODEL) == controller::Model::Continuous).then(|| {
+            let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
+            ContinuousLaw::new(&config, pulse(rig))
+        })
+    }
+
     /// The law of a controller's configuration, for an encoder pulse in m.
     #[must_use]
     pub fn new(config: &Config, pulse: f64) -> ContinuousLaw {

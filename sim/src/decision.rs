@@ -18,11 +18,14 @@
 //! Two decades of tolerance change the error 50-fold as a rule. Of 299 closed loops drawn at random 14 were off by
 //! more than a tenth of the distance to the coarser run, one by more than all of it.
 
+use crate::component::controller;
 use crate::component::sensors::Sensors;
 use crate::follow::{Reading, Timing, follow};
-use crate::plant::{Accuracy, seconds};
-use crate::rig::Rig;
+use crate::keys;
+use crate::plant::Accuracy;
 use crate::run::{Run, run};
+use crate::values::Rig;
+use crate::values::seconds;
 use pneudrive_solver::IntegrationError;
 
 /// A run whose positions are estimated to be more wrong than this is not decided, m.
@@ -93,12 +96,12 @@ pub fn decide(rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<Decision, Inte
 /// What the sensors would have read of the plant of a run, integrated another way: under the run's commands, or with
 /// the continuous controller in its own loop.
 fn readings(rig: &Rig, accuracy: Accuracy, of: &Run) -> Result<Vec<Reading>, IntegrationError> {
-    if rig.word("controller.model") == "continuous" {
+    if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
         return run(rig, accuracy).map(|run| run.readings);
     }
     let timing = Timing {
         period_us: u64::from(rig.period_us().get()),
-        delay_us: rig.microseconds("controller.delay_s"),
+        delay_us: rig.microseconds(&keys::controller::DELAY_S),
     };
     follow(rig, accuracy, timing, &of.commands)
 }
@@ -113,9 +116,10 @@ struct Judge {
 
 impl Judge {
     fn new(rig: &Rig) -> Judge {
-        let sampled = rig.word("controller.model") == "sampled" && rig.word("controller.loop") == "closed";
-        let feeds_back =
-            rig.word("controller.law") == "on-off" && rig.number("controller.pressure_feedback_gain") != 0.0;
+        let sampled = rig.get(&keys::controller::MODEL) == controller::Model::Sampled
+            && rig.get(&keys::controller::LOOP) == controller::Loop::Closed;
+        let feeds_back = rig.get(&keys::controller::LAW) == controller::Law::OnOff
+            && rig.get(&keys::controller::PRESSURE_FEEDBACK_GAIN) != 0.0;
         Judge {
             sensors: Sensors::new(rig, 0),
             reads_position: sampled,

@@ -6,7 +6,7 @@
 use pneudrive_controller::Command;
 
 use crate::plant::{Accuracy, Plant};
-use crate::rig::Rig;
+use crate::values::Rig;
 use pneudrive_solver::IntegrationError;
 
 /// Sample period and delay of the output after the sample, whole microseconds.

@@ -24,19 +24,24 @@
 //! alone, so that a run gives the same bits on every machine.
 
 mod assembly;
-pub mod build;
 pub mod characteristics;
 pub mod component;
 pub mod continuous;
 pub mod decision;
 pub mod follow;
+pub mod key;
+pub mod keys;
 pub mod network;
 mod number;
 pub mod plant;
 pub mod positive_gain;
+mod random;
 pub mod rig;
 pub mod run;
+pub mod schedule;
+mod start;
 pub mod trace;
+mod values;
 
 pub use assembly::ValveState;
 pub use decision::{Decision, decide};

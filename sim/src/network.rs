@@ -35,6 +35,7 @@ mod course;
 mod from_rest;
 mod newton;
 mod nodes;
+mod of_rig;
 mod rest;
 mod restriction;
 

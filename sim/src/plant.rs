@@ -4,17 +4,20 @@
 //! all of them see the same samples in every bit. Time is whole microseconds; samples are read off
 //! the dense output of the integrator and cost no step.
 
+use crate::keys;
 use pneudrive_controller::{Command, Sample};
 
+use crate::assembly::build;
 use crate::assembly::{Assembly, CORE, END_GUARDS, Effects, GUARDS, SCALE, STATES, ValveState, slot};
-use crate::build;
+use crate::component::controller::Loop;
 use crate::component::faults::SensorFaults;
+use crate::component::operator::Model;
 use crate::component::operator::Request;
 use crate::component::sensors::Sensors;
 use crate::follow::Reading;
 use crate::network::NetworkWork;
 use crate::number::Pair;
-use crate::rig::Rig;
+use crate::values::{Rig, seconds};
 use pneudrive_solver::{IntegrationError, Integrator, Method, Statistics, System};
 
 /// How exactly a plant is integrated.
@@ -39,9 +42,9 @@ impl Accuracy {
     /// integrated until that is rare (see [`crate::decision`]).
     #[must_use]
     pub fn of(rig: &Rig) -> Accuracy {
-        match rig.word("controller.loop") {
-            "closed" => Accuracy { tolerance: 1e-11, ..Accuracy::default() },
-            _ => Accuracy::of_draw(rig),
+        match rig.get(&keys::controller::LOOP) {
+            Loop::Closed => Accuracy { tolerance: 1e-11, ..Accuracy::default() },
+            Loop::Open => Accuracy::of_draw(rig),
         }
     }
 
@@ -49,8 +52,8 @@ impl Accuracy {
     /// stepper places does not shake, and no position depends on the last nanometres of its motion.
     #[must_use]
     pub fn of_draw(rig: &Rig) -> Accuracy {
-        match rig.word("operator.model") {
-            "stepper" => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
+        match rig.get(&keys::operator::MODEL) {
+            Model::Stepper => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
             _ => Accuracy::default(),
         }
     }
@@ -124,11 +127,6 @@ pub struct PlantWork {
     pub network: NetworkWork,
 }
 
-/// The instant of a whole number of microseconds, s: rounded once.
-pub(crate) fn seconds(microseconds: u64) -> f64 {
-    microseconds as f64 / 1e6
-}
-
 impl Plant {
     /// The plant of a rig in the initial state of its test, at t = 0. `seed` is for sensor noise.
     #[must_use]
@@ -145,7 +143,7 @@ impl Plant {
             sensors: Sensors::new(rig, seed),
             sensor_faults: SensorFaults::new(&rig.fault_events()),
             period_us: u64::from(rig.period_us().get()),
-            delay_us: rig.microseconds("controller.delay_s"),
+            delay_us: rig.microseconds(&keys::controller::DELAY_S),
             request: Request::default(),
             due: None,
             restless: false,

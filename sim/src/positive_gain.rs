@@ -20,7 +20,9 @@ use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::law::{LawConfig, LawKind};
 use pneudrive_controller::{Command, Config, Mode, Observation};
 
-use crate::rig::Rig;
+use crate::component::controller::{self, Law, Loop};
+use crate::key::{Typed, keys};
+use crate::values::{Findings, Rig};
 
 /// The readings of the bug.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,14 +43,50 @@ pub struct PositiveGain {
     location: i16,
 }
 
+keys! {
+    LAST_GAIN_FOR_NEGATIVE_ERRORS: bool = switch("faults.last_gain_for_negative_errors", false, "L(19)", "The same bug in another reading: a negative error has the last gain of the profile; in the simulator only.");
+    POSITIVE_GAIN_ONLY: bool = switch("faults.positive_gain_only", false, "L(19)", "The controller's historical bug (thesis 8.2.5): the error always counts as positive; in the simulator only.");
+}
+
 /// The keys that ask for it, the first one before the second.
-pub const SWITCHES: [&str; 2] = ["faults.positive_gain_only", "faults.last_gain_for_negative_errors"];
+pub static SWITCHES: [&Typed<bool>; 2] = [&keys::POSITIVE_GAIN_ONLY, &keys::LAST_GAIN_FOR_NEGATIVE_ERRORS];
+
+/// What must hold where the bug is asked for.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    let [positive, last] = SWITCHES.map(|switch| rig.get(switch));
+    if positive && let Some(refused) = refused(rig, false) {
+        findings.note(SWITCHES[0], refused);
+    }
+    if last {
+        let refused =
+            if positive { Some("there is one bug: take one of its readings") } else { refused(rig, true) };
+        if let Some(refused) = refused {
+            findings.note(SWITCHES[1], refused);
+        }
+    }
+}
+
+/// Why a controller cannot have the bug, in the reading of a profile's last gain or the other one.
+fn refused(rig: &Rig, last_gain: bool) -> Option<&'static str> {
+    if rig.get(&controller::keys::MODEL) != controller::Model::Sampled {
+        return Some("it is a bug of the sampled controller");
+    }
+    if rig.get(&controller::keys::LOOP) != Loop::Closed {
+        return Some("an open loop has no gain");
+    }
+    match rig.get(&controller::keys::LAW) {
+        Law::GainProfile => None,
+        _ if last_gain => Some("it is for the law gain-profile"),
+        Law::Proportional => None,
+        _ => Some("it is for the laws gain-profile and proportional"),
+    }
+}
 
 impl PositiveGain {
     /// The bug, if a rig asks for it.
     #[must_use]
     pub fn of(rig: &Rig, config: &Config) -> Option<PositiveGain> {
-        let reading = match SWITCHES.map(|switch| rig.switch(switch)) {
+        let reading = match SWITCHES.map(|switch| rig.get(switch)) {
             [true, _] => Reading::PositiveError,
             [false, true] => Reading::LastGain,
             [false, false] => return None,

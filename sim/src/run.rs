@@ -1,12 +1,13 @@
 //! One run: the real controller on the simulated plant, as fast as it goes.
 
+use crate::keys;
 use pneudrive_controller::{Command, Config, Fault, Mode, Observation, State, output, sample};
 
 use crate::follow::Reading;
-use crate::plant::{Accuracy, Plant, PlantWork, seconds};
+use crate::plant::{Accuracy, Plant, PlantWork};
 use crate::positive_gain::PositiveGain;
-use crate::rig::{Rig, whole_microseconds};
 use crate::trace::Row;
+use crate::values::{Rig, seconds, whole_microseconds};
 use pneudrive_solver::IntegrationError;
 
 /// What came out of a run.
@@ -99,8 +100,8 @@ pub fn run_recorded(
     state.start(&config, &sequence).expect("a checked rig has moves that may be run");
 
     let period = u64::from(rig.period_us().get());
-    let row_period = rig.optional_number("test.trace_period_s").and_then(whole_microseconds);
-    let (row_period, end_us) = (row_period.unwrap_or(period), rig.microseconds("test.duration_s"));
+    let row_period = rig.get(&keys::test::TRACE_PERIOD_S).and_then(whole_microseconds);
+    let (row_period, end_us) = (row_period.unwrap_or(period), rig.microseconds(&keys::test::DURATION_S));
     let rows = Vec::with_capacity(room_for(end_us / row_period));
     let mut rows = Rows { period_us: row_period, next_us: 0, end_us, recording, rows };
     let mut plant = Plant::new(rig, accuracy, 0);

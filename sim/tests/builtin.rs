@@ -1,5 +1,6 @@
 //! Every rig that comes with the program: it runs, and what it does is no matter of the tolerance.
 
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::BUILTIN;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 
@@ -32,7 +33,10 @@ fn every_built_in_rig_is_read_without_an_unused_key_and_runs_its_test_without_a_
         let run = simulate(name, 1e-11);
         assert_eq!(run.fault, None, "{name}");
         let end = run.rows.last().expect("rows").time;
-        assert!((end - rig.number("test.duration_s")).abs() < rig.number("controller.period_s"), "{name}");
+        assert!(
+            (end - rig.get(&keys::test::DURATION_S)).abs() < rig.get(&keys::controller::PERIOD_S),
+            "{name}"
+        );
         assert!(run.rows.iter().all(|row| row.values().iter().all(|value| value.is_finite())), "{name}");
     }
 }

@@ -1,7 +1,9 @@
 //! The plant under recorded commands does what it did in the run they come from.
 
 use pneudrive_controller::Command;
+use pneudrive_sim::component::operator;
 use pneudrive_sim::follow::Timing;
+use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig, follow, run};
 
 fn repeated(name: &str, settings: &[&str]) {
@@ -9,14 +11,16 @@ fn repeated(name: &str, settings: &[&str]) {
     let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     let rig = Rig::read_with(name, text, &settings).expect("a rig");
     let run = run(&rig, Accuracy::default()).expect("a run");
-    let stepper = rig.word("operator.model") == "stepper";
+    let stepper = rig.get(&keys::operator::MODEL) == operator::Model::Stepper;
     let commands = run.observations.iter().map(|seen| {
         // SPLLOC is noted before the pulse of the sample's output.
         let step = if stepper { (seen.command - seen.spool).signum() } else { 0 };
         Command { counts: seen.command, step: step as i8, drive_enable: true }
     });
-    let timing =
-        Timing { period_us: rig.period_us().get().into(), delay_us: rig.microseconds("controller.delay_s") };
+    let timing = Timing {
+        period_us: rig.period_us().get().into(),
+        delay_us: rig.microseconds(&keys::controller::DELAY_S),
+    };
     let readings =
         follow(&rig, Accuracy::default(), timing, &commands.collect::<Vec<_>>()).expect("readings");
     assert_eq!(readings.len(), run.rows.len());

@@ -1,8 +1,9 @@
 //! Every key of a rig file at the ends of its range: the rig is refused with a message, or its run
 //! ends with numbers or with an error that has a name. Never a panic, never a run without end.
 
-use pneudrive_sim::rig::keys::{KEYS, Key, Kind};
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::{BUILTIN, builtin};
+use pneudrive_sim::rig::{Key, Kind, all_keys};
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -10,8 +11,8 @@ use proptest::test_runner::RngSeed;
 /// A test of the closed loop, one that opens the valve fully either way, and one into a stop.
 fn tests(name: &str) -> [Vec<String>; 3] {
     let rig = Rig::builtin(name).expect("a built-in rig");
-    let stroke_m = rig.number("actuator.stroke_m");
-    let third = (stroke_m * 1e3 / rig.number("encoder.mm_per_count") / 3.0) as i64;
+    let stroke_m = rig.get(&keys::actuator::STROKE_M);
+    let third = (stroke_m * 1e3 / rig.get(&keys::encoder::MM_PER_COUNT) / 3.0) as i64;
     let near_the_stop = stroke_m - 0.5e-3;
     let open = "controller.loop=open".to_owned();
     [
@@ -97,7 +98,7 @@ fn outcome(name: &str, settings: &[String]) -> Outcome {
 /// What ends a run of a rig with one key at an end of its range.
 fn ended_by_one_key(name: &str) -> Vec<String> {
     let mut ended = Vec::new();
-    for key in KEYS {
+    for key in all_keys() {
         for end in ends(key) {
             for test in tests(name) {
                 let settings = [test, companions(key), vec![end.clone()]].concat();
@@ -138,7 +139,7 @@ fn a_row_has_flows_where_they_are_hard_to_find() {
 /// Settings of several keys at an end of their ranges.
 fn several_ends() -> impl Strategy<Value = Vec<String>> {
     let all: Vec<(&Key, String)> =
-        KEYS.iter().flat_map(|key| ends(key).into_iter().map(move |end| (key, end))).collect();
+        all_keys().flat_map(|key| ends(key).into_iter().map(move |end| (key, end))).collect();
     let one = prop::sample::select(all);
     prop::collection::vec(one, 2..5).prop_map(|chosen| {
         let mut settings: Vec<String> = chosen.iter().flat_map(|(key, _)| companions(key)).collect();
@@ -176,7 +177,7 @@ fn of_the_drive(key: &Key) -> bool {
 /// `key=value` for a value of the rig times 2^power, within the key's range; None for a key that is no number there.
 fn scaled(rig: &Rig, key: &Key, power: f64) -> Option<String> {
     let Kind::Number { min, max } = key.kind else { return None };
-    let value = rig.optional_number(key.path)? * power.exp2();
+    let value = rig.number_at(key.path)? * power.exp2();
     Some(format!("{}={:?}", key.path, value.clamp(min, max)))
 }
 
@@ -189,7 +190,7 @@ proptest! {
     fn a_rig_near_a_built_in_one_runs(
         (name, text) in prop::sample::select(BUILTIN.to_vec()),
         changes in prop::collection::vec(
-            (prop::sample::select(KEYS.iter().filter(|key| of_the_drive(key)).collect::<Vec<_>>()), -1.5..1.5),
+            (prop::sample::select(all_keys().filter(|key| of_the_drive(key)).collect::<Vec<_>>()), -1.5..1.5),
             1..9,
         ),
     ) {

@@ -1,5 +1,6 @@
 //! The columns of the air inside the valve: what they are, and that looking changes nothing.
 
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::BUILTIN;
 use pneudrive_sim::trace::{EXTRAS, Extra, Row, to_csv};
 use pneudrive_sim::{Accuracy, Recording, Rig, Run, run, run_recorded};
@@ -55,7 +56,7 @@ fn without_tubes_the_ports_have_the_pressures_of_the_chambers() {
             assert!((port / pressure - 1.0).abs() < 1e-9, "{} s: {port} for {pressure} Pa", row.time);
         }
         let supply = column("supply_port_pressure_pa", row);
-        assert!((supply / rig.number("supply.pressure_pa") - 1.0).abs() < 1e-9, "{supply} Pa");
+        assert!((supply / rig.get(&keys::supply::PRESSURE_PA) - 1.0).abs() < 1e-9, "{supply} Pa");
     }
 }
 

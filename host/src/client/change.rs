@@ -7,6 +7,7 @@ use pneudrive_controller::parameters::id;
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, frame};
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
 
 use super::{Client, RigParameters, short, unexpected};
 use crate::words;
@@ -42,8 +43,8 @@ impl Change {
             name: short(rig.name()),
             last_sample,
             round: sequence.round(),
-            decimation: rig.integer("test.decimation") as u16,
-            pre_trigger: rig.integer("test.pre_trigger") as u16,
+            decimation: rig.get(&keys::test::DECIMATION) as u16,
+            pre_trigger: rig.get(&keys::test::PRE_TRIGGER) as u16,
         });
         for next in sequence.moves() {
             self.add(&Entry::Move { at_sample: next.at_sample, target: next.target });
@@ -137,8 +138,8 @@ impl Client {
         self.ask_done(RequestBody::TestBegin {
             name: short(rig.name()),
             duration_us: duration_us.unwrap_or(u32::MAX),
-            decimation: rig.integer("test.decimation") as u16,
-            pre_trigger: rig.integer("test.pre_trigger") as u16,
+            decimation: rig.get(&keys::test::DECIMATION) as u16,
+            pre_trigger: rig.get(&keys::test::PRE_TRIGGER) as u16,
         })?;
         for (time_s, target) in rig.moves() {
             let time_us = (time_s * 1e6).round() as u32;

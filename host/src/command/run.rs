@@ -1,5 +1,8 @@
 //! `pneudrive run`.
 
+use pneudrive_sim::component::controller;
+use pneudrive_sim::component::operator;
+use pneudrive_sim::keys;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -35,7 +38,7 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
         return Ok(());
     }
     say!("{}: done", rig.name());
-    if rig.word("controller.loop") == "closed" {
+    if rig.get(&keys::controller::LOOP) == controller::Loop::Closed {
         say!("the drive holds its last setpoint; `pneudrive device disarm` releases it");
         tell_hold(&client.parameters()?);
     }
@@ -184,7 +187,7 @@ fn warn_of_other_hosts(client: &mut Client) -> Result<()> {
 
 /// The armed rig records what the test wants from before its start. The rig hears of its owner meanwhile.
 fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
-    let samples = rig.integer("test.pre_trigger") * rig.integer("test.decimation").max(1);
+    let samples = rig.get(&keys::test::PRE_TRIGGER) * rig.get(&keys::test::DECIMATION).max(1);
     let period = Duration::from_micros(rig.period_us().get().into());
     let begin = Instant::now();
     while begin.elapsed() < period.saturating_mul(samples as u32) {
@@ -204,7 +207,7 @@ fn wait_for_null(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Res
         if interrupts.look() {
             return Err(interrupts.not_begun());
         }
-        if rig.word("operator.model") != "stepper" || client.status()?.spool == 0 {
+        if rig.get(&keys::operator::MODEL) != operator::Model::Stepper || client.status()?.spool == 0 {
             break;
         }
         std::thread::sleep(Duration::from_millis(10));
@@ -215,9 +218,9 @@ fn wait_for_null(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Res
 /// Says how much of a long test the recorder will hold.
 fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> Result<()> {
     // The recorder sets the whole of its ring aside for samples from before the start.
-    let before = rig.integer("test.pre_trigger") as u32;
+    let before = rig.get(&keys::test::PRE_TRIGGER) as u32;
     let capacity = client.info()?.record_capacity.saturating_sub(before);
-    let stored = last_sample / rig.integer("test.decimation").max(1) as u32 + 1;
+    let stored = last_sample / rig.get(&keys::test::DECIMATION).max(1) as u32 + 1;
     if last_sample == UNTIL_STOPPED {
         tell!("note: the recorder holds the first {capacity} samples; --stream writes all of them to a file");
     } else if stored > capacity {

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use pneudrive_sim::rig::keys;
+use pneudrive_sim::rig::find_key;
 
 use super::long_work::{about, allow};
 use super::{Progress, load_choice, rig_text};
@@ -99,7 +99,7 @@ fn task(arguments: &Tune) -> Result<Task> {
 /// The keys that are held, as `key=value`: one without a value keeps that of the file.
 fn held(arguments: &Tune) -> Result<Vec<String>> {
     let with_value = |key: &String| {
-        if key.contains('=') || keys::find(key.trim()).is_none() {
+        if key.contains('=') || find_key(key.trim()).is_none() {
             return Ok(key.clone());
         }
         let rig = load_choice(&arguments.rig)?;

@@ -1,5 +1,6 @@
 //! `pneudrive virtual`.
 
+use pneudrive_sim::keys;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
@@ -19,7 +20,7 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     let token = token()?.as_deref().map(Token::new).transpose().context("PNEUDRIVE_TOKEN")?;
     let mut door = Door::open_with(&arguments.listen, token)?;
     let port = door.port_name().to_owned();
-    let (name, noise) = (rig.name().to_owned(), rig.number("sensors.noise_counts"));
+    let (name, noise) = (rig.name().to_owned(), rig.get(&keys::sensors::NOISE_COUNTS));
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
     say!("{name} is on {port}");

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
 
 use crate::transient::{POSITION, Transient};
 
@@ -13,12 +14,12 @@ const STOP_GIVES_MM: f64 = 3.0;
 /// # Errors
 /// When its encoder counts otherwise, or the drive was where the rig has no stroke.
 pub fn refuse_other_rig(transient: &Transient, rig: &Rig) -> Result<()> {
-    let [counted, counts] = [transient.mm_per_count, rig.number("encoder.mm_per_count")];
+    let [counted, counts] = [transient.mm_per_count, rig.get(&keys::encoder::MM_PER_COUNT)];
     let (name, test) = (rig.name(), &transient.name);
     if (counted / counts - 1.0).abs() > 1e-6 {
         bail!("{test} is not of {name}: its encoder counts {counted} mm, that of {name} {counts} mm");
     }
-    let stroke = 1e3 * rig.number("actuator.stroke_m");
+    let stroke = 1e3 * rig.get(&keys::actuator::STROKE_M);
     let [low, high] = [f64::min, f64::max].map(|of| transient.channels[POSITION].iter().copied().reduce(of));
     let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(0.0));
     if low < -STOP_GIVES_MM || high > stroke + STOP_GIVES_MM {

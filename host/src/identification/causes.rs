@@ -89,7 +89,7 @@ impl Choice {
 
     /// Whether a rig has the word, or the one for no effect.
     fn is_open(&self, rig: &Rig) -> bool {
-        [self.word, self.none].contains(&rig.word(self.path))
+        rig.word_at(self.path).is_some_and(|word| [self.word, self.none].contains(&word))
     }
 }
 
@@ -304,16 +304,16 @@ impl Effect {
             Change::Number { path, with, size, least } => {
                 let settings: Vec<String> = with.iter().map(Choice::setting).collect();
                 let rig = rig.with_settings(&settings).ok()?;
-                let start = rig.optional_number(path)?;
+                let start = rig.number_at(path)?;
                 let value = start + part * size;
                 let possible = value >= start.min(least);
                 possible.then(|| rig.with_numbers(&[(path, value.max(least))]).ok())?
             }
             Change::Switch(path) => {
-                let turned = !rig.switch(path);
+                let turned = !rig.switch_at(path)?;
                 rig.with_settings(&[format!("{path}={turned}")]).ok()
             }
-            Change::Word(choice) if rig.word(choice.path) == choice.none => {
+            Change::Word(choice) if rig.word_at(choice.path) == Some(choice.none) => {
                 rig.with_settings(&[choice.setting()]).ok()
             }
             Change::Word(_) => None,
@@ -327,7 +327,7 @@ impl Effect {
                 let number = format!("{path}={:.4}", Shortest(value.unwrap_or(0.0)));
                 with.iter().map(Choice::setting).chain([number]).collect::<Vec<_>>().join(" ")
             }
-            Change::Switch(path) => format!("{path}={}", rig.switch(path)),
+            Change::Switch(path) => format!("{path}={}", rig.switch_at(path).unwrap_or_default()),
             Change::Word(choice) => choice.setting(),
         }
     }
@@ -347,7 +347,7 @@ impl std::fmt::Display for Shortest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pneudrive_sim::rig::keys;
+    use pneudrive_sim::rig::find_key;
 
     #[test]
     fn every_effect_is_of_a_key_and_of_a_size_in_its_range() {
@@ -355,7 +355,7 @@ mod tests {
         for effect in list::EFFECTS {
             let (Change::Number { path, .. } | Change::Switch(path) | Change::Word(Choice { path, .. })) =
                 effect.change;
-            assert!(keys::find(path).is_some(), "{path}");
+            assert!(find_key(path).is_some(), "{path}");
             let model = Model::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
             assert!(effect.rig(&model, 1.0).is_some(), "{}", effect.name);
         }

@@ -10,6 +10,8 @@
 //! the same ones. The hysteresis is how far apart the spool stands at the same command on the way up and on the way
 //! down, as in 7.1.2.1.
 
+use pneudrive_sim::component::actuator;
+use pneudrive_sim::keys;
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
@@ -82,7 +84,8 @@ impl Figures {
                 if error > 0.0 { (1.0 - error.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
             let value = format!("{value:.decimals$}");
             let error = if error > 0.0 { format!("{error:.decimals$}") } else { String::new() };
-            let file = key.map_or(String::new(), |key| format!("{key} = {}", rig.number(key)));
+            let file =
+                key.and_then(|key| Some(format!("{key} = {}", rig.number_at(key)?))).unwrap_or_default();
             rows.push(vec![format!("{name}, {unit}"), value, error, file]);
         };
         let plain = |value: Option<f64>| value.map(|value| Figure { value, error: 0.0 });
@@ -164,15 +167,18 @@ impl Figures {
 
 /// The force on the load at a sample, N.
 fn force(rig: &Rig, recording: &Recording, k: usize) -> f64 {
-    let rod =
-        if rig.word("actuator.model") == "asymmetric" { rig.number("actuator.rod_diameter_m") } else { 0.0 };
-    let [area_1, area_2, rod_area] = Actuator::areas(rig.number("actuator.bore_m"), rod);
+    let rod = if rig.get(&keys::actuator::MODEL) == actuator::Model::Asymmetric {
+        rig.get(&keys::actuator::ROD_DIAMETER_M)
+    } else {
+        0.0
+    };
+    let [area_1, area_2, rod_area] = Actuator::areas(rig.get(&keys::actuator::BORE_M), rod);
     let si = |c: usize| {
         recording.channels[c].offset + recording.channels[c].measured[k] * recording.channels[c].scale
     };
-    si(1) * area_1 - si(2) * area_2 - rig.number("exhaust.pressure_pa") * rod_area
-        + rig.number("load.constant_force_n")
-        - rig.number("load.spring_n_per_m") * si(0)
+    si(1) * area_1 - si(2) * area_2 - rig.get(&keys::exhaust::PRESSURE_PA) * rod_area
+        + rig.get(&keys::load::CONSTANT_FORCE_N)
+        - rig.get(&keys::load::SPRING_N_PER_M) * si(0)
 }
 
 fn period(recording: &Recording) -> f64 {

@@ -12,6 +12,7 @@
 //! is so (docs/identification.md); but four values that are off the file's by the same force, one way up and the other
 //! way down, seldom come about by chance.
 
+use pneudrive_sim::keys;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::model::Model;
@@ -103,7 +104,7 @@ pub(super) fn suggested(model: &Model, u: &[f64]) -> Option<Incline> {
         return None;
     }
     let Common { force, error, freedom } = common(&values)?;
-    let weight = GRAVITY * model.rig_at(u).ok()?.number("load.mass_kg");
+    let weight = GRAVITY * model.rig_at(u).ok()?.get(&keys::load::MASS_KG);
     let degrees = |force: f64| (force / weight).clamp(-1.0, 1.0).asin().to_degrees();
     let reach = error * StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
     let forces = [force - reach, force + reach];

@@ -260,8 +260,14 @@ impl<'a> Model<'a> {
                 let bound = (self.parameters[high].start / self.parameters[low].start).ln() - APART;
                 Some(Limit { above: Some(low), below: Some(high), bound })
             }
-            (Some(i), None) => Some(Limit::at_most(i, self.parameters[i].u(self.rig.number(high)) - APART)),
-            (None, Some(i)) => Some(Limit::at_least(i, self.parameters[i].u(self.rig.number(low)) + APART)),
+            (Some(i), None) => Some(Limit::at_most(
+                i,
+                self.parameters[i].u(self.rig.number_at(high).unwrap_or(f64::INFINITY)) - APART,
+            )),
+            (None, Some(i)) => Some(Limit::at_least(
+                i,
+                self.parameters[i].u(self.rig.number_at(low).unwrap_or(f64::NEG_INFINITY)) + APART,
+            )),
             (None, None) => None,
         }
     }

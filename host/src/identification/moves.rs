@@ -17,7 +17,9 @@
 
 use anyhow::{Result, bail};
 use pneudrive_controller::{Command, drive};
+use pneudrive_sim::component::operator;
 use pneudrive_sim::follow::Timing;
+use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig, follow, run};
 
 use super::recording::{FEWEST_AT_REST, FEWEST_OF_A_RECORD};
@@ -113,16 +115,16 @@ pub fn test(rig: &Rig, position: f64, (_, rest, strokes): Test) -> Result<Rig> {
 
 /// A start on the edge of a count is ill-defined.
 fn middle_of_count(rig: &Rig, position: f64) -> f64 {
-    let pulse = 1e-3 * rig.number("encoder.mm_per_count");
+    let pulse = 1e-3 * rig.get(&keys::encoder::MM_PER_COUNT);
     ((position / pulse).floor() + 0.5) * pulse
 }
 
 /// Counts of a converter as those of the rig's drive stage.
 fn scaled(rig: &Rig, counts: i32) -> i32 {
-    if rig.word("operator.model") != "stepper" {
+    if rig.get(&keys::operator::MODEL) != operator::Model::Stepper {
         return counts;
     }
-    let full = rig.integer("operator.max_steps") as f64;
+    let full = rig.get(&keys::stepper::MAX_STEPS) as f64;
     (f64::from(counts) / f64::from(drive::MAX_COUNTS) * full).round() as i32
 }
 
@@ -139,7 +141,7 @@ fn with_moves(rig: &Rig, position: f64, moves: &[(f64, i32)], duration: f64) -> 
 
 /// How far the drive may go in a direction, m, signed.
 fn room(rig: &Rig, start: f64, direction: f64) -> Result<f64> {
-    let stroke = rig.number("actuator.stroke_m");
+    let stroke = rig.get(&keys::actuator::STROKE_M);
     let end = if direction > 0.0 { stroke - start } else { start };
     let room = (end - FROM_END * stroke).min(FARTHEST * stroke);
     if room < SHORTEST * stroke {
@@ -155,7 +157,7 @@ fn room(rig: &Rig, start: f64, direction: f64) -> Result<f64> {
 /// How long the last of these moves takes to `goal`, m, on the model, s.
 fn stroke_time(rig: &Rig, moves: &[(f64, i32)], goal: f64) -> Result<f64> {
     let period_us = u64::from(rig.period_us().get());
-    let timing = Timing { period_us, delay_us: rig.microseconds("controller.delay_s") };
+    let timing = Timing { period_us, delay_us: rig.microseconds(&keys::controller::DELAY_S) };
     let time = |k: usize| 1e-6 * period_us as f64 * k as f64;
     let (begun, counts) = moves[moves.len() - 1];
     let samples = ((begun + LONGEST_S) / time(1)) as usize;
@@ -173,7 +175,7 @@ fn stroke_time(rig: &Rig, moves: &[(f64, i32)], goal: f64) -> Result<f64> {
     let beyond = |position: f64| (position - goal) * f64::from(counts.signum()) >= 0.0;
     let arrived = readings.iter().skip(first).position(|reading| beyond(reading.position));
     let moved = (readings[readings.len() - 1].position - readings[first].position).abs();
-    if arrived.is_none() && moved < 0.1 * SHORTEST * rig.number("actuator.stroke_m") {
+    if arrived.is_none() && moved < 0.1 * SHORTEST * rig.get(&keys::actuator::STROKE_M) {
         bail!("the model of {} does not move under a command of {counts}", rig.name());
     }
     Ok(time(arrived.unwrap_or(samples - first)))
@@ -188,7 +190,7 @@ mod tests {
         for name in ["servo-a-tuned", "servo-b-tuned", "servo-c-tuned"] {
             let text = pneudrive_sim::rig::builtin(name).expect("built in");
             let rig = Rig::read_with(name, text, &["controller.loop=open".to_owned()]).expect("valid");
-            let stroke = rig.number("actuator.stroke_m");
+            let stroke = rig.get(&keys::actuator::STROKE_M);
             let timed = [MOVEMENT, DYNAMIC].into_iter().chain(FITTED);
             let mut tests: Vec<Rig> =
                 timed.map(|each| test(&rig, 0.5 * stroke, each).expect("a test")).collect();

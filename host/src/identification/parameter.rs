@@ -2,8 +2,10 @@
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::MOST_DISCHARGE;
-use pneudrive_sim::rig::keys::{self, KEYS, Key, Kind};
+use pneudrive_sim::component::actuator::leakage;
+use pneudrive_sim::keys;
+use pneudrive_sim::rig::MAX_DISCHARGE;
+use pneudrive_sim::rig::{Key, Kind, all_keys, find_key};
 
 /// Tables whose numbers are physical; of `[test]` the initial state is.
 const TABLES: [&str; 9] =
@@ -89,7 +91,7 @@ impl Parameter {
     /// # Errors
     /// When there is no such key, it is no physical number, or it has no value to start from.
     pub fn of(rig: &Rig, path: &str) -> Result<Parameter> {
-        let key = keys::find(path).ok_or_else(|| {
+        let key = find_key(path).ok_or_else(|| {
             anyhow!("there is no key {path:?} to fit; `pneudrive rig explain` lists the keys")
         })?;
         let physical = TABLES.contains(&key.table()) && (key.table() != "test" || START.contains(&path));
@@ -97,13 +99,13 @@ impl Parameter {
         if !physical {
             return Err(not_physical(path));
         }
-        if !is_used(rig, key) {
+        if !rig.uses(key) {
             let table = key.table();
-            let model = rig.word(&format!("{table}.model"));
+            let model = rig.model_of(table).unwrap_or_default();
             bail!("{path} cannot be fitted: the rig's {table}.model = {model:?} does not use it");
         }
         let start = rig
-            .optional_number(path)
+            .number_at(path)
             .ok_or_else(|| anyhow!("{path} has no value in the rig file; give one to start from"))?;
         let known =
             |table: &[(&str, f64)]| table.iter().find(|(known, _)| *known == path).map(|(_, size)| *size);
@@ -116,8 +118,8 @@ impl Parameter {
                 "{path} is {start} in the rig file, and its logarithm is fitted; give a value above 0 to start from"
             );
         }
-        let capped = key.name().starts_with("discharge") && rig.switch("valve.upstream_mach");
-        let max = if capped { MOST_DISCHARGE } else { max };
+        let capped = key.name().starts_with("discharge") && rig.get(&keys::valve::UPSTREAM_MACH);
+        let max = if capped { MAX_DISCHARGE } else { max };
         Ok(Parameter { key, start, scale, prior, difference: DIFFERENCE, range: [min, max] })
     }
 
@@ -125,13 +127,13 @@ impl Parameter {
     /// its unit, and about which next to nothing is assumed. None where it is no number of the rig.
     #[must_use]
     pub fn by_difference(rig: &Rig, path: &str, size: f64, least: f64) -> Option<Parameter> {
-        let key = keys::find(path)?;
+        let key = find_key(path)?;
         let Kind::Number { min, max } = key.kind else { return None };
         let scale = Scale::Difference(size.abs());
         let range = [min.max(least), max];
         Some(Parameter {
             key,
-            start: rig.optional_number(path)?,
+            start: rig.number_at(path)?,
             scale,
             prior: UNKNOWN,
             difference: DIFFERENCE,
@@ -195,11 +197,6 @@ fn not_physical(path: &str) -> anyhow::Error {
     anyhow!("{path} cannot be fitted: it is no physical number of the rig")
 }
 
-/// Whether the models of a rig use a key.
-fn is_used(rig: &Rig, key: &Key) -> bool {
-    key.models.is_empty() || key.models.contains(&rig.word(&format!("{}.model", key.table())))
-}
-
 /// Numbers that are fitted beside those that a spread draws: what nobody knows exactly, too.
 const ALSO: [&str; 8] = [
     "valve.null_offset_mm",
@@ -216,16 +213,16 @@ const ALSO: [&str; 8] = [
 /// A value of 0 says that the rig has no such thing, and stays.
 #[must_use]
 pub fn usual(rig: &Rig) -> Vec<Parameter> {
-    let unknown = KEYS.iter().filter(|key| key.spread || ALSO.contains(&key.path));
+    let unknown = all_keys().filter(|key| key.spread || ALSO.contains(&key.path));
     unknown.filter(|key| belongs(rig, key.path)).filter_map(|key| Parameter::of(rig, key.path).ok()).collect()
 }
 
 /// Whether a rig has what a key tells of, where that is no matter of its table's model.
 fn belongs(rig: &Rig, path: &str) -> bool {
-    let leakage = rig.word("actuator.leakage");
+    let leakage = rig.get(&keys::leakage::LEAKAGE);
     match path {
-        "actuator.leakage_coefficient" => leakage == "laminar",
-        "actuator.passage_clearance_m" => leakage == "adiabatic",
+        _ if path == keys::leakage::LEAKAGE_COEFFICIENT.path => leakage == leakage::Model::Laminar,
+        _ if path == keys::leakage::PASSAGE_CLEARANCE_M.path => leakage == leakage::Model::Adiabatic,
         _ => true,
     }
 }
@@ -253,7 +250,7 @@ mod tests {
     #[test]
     fn values_stay_in_the_range_of_their_key() {
         let discharge = Parameter::of(&rig(""), "valve.discharge_supply").expect("a number");
-        assert_eq!(discharge.value(3.0), MOST_DISCHARGE);
+        assert_eq!(discharge.value(3.0), MAX_DISCHARGE);
         let still = rig("[valve]\nupstream_mach = false\n");
         let discharge = Parameter::of(&still, "valve.discharge_supply").expect("a number");
         assert_eq!(discharge.value(3.0), 1.0);

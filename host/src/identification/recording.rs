@@ -4,7 +4,9 @@ use anyhow::{Context, Result, bail};
 use pneudrive_controller::Command;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::RecordedSample;
+use pneudrive_sim::component::operator;
 use pneudrive_sim::follow::{Reading, Timing, follow};
+use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
 
 use crate::replay::parameters::Header;
@@ -146,7 +148,7 @@ impl Recording {
         let header = Header::of(file)?.parameters;
         let parameter = |id: u16| header.get(id).unwrap_or(0);
         let stepper = parameter(id::STEPPER) != 0;
-        if stepper != (rig.word("operator.model") == "stepper") {
+        if stepper != (rig.get(&keys::operator::MODEL) == operator::Model::Stepper) {
             bail!("it and the rig file do not have the same drive stage (operator.model)");
         }
         if recorded.len() < FEWEST_OF_A_RECORD {
@@ -156,8 +158,8 @@ impl Recording {
         let converters = Converters {
             full_scale: f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1),
             rest,
-            dithered: rig.word("operator.model").starts_with("solenoid")
-                && rig.number("operator.dither_mm") > 0.0,
+            dithered: rig.get(&keys::operator::MODEL).is_solenoid()
+                && rig.get(&keys::dither::DITHER_MM) > 0.0,
         };
         let mut channels = converters.channels(file, &recorded)?;
         if stepper {

@@ -173,7 +173,7 @@ impl Told {
             standard_error: number("standard_error")?,
             interval: [ends.first()?.as_f64()?, ends.get(1)?.as_f64()?],
             rests_on_assumptions: json["rests_on"].as_array().is_some_and(|keys| !keys.is_empty()),
-            truth: truth.optional_number(key)?,
+            truth: truth.number_at(key)?,
             key: key.to_owned(),
         })
     }

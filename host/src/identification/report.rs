@@ -67,7 +67,7 @@ pub fn parameters(found: &Identification) -> Table {
 pub fn dependent(found: &Identification) -> Table {
     let row = |estimate: &Estimate| {
         let Given { known, interval, .. } = estimate.given.as_ref()?;
-        let rig = |path: &str| digits(found.rig.number(path));
+        let rig = |path: &str| digits(found.rig.number_at(path).unwrap_or(f64::NAN));
         let exact: Vec<String> = known.iter().map(|(path, _)| format!("{path} = {}", rig(path))).collect();
         let by: Vec<String> = known.iter().map(|(path, by)| format!("{by:+.4} per {}", unit(path))).collect();
         Some(vec![estimate.parameter.key.path.to_owned(), exact.join(", "), range(*interval), by.join(", ")])
@@ -105,7 +105,7 @@ fn paths(shares: &[Share]) -> String {
 
 /// The unit of a key, or "1".
 fn unit(path: &str) -> &'static str {
-    pneudrive_sim::rig::keys::find(path).map(|key| key.unit()).filter(|unit| !unit.is_empty()).unwrap_or("1")
+    pneudrive_sim::rig::find_key(path).map(|key| key.unit()).filter(|unit| !unit.is_empty()).unwrap_or("1")
 }
 
 /// Channel by channel, in counts.

@@ -1,5 +1,7 @@
 //! A run folder as it is read.
 
+use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::keys;
 use std::fs;
 use std::path::Path;
 
@@ -50,9 +52,9 @@ impl StoredRun {
         }
         StoredRun {
             rig: rig.name().to_owned(),
-            mm_per_count: rig.number("encoder.mm_per_count"),
-            open_loop: rig.word("controller.loop") == OPEN,
-            windows: WINDOWS.map(|key| rig.integer(key) as u8),
+            mm_per_count: rig.get(&keys::encoder::MM_PER_COUNT),
+            open_loop: rig.get(&keys::controller::LOOP) == Loop::Open,
+            windows: WINDOWS.map(|key| rig.get(key) as u8),
             band: None,
             spacing: None,
             accuracy: None,
@@ -108,7 +110,7 @@ impl StoredRun {
             let samples = description["keys"][key].as_f64().and_then(whole_window);
             samples.ok_or_else(|| wrong(key, WHOLE_WINDOW))
         };
-        let windows = [window(WINDOWS[0])?, window(WINDOWS[1])?];
+        let windows = [window(WINDOWS[0].path)?, window(WINDOWS[1].path)?];
         if columns[0].is_empty() {
             bail!("{} has no samples", folder.display());
         }

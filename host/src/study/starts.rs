@@ -13,6 +13,7 @@
 
 use anyhow::{Context, Result};
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Value, builtin};
 
 use super::Variant;
@@ -40,11 +41,11 @@ pub(super) fn at_start(variant: &Variant, start: usize) -> Result<Rig> {
 
 /// The settings that move the test of a rig.
 fn moved(rig: &Rig, start: usize) -> Vec<String> {
-    let pulse_mm = rig.number("encoder.mm_per_count");
+    let pulse_mm = rig.get(&keys::encoder::MM_PER_COUNT);
     // Whole counts: the drive keeps its place between two of them.
     let counts = (FARTHEST_MM * (2.0 * reversed(start, 2) - 1.0) / pulse_mm).round();
-    let position_m = rig.number("test.position_m") + 1e-3 * pulse_mm * counts;
-    let phase_deg = (rig.number("operator.dither_phase_deg") + 360.0 * reversed(start, 3)) % 360.0;
+    let position_m = rig.get(&keys::test::POSITION_M) + 1e-3 * pulse_mm * counts;
+    let phase_deg = (rig.get(&keys::dither::DITHER_PHASE_DEG) + 360.0 * reversed(start, 3)) % 360.0;
     let mut settings =
         vec![format!("test.position_m={position_m:?}"), format!("operator.dither_phase_deg={phase_deg:?}")];
     if let Some(Value::Moves(moves)) = rig.value("test.moves") {
@@ -85,7 +86,7 @@ mod tests {
             let rig = at_start(&DRIVE, start).expect("a rig");
             let by = targets(&rig)[0] - targets(&own)[0];
             assert!(targets(&rig).iter().zip(targets(&own)).all(|(moved, own)| moved - own == by));
-            let moved_m = rig.number("test.position_m") - own.number("test.position_m");
+            let moved_m = rig.get(&keys::test::POSITION_M) - own.get(&keys::test::POSITION_M);
             assert!((moved_m - by as f64 * 0.01205e-3).abs() < 1e-12, "{start}: {moved_m}");
             assert!(moved_m.abs() <= 0.0481, "{start}: {moved_m}");
         }

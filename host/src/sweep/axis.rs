@@ -29,8 +29,11 @@ impl Axis {
     pub fn settings<'a>(&'a self, rig: &'a Rig, level: &'a str) -> impl Iterator<Item = String> + 'a {
         let own = self.scaled.is_empty().then(|| format!("{}={level}", self.name));
         let factor: f64 = level.parse().unwrap_or(f64::NAN);
-        own.into_iter()
-            .chain(self.scaled.iter().map(move |key| format!("{key}={:?}", factor * rig.number(key))))
+        own.into_iter().chain(
+            self.scaled
+                .iter()
+                .map(move |key| format!("{key}={:?}", factor * rig.number_at(key).unwrap_or(0.0))),
+        )
     }
 
     /// The places of its levels on a graph: their values, or 0, 1, 2... of words.

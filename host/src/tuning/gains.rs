@@ -15,7 +15,9 @@
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::Value;
+use pneudrive_sim::component::{controller, operator};
+use pneudrive_sim::key::Typed;
+use pneudrive_sim::keys;
 
 use super::gene::{self, Gene};
 
@@ -59,29 +61,31 @@ impl Space {
     /// # Errors
     /// When its law has no gains, or all of them are held.
     pub fn of(rig: &Rig, settled_mm: f64, held: &[String]) -> Result<Space> {
-        if rig.word("controller.loop") != "closed" || rig.word("controller.model") != "sampled" {
+        if rig.get(&keys::controller::LOOP) != controller::Loop::Closed
+            || rig.get(&keys::controller::MODEL) != controller::Model::Sampled
+        {
             bail!(
                 "gains are looked for in closed loop, with the controller that is flashed: controller.loop=closed, controller.model=sampled"
             );
         }
-        let law = rig.word("controller.law");
-        if law == "on-off" {
+        let law = rig.get(&keys::controller::LAW);
+        if law == controller::Law::OnOff {
             bail!(
                 "the on-off law of {} has no gain that a step could be tuned with; choose controller.law=gain-profile",
                 rig.name()
             );
         }
-        let has_profile = law == "gain-profile";
-        let has_dither = rig.word("operator.model").starts_with("solenoid");
+        let has_profile = law == controller::Law::GainProfile;
+        let has_dither = rig.get(&keys::operator::MODEL).is_solenoid();
         let is_held = |key: &str| held.iter().any(|other| other == key);
         let has_gain = !is_held(if has_profile { PROFILE } else { PROPORTIONAL });
-        let dithers = !(is_held("operator.dither_mm") && rig.number("operator.dither_mm") == 0.0);
+        let dithers = !(is_held("operator.dither_mm") && rig.get(&keys::dither::DITHER_MM) == 0.0);
         let genes = [
             (&gene::E_FAR, has_gain),
             (&gene::T_D, !is_held("controller.velocity_gain")),
             (&gene::T_A, !is_held("controller.acceleration_gain")),
-            (&gene::VELOCITY_WINDOW, !is_held("controller.velocity_window_samples")),
-            (&gene::ACCELERATION_WINDOW, !is_held("controller.acceleration_window_samples")),
+            (&gene::VELOCITY_WINDOW, !is_held(keys::controller::VELOCITY_WINDOW_SAMPLES.path)),
+            (&gene::ACCELERATION_WINDOW, !is_held(keys::controller::ACCELERATION_WINDOW_SAMPLES.path)),
             (&gene::DEAD_BAND, !is_held("controller.dead_band_counts")),
             (&gene::NULL_OFFSET, !is_held("controller.null_offset_counts")),
             (&gene::E_NEAR, has_profile && has_gain),
@@ -115,13 +119,13 @@ impl Space {
             let place = self.genes.iter().position(|other| other.what == gene.what);
             place.map(|place| gene.value(shares[place]))
         };
-        let window = |gene: &Gene, key: &str| value(gene).unwrap_or(self.rig.integer(key) as f64);
+        let window = |gene: &Gene, key: &Typed<i64>| value(gene).unwrap_or(self.rig.get(key) as f64);
         let windows = [
-            window(&gene::VELOCITY_WINDOW, "controller.velocity_window_samples"),
-            window(&gene::ACCELERATION_WINDOW, "controller.acceleration_window_samples"),
+            window(&gene::VELOCITY_WINDOW, &keys::controller::VELOCITY_WINDOW_SAMPLES),
+            window(&gene::ACCELERATION_WINDOW, &keys::controller::ACCELERATION_WINDOW_SAMPLES),
         ];
         let far = value(&gene::E_FAR).map_or_else(|| self.held_gain(), |mm| self.gain_at(mm));
-        let samples = |time: f64| time / self.rig.number("controller.period_s");
+        let samples = |time: f64| time / self.rig.get(&keys::controller::PERIOD_S);
         let gain = |value: f64| value.round().clamp(0.0, MOST_GAIN).to_string();
         let kv = value(&gene::T_D).map(|t_d| gain(far * samples(t_d) / windows[0]));
         let ka = value(&gene::T_A).map(|t_a| gain(far * samples(t_a).powi(2) / (windows[0] * windows[1])));
@@ -177,33 +181,31 @@ impl Space {
     }
 
     fn has_profile(&self) -> bool {
-        self.rig.word("controller.law") == "gain-profile"
+        self.rig.get(&keys::controller::LAW) == controller::Law::GainProfile
     }
 
     fn mm(&self) -> f64 {
-        self.rig.number("encoder.mm_per_count")
+        self.rig.get(&keys::encoder::MM_PER_COUNT)
     }
 
     /// The command that opens the valve whole, counts.
     fn full_counts(&self) -> f64 {
-        match self.rig.word("operator.model") {
-            "stepper" => self.rig.integer("operator.max_steps") as f64,
+        match self.rig.get(&keys::operator::MODEL) {
+            operator::Model::Stepper => self.rig.get(&keys::stepper::MAX_STEPS) as f64,
             _ => 2048.0,
         }
     }
 
     /// The gain that opens the valve whole at an error.
     fn gain_at(&self, error_mm: f64) -> f64 {
-        self.full_counts() * self.rig.integer("controller.scale") as f64 / (error_mm / self.mm())
+        self.full_counts() * self.rig.get(&keys::controller::SCALE) as f64 / (error_mm / self.mm())
     }
 
     /// The gain at large errors where it is held.
     fn held_gain(&self) -> f64 {
-        match self.rig.value(PROFILE) {
-            Some(Value::Integers(entries)) if self.has_profile() => {
-                entries.last().map_or(0.0, |last| *last as f64)
-            }
-            _ => self.rig.integer(PROPORTIONAL) as f64,
+        match self.rig.get(&keys::controller::GAIN_PROFILE).last() {
+            Some(last) if self.has_profile() => *last as f64,
+            _ => self.rig.get(&keys::controller::PROPORTIONAL_GAIN) as f64,
         }
     }
 
@@ -211,7 +213,11 @@ impl Space {
     fn profile(&self, near: f64, far: f64, knee_mm: f64) -> [String; 2] {
         let knee = knee_mm / self.mm();
         let is_held = self.held.iter().any(|key| key == SPAN);
-        let span = if is_held { self.rig.integer(SPAN) as f64 } else { (knee / 6.0).round().max(1.0) };
+        let span = if is_held {
+            self.rig.get(&keys::controller::PROFILE_SPAN_COUNTS) as f64
+        } else {
+            (knee / 6.0).round().max(1.0)
+        };
         let entry = |i: usize| {
             let error = (i as f64 + 0.5) * span;
             (far + (near - far) / (1.0 + (error / knee).powi(2))).round().clamp(0.0, MOST_GAIN)

@@ -3,6 +3,8 @@
 
 use anyhow::Result;
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::operator;
+use pneudrive_sim::keys;
 
 use super::drive::{Drive, Meter, Stage};
 use super::search::Budget;
@@ -66,9 +68,9 @@ pub struct Obstacle {
 /// What could be in the way on a rig.
 #[must_use]
 pub fn suspects(rig: &Rig) -> Vec<Suspect> {
-    let solenoid = rig.word("operator.model") == "solenoid";
+    let solenoid = rig.get(&keys::operator::MODEL) == operator::Model::Solenoid;
     let set = |key: &str, value: f64| format!("{key}={value:?}");
-    let times = |key: &str, factor: f64| set(key, factor * rig.number(key));
+    let times = |key: &str, factor: f64| set(key, factor * rig.number_at(key).unwrap_or(0.0));
     let mut all = Vec::new();
     let mut add = |applies: bool, what, settings: Vec<String>| {
         if applies {
@@ -76,12 +78,12 @@ pub fn suspects(rig: &Rig) -> Vec<Suspect> {
         }
     };
     add(
-        solenoid && rig.number("operator.static_friction_n") > 0.0,
+        solenoid && rig.get(&keys::solenoid::STATIC_FRICTION_N) > 0.0,
         "no friction on the spool",
         vec![set("operator.coulomb_friction_n", 0.0), set("operator.static_friction_n", 0.0)],
     );
     add(
-        solenoid && rig.number("operator.hysteresis_percent") > 0.0,
+        solenoid && rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) > 0.0,
         "no magnetic hysteresis in the operator",
         vec![set("operator.hysteresis_percent", 0.0)],
     );
@@ -90,14 +92,18 @@ pub fn suspects(rig: &Rig) -> Vec<Suspect> {
         "an operator twice as fast",
         vec![times("operator.spool_mass_kg", 0.25), times("operator.damping_n_s_per_m", 0.5)],
     );
-    add(rig.word("operator.model") == "stepper", "steps of the spool a quarter as long", {
-        vec![
-            times("operator.mm_per_step", 0.25),
-            format!("operator.max_steps={}", 4 * rig.integer("operator.max_steps")),
-        ]
-    });
     add(
-        rig.number("valve.underlap_mm") > 0.0,
+        rig.get(&keys::operator::MODEL) == operator::Model::Stepper,
+        "steps of the spool a quarter as long",
+        {
+            vec![
+                times("operator.mm_per_step", 0.25),
+                format!("operator.max_steps={}", 4 * rig.get(&keys::stepper::MAX_STEPS)),
+            ]
+        },
+    );
+    add(
+        rig.get(&keys::valve::UNDERLAP_MM) > 0.0,
         "a valve without overlap",
         vec![set("valve.underlap_mm", 0.0)],
     );
@@ -105,8 +111,8 @@ pub fn suspects(rig: &Rig) -> Vec<Suspect> {
         true,
         "static friction of the load no larger than its Coulomb friction",
         vec![
-            set("load.static_extend_n", rig.number("load.coulomb_extend_n")),
-            set("load.static_retract_n", rig.number("load.coulomb_retract_n")),
+            set("load.static_extend_n", rig.get(&keys::friction::COULOMB_EXTEND_N)),
+            set("load.static_retract_n", rig.get(&keys::friction::COULOMB_RETRACT_N)),
         ],
     );
     add(true, "no dry friction of the load", FRICTION[..4].iter().rev().map(|key| set(key, 0.0)).collect());

@@ -66,7 +66,9 @@ impl Variant {
         let factors = [("load.mass_kg", self.load), ("supply.pressure_pa", self.supply)];
         let friction = FRICTION.map(|key| (key, self.friction));
         let scaled = factors.into_iter().chain(friction).filter(|(_, factor)| *factor != 1.0);
-        scaled.map(|(key, factor)| format!("{key}={:?}", factor * rig.number(key))).collect()
+        scaled
+            .map(|(key, factor)| format!("{key}={:?}", factor * rig.number_at(key).unwrap_or(0.0)))
+            .collect()
     }
 
     /// The rig in words.

@@ -1,6 +1,7 @@
 //! The step on a rig: from somewhere on the stroke in either direction, and back.
 
 use anyhow::{Result, bail};
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 
@@ -158,13 +159,13 @@ impl Way {
     /// Between the positions that are typed and the software ends; from the ends of the stroke a step keeps the
     /// distance that it may overshoot by, or settle within.
     fn of(rig: &Rig, task: &Task) -> Result<Way> {
-        let (mm, goal) = (rig.number("encoder.mm_per_count"), &task.goal);
+        let (mm, goal) = (rig.get(&keys::encoder::MM_PER_COUNT), &task.goal);
         let clear_mm = goal.settled_mm.max(goal.step_mm * goal.overshoot_percent / 100.0);
-        let stroke_mm = 1e3 * rig.number("actuator.stroke_m");
+        let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
         let [lowest, highest] = task.between_mm;
-        let ends = [lowest, rig.optional_number("safety.end_min_mm")].into_iter().flatten();
+        let ends = [lowest, rig.get(&keys::safety::END_MIN_MM)].into_iter().flatten();
         let low_mm = ends.fold(clear_mm, f64::max);
-        let ends = [highest, rig.optional_number("safety.end_max_mm")].into_iter().flatten();
+        let ends = [highest, rig.get(&keys::safety::END_MAX_MM)].into_iter().flatten();
         let high_mm = ends.fold(stroke_mm - clear_mm, f64::min);
         let way = Way {
             low: (low_mm / mm).ceil() as i64,

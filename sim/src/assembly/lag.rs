@@ -23,8 +23,12 @@
 use super::{StateVector, slot};
 use crate::component::air::Station;
 use crate::component::gas::Gas;
-use crate::component::tubing::Tube;
+use crate::component::supply;
+use crate::component::tubing::{Tube, speed_recovery, tubes};
+use crate::component::valve::Valve;
+use crate::keys;
 use crate::number::{Number, Pair};
+use crate::values::Rig;
 
 /// The lag, and what the ratios will come to.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +46,16 @@ pub(crate) struct Lag {
 const MARGIN: f64 = 1.5;
 
 impl Lag {
+    /// The lag of a rig's tubes, if they have one.
+    pub fn of(rig: &Rig, gas: &Gas) -> Option<Lag> {
+        let time = rig.get(&keys::tubing::LAG_S);
+        let (supply_tube, cylinder_tube) = tubes(rig, gas);
+        (time > 0.0).then(|| {
+            let recovery = speed_recovery(rig, gas, &Valve::of(rig));
+            Lag { time, supply: supply::station(rig, gas), supply_tube, cylinder_tube, recovery }
+        })
+    }
+
     /// a, for the largest C_d A of a supply land over A_p.
     pub fn at_once(&self, width: f64) -> f64 {
         (MARGIN * self.recovery * (1.0 - 1.0 / (width * width))).clamp(0.0, 1.0)

@@ -32,9 +32,10 @@ impl Assembly {
 mod tests {
     use super::super::{CORE, END_GUARDS, GUARDS, SCALE, STATES};
     use super::*;
+    use crate::assembly::build;
+    use crate::follow;
     use crate::plant::{Accuracy, Plant};
-    use crate::rig::Rig;
-    use crate::{build, follow};
+    use crate::values::Rig;
     use pneudrive_solver::{Integrator, Method};
 
     fn rig(lag: f64, overlap: f64) -> Rig {

@@ -1,13 +1,14 @@
 //! Parts of a rig on a bench: the valve between two pressures, its operator with no air in it.
 
-use crate::build;
 use crate::component::air::Station;
 use crate::component::dither::Dither;
 use crate::component::gas::Gas;
-use crate::component::operator::{GUARDS, Operator, Request, SpoolState};
+use crate::component::operator::{GUARDS, Model, Operator, Request, SpoolState};
 use crate::component::valve::Valve;
+use crate::component::valve::speed_counts;
+use crate::keys;
 use crate::network::{Network, Node, PortFlow};
-use crate::rig::Rig;
+use crate::values::Rig;
 use pneudrive_solver::bracketed_root;
 use pneudrive_solver::{Derivative, Event, IntegrationError, Integrator, Method, System};
 
@@ -25,15 +26,15 @@ pub(super) struct ValveBench {
 impl ValveBench {
     /// The valve of a rig under a pressure (Pa) at its supply port.
     pub fn new(rig: &Rig, supply_pa: f64) -> ValveBench {
-        ValveBench::with_approach(rig, supply_pa, build::speed_counts(rig))
+        ValveBench::with_approach(rig, supply_pa, speed_counts(rig))
     }
 
     /// The same, with or without the speed at which air approaches.
     pub fn with_approach(rig: &Rig, supply_pa: f64, approach: bool) -> ValveBench {
-        let gas = build::gas(rig);
-        let valve = build::valve(rig);
-        let network = build::network_without_tubes(rig, gas, supply_pa, approach.then(|| valve.port_area()));
-        ValveBench { gas, valve, network, exhaust_pa: rig.number("exhaust.pressure_pa"), supply_pa }
+        let gas = Gas::of(rig);
+        let valve = Valve::of(rig);
+        let network = Network::without_tubes(rig, gas, supply_pa, approach.then(|| valve.port_area()));
+        ValveBench { gas, valve, network, exhaust_pa: rig.get(&keys::exhaust::PRESSURE_PA), supply_pa }
     }
 
     /// The nodes with the spool at a place (m) and pressures (Pa) at the ports.
@@ -77,18 +78,18 @@ impl ValveBench {
 /// A rig's spool that nothing holds is an oscillator: `x'' + 2 a x' + k x`, with a in 1/s and k in 1/s^2. None of a spool
 /// without a mass.
 fn oscillator(rig: &Rig) -> Option<[f64; 2]> {
-    match rig.word("operator.model") {
-        "solenoid" => {
-            let mass = rig.number("operator.spool_mass_kg");
-            let [damping, spring] =
-                ["operator.damping_n_s_per_m", "operator.spring_n_per_mm"].map(|key| rig.number(key));
+    match rig.get(&keys::operator::MODEL) {
+        Model::Solenoid => {
+            let mass = rig.get(&keys::solenoid::SPOOL_MASS_KG);
+            let [damping, spring] = [&keys::solenoid::DAMPING_N_S_PER_M, &keys::solenoid::SPRING_N_PER_MM]
+                .map(|key| rig.get(key));
             Some([damping / (2.0 * mass), 1e3 * spring / mass])
         }
-        "solenoid-empirical" => Some([
-            rig.number("operator.damping_per_s") / 2.0,
-            rig.number("operator.stiffness_per_mass_per_s2"),
+        Model::Empirical => Some([
+            rig.get(&keys::empirical::DAMPING_PER_S) / 2.0,
+            rig.get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2),
         ]),
-        _ => None,
+        Model::Stepper | Model::OnOff => None,
     }
 }
 
@@ -123,7 +124,7 @@ impl SpoolBench {
     /// The operator of a rig, with another dither if one is given.
     pub fn new(rig: &Rig, dither: Option<Dither>) -> SpoolBench {
         SpoolBench {
-            on_bench: OnBench(build::stepped_operator(rig, dither.unwrap_or_else(|| build::dither(rig)))),
+            on_bench: OnBench(Operator::with_steps(rig, dither.unwrap_or_else(|| Dither::of(rig)))),
             integrator: Integrator::new(Method::DormandPrince, TOLERANCE, SCALE, [0.0; 2]),
             counts: 0,
             at: 0.0,

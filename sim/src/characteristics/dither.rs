@@ -7,9 +7,9 @@
 use super::bench::{SpoolBench, ValveBench};
 use super::hysteresis::{branches, reading_m, sweep};
 use super::{Characteristic, Figure, Graph, Unfit, evenly};
-use crate::build;
 use crate::component::dither::Dither;
-use crate::rig::Rig;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "a blocked port over command, by frequency of the dither (7.1.2.2, Fig. 7.8)";
 
@@ -25,7 +25,7 @@ struct BlockedPort {
 
 impl BlockedPort {
     fn new(rig: &Rig) -> BlockedPort {
-        let mut bench = ValveBench::new(rig, rig.number("supply.pressure_pa"));
+        let mut bench = ValveBench::new(rig, rig.get(&keys::supply::PRESSURE_PA));
         let travel = 1.25 * bench.valve.travel;
         let places = evenly(-travel, travel, 1000);
         let pressures = places.iter().map(|&x| bench.blocked(x)[0]).collect();
@@ -57,7 +57,7 @@ pub fn vibration(rig: &Rig, dither: Dither) -> Result<f64, Unfit> {
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if !rig.word("operator.model").starts_with("solenoid") {
+    if !rig.get(&keys::operator::MODEL).is_solenoid() {
         return Err(Unfit::NoPart("only a solenoid has a dither"));
     }
     let port = BlockedPort::new(rig);
@@ -66,10 +66,10 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
             "nothing leaks from its lands, so a blocked port has no pressure of its own",
         ));
     }
-    let middle = (rig.number("supply.pressure_pa") + rig.number("exhaust.pressure_pa")) / 2.0;
+    let middle = (rig.get(&keys::supply::PRESSURE_PA) + rig.get(&keys::exhaust::PRESSURE_PA)) / 2.0;
     let (mut series, mut figures) = (Vec::new(), Vec::new());
     for frequency_hz in frequencies(rig) {
-        let dither = Dither { frequency_hz, ..build::dither(rig) };
+        let dither = Dither { frequency_hz, ..Dither::of(rig) };
         let found = sweep(rig, dither, |spool| port.mean(spool))?;
         let name = format!("{frequency_hz} Hz");
         if let Some(width) = found.width(middle) {
@@ -83,7 +83,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     Ok(Characteristic {
         notes: vec![format!(
             "The amplitude of the dither is {} mm at every frequency. Read is the mean pressure over its period.",
-            rig.number("operator.dither_mm")
+            rig.get(&keys::dither::DITHER_MM)
         )],
         across: "command, mm",
         graphs: vec![Graph { title: "blocked port 1, kPa", series }],
@@ -94,7 +94,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 /// Those of Fig. 7.8, and the rig's own.
 fn frequencies(rig: &Rig) -> Vec<f64> {
-    let own = build::dither(rig).frequency_hz;
+    let own = Dither::of(rig).frequency_hz;
     let other = Some(own).filter(|own| *own > 0.0 && !FREQUENCIES_HZ.contains(own));
     FREQUENCIES_HZ.into_iter().chain(other).collect()
 }

@@ -5,9 +5,9 @@
 
 use super::bench::ValveBench;
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
-use crate::build;
 use crate::component::valve::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
-use crate::rig::Rig;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "force of the flow on the spool over the spool, by supply pressure (6.4.4)";
 
@@ -18,11 +18,10 @@ pub fn force(rig: &Rig, spool: f64, supply_pa: f64, port_pa: f64) -> f64 {
     let mut bench = ValveBench::new(rig, supply_pa);
     let nodes = bench.nodes(spool, [port_pa; 2]);
     let (gas, valve) = (&bench.gas, &bench.valve);
-    let source =
-        |pressure, side: &str| Source { pressure, temperature: rig.number(&format!("{side}.temperature_k")) };
+    let source = |pressure, temperature| Source { pressure, temperature: rig.get(temperature) };
     let flows = ValveFlows {
-        supply: source(supply_pa, "supply"),
-        exhaust: source(rig.number("exhaust.pressure_pa"), "exhaust"),
+        supply: source(supply_pa, &keys::supply::TEMPERATURE_K),
+        exhaust: source(rig.get(&keys::exhaust::PRESSURE_PA), &keys::exhaust::TEMPERATURE_K),
         nodes: nodes.map(|node| NodeFlows {
             supply: node.supply_flow,
             exhaust: node.exhaust_flow,
@@ -33,15 +32,15 @@ pub fn force(rig: &Rig, spool: f64, supply_pa: f64, port_pa: f64) -> f64 {
         path_area: path_area(valve.spool_diameter, valve.rod_diameter),
         opening: (spool - valve.null_offset) / valve.travel,
     };
-    build::flow_force(rig).force(gas, &flows)
+    FlowForce::of(rig).force(gas, &flows)
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if build::flow_force(rig) == FlowForce::None {
+    if FlowForce::of(rig) == FlowForce::None {
         return Err(Unfit::NoPart("its flow does not push the spool: valve.flow_force is \"none\""));
     }
-    let travel = rig.number("valve.spool_travel_mm");
-    let exhaust = rig.number("exhaust.pressure_pa");
+    let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM);
+    let exhaust = rig.get(&keys::exhaust::PRESSURE_PA);
     let at = |spool_mm: f64, supply: f64| force(rig, spool_mm * 1e-3, supply, (exhaust + supply) / 2.0);
     let curve = |&supply: &f64| {
         Series::over(format!("Ps = {:.1} kPa", supply / 1e3), &evenly(-travel, travel, 160), |spool| {

@@ -6,11 +6,12 @@
 //! ```
 
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
-use crate::build;
 use crate::component::gas::Gas;
+use crate::component::valve::Valve;
 use crate::component::valve::discharge::perry;
 use crate::component::valve::flow_law::FlowLaw;
-use crate::rig::Rig;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "flow of a land over the pressure ratio (V.9)";
 
@@ -25,18 +26,18 @@ pub fn choked_flux(gas: &Gas, pressure_pa: f64, temperature: f64) -> f64 {
 /// Flow of the rig's widest open land to the supply at a pressure ratio, kg/s, from the rig's supply at rest.
 #[must_use]
 pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
-    let (gas, valve) = (build::gas(rig), build::valve(rig));
-    let (up, down) = (rig.number("supply.pressure_pa"), ratio * rig.number("supply.pressure_pa"));
+    let (gas, valve) = (Gas::of(rig), Valve::of(rig));
+    let (up, down) = (rig.get(&keys::supply::PRESSURE_PA), ratio * rig.get(&keys::supply::PRESSURE_PA));
     let psi = valve.land_law.flow_function(&gas, gas.exner(up), gas.exner(down)).value;
     let lands = valve.conductances(&gas, valve.null_offset + valve.travel);
-    (lands.lane(0).supply * psi / rig.number("supply.temperature_k")).max(0.0).sqrt()
+    (lands.lane(0).supply * psi / rig.get(&keys::supply::TEMPERATURE_K)).max(0.0).sqrt()
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    let (gas, valve) = (build::gas(rig), build::valve(rig));
+    let (gas, valve) = (Gas::of(rig), Valve::of(rig));
     let area = valve.edge_area(valve.travel - valve.lap);
     let choked =
-        area * choked_flux(&gas, rig.number("supply.pressure_pa"), rig.number("supply.temperature_k"));
+        area * choked_flux(&gas, rig.get(&keys::supply::PRESSURE_PA), rig.get(&keys::supply::TEMPERATURE_K));
     let ratios = evenly(0.0, 1.0, 200);
     let land = Series::over("a land of this rig".to_owned(), &ratios, |ratio| land_flow(rig, ratio) / choked);
     let ideal = Series::over("ideal nozzle".to_owned(), &ratios, |ratio| {
@@ -78,8 +79,8 @@ mod tests {
     #[test]
     fn a_land_is_choked_up_to_the_critical_ratio_and_passes_its_coefficient_of_discharge() {
         let rig = rig(&[]);
-        let valve = build::valve(&rig);
-        let ideal = valve.edge_area(valve.travel) * choked_flux(&build::gas(&rig), 589e3, 294.0);
+        let valve = Valve::of(&rig);
+        let ideal = valve.edge_area(valve.travel) * choked_flux(&Gas::of(&rig), 589e3, 294.0);
         for ratio in [0.0, 0.3, 0.528] {
             assert!((land_flow(&rig, ratio) / ideal - 0.8).abs() < 1e-6, "{ratio}");
         }

@@ -6,7 +6,8 @@
 
 use super::bench::ValveBench;
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
-use crate::rig::Rig;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "flow of a port over the spool, by supply pressure (7.1.1.1, Fig. 7.4)";
 
@@ -28,7 +29,7 @@ pub fn port_flow(rig: &Rig, port: usize, spool: f64, supply_pa: f64, port_pa: f6
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let supplies = supplies(rig);
-    let halfway = |supply: f64| (rig.number("exhaust.pressure_pa") + supply) / 2.0;
+    let halfway = |supply: f64| (rig.get(&keys::exhaust::PRESSURE_PA) + supply) / 2.0;
     let by_supply = supplies
         .iter()
         .map(|&supply| curve(rig, format!("Ps = {:.1} kPa", supply / 1e3), supply, halfway(supply)));
@@ -56,7 +57,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 
 /// How steep the flow is about the null, and how large with the valve wide open.
 fn figures(rig: &Rig, supply_pa: f64, port_pa: f64) -> [Figure; 2] {
-    let [travel, null] = ["valve.spool_travel_mm", "valve.null_offset_mm"].map(|key| rig.number(key));
+    let [travel, null] =
+        [&keys::valve::SPOOL_TRAVEL_MM, &keys::valve::NULL_OFFSET_MM].map(|key| rig.get(key));
     let mut bench = ValveBench::new(rig, supply_pa);
     let mut flow = |spool_mm: f64| 1e3 * bench.nodes(spool_mm * 1e-3, [port_pa; 2])[0].port_flow();
     let beside = ABOUT_NULL * travel;
@@ -70,7 +72,7 @@ fn figures(rig: &Rig, supply_pa: f64, port_pa: f64) -> [Figure; 2] {
 
 fn curve(rig: &Rig, name: String, supply_pa: f64, port_pa: f64) -> Series {
     let mut bench = ValveBench::new(rig, supply_pa);
-    let travel = rig.number("valve.spool_travel_mm");
+    let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM);
     Series::over(name, &evenly(-travel, travel, 160), |spool| {
         1e3 * bench.nodes(spool * 1e-3, [port_pa; 2])[0].port_flow()
     })

@@ -12,13 +12,13 @@
 //! The response is measured on a grid of frequencies. Where its largest gain is, and where gain and phase pass a level,
 //! is then looked for between the neighbours on the grid, by more measurements.
 
+use crate::keys;
 use std::f64::consts::PI;
 
 use super::bench::{SpoolBench, decay_s, natural_hz};
 use super::{Characteristic, Figure, Graph, Reading, Series, Unfit};
-use crate::build;
 use crate::component::dither::Dither;
-use crate::rig::Rig;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "gain and phase of the spool under a swept sine (7.1.2.3)";
 
@@ -48,7 +48,7 @@ type Phasor = [f64; 2];
 /// # Errors
 /// When the spool cannot be followed.
 pub fn response(rig: &Rig, frequency_hz: f64, amplitude: f64) -> Result<Response, Unfit> {
-    let still = Dither { amplitude: 0.0, ..build::dither(rig) };
+    let still = Dither { amplitude: 0.0, ..Dither::of(rig) };
     let mut bench = SpoolBench::new(rig, Some(still));
     let period = 1.0 / frequency_hz;
     let command = |step: usize| (amplitude * (2.0 * PI * step as f64 / STEPS as f64).sin()).round();
@@ -66,7 +66,7 @@ pub fn response(rig: &Rig, frequency_hz: f64, amplitude: f64) -> Result<Response
         cycle()?;
     }
     let spool = cycle()?;
-    let per_count = rig.number("valve.spool_travel_mm") * 1e-3 / 2048.0;
+    let per_count = rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3 / 2048.0;
     let commands: Vec<f64> = (0..READINGS).map(|i| command(i * STEPS / READINGS) * per_count).collect();
     let (input, output) = (fundamental(&commands), fundamental(&spool));
     let phase = output[1].atan2(output[0]) - input[1].atan2(input[0]);
@@ -184,7 +184,7 @@ fn grid(rig: &Rig) -> Vec<f64> {
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if !rig.word("operator.model").starts_with("solenoid") {
+    if !rig.get(&keys::operator::MODEL).is_solenoid() {
         return Err(Unfit::NoPart(
             "its operator has no moving mass: a spool that follows at once has no response",
         ));
@@ -194,7 +194,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let mut figures = Vec::new();
     for part in [1.0, 0.5] {
         let amplitude = part * AMPLITUDE;
-        let name = format!("{:.3} mm", amplitude / 2048.0 * rig.number("valve.spool_travel_mm"));
+        let name = format!("{:.3} mm", amplitude / 2048.0 * rig.get(&keys::valve::SPOOL_TRAVEL_MM));
         let bode = Bode::of(rig, amplitude, &frequencies)?;
         figures.extend(bode.figures(&name)?);
         let y = |of: &dyn Fn(&Response) -> f64| bode.responses.iter().map(of).collect();

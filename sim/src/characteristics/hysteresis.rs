@@ -7,9 +7,10 @@
 
 use super::bench::{SpoolBench, decay_s};
 use super::{Characteristic, Figure, Graph, Series, Unfit};
-use crate::build;
 use crate::component::dither::Dither;
-use crate::rig::Rig;
+use crate::component::operator;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "spool over command, up and down (7.1.2.1, Fig. 7.6)";
 
@@ -74,10 +75,10 @@ pub fn sweep(rig: &Rig, dither: Dither, mut read: impl FnMut(&[f64]) -> f64) -> 
 
 /// The largest command of a rig's operator, and the spool's travel for one count, m.
 fn range(rig: &Rig) -> [f64; 2] {
-    if rig.word("operator.model") == "stepper" {
-        return [rig.integer("operator.max_steps") as f64, rig.number("operator.mm_per_step") * 1e-3];
+    if rig.get(&keys::operator::MODEL) == operator::Model::Stepper {
+        return [rig.get(&keys::stepper::MAX_STEPS) as f64, rig.get(&keys::stepper::MM_PER_STEP) * 1e-3];
     }
-    [2048.0, rig.number("valve.spool_travel_mm") * 1e-3 / 2048.0]
+    [2048.0, rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3 / 2048.0]
 }
 
 /// To what a command is read, m: a count, or of a stepper a step.
@@ -92,10 +93,10 @@ pub fn mean(spool: &[f64]) -> f64 {
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if rig.word("operator.model") == "on-off" {
+    if rig.get(&keys::operator::MODEL) == operator::Model::OnOff {
         return Err(Unfit::NoPart("an on-off operator has three places and no loop"));
     }
-    let own = build::dither(rig);
+    let own = Dither::of(rig);
     let mut found = Characteristic {
         notes: vec!["Each command is held until the spool has come to rest, or through a whole period of the dither, of which the mean is shown.".to_owned()],
         across: "command, mm",

@@ -1,8 +1,9 @@
 //! Areas of the lands over the spool (6.38, Appendix IV): what of the valve is open.
 
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
-use crate::build;
-use crate::rig::Rig;
+use crate::component::valve::Valve;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "areas of the lands over the spool (6.38)";
 
@@ -10,8 +11,9 @@ pub(super) const ABOUT: &str = "areas of the lands over the spool (6.38)";
 const MM2: f64 = 1e6;
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    let valve = build::valve(rig);
-    let [travel, null] = ["valve.spool_travel_mm", "valve.null_offset_mm"].map(|key| rig.number(key));
+    let valve = Valve::of(rig);
+    let [travel, null] =
+        [&keys::valve::SPOOL_TRAVEL_MM, &keys::valve::NULL_OFFSET_MM].map(|key| rig.get(key));
     let area = |land: usize, spool_mm: f64| MM2 * valve.land_areas(spool_mm * 1e-3)[land];
     let places = evenly(-travel, travel, 400);
     let series =

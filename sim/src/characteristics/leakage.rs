@@ -2,9 +2,11 @@
 //! what comes out of it has passed the seal.
 
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
-use crate::build;
+use crate::component::actuator::Actuator;
 use crate::component::actuator::leakage::Leakage;
-use crate::rig::Rig;
+use crate::component::gas::Gas;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str =
     "leakage past the piston over the pressure of the fed chamber (8.3.3, Fig. 8.8)";
@@ -13,13 +15,13 @@ pub(super) const ABOUT: &str =
 const LITRES_A_MINUTE: f64 = 60.0 / 1.185e-3;
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    let actuator = build::actuator(rig);
+    let actuator = Actuator::of(rig);
     if actuator.leakage == Leakage::None {
         return Err(Unfit::NoPart("its piston does not leak: actuator.leakage is \"none\""));
     }
-    let gas = build::gas(rig);
-    let [supply, exhaust] = ["supply.pressure_pa", "exhaust.pressure_pa"].map(|key| rig.number(key));
-    let temperature = rig.number("supply.temperature_k");
+    let gas = Gas::of(rig);
+    let [supply, exhaust] = [&keys::supply::PRESSURE_PA, &keys::exhaust::PRESSURE_PA].map(|key| rig.get(key));
+    let temperature = rig.get(&keys::supply::TEMPERATURE_K);
     let flow = |fed: f64| actuator.leakage.at_pressures(&gas, [fed, exhaust], temperature);
     let pressures = evenly(exhaust / 1e3, supply / 1e3, 200);
     let series = Series::over("past the piston".to_owned(), &pressures, |fed| 1e3 * flow(1e3 * fed));

@@ -3,27 +3,29 @@
 //! Positive flows go away from the end whose pressure is known; against it the far end is the higher one.
 
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
-use crate::build;
 use crate::component::air::Station;
-use crate::rig::Rig;
+use crate::component::gas::Gas;
+use crate::component::tubing::tubes;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "pressure behind a tube over its flow (7.1.4)";
 
 /// The pressure at the far end of a rig's cylinder tube over that at its known end, for a flow (kg/s) away from it.
 #[must_use]
 pub fn ratio(rig: &Rig, known_pa: f64, flow: f64) -> f64 {
-    let gas = build::gas(rig);
-    let known = Station { exner: gas.exner(known_pa), temperature: rig.number("supply.temperature_k") };
-    let (_, tube) = build::tubes(rig, &gas);
+    let gas = Gas::of(rig);
+    let known = Station { exner: gas.exner(known_pa), temperature: rig.get(&keys::supply::TEMPERATURE_K) };
+    let (_, tube) = tubes(rig, &gas);
     gas.pressure(tube.far_end(&known, flow).exner) / known_pa
 }
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if build::tubes(rig, &build::gas(rig)).1.is_none() {
+    if tubes(rig, &Gas::of(rig)).1.is_none() {
         return Err(Unfit::NoPart("it has no tubes: tubing.model is \"none\""));
     }
-    let supply = rig.number("supply.pressure_pa");
-    let reference = rig.number("tubing.reference_flow_kg_s");
+    let supply = rig.get(&keys::supply::PRESSURE_PA);
+    let reference = rig.get(&keys::tubing::REFERENCE_FLOW_KG_S);
     let curve = |part: f64| {
         let known = part * supply;
         let flows = evenly(-reference * 1e3, reference * 2e3, 150);

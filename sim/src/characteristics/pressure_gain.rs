@@ -13,7 +13,8 @@
 
 use super::bench::ValveBench;
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
-use crate::rig::Rig;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "pressures of blocked ports over the spool, by supply pressure, and the null (7.1.1.2, Fig. 7.3, Tab. 7.1)";
 
@@ -89,7 +90,7 @@ pub fn null_by_least_squares(rig: &Rig, supply_pa: f64, readings: &Readings) -> 
         });
         terms.sum()
     };
-    let travel = rig.number("valve.spool_travel_mm") * 1e-3;
+    let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3;
     let position = least(&mut squares, middle - REACH * travel / 2.0, middle + REACH * travel / 2.0);
     let misfit_pa = (squares(position) / (2 * readings.spool.len()) as f64).sqrt();
     let slopes = readings.spool.iter().flat_map(|x| slopes(&mut bench, x - position));

@@ -5,7 +5,8 @@
 use super::bench::ValveBench;
 use super::flow_gain::FIG_7_4_SUPPLY_PA;
 use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
-use crate::rig::Rig;
+use crate::keys;
+use crate::values::Rig;
 
 pub(super) const ABOUT: &str = "single restriction against flow node (7.1.1.3, Fig. 7.5)";
 
@@ -41,8 +42,8 @@ pub fn flow(rig: &Rig, model: Model, spool: f64, supply_pa: f64, port_pa: f64) -
 type Pressures = [f64; 2];
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    let own = rig.number("supply.pressure_pa");
-    let halfway = (own + rig.number("exhaust.pressure_pa")) / 2.0;
+    let own = rig.get(&keys::supply::PRESSURE_PA);
+    let halfway = (own + rig.get(&keys::exhaust::PRESSURE_PA)) / 2.0;
     let (of_rig, of_thesis) = ([own, halfway], [FIG_7_4_SUPPLY_PA, PORT_PA]);
     let said = |[supply, port]: Pressures| {
         format!("supply port at {:.0} kPa, port 1 at {:.0} kPa", supply / 1e3, port / 1e3)
@@ -67,7 +68,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 }
 
 fn curves(rig: &Rig, [supply, port]: Pressures) -> Vec<Series> {
-    let travel = rig.number("valve.spool_travel_mm");
+    let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM);
     let curve = |(model, name): (Model, &str)| {
         Series::over(name.to_owned(), &evenly(0.0, travel, 100), |spool| {
             1e3 * flow(rig, model, spool * 1e-3, supply, port)
@@ -77,7 +78,7 @@ fn curves(rig: &Rig, [supply, port]: Pressures) -> Vec<Series> {
 }
 
 fn at_full_travel(rig: &Rig, [supply, port]: Pressures, said: &str) -> [Figure; 3] {
-    let travel = rig.number("valve.spool_travel_mm") * 1e-3;
+    let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3;
     MODELS.map(|(model, name)| {
         let flow = 1e3 * flow(rig, model, travel, supply, port);
         Figure::computed(format!("at full travel, {said}, {name}"), flow, "g/s")

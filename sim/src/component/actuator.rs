@@ -18,11 +18,61 @@ pub(crate) mod walls;
 
 use std::f64::consts::PI;
 
-use leakage::Leakage;
 use crate::component::actuator::walls::Walls;
 use crate::component::air::{Air, Volume};
+use crate::component::exhaust;
 use crate::component::gas::Gas;
+use crate::key::{keys, words};
 use crate::number::{Number, Pair};
+use crate::values::{Findings, Rig};
+use leakage::Leakage;
+
+words! {
+    /// Kind of cylinder.
+    pub enum Model {
+        /// With a rod on one side.
+        Asymmetric = "asymmetric",
+        /// Rodless, or with a rod on both sides.
+        Symmetric = "symmetric",
+    } not built "rotary-vane"
+}
+
+keys! {
+    MODEL: Model = choice("actuator.model", "L(18)", "Kind of cylinder; a symmetric one is rodless, or has a rod on both sides.");
+    STROKE_M: f64 = number("actuator.stroke_m", 0.3, 1e-3, 20.0, "C(14)", "Length of the stroke.");
+    BORE_M: f64 = number("actuator.bore_m", 0.05, 1e-3, 2.0, "C(15)", "Bore of the cylinder.");
+    ROD_DIAMETER_M: f64 = number("actuator.rod_diameter_m", 0.025, 0.0, 2.0, "C(16)", "Diameter of the rod: on one side (asymmetric) or on both (symmetric).").of(&["asymmetric", "symmetric"]);
+    RESIDUAL_VOLUME_1_M3: f64 = number("actuator.residual_volume_1_m3", 2e-5, 1e-9, 1.0, "C(35)", "Dead volume of chamber 1 with its tube.").spread();
+    RESIDUAL_VOLUME_2_M3: f64 = number("actuator.residual_volume_2_m3", 2e-5, 1e-9, 1.0, "C(36)", "Dead volume of chamber 2 with its tube.").spread();
+}
+
+impl Actuator {
+    /// The cylinder of a rig.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Actuator {
+        let (bore, rod_diameter) = (rig.get(&keys::BORE_M), rig.get(&keys::ROD_DIAMETER_M));
+        let [blind, rod_side, rod] = Actuator::areas(bore, rod_diameter);
+        let symmetric = rig.get(&keys::MODEL) == Model::Symmetric;
+        let area_1 = if symmetric { rod_side } else { blind };
+        let rods = [if symmetric { rod_diameter } else { 0.0 }, rod_diameter];
+        Actuator {
+            stroke: rig.get(&keys::STROKE_M),
+            area_1,
+            area_2: rod_side,
+            rod_area: if symmetric { 0.0 } else { rod },
+            residual_volumes: [rig.get(&keys::RESIDUAL_VOLUME_1_M3), rig.get(&keys::RESIDUAL_VOLUME_2_M3)],
+            ambient_pressure: rig.get(&exhaust::keys::PRESSURE_PA),
+            leakage: Leakage::of(rig, bore),
+            walls: Walls::of(rig, [area_1, rod_side], bore, rods),
+        }
+    }
+}
+
+/// What the cylinder's dimensions must hold.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    let why = "the rod must leave an area for the air to push on";
+    findings.below(rig, &keys::ROD_DIAMETER_M, &keys::BORE_M, why);
+}
 
 /// The dimensions of a cylinder, SI.
 #[derive(Clone, Copy, Debug)]

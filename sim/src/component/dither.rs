@@ -3,7 +3,30 @@
 use std::f64::consts::PI;
 
 use crate::component::play::Motion;
+use crate::key::keys;
 use crate::number::Number;
+use crate::values::Rig;
+
+/// The operators that have an amplifier with a dither.
+pub(crate) const SOLENOIDS: &[&str] = &["solenoid", "solenoid-empirical"];
+
+keys! {
+    DITHER_HZ: f64 = number("operator.dither_hz", 50.0, 0.0, 1000.0, "C(32)", "Frequency of the amplifier's dither.").of(SOLENOIDS);
+    DITHER_MM: f64 = number("operator.dither_mm", 0.2, 0.0, 10.0, "C(33)", "Amplitude of the dither.").of(SOLENOIDS).spread();
+    DITHER_PHASE_DEG: f64 = number("operator.dither_phase_deg", 0.0, -360.0, 360.0, "C(34)", "Phase of the dither at t = 0.").of(SOLENOIDS);
+}
+
+impl Dither {
+    /// The dither of a rig.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Dither {
+        Dither {
+            amplitude: rig.get(&keys::DITHER_MM) * 1e-3,
+            frequency_hz: rig.get(&keys::DITHER_HZ),
+            phase_cycles: rig.get(&keys::DITHER_PHASE_DEG) / 360.0,
+        }
+    }
+}
 
 /// A sinusoid over time.
 #[derive(Clone, Copy, Debug)]

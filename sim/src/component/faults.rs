@@ -22,17 +22,60 @@ pub(crate) use sensing::SensorFaults;
 
 use std::f64::consts::PI;
 
-use crate::plant::seconds;
+use crate::component::{exhaust, supply};
+use crate::key::{self, Choice, Key, Kind, Preset, integer, keys, number, optional_number, other, words};
+use crate::values::{Fields, Findings, Rig, Value, seconds, whole_microseconds};
 
-/// A sensor that can come off.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OpenSensor {
-    /// Pressure in chamber 1.
-    Pressure1,
-    /// Pressure in chamber 2.
-    Pressure2,
-    /// Spool displacement.
-    Spool,
+const COUNT: i64 = i32::MAX as i64;
+
+/// The key of the list.
+pub(crate) const PATH: &str = "faults.event";
+
+/// Every kind, and what it does.
+#[rustfmt::skip]
+pub(crate) const KINDS: &[(&str, &str)] = &[
+    ("swapped-tubes", "the tubes of chambers 1 and 2 are on each other's port of the valve"),
+    ("stuck-spool", "the spool stays where it is"),
+    ("supply-dip", "the supply has another pressure for a while"),
+    ("leak", "a hole leads from a chamber to the surroundings"),
+    ("encoder-loss", "the count stays that of the sample before"),
+    ("encoder-jump", "the count is off by a number"),
+    ("sensor-open", "a sensor reads raw 0"),
+];
+
+#[rustfmt::skip]
+const KIND: Kind = Kind::Choice(&[
+    ("swapped-tubes", true), ("stuck-spool", true), ("supply-dip", true), ("leak", true),
+    ("encoder-loss", true), ("encoder-jump", true), ("sensor-open", true),
+]);
+
+keys! {
+    EVENT: Option<Vec<Fields>> = other("faults.event", Kind::Events, Preset::Absent("nothing goes wrong"), "", "What goes wrong and when, a table [[faults.event]] each.");
+}
+
+/// Every field of an event, made and read like a key of the file; `models` of a field are the kinds that have it.
+#[rustfmt::skip]
+pub(crate) static FIELDS: &[Key] = &[
+    other::<String>("faults.event.kind", KIND, Preset::Absent("must be given"), "", "What goes wrong.").key,
+    optional_number("faults.event.at_s", 0.0, 4000.0, "must be given", "", "When, from the start of the test on; whole microseconds.").key,
+    optional_number("faults.event.pressure_pa", 1e4, 5e6, "midway between exhaust.pressure_pa and supply.pressure_pa", "", "Absolute supply pressure during the dip.").of(&["supply-dip"]).key,
+    number("faults.event.duration_s", 0.5, 1e-6, 4000.0, "", "How long the dip lasts; whole microseconds.").of(&["supply-dip"]).key,
+    integer("faults.event.chamber", 1, 1, 2, "", "The chamber that leaks.").of(&["leak"]).key,
+    number("faults.event.diameter_mm", 1.0, 1e-3, 10.0, "", "Bore of the hole, as that of an ideal nozzle that passes as much; a sharp hole passes 0.6 to 0.8 of it.").of(&["leak"]).key,
+    integer("faults.event.counts", 1000, -COUNT, COUNT, "", "By how much the count is off.").of(&["encoder-jump"]).key,
+    key::choice::<OpenSensor>("faults.event.sensor", "", "The sensor that comes off.").of(&["sensor-open"]).key,
+];
+
+words! {
+    /// A sensor that can come off.
+    pub enum OpenSensor {
+        /// Pressure in chamber 1.
+        Pressure1 = "pressure-1",
+        /// Pressure in chamber 2.
+        Pressure2 = "pressure-2",
+        /// Spool displacement.
+        Spool = "spool",
+    }
 }
 
 /// What goes wrong.
@@ -168,6 +211,63 @@ impl Schedule {
             self.now.add(event.kind);
         }
         true
+    }
+}
+
+fn value<'a>(event: &'a Fields, name: &str) -> Option<&'a Value> {
+    event.iter().find(|(field, _)| *field == name).map(|(_, value)| value)
+}
+
+impl Rig {
+    /// What goes wrong, in the order of the file.
+    #[must_use]
+    pub fn fault_events(&self) -> Vec<FaultEvent> {
+        self.get(&keys::EVENT).iter().flatten().map(|event| self.fault_event(event)).collect()
+    }
+
+    fn fault_event(&self, event: &Fields) -> FaultEvent {
+        let number = |name: &str| match value(event, name) {
+            Some(Value::Number(number)) => Some(*number),
+            _ => None,
+        };
+        let integer = |name: &str| match value(event, name) {
+            Some(Value::Integer(integer)) => *integer,
+            _ => panic!("an event of its kind has {name}"),
+        };
+        let word = |name: &str| match value(event, name) {
+            Some(Value::Word(word)) => word.as_str(),
+            _ => panic!("an event of its kind has {name}"),
+        };
+        let microseconds = |name: &str| number(name).and_then(whole_microseconds).unwrap_or(0);
+        let midway = || 0.5 * (self.get(&exhaust::keys::PRESSURE_PA) + self.get(&supply::keys::PRESSURE_PA));
+        let kind = match word("kind") {
+            "swapped-tubes" => FaultKind::SwappedTubes,
+            "stuck-spool" => FaultKind::StuckSpool,
+            "supply-dip" => FaultKind::SupplyDip {
+                pressure: number("pressure_pa").unwrap_or_else(midway),
+                duration_us: microseconds("duration_s"),
+            },
+            "leak" => FaultKind::Leak {
+                chamber: usize::from(integer("chamber") == 2),
+                diameter: number("diameter_mm").unwrap_or(0.0) * 1e-3,
+            },
+            "encoder-loss" => FaultKind::EncoderLoss,
+            "encoder-jump" => FaultKind::EncoderJump { counts: integer("counts") as i32 },
+            _ => FaultKind::SensorOpen(OpenSensor::of_word(word("sensor")).unwrap_or(OpenSensor::Spool)),
+        };
+        FaultEvent { at_us: microseconds("at_s"), kind }
+    }
+}
+
+/// What must hold between events and the rest of a rig.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    let (low, high) = (rig.get(&exhaust::keys::PRESSURE_PA), rig.get(&supply::keys::PRESSURE_PA));
+    for event in rig.fault_events() {
+        if let FaultKind::SupplyDip { pressure, .. } = event.kind
+            && !(low < pressure && pressure < high)
+        {
+            findings.note(&keys::EVENT, format!("pressure_pa = {pressure} is no dip: it must be between exhaust.pressure_pa = {low} and supply.pressure_pa = {high}"));
+        }
     }
 }
 

@@ -11,6 +11,46 @@
 //! C(24) that goes to zero (EQUATIONS section 6, section 11 rule 2). A body without any dry friction
 //! never sticks. Load and spool share this file.
 
+use crate::key::{keys, words};
+use crate::values::{Findings, Rig};
+
+words! {
+    /// Kind of dry friction.
+    pub enum Model {
+        /// Stiction and Coulomb friction.
+        Coulomb = "coulomb",
+    } not built "lugre"
+}
+
+keys! {
+    FRICTION: Model = choice("load.friction", "", "Kind of dry friction.");
+    STATIC_EXTEND_N: f64 = number("load.static_extend_n", 70.0, 0.0, 1e5, "C(46)", "Stiction, extending.").spread();
+    COULOMB_EXTEND_N: f64 = number("load.coulomb_extend_n", 40.0, 0.0, 1e5, "C(47)", "Coulomb friction, extending.").spread();
+    STATIC_RETRACT_N: f64 = number("load.static_retract_n", 40.0, 0.0, 1e5, "C(48)", "Stiction, retracting.").spread();
+    COULOMB_RETRACT_N: f64 = number("load.coulomb_retract_n", 11.0, 0.0, 1e5, "C(49)", "Coulomb friction, retracting.").spread();
+    VELOCITY_THRESHOLD_M_S: f64 = number("load.velocity_threshold_m_s", 1e-5, 0.0, 1.0, "C(24)", "Velocity below which the thesis's model sticks; here sticking is an event at exactly zero, and this is not used.");
+}
+
+impl DryFriction {
+    /// The friction of a rig's load.
+    #[must_use]
+    pub fn of_load(rig: &Rig) -> DryFriction {
+        DryFriction {
+            static_extend: rig.get(&keys::STATIC_EXTEND_N),
+            coulomb_extend: rig.get(&keys::COULOMB_EXTEND_N),
+            static_retract: rig.get(&keys::STATIC_RETRACT_N),
+            coulomb_retract: rig.get(&keys::COULOMB_RETRACT_N),
+        }
+    }
+}
+
+/// What the load's friction must hold.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    let why = "a body that slips must not be held more than one that sticks";
+    findings.not_above(rig, &keys::COULOMB_EXTEND_N, &keys::STATIC_EXTEND_N, why);
+    findings.not_above(rig, &keys::COULOMB_RETRACT_N, &keys::STATIC_RETRACT_N, why);
+}
+
 /// Static and Coulomb forces by direction, N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DryFriction {

@@ -11,7 +11,22 @@
 //! For air (n = 1.4) e is 5 and P = w^3.5, so that no power function is called. Any other ratio of
 //! heat capacities costs one power a restriction.
 
+use crate::key::keys;
 use crate::number::Number;
+use crate::values::Rig;
+
+keys! {
+    HEAT_CAPACITY_RATIO: f64 = number("gas.heat_capacity_ratio", 1.4, 1.01, 1.9, "C(1)", "Ratio of the heat capacities at constant pressure and volume.");
+    GAS_CONSTANT_J_PER_KG_K: f64 = number("gas.gas_constant_j_per_kg_k", 286.76, 10.0, 10_000.0, "C(2)", "Specific gas constant.");
+}
+
+impl Gas {
+    /// The gas of a rig.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Gas {
+        Gas::new(rig.get(&keys::HEAT_CAPACITY_RATIO), rig.get(&keys::GAS_CONSTANT_J_PER_KG_K))
+    }
+}
 
 /// Ratio of heat capacities and gas constant, with what follows from them.
 #[derive(Clone, Copy, Debug)]

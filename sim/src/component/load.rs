@@ -8,8 +8,45 @@
 //! end stops ([`crate::component::stop`]), F_r the dry friction ([`crate::component::friction`]). The
 //! applied force is all but F_r: what a stuck load is tested with.
 
+use crate::component::actuator;
 use crate::component::friction::{Contact, DryFriction};
 use crate::component::stop::{Side, Stops};
+use crate::key::{keys, words};
+use crate::values::Rig;
+
+words! {
+    /// Kind of load.
+    pub enum Model {
+        /// A mass.
+        Mass = "mass",
+    }
+}
+
+keys! {
+    MODEL: Model = choice("load.model", "L(21)", "Kind of load.");
+    MASS_KG: f64 = number("load.mass_kg", 1.6, 1e-3, 1e5, "C(17)", "Moving mass.").spread();
+    VISCOUS_N_S_PER_M: f64 = number("load.viscous_n_s_per_m", 30.0, 0.0, 1e6, "C(18)", "Viscous friction.").spread();
+    CONSTANT_FORCE_N: f64 = number("load.constant_force_n", 0.0, -1e6, 1e6, "C(19)", "Constant force in the direction of extension.");
+    SPRING_N_PER_M: f64 = number("load.spring_n_per_m", 0.0, 0.0, 1e6, "", "Spring to the retracted end.");
+    INCLINE_DEG: f64 = number("load.incline_deg", 0.0, -90.0, 90.0, "", "Angle at which extension goes uphill.");
+}
+
+impl Load {
+    /// The load of a rig.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Load {
+        let mass = rig.get(&keys::MASS_KG);
+        Load {
+            mass,
+            viscous: rig.get(&keys::VISCOUS_N_S_PER_M),
+            constant_force: rig.get(&keys::CONSTANT_FORCE_N),
+            spring: rig.get(&keys::SPRING_N_PER_M),
+            uphill: libm::sin(rig.get(&keys::INCLINE_DEG).to_radians()),
+            friction: DryFriction::of_load(rig),
+            stops: Stops::of_load(rig, rig.get(&actuator::keys::STROKE_M), mass),
+        }
+    }
+}
 
 /// Standard gravity, m/s^2 (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;

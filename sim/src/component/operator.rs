@@ -13,9 +13,10 @@
 //! beforehand (`operator/flight.rs`) these rest, and [`Operator::place`] tells where it is. What else they remember (hysteresis,
 //! stiction, stops) are modes, each with a guard that says how long it holds.
 
+pub mod amplifier;
 pub mod empirical;
 mod flight;
-mod hysteresis;
+pub(crate) mod hysteresis;
 mod moving_hysteresis;
 pub mod on_off;
 pub mod solenoid;
@@ -24,11 +25,76 @@ pub mod stuck;
 
 use pneudrive_controller::drive;
 
+use crate::component::controller::{self, keys as controller_keys};
+use crate::component::dither::{self, Dither};
+use crate::key::{keys, words};
+use crate::values::{Findings, Rig};
 use empirical::Empirical;
 use on_off::OnOff;
-use solenoid::Solenoid;
+use solenoid::{Solenoid, SolenoidParameters};
 use stepper::Stepper;
 use stuck::Stuck;
+
+words! {
+    /// What moves the spool.
+    pub enum Model {
+        /// A proportional solenoid against a spring, by the forces on the spool.
+        Solenoid = "solenoid",
+        /// The same as a damped oscillator.
+        Empirical = "solenoid-empirical",
+        /// A stepper motor.
+        Stepper = "stepper",
+        /// An on-off valve of three places.
+        OnOff = "on-off",
+    }
+}
+
+impl Model {
+    /// Whether it is a solenoid, under a dither.
+    #[must_use]
+    pub fn is_solenoid(self) -> bool {
+        matches!(self, Model::Solenoid | Model::Empirical)
+    }
+}
+
+keys! {
+    MODEL: Model = choice("operator.model", "L(2)", "What moves the spool.");
+}
+
+/// What an operator's keys must hold.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    let dithers = rig.get(&keys::MODEL) == Model::Solenoid && rig.get(&dither::keys::DITHER_MM) > 0.0;
+    if dithers && rig.get(&dither::keys::DITHER_HZ) == 0.0 {
+        let message = "a dither needs a frequency; write dither_mm = 0 for none";
+        findings.note(&dither::keys::DITHER_HZ, message);
+    }
+    solenoid::check(rig, findings);
+}
+
+impl Operator {
+    /// The operator of a rig.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Operator {
+        let dither = Dither::of(rig);
+        match (rig.get(&keys::MODEL), rig.get(&controller_keys::MODEL)) {
+            (Model::Solenoid, controller::Model::Continuous) => {
+                Operator::Solenoid(Solenoid::with_moving_command(SolenoidParameters::of(rig, dither)))
+            }
+            _ => Operator::with_steps(rig, dither),
+        }
+    }
+
+    /// The operator of a rig for commands that come in steps, under a dither.
+    #[must_use]
+    pub fn with_steps(rig: &Rig, dither: Dither) -> Operator {
+        match rig.get(&keys::MODEL) {
+            Model::Solenoid => Operator::Solenoid(Solenoid::new(SolenoidParameters::of(rig, dither))),
+            Model::Empirical => Operator::Empirical(Empirical::of(rig, dither)),
+            Model::Stepper => Operator::Stepper(Stepper::of(rig)),
+            Model::OnOff => Operator::OnOff(OnOff::of(rig)),
+        }
+    }
+}
 
 /// What the drive stage does at an output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,7 +1,6 @@
-//! The encoder and the converters: what the controller is given of the plant.
+//! The sensors and their converter: what the controller is given of the plant.
 //!
 //! ```text
-//! count = floor(position / pulse + 1e-9)
 //! raw   = clamp(floor((x - min) / (max - min) (2^bits - 1) + 0.5 + noise), 0, 2^bits - 1)
 //! ```
 //!
@@ -13,9 +12,30 @@ use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+use crate::component::encoder::{count, distance_to_count, pulse};
 use crate::follow::Reading;
-use crate::rig::Rig;
-use crate::rig::unit_interval;
+use crate::key::keys;
+use crate::random::unit_interval;
+use crate::values::Findings;
+use crate::values::Rig;
+
+keys! {
+    PRESSURE_MIN_PA: f64 = number("sensors.pressure_min_pa", 0.0, 0.0, 1e7, "", "Absolute pressure at raw 0.");
+    PRESSURE_MAX_PA: f64 = number("sensors.pressure_max_pa", 1_000_000.0, 1.0, 1e8, "", "Absolute pressure at full scale.");
+    SPOOL_MIN_MM: f64 = number("sensors.spool_min_mm", -1.25, -1000.0, 1000.0, "", "Spool displacement at raw 0.");
+    SPOOL_MAX_MM: f64 = number("sensors.spool_max_mm", 1.25, -1000.0, 1000.0, "", "Spool displacement at full scale.");
+    BITS: i64 = integer("sensors.bits", 12, 8, 15, "", "Width of the converter.");
+    HOME_SWITCH_MM: Option<f64> = optional_number("sensors.home_switch_mm", -1000.0, 20_000.0, "there is no switch", "", "The homing switch is closed below this position.");
+    PRESSURE_LAG_S: f64 = number("sensors.pressure_lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure sensors; 0: none.");
+    NOISE_COUNTS: f64 = number("sensors.noise_counts", 0.0, 0.0, 1000.0, "", "Standard deviation of the converter's noise.");
+}
+
+/// What the ranges must hold.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    let why = "the sensor's range would be empty";
+    findings.below(rig, &keys::PRESSURE_MIN_PA, &keys::PRESSURE_MAX_PA, why);
+    findings.below(rig, &keys::SPOOL_MIN_MM, &keys::SPOOL_MAX_MM, why);
+}
 
 /// A converter: a range of a physical value and its width.
 #[derive(Clone, Copy, Debug)]
@@ -69,23 +89,21 @@ impl Sensors {
     /// The sensors of a rig, their noise drawn from `seed`.
     #[must_use]
     pub fn new(rig: &Rig, seed: u64) -> Sensors {
-        let bits = rig.integer("sensors.bits") as u32;
+        let bits = rig.get(&keys::BITS) as u32;
         Sensors {
-            pulse: rig.number("encoder.mm_per_count") * 1e-3,
+            pulse: pulse(rig),
             pressure: Converter {
-                min: rig.number("sensors.pressure_min_pa"),
-                max: rig.number("sensors.pressure_max_pa"),
+                min: rig.get(&keys::PRESSURE_MIN_PA),
+                max: rig.get(&keys::PRESSURE_MAX_PA),
                 bits,
             },
             spool: Converter {
-                min: rig.number("sensors.spool_min_mm") * 1e-3,
-                max: rig.number("sensors.spool_max_mm") * 1e-3,
+                min: rig.get(&keys::SPOOL_MIN_MM) * 1e-3,
+                max: rig.get(&keys::SPOOL_MAX_MM) * 1e-3,
                 bits,
             },
-            home_switch: rig
-                .optional_number("sensors.home_switch_mm")
-                .map_or(f64::NEG_INFINITY, |mm| mm * 1e-3),
-            noise_counts: rig.number("sensors.noise_counts"),
+            home_switch: rig.get(&keys::HOME_SWITCH_MM).map_or(f64::NEG_INFINITY, |mm| mm * 1e-3),
+            noise_counts: rig.get(&keys::NOISE_COUNTS),
             random: ChaCha8Rng::seed_from_u64(seed),
         }
     }
@@ -121,22 +139,6 @@ impl Sensors {
         let (radius, angle) = (1.0 - unit_interval(&mut self.random), unit_interval(&mut self.random));
         self.noise_counts * (-2.0 * libm::log(radius)).sqrt() * libm::cos(2.0 * PI * angle)
     }
-}
-
-/// How far a position is from where its count changes, in its unit.
-fn distance_to_count(position: f64, pulse: f64) -> f64 {
-    let pulses = position / pulse + 1e-9;
-    let between = pulses - pulses.floor();
-    between.min(1.0 - between) * pulse
-}
-
-/// The encoder's count at a position, both in the same unit.
-#[must_use]
-pub fn count(position: f64, pulse: f64) -> i32 {
-    let pulses = position / pulse + 1e-9;
-    // Towards zero, and from there down.
-    let whole = pulses as i32;
-    whole.saturating_sub(i32::from(f64::from(whole) > pulses))
 }
 
 #[cfg(test)]

@@ -8,6 +8,30 @@
 //! contact, and never adhesive (the thesis's text is lost; EQUATIONS section 6). Load and spool
 //! share this file.
 
+use crate::key::keys;
+use crate::values::Rig;
+
+keys! {
+    STOP_STIFFNESS_N_PER_M: f64 = number("load.stop_stiffness_n_per_m", 1e6, 1.0, 1e12, "C(90)", "Stiffness of the end stops.");
+    STOP_REGION_M: f64 = number("load.stop_region_m", 0.001, 1e-9, 1.0, "C(89)", "Penetration at which the stops' damping is full.");
+    STOP_DAMPING_RATIO: f64 = number("load.stop_damping_ratio", 0.5, 0.0, 10.0, "", "Damping ratio of the end stops.");
+}
+
+impl Stops {
+    /// The end stops of a rig's load of this mass (kg) along a stroke (m).
+    #[must_use]
+    pub fn of_load(rig: &Rig, stroke: f64, mass: f64) -> Stops {
+        Stops::new(
+            0.0,
+            stroke,
+            rig.get(&keys::STOP_STIFFNESS_N_PER_M),
+            rig.get(&keys::STOP_REGION_M),
+            rig.get(&keys::STOP_DAMPING_RATIO),
+            mass,
+        )
+    }
+}
+
 /// Two stops on a body of mass M.
 #[derive(Clone, Copy, Debug)]
 pub struct Stops {

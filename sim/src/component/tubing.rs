@@ -32,16 +32,91 @@ mod pipe;
 
 use crate::component::air::Station;
 use crate::component::gas::Gas;
+use crate::component::supply;
+use crate::component::valve::{self, Valve, speed_counts};
+use crate::key::{keys, words};
 use crate::number::Number;
+use crate::values::Rig;
 use connector::Connector;
 use pipe::Pipe;
 
+words! {
+    /// Pressure drop between supply, valve and cylinder.
+    pub enum Model {
+        /// By a slope over the flow that was measured.
+        Empirical = "empirical",
+        /// As a pipe with friction.
+        Analytical = "analytical",
+        /// None.
+        None = "none",
+    } not built "dynamic"
+}
+
+keys! {
+    MODEL: Model = choice("tubing.model", "L(11)", "Pressure drop between supply, valve and cylinder.");
+    DROP_SLOPE: f64 = number("tubing.drop_slope", 0.4, 0.0, 0.99, "C(28)", "Part of the pressure that is lost at the reference flow.").of(&["empirical"]).spread();
+    REFERENCE_FLOW_KG_S: f64 = number("tubing.reference_flow_kg_s", 0.00465, 1e-5, 100.0, "C(30)", "Flow at which drop_slope holds.").of(&["empirical"]);
+    DIAMETER_MM: f64 = number("tubing.diameter_mm", 4.0, 0.1, 500.0, "C(13)", "Bore of the tubes; with the multiple flow node that of the restriction at the cylinder.");
+    LENGTH_M: f64 = number("tubing.length_m", 1.0, 0.0, 1000.0, "", "Length of each tube.").of(&["analytical", "dynamic"]);
+    FRICTION_FACTOR: f64 = number("tubing.friction_factor", 0.005, 1e-5, 1.0, "", "Fanning friction factor.").of(&["analytical", "dynamic"]);
+    LAG_S: f64 = number("tubing.lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure ratio; 0: solved together with the valve.");
+}
+
+/// The tubes of a rig: the one from the supply, and those to the cylinder. With the multiple flow node a restriction at
+/// the cylinder stands for the tube (6.55 to 6.60), and the supply has none.
+#[must_use]
+pub fn tubes(rig: &Rig, gas: &Gas) -> (Tube, Tube) {
+    let bore = rig.get(&keys::DIAMETER_MM) * 1e-3;
+    if rig.get(&valve::keys::MODEL) == valve::Model::MultipleFlowNode {
+        return (Tube::none(), Tube::connector(gas, rig.get(&valve::keys::DISCHARGE_SUPPLY), bore));
+    }
+    let tube = match rig.get(&keys::MODEL) {
+        Model::None => Tube::none(),
+        Model::Analytical => {
+            Tube::analytical(gas, rig.get(&keys::LENGTH_M), bore, rig.get(&keys::FRICTION_FACTOR))
+        }
+        Model::Empirical => {
+            Tube::empirical(gas, rig.get(&keys::DROP_SLOPE), rig.get(&keys::REFERENCE_FLOW_KG_S))
+        }
+    };
+    (tube, tube)
+}
+
+/// Pressure that the speed in a port gives back behind an infinitely wide land over what the tube from the supply
+/// loses, both as slopes over the flow, where the lands' clearance alone is fed. 0 where no speed counts.
+pub(crate) fn speed_recovery(rig: &Rig, gas: &Gas, valve: &Valve) -> f64 {
+    let (tube, supply) = (tubes(rig, gas).0, supply::station(rig, gas));
+    if !speed_counts(rig) || tube.is_none() {
+        return 0.0;
+    }
+    let pressure = gas.pressure(supply.exner);
+    let choked = gas.flow_constant() / supply.temperature * gas.flow_function(supply.exner, 0.0).value;
+    let leak = (valve.discharge_supply * valve.edge_area(-1.0)).max(1e-3 * valve.port_area());
+    let flow = leak * choked.sqrt();
+    let far = tube.far_end(&supply, flow);
+    let lost = -far.by_flow / (gas.exner_exponent() * far.exner);
+    let density_of_flow = gas.gas_constant * supply.temperature / (valve.port_area() * pressure).powi(2);
+    density_of_flow * flow / lost
+}
+
+/// Whether the speed in the ports gives more pressure back behind a wide land than the tube from the
+/// supply loses on the way: then the flow has no steady value near the supply's pressure.
+///
+/// A land of area A gives back 1 - (A_p / (C_d A))^2 of the dynamic pressure R T m^2 / (2 A_p^2 P). Told
+/// by the slopes over the flow where the lands' clearance alone is fed. A supply without a tube is at
+/// rest.
+pub(crate) fn speed_outweighs_supply_tube(rig: &Rig) -> bool {
+    let valve = Valve::of(rig);
+    let width = valve.discharge_supply * valve.edge_area(valve.travel - valve.lap) / valve.port_area();
+    width > 1.0 && (1.0 - 1.0 / (width * width)) * speed_recovery(rig, &Gas::of(rig), &valve) > 1.0
+}
+
 /// A tube between a known pressure and a valve port.
 #[derive(Clone, Copy, Debug)]
-pub struct Tube(Model);
+pub struct Tube(Drop);
 
 #[derive(Clone, Copy, Debug)]
-enum Model {
+enum Drop {
     None,
     /// `decay` is d ln w / d mdot of a flow away from the known end, s/kg.
     Empirical {
@@ -85,17 +160,17 @@ impl Tube {
     /// No tube: the same pressure at both ends.
     #[must_use]
     pub fn none() -> Tube {
-        Tube(Model::None)
+        Tube(Drop::None)
     }
 
     /// Whether both ends have the same pressure, whatever flows.
     pub(crate) fn is_none(&self) -> bool {
-        matches!(self.0, Model::None)
+        matches!(self.0, Drop::None)
     }
 
     /// Whether the drop depends on the temperature of the air in the tube.
     pub(crate) fn feels_temperature(&self) -> bool {
-        matches!(self.0, Model::Analytical(_) | Model::Connector(_))
+        matches!(self.0, Drop::Analytical(_) | Drop::Connector(_))
     }
 
     /// The regression line of the thesis: the pressure falls by the fraction `drop_slope` (below 1)
@@ -105,7 +180,7 @@ impl Tube {
         if drop_slope == 0.0 {
             return Tube::none();
         }
-        Tube(Model::Empirical {
+        Tube(Drop::Empirical {
             decay: gas.exner_exponent() * libm::log(1.0 - drop_slope) / reference_flow_kg_s,
         })
     }
@@ -118,13 +193,13 @@ impl Tube {
         if span < pipe::LEAST_SPAN {
             return Tube::none();
         }
-        Tube(Model::Analytical(Pipe::new(*gas, span, diameter_m)))
+        Tube(Drop::Analytical(Pipe::new(*gas, span, diameter_m)))
     }
 
     /// A sharp restriction in place of a tube (6.55 to 6.60): bore and coefficient of discharge.
     #[must_use]
     pub fn connector(gas: &Gas, discharge: f64, diameter_m: f64) -> Tube {
-        Tube(Model::Connector(Connector::new(*gas, discharge, diameter_m)))
+        Tube(Drop::Connector(Connector::new(*gas, discharge, diameter_m)))
     }
 
     /// The far end, for a flow (kg/s) from the known end to the far end. `known` has the pressure at the known
@@ -132,16 +207,14 @@ impl Tube {
     #[inline(always)]
     pub(crate) fn far_end<N: Number>(&self, known: &Station<N>, flow: N) -> FarEnd<N> {
         match &self.0 {
-            Model::None => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
-            Model::Empirical { decay } => {
+            Drop::None => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
+            Drop::Empirical { decay } => {
                 let decay = N::from(*decay);
                 let exner = known.exner * (decay * flow).exponential();
                 FarEnd { exner, by_flow: decay * exner }
             }
-            Model::Analytical(pipe) => one_by_one(known, flow, |known, flow| pipe.ratio(known, flow)),
-            Model::Connector(connector) => {
-                one_by_one(known, flow, |known, flow| connector.ratio(known, flow))
-            }
+            Drop::Analytical(pipe) => one_by_one(known, flow, |known, flow| pipe.ratio(known, flow)),
+            Drop::Connector(connector) => one_by_one(known, flow, |known, flow| connector.ratio(known, flow)),
         }
     }
 }

@@ -21,7 +21,115 @@ use std::f64::consts::PI;
 
 use crate::component::gas::Gas;
 use crate::component::valve::flow_law::FlowLaw;
+use crate::key::{keys, words};
 use crate::number::{Number, Pair};
+use crate::values::{Findings, Rig};
+use iso6358::Iso6358;
+
+words! {
+    /// How the flows through the valve are formed.
+    pub enum Model {
+        /// Each port has a small volume between its lands and its bore.
+        FlowNode = "flow-node",
+        /// The lands are all there is.
+        SingleRestriction = "single-restriction",
+        /// As the flow node, with a restriction in place of each tube to the cylinder.
+        MultipleFlowNode = "multiple-flow-node",
+        /// The lands are components by their conductance.
+        Iso6358 = "iso-6358",
+    }
+}
+
+keys! {
+    MODEL: Model = choice("valve.model", "L(16)", "How the flows through the valve are formed.");
+    SPOOL_TRAVEL_MM: f64 = number("valve.spool_travel_mm", 1.0, 0.01, 100.0, "C(3)", "Travel of the spool to either side; also what a command of 2048 asks for.");
+    UNDERLAP_MM: f64 = number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap.");
+    SLEEVE_DIAMETER_MM: f64 = number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve.");
+    SPOOL_DIAMETER_MM: f64 = number("valve.spool_diameter_mm", 9.98, 0.1, 500.0, "C(10)", "Diameter of the spool's lands.");
+    SPOOL_ROD_DIAMETER_MM: f64 = number("valve.spool_rod_diameter_mm", 6.0, 0.0, 500.0, "C(25)", "Diameter of the spool between its lands.");
+    PORT_DIAMETER_MM: f64 = number("valve.port_diameter_mm", 3.3, 0.01, 500.0, "C(39)", "Bore of the ports.");
+    CONNECTOR_DIAMETER_MM: f64 = number("valve.connector_diameter_mm", 5.0, 0.01, 500.0, "C(63)", "Bore of the connectors: the alternative to tubing.diameter_mm for the multiple flow node; not used, as in the reference.");
+    DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").spread();
+    DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").spread();
+    DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built();
+    UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "C(54)", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(&["flow-node", "multiple-flow-node"]);
+    TABLE: bool = switch("valve.table", false, "", "Of former versions: flows from a table. Only false is accepted.");
+    NULL_OFFSET_MM: f64 = number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null.");
+}
+
+impl Valve {
+    /// The valve of a rig.
+    #[must_use]
+    pub fn of(rig: &Rig) -> Valve {
+        let metres = |key| rig.get(key) * 1e-3;
+        Valve {
+            null_offset: metres(&keys::NULL_OFFSET_MM),
+            lap: metres(&keys::UNDERLAP_MM),
+            sleeve_diameter: metres(&keys::SLEEVE_DIAMETER_MM),
+            spool_diameter: metres(&keys::SPOOL_DIAMETER_MM),
+            port_diameter: metres(&keys::PORT_DIAMETER_MM),
+            has_node: matches!(rig.get(&keys::MODEL), Model::FlowNode | Model::MultipleFlowNode),
+            land_law: land_law(rig),
+            travel: spool_travel(rig),
+            rod_diameter: metres(&keys::SPOOL_ROD_DIAMETER_MM),
+            discharge_supply: rig.get(&keys::DISCHARGE_SUPPLY),
+            discharge_exhaust: rig.get(&keys::DISCHARGE_EXHAUST),
+        }
+    }
+}
+
+/// X_max, m.
+#[must_use]
+pub fn spool_travel(rig: &Rig) -> f64 {
+    rig.get(&keys::SPOOL_TRAVEL_MM) * 1e-3
+}
+
+/// What the lands and ports of a rig are.
+#[must_use]
+pub fn land_law(rig: &Rig) -> FlowLaw {
+    match (rig.get(&keys::MODEL), rig.get(&discharge::keys::DISCHARGE_MODEL)) {
+        (Model::Iso6358, _) => FlowLaw::Iso6358(Iso6358::of(rig)),
+        (_, discharge::Model::Perry) => FlowLaw::Perry,
+        (_, discharge::Model::Constant) => FlowLaw::Orifice,
+    }
+}
+
+/// Whether the speed of the air in front of a restriction counts: where there are flow nodes. Lands alone have the
+/// conventional flows of 6.39 to 6.46, without Mach numbers.
+#[must_use]
+pub fn speed_counts(rig: &Rig) -> bool {
+    rig.get(&keys::UPSTREAM_MACH) && Valve::of(rig).has_node
+}
+
+/// The largest coefficient of discharge with upstream Mach numbers. At 1 a choked port behind a wide
+/// land is approached at M = 1, and its flow equation has a double root: M = C_d (5/6)^3 (1 + M^2/5)^3
+/// for n = 1.4. Close to 1 the solution is nearly double, and is not found reliably.
+pub const MAX_DISCHARGE: f64 = 0.9;
+
+/// What the valve's dimensions must hold.
+pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
+    for key in [&keys::DISCHARGE_SUPPLY, &keys::DISCHARGE_EXHAUST] {
+        if speed_counts(rig) && rig.get(key) > MAX_DISCHARGE {
+            let message = format!(
+                "must not be above {MAX_DISCHARGE} with upstream_mach: a port that loses nothing has no steady flow"
+            );
+            findings.note(key, message);
+        }
+    }
+    let why = "the spool moves inside the sleeve";
+    findings.not_above(rig, &keys::SPOOL_DIAMETER_MM, &keys::SLEEVE_DIAMETER_MM, why);
+    // Earlier versions could read the flows of the nodes from a table.
+    if rig.get(&keys::TABLE) {
+        let message =
+            "flows are no longer read from a table, which was slower than solving them: leave the key out";
+        findings.note(&keys::TABLE, message);
+    }
+    for key in [&iso6358::keys::SONIC_CONDUCTANCE_M3_PER_S_PA, &iso6358::keys::CRITICAL_RATIO] {
+        if rig.get(&keys::MODEL) == Model::Iso6358 && rig.get(key).is_none() {
+            findings.note(key, "valve.model = \"iso-6358\" needs it; the data sheet has it");
+        }
+    }
+}
 
 /// The dimensions of the valve that its flow depends on, SI.
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,11 @@
 //! `rig explain`: what a key means.
 
-use super::events::{FIELDS, KINDS};
-use super::keys::{Default, KEYS, Key, Kind};
 use super::problem::Problem;
+use super::table::{all_keys, preset_value};
 use super::thesis::{self, Name, THESIS};
-use super::{Fields, Value};
+use crate::component::faults::{FIELDS, KINDS};
+use crate::key::{Key, Kind, Preset};
+use crate::values::{Fields, Value};
 
 /// The help text of a key, of all keys of a table, of a number of the thesis, such as C(46), of all its constants (C) or
 /// flags (L), or of all keys (for an empty name).
@@ -13,7 +14,7 @@ use super::{Fields, Value};
 /// When there is no such key, table or number.
 pub fn explain(name: &str) -> Result<String, Problem> {
     let exact: Vec<&Key> =
-        KEYS.iter().chain(FIELDS).filter(|key| key.path == name || key.name() == name).collect();
+        all_keys().chain(FIELDS).filter(|key| key.path == name || key.name() == name).collect();
     if !exact.is_empty() {
         return Ok(exact.iter().map(|key| in_full(key)).collect::<Vec<_>>().join("\n"));
     }
@@ -23,7 +24,7 @@ pub fn explain(name: &str) -> Result<String, Problem> {
     if ["C", "L"].contains(&name) {
         return Ok(THESIS.iter().filter(|entry| entry.number.starts_with(name)).map(line).collect());
     }
-    let table: Vec<&Key> = KEYS.iter().filter(|key| name.is_empty() || key.table() == name).collect();
+    let table: Vec<&Key> = all_keys().filter(|key| name.is_empty() || key.table() == name).collect();
     if table.is_empty() {
         let message = "there is no such key or table, and no such number of the thesis; `pneudrive rig explain` lists them all".to_owned();
         return Err(Problem { source: "rig explain".to_owned(), line: None, key: name.to_owned(), message });
@@ -54,7 +55,7 @@ fn in_full(key: &Key) -> String {
     };
     fact("unit", key.unit().to_owned());
     fact("range", range(&key.kind));
-    fact("default", default(&key.default));
+    fact("default", preset(&key.preset));
     fact("thesis", key.thesis.to_owned());
     fact(if key.path.starts_with("faults.event.") { "kinds" } else { "models" }, key.models.join(", "));
     lines.push(String::new());
@@ -80,7 +81,9 @@ fn range(kind: &Kind) -> String {
             };
             options.iter().map(word).collect::<Vec<_>>().join(", ")
         }
-        Kind::Integers { min, max, most } => format!("1 to {most} whole numbers from {min} to {max}"),
+        Kind::Integers { min, max, max_entries } => {
+            format!("1 to {max_entries} whole numbers from {min} to {max}")
+        }
         Kind::Numbers { count } => format!("{count} numbers"),
         Kind::Moves => "list of [time in s, counts] in order of time".to_owned(),
         Kind::Events => "tables [[faults.event]], each with kind, at_s and the fields of its kind".to_owned(),
@@ -89,10 +92,10 @@ fn range(kind: &Kind) -> String {
     }
 }
 
-fn default(default: &Default) -> String {
-    match default {
-        Default::Absent(what) => format!("none: {what}"),
-        other => super::default_value(other).map(|value| value.to_string()).unwrap_or_default(),
+fn preset(preset: &Preset) -> String {
+    match preset {
+        Preset::Absent(what) => format!("none: {what}"),
+        other => preset_value(other).map(|value| value.to_string()).unwrap_or_default(),
     }
 }
 

@@ -1,11 +1,14 @@
 //! A rig whose true parameters differ from its file, as a real rig differs from its model.
 
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::SeedableRng;
 
-use super::check::MOST_DISCHARGE;
-use super::keys::{KEYS, Kind};
-use super::{Rig, Value};
+use super::table::all_keys;
+use crate::component::valve::MAX_DISCHARGE;
+use crate::key::Kind;
+use crate::keys;
+use crate::random::unit_interval;
+use crate::values::{Rig, Value};
 
 /// Why a spread was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -34,34 +37,29 @@ impl Rig {
         }
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut rig = self.clone();
-        for (index, key) in KEYS.iter().enumerate().filter(|(_, key)| key.spread) {
+        for key in all_keys().filter(|key| key.spread) {
             let draw = 2.0 * unit_interval(&mut random) - 1.0;
             if let (Some(Value::Number(value)), Kind::Number { min, max }) =
-                (&mut rig.values[index], key.kind)
+                (rig.values.get_mut(key.path), key.kind)
             {
-                let most = if key.name().starts_with("discharge") { MOST_DISCHARGE } else { max };
-                *value = (*value * (1.0 + fraction * draw)).clamp(min, most);
+                let max = if key.name().starts_with("discharge") { MAX_DISCHARGE } else { max };
+                *value = (*value * (1.0 + fraction * draw)).clamp(min, max);
             }
         }
         rig.keep_coulomb_below_static();
-        let noise = Rig::index("sensors.noise_counts");
-        rig.values[noise] = Some(Value::Number(self.number("sensors.noise_counts").max(NOISE_COUNTS)));
+        let noise = &keys::sensors::NOISE_COUNTS;
+        rig.put(noise.path, Some(Value::Number(self.get(noise).max(NOISE_COUNTS))));
         Ok(rig.checked("the rig that was drawn")?)
     }
 
     fn keep_coulomb_below_static(&mut self) {
         for (coulomb, stiction) in [
-            ("load.coulomb_extend_n", "load.static_extend_n"),
-            ("load.coulomb_retract_n", "load.static_retract_n"),
-            ("operator.coulomb_friction_n", "operator.static_friction_n"),
+            (&keys::friction::COULOMB_EXTEND_N, &keys::friction::STATIC_EXTEND_N),
+            (&keys::friction::COULOMB_RETRACT_N, &keys::friction::STATIC_RETRACT_N),
+            (&keys::solenoid::COULOMB_FRICTION_N, &keys::solenoid::STATIC_FRICTION_N),
         ] {
-            let limited = self.number(coulomb).min(self.number(stiction));
-            self.values[Rig::index(coulomb)] = Some(Value::Number(limited));
+            let limited = self.get(coulomb).min(self.get(stiction));
+            self.put(coulomb.path, Some(Value::Number(limited)));
         }
     }
-}
-
-/// An even draw from 0 to 1 with 53 bits.
-pub fn unit_interval(random: &mut impl Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }

@@ -1,6 +1,8 @@
 //! Rig files: what is accepted, and what every refusal says.
 
 use super::*;
+use crate::component::tubing::Model;
+use crate::keys;
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 
@@ -168,7 +170,7 @@ fn settings_of_the_command_line_count_like_lines_of_the_file() {
     let settings =
         ["load.mass_kg=2.5".to_owned(), "tubing.model=none".to_owned(), "test.moves=[[0.0, 5]]".to_owned()];
     let rig = Rig::read_with("servo-b", "", &settings).expect("valid");
-    assert_eq!((rig.number("load.mass_kg"), rig.word("tubing.model")), (2.5, "none"));
+    assert_eq!((rig.get(&keys::load::MASS_KG), rig.get(&keys::tubing::MODEL)), (2.5, Model::None));
     assert_eq!(rig.moves(), [(0.0, 5)]);
     for (setting, expected) in [
         ("load.mass_kg", "--set: load.mass_kg: write key=value"),
@@ -290,7 +292,7 @@ fn the_last_entry_of_the_gain_profile_repeats() {
 
 #[test]
 fn every_key_is_explained_with_its_facts() {
-    for key in KEYS {
+    for key in all_keys() {
         let text = explain(key.path).expect("a key");
         assert!(text.contains(key.meaning) && text.contains("default"), "{text}");
         assert!(key.unit().is_empty() || text.contains(key.unit()), "{text}");
@@ -298,7 +300,7 @@ fn every_key_is_explained_with_its_facts() {
     }
     assert!(explain("mass_kg").expect("a name").contains("load.mass_kg"));
     assert!(explain("load").expect("a table").contains("load.viscous_n_s_per_m"));
-    assert_eq!(explain("").expect("all").lines().count(), KEYS.len());
+    assert_eq!(explain("").expect("all").lines().count(), all_keys().count());
     assert!(explain("nonsense").is_err());
 }
 
@@ -339,8 +341,8 @@ fn another_test_is_held_against_the_rig_that_it_is_for() {
     let rig = Rig::read("long", long).expect("valid");
     let settings = ["test.moves=[[0.0, 60000]]", "test.position_m=0.6"].map(str::to_owned);
     let tested = rig.with_test(&settings).expect("60,000 counts are within a stroke of a metre");
-    assert_eq!((tested.moves(), tested.number("test.position_m")), (vec![(0.0, 60_000)], 0.6));
-    assert_eq!(tested.optional_number("test.repeat_every_s"), None, "nothing is left of the other test");
+    assert_eq!((tested.moves(), tested.get(&keys::test::POSITION_M)), (vec![(0.0, 60_000)], 0.6));
+    assert_eq!(tested.get(&keys::test::REPEAT_EVERY_S), None, "nothing is left of the other test");
     let beyond = rig.with_test(&["test.moves=[[0.0, 90000]]".to_owned()]).expect_err("outside the stroke");
     assert!(beyond.to_string().contains("outside the stroke"), "{beyond}");
     assert!(rig.with_settings(&["load.mass_kg=none".to_owned()]).is_err());

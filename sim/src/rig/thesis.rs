@@ -1,6 +1,7 @@
 //! The constants and flags of the thesis by their numbers: what `rig explain 'C(46)'` answers.
 
-use super::keys::{KEYS, Key};
+use super::table::all_keys;
+use crate::key::Key;
 
 /// An entry of Appendix VII.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +21,7 @@ impl Name {
     pub fn keys(&self) -> impl Iterator<Item = &'static Key> {
         let number = self.number;
         // C(4) is not part of C(46): the bracket ends it.
-        KEYS.iter().filter(move |key| key.thesis.contains(number))
+        all_keys().filter(move |key| key.thesis.contains(number))
     }
 }
 
@@ -164,7 +165,7 @@ mod tests {
     /// A key that names a number of the thesis names one that there is.
     #[test]
     fn every_number_of_a_key_is_an_entry() {
-        for key in KEYS {
+        for key in all_keys() {
             for number in
                 key.thesis.split(", ").filter(|text| text.starts_with("C(") || text.starts_with("L("))
             {

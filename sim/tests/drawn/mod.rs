@@ -2,6 +2,7 @@
 //! test, gains and models drawn.
 
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::{BUILTIN, builtin, unit_interval};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -37,7 +38,8 @@ fn drawn(seed: u64) -> Option<Drawn> {
     let name = rigs[(draw() * rigs.len() as f64) as usize];
     let text = builtin(name)?;
     let base = Rig::read(name, text).ok()?;
-    let (stroke, pulse) = (base.number("actuator.stroke_m"), base.number("encoder.mm_per_count") * 1e-3);
+    let (stroke, pulse) =
+        (base.get(&keys::actuator::STROKE_M), base.get(&keys::encoder::MM_PER_COUNT) * 1e-3);
     let [start, there, back] = [(); 3].map(|()| stroke * (0.15 + 0.7 * draw()));
     let counts = |place: f64| (place / pulse) as i64;
     let mut settings = vec![

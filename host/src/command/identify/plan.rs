@@ -4,6 +4,7 @@
 //! static test (stiction, hysteresis), the dynamic one (top speed and acceleration), and those that are fitted. Before
 //! each of these the drive goes back to where the plan began, in closed loop.
 
+use pneudrive_sim::keys;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
@@ -79,7 +80,7 @@ struct Plan<'a> {
 
 impl Plan<'_> {
     fn run(mut self) -> Result<Recorded> {
-        let position = (f64::from(self.count) + 0.5) * 1e-3 * self.open.number("encoder.mm_per_count");
+        let position = (f64::from(self.count) + 0.5) * 1e-3 * self.open.get(&keys::encoder::MM_PER_COUNT);
         let test = |test: moves::Test| Ok((test.0, moves::test(&self.open, position, test)?));
         let movement = test(moves::MOVEMENT)?;
         let ramp = moves::ramp(&self.open, position)?;

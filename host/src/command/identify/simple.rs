@@ -1,5 +1,6 @@
 //! The identifications that need no model of the drive: `identify --tubing`, `identify --timer`.
 
+use pneudrive_sim::keys;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -13,7 +14,7 @@ use crate::target::TargetFile;
 
 /// The regression line of a measured pressure drop (thesis 7.1.4).
 pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
-    let reference = rig.number("tubing.reference_flow_kg_s");
+    let reference = rig.get(&keys::tubing::REFERENCE_FLOW_KG_S);
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let found = drop_slope(&text, reference)
         .with_context(|| format!("{} is no table of a pressure drop", path.display()))?;

@@ -10,9 +10,10 @@
 //!
 //! The 1.5 % are for air that comes in hotter than the supply: in the model it is, where it comes fast through the port.
 
+use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::Actuator;
 use pneudrive_sim::component::gas::Gas;
-use pneudrive_sim::{Rig, build};
+use pneudrive_sim::keys;
 
 use super::Course;
 use super::filling::{Filling, Readings};
@@ -51,14 +52,17 @@ impl Chambers {
     #[must_use]
     pub fn of(rig: &Rig) -> Chambers {
         let dithers =
-            rig.word("operator.model").starts_with("solenoid") && rig.number("operator.dither_mm") > 0.0;
+            rig.get(&keys::operator::MODEL).is_solenoid() && rig.get(&keys::dither::DITHER_MM) > 0.0;
         Chambers {
-            actuator: build::actuator(rig),
-            gas: Gas::new(rig.number("gas.heat_capacity_ratio"), rig.number("gas.gas_constant_j_per_kg_k")),
-            temperature: rig.number("supply.temperature_k"),
-            dither_hz: dithers.then(|| rig.number("operator.dither_hz")).filter(|hz| *hz > 0.0),
-            range_kpa: ["sensors.pressure_min_pa", "sensors.pressure_max_pa"]
-                .map(|key| rig.number(key) / 1e3),
+            actuator: Actuator::of(rig),
+            gas: Gas::new(
+                rig.get(&keys::gas::HEAT_CAPACITY_RATIO),
+                rig.get(&keys::gas::GAS_CONSTANT_J_PER_KG_K),
+            ),
+            temperature: rig.get(&keys::supply::TEMPERATURE_K),
+            dither_hz: dithers.then(|| rig.get(&keys::dither::DITHER_HZ)).filter(|hz| *hz > 0.0),
+            range_kpa: [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA]
+                .map(|key| rig.get(key) / 1e3),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use pneudrive_sim::rig::keys::KEYS;
+use pneudrive_sim::rig::all_keys;
 use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -130,10 +130,9 @@ pub fn quiet_lacking_rig(seed: u64) -> Hidden {
 
 fn quiet(mut hidden: Hidden) -> Hidden {
     let truth = hidden.truth().expect("a drawn rig is valid");
-    let drawn: Vec<(&str, f64)> = KEYS
-        .iter()
+    let drawn: Vec<(&str, f64)> = all_keys()
         .filter(|key| key.spread)
-        .filter_map(|key| Some((key.path, truth.optional_number(key.path)?)))
+        .filter_map(|key| Some((key.path, truth.number_at(key.path)?)))
         .collect();
     let is_drawn = |line: &str| drawn.iter().any(|(path, _)| line.split(" =").next() == Some(*path));
     let rest = hidden.real.lines().filter(|line| !is_drawn(line)).map(|line| format!("{line}\n"));

@@ -12,8 +12,8 @@
 //! that these keys have in the rig; a list then is `{ values = [0.7, 1.0, 1.3], scale = [...] }`.
 
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::keys::{KEYS, Key, Kind};
 use pneudrive_sim::rig::value_of_setting;
+use pneudrive_sim::rig::{Key, Kind, all_keys};
 use toml_edit::{Array, Item, TableLike, Value};
 
 use super::super::axis::{Axis, Distribution, Draw, Range};
@@ -96,8 +96,8 @@ fn check(axis: &Axis, rig: &Rig, level: &str) -> Result<(), String> {
 
 /// A key with values that can be written into a cell.
 fn variable(name: &str) -> Result<&'static Key, String> {
-    let names: Vec<&str> = KEYS.iter().map(|key| key.path).collect();
-    let key = KEYS.iter().find(|key| key.path == name);
+    let names: Vec<&str> = all_keys().map(|key| key.path).collect();
+    let key = all_keys().find(|key| key.path == name);
     let unknown = || match pneudrive_sim::rig::nearest(name, names.iter().copied()) {
         Some(likely) => format!("the rig has no such key; did you mean {likely}?"),
         None => "the rig has no such key; `pneudrive rig explain` lists them".to_owned(),
@@ -116,7 +116,7 @@ fn variable(name: &str) -> Result<&'static Key, String> {
 
 fn has_number(rig: &Rig, key: &str) -> Result<(), String> {
     match variable(key).map_err(|message| format!("{key}: {message}"))?.kind {
-        Kind::Number { .. } if rig.optional_number(key).is_some() => Ok(()),
+        Kind::Number { .. } if rig.number_at(key).is_some() => Ok(()),
         Kind::Number { .. } => Err(format!("{key} has no value in the rig; give it one under [set]")),
         _ => Err(format!("{key} is no real number; only such can be scaled")),
     }

@@ -1,6 +1,8 @@
 //! The graphs of a tuning.
 
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::Value;
 
 use crate::evaluation::Move;
@@ -116,7 +118,7 @@ pub fn profile(trial: &Trial, tuned: &Tuned) -> Option<Figure> {
         found.push(("found", AFTER, zones(&rig)?));
     }
     let widest = found.iter().filter_map(|(_, _, zones)| zones.last()).map(|zone| zone.0).fold(0.0, f64::max);
-    let mm = trial.rig.number("encoder.mm_per_count");
+    let mm = trial.rig.get(&keys::encoder::MM_PER_COUNT);
     let curve = |(name, colour, zones): &(&str, &'static str, Vec<(f64, f64)>)| {
         let shown = zones.iter().copied().chain(zones.last().map(|last| (2.0 * widest, last.1)));
         let (x, y): (Vec<f64>, Vec<f64>) = shown.map(|(from, gain)| (from.max(mm), gain)).unzip();
@@ -138,9 +140,9 @@ pub fn profile(trial: &Trial, tuned: &Tuned) -> Option<Figure> {
 /// Where each zone of a profile begins, mm, and its gain; None of a law without one.
 fn zones(rig: &Rig) -> Option<Vec<(f64, f64)>> {
     let Some(Value::Integers(entries)) = rig.value("controller.gain_profile") else { return None };
-    let span = rig.integer("controller.profile_span_counts") as f64 * rig.number("encoder.mm_per_count");
+    let span = rig.get(&keys::controller::PROFILE_SPAN_COUNTS) as f64 * rig.get(&keys::encoder::MM_PER_COUNT);
     let zones = entries.iter().enumerate().map(|(i, gain)| (i as f64 * span, *gain as f64));
-    (rig.word("controller.law") == "gain-profile").then(|| zones.collect())
+    (rig.get(&keys::controller::LAW) == controller::Law::GainProfile).then(|| zones.collect())
 }
 
 /// The step before and after, on the rig of the file.

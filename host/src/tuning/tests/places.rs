@@ -54,7 +54,12 @@ fn a_variant_changes_the_keys_of_load_and_friction() {
     for (key, factor) in
         [("load.mass_kg", 1.3), ("load.static_extend_n", 1.2), ("load.viscous_n_s_per_m", 1.2)]
     {
-        assert!((heavier.number(key) / rig_b.number(key) - factor).abs() < 1e-12, "{key}");
+        assert!(
+            (heavier.number_at(key).expect("a number") / rig_b.number_at(key).expect("a number") - factor)
+                .abs()
+                < 1e-12,
+            "{key}"
+        );
     }
 }
 

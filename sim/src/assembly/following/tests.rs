@@ -2,9 +2,9 @@
 
 use super::super::{END_GUARDS, GUARDS, SCALE, STATES};
 use super::*;
-use crate::build;
+use crate::assembly::build;
 use crate::component::friction::Contact;
-use crate::rig::Rig;
+use crate::values::Rig;
 use pneudrive_solver::{Integrator, Method};
 
 /// Half the width of the loop of servo-drive B, m.

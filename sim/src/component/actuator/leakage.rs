@@ -25,7 +25,43 @@ use std::f64::consts::PI;
 
 use crate::component::air::Air;
 use crate::component::gas::Gas;
+use crate::key::{keys, words};
 use crate::number::{Number, Pair};
+use crate::values::Rig;
+
+words! {
+    /// Leakage past the piston.
+    pub enum Model {
+        /// None.
+        None = "none",
+        /// In proportion to the pressure difference.
+        Laminar = "laminar",
+        /// Through the gap around the piston.
+        Adiabatic = "adiabatic",
+    }
+}
+
+keys! {
+    LEAKAGE: Model = choice("actuator.leakage", "L(18)", "Leakage past the piston.");
+    LEAKAGE_COEFFICIENT: f64 = number("actuator.leakage_coefficient", 0.0, 0.0, 1e-6, "C(55)", "Laminar leakage, kg/(s Pa).");
+    PASSAGE_RESISTANCE: f64 = number("actuator.passage_resistance", 20.0, 1e-3, 1e6, "C(56)", "Egli's resistance of the leakage passage.");
+    PASSAGE_CLEARANCE_M: f64 = number("actuator.passage_clearance_m", 1e-5, 1e-9, 1e-2, "C(57)", "Clearance of the leakage passage; the thesis's table has 1e-4, a slip.");
+}
+
+impl Leakage {
+    /// The leakage of a rig, past a piston of this bore (m).
+    pub(super) fn of(rig: &Rig, bore: f64) -> Leakage {
+        match rig.get(&keys::LEAKAGE) {
+            Model::None => Leakage::None,
+            Model::Laminar => Leakage::Laminar { coefficient: rig.get(&keys::LEAKAGE_COEFFICIENT) },
+            Model::Adiabatic => Leakage::Adiabatic {
+                resistance: rig.get(&keys::PASSAGE_RESISTANCE),
+                clearance: rig.get(&keys::PASSAGE_CLEARANCE_M),
+                bore,
+            },
+        }
+    }
+}
 
 /// How the piston leaks.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,7 +14,23 @@ use std::f64::consts::PI;
 
 use crate::component::air::Air;
 use crate::component::gas::Gas;
+use crate::key::keys;
 use crate::number::Pair;
+use crate::values::Rig;
+
+keys! {
+    HEAT_TRANSFER_W_PER_M2_K: f64 = number("actuator.heat_transfer_w_per_m2_k", 0.0, 0.0, 1e5, "", "Heat transfer of the chambers' walls; 0: adiabatic, as in the thesis.");
+    WALL_TEMPERATURE_K: f64 = number("actuator.wall_temperature_k", 294.0, 150.0, 600.0, "", "Temperature of the chambers' walls.");
+}
+
+impl Walls {
+    /// The walls of a rig around pistons of these areas (m^2), a bore and rods of these diameters (m).
+    pub(super) fn of(rig: &Rig, areas: [f64; 2], bore: f64, rods: [f64; 2]) -> Option<Walls> {
+        let coefficient = rig.get(&keys::HEAT_TRANSFER_W_PER_M2_K);
+        let temperature = rig.get(&keys::WALL_TEMPERATURE_K);
+        (coefficient > 0.0).then(|| Walls::new(coefficient, temperature, areas, bore, rods))
+    }
+}
 
 /// The walls of both chambers, SI.
 #[derive(Clone, Copy, Debug)]

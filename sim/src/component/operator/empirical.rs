@@ -11,7 +11,32 @@
 use super::flight::{Drive, Flight, Oscillator};
 use super::{GUARDS, Request, SpoolState};
 use crate::component::dither::Dither;
+use crate::component::operator::{amplifier, hysteresis};
 use crate::component::play::{self, Play};
+use crate::component::valve::spool_travel;
+use crate::key::keys;
+use crate::values::Rig;
+
+keys! {
+    STIFFNESS_PER_MASS_PER_S2: f64 = number("operator.stiffness_per_mass_per_s2", 36_000.0, 1.0, 1e9, "C(50)", "Squared natural frequency of the empirical operator.").of(&["solenoid-empirical"]);
+    DAMPING_PER_S: f64 = number("operator.damping_per_s", 100.0, 0.0, 1e6, "C(51)", "Damping of the empirical operator.").of(&["solenoid-empirical"]);
+}
+
+impl Empirical {
+    /// The operator of a rig, under a dither.
+    pub(super) fn of(rig: &Rig, dither: Dither) -> Empirical {
+        Empirical::new(EmpiricalParameters {
+            travel_per_count: spool_travel(rig) / 2048.0,
+            amplifier_gain: rig.get(&amplifier::keys::AMPLIFIER_GAIN),
+            saturation: rig.get(&amplifier::keys::SATURATION_MM) * 1e-3,
+            stiffness_per_mass: rig.get(&keys::STIFFNESS_PER_MASS_PER_S2),
+            damping_per_mass: rig.get(&keys::DAMPING_PER_S),
+            hysteresis_half_width: hysteresis::half_width(rig),
+            dither,
+            travel: spool_travel(rig),
+        })
+    }
+}
 
 /// The parameters of an empirical solenoid, SI.
 #[derive(Clone, Copy, Debug)]

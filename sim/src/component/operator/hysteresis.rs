@@ -3,8 +3,21 @@
 //! The input is a function of time alone, so the instants at which the branch changes are known in
 //! closed form: no step has to find them.
 
+use crate::component::dither::SOLENOIDS;
 use crate::component::dither::{CREST, Dither, TROUGH};
 use crate::component::play::{Branch, Motion, Play};
+use crate::component::valve::spool_travel;
+use crate::key::keys;
+use crate::values::Rig;
+
+keys! {
+    HYSTERESIS_PERCENT: f64 = number("operator.hysteresis_percent", 5.0, 0.0, 100.0, "C(29)", "Width of the hysteresis loop, of the spool's range from end to end (2 mm in servo-drive B).").of(SOLENOIDS).spread();
+}
+
+/// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the spool's range wide, from end to end.
+pub(super) fn half_width(rig: &Rig) -> f64 {
+    rig.get(&keys::HYSTERESIS_PERCENT) / 100.0 * spool_travel(rig)
+}
 
 /// Play on a command plus dither, all in m of spool travel.
 #[derive(Clone, Copy, Debug)]

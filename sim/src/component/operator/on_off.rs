@@ -5,6 +5,20 @@
 //! one switching time for the whole travel to one side.
 
 use super::Request;
+use crate::component::valve::spool_travel;
+use crate::key::keys;
+use crate::values::Rig;
+
+keys! {
+    SWITCH_TIME_S: f64 = number("operator.switch_time_s", 0.0, 0.0, 1.0, "", "Time from state to state of an on-off valve.").of(&["on-off"]);
+}
+
+impl OnOff {
+    /// The on-off valve of a rig.
+    pub(super) fn of(rig: &Rig) -> OnOff {
+        OnOff::new(spool_travel(rig), rig.get(&keys::SWITCH_TIME_S))
+    }
+}
 
 /// An on-off valve and where its spool is going.
 #[derive(Clone, Copy, Debug)]

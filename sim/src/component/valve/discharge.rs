@@ -15,6 +15,22 @@
 //! a public MATLAB simulation of railway brakes (`fxNzleVcq.m`) has it as "Cq Perry". How well it fits
 //! the table of 1949 is not confirmed.
 
+use crate::key::{keys, words};
+
+words! {
+    /// How the coefficient of discharge depends on the pressure ratio.
+    pub enum Model {
+        /// Not at all.
+        Constant = "constant",
+        /// As Perry measured it.
+        Perry = "perry",
+    }
+}
+
+keys! {
+    DISCHARGE_MODEL: Model = choice("valve.discharge_model", "L(17)", "How the coefficient of discharge depends on the pressure ratio.");
+}
+
 /// Of r^0 to r^5.
 const PERRY: [f64; 6] = [0.8414, -0.1002, 0.8415, -3.9, 4.6001, -1.6827];
 

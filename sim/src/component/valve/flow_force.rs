@@ -40,6 +40,44 @@
 use std::f64::consts::PI;
 
 use crate::component::gas::Gas;
+use crate::key::{Typed, keys, words};
+use crate::values::Rig;
+
+words! {
+    /// Which force of the flow the spool feels.
+    pub enum Model {
+        /// None.
+        None = "none",
+        /// Louis and Logan's, by measured coefficients.
+        Experimental = "experimental",
+        /// By the momentum of the jets.
+        Analytical = "analytical",
+    }
+}
+
+keys! {
+    FLOW_FORCE: Model = choice("valve.flow_force", "L(16)=4,5", "Force of the flow on the spool.");
+    FLOW_FORCE_INLET: Option<Vec<f64>> = optional_numbers("valve.flow_force_inlet", 12, "a stand-in fitted to the force of a free jet; Louis and Logan's coefficients are not published in the thesis", "6.34", "C_Fin: coefficients of the powers 0 to 11 of the opening, for the experimental flow force of air that goes in.");
+    FLOW_FORCE_OUTLET: Option<Vec<f64>> = optional_numbers("valve.flow_force_outlet", 12, "as flow_force_inlet", "6.34", "C_Fout: the same for air that comes out.");
+    LAND_LENGTH_M: f64 = number("valve.land_length_m", 0.01, 0.0, 1.0, "C(70)", "Length of the lands, for flow forces.");
+}
+
+impl FlowForce {
+    /// The flow force of a rig.
+    #[must_use]
+    pub fn of(rig: &Rig) -> FlowForce {
+        let coefficients =
+            |key: &Typed<Option<Vec<f64>>>| rig.get(key).and_then(|values| values.try_into().ok());
+        match rig.get(&keys::FLOW_FORCE) {
+            Model::Analytical => FlowForce::Analytical,
+            Model::Experimental => FlowForce::Experimental {
+                inlet: coefficients(&keys::FLOW_FORCE_INLET).unwrap_or(DEFAULT_INLET),
+                outlet: coefficients(&keys::FLOW_FORCE_OUTLET).unwrap_or(DEFAULT_OUTLET),
+            },
+            Model::None => FlowForce::None,
+        }
+    }
+}
 
 /// Coefficients of z^0 to z^11.
 pub type Polynomial = [f64; 12];

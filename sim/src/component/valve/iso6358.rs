@@ -18,6 +18,23 @@
 //! within 0.4 % of it for b = 0.528.
 
 use crate::component::gas::{FlowFunction, Gas};
+use crate::key::keys;
+use crate::values::Rig;
+
+keys! {
+    SONIC_CONDUCTANCE_M3_PER_S_PA: Option<f64> = optional_number("valve.sonic_conductance_m3_per_s_pa", 1e-12, 1e-6, "the data sheet's; needed by iso-6358", "", "Sonic conductance at full opening.").of(&["iso-6358"]);
+    CRITICAL_RATIO: Option<f64> = optional_number("valve.critical_ratio", 0.0, 0.9, "the data sheet's; needed by iso-6358", "", "Critical pressure ratio.").of(&["iso-6358"]);
+}
+
+impl Iso6358 {
+    /// The component of a rig; zeros where its figures are absent, which [`super::check`] refuses.
+    pub(super) fn of(rig: &Rig) -> Iso6358 {
+        Iso6358 {
+            sonic_conductance: rig.get(&keys::SONIC_CONDUCTANCE_M3_PER_S_PA).unwrap_or(0.0),
+            critical_ratio: rig.get(&keys::CRITICAL_RATIO).unwrap_or(0.0),
+        }
+    }
+}
 
 /// rho_0, kg/m^3.
 const REFERENCE_DENSITY: f64 = 1.185;

@@ -1,7 +1,10 @@
 //! Fault events of a rig file: what is accepted, and what every refusal says.
 
 use super::*;
+use crate::component::faults::{FaultEvent, FaultKind, KINDS, OpenSensor};
+use crate::key::Kind;
 use crate::rig::{Problems, explain};
+use crate::values::Rig;
 
 fn read(text: &str) -> Result<Rig, Vec<String>> {
     Rig::read("rig.toml", text)

@@ -1,0 +1,57 @@
+//! The drive of a rig: its components, and the state in which its test begins.
+
+use super::{Lag, Parts, STATES, StateVector, slot};
+use crate::component::actuator::Actuator;
+use crate::component::air::Air;
+use crate::component::faults::Schedule;
+use crate::component::gas::Gas;
+use crate::component::load::Load;
+use crate::component::operator::Operator;
+use crate::component::valve::Valve;
+use crate::component::valve::flow_force::FlowForce;
+use crate::continuous::ContinuousLaw;
+use crate::keys;
+use crate::network::Network;
+use crate::start::Start;
+use crate::values::Rig;
+
+/// The components of a rig, and the state in which its test begins.
+pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
+    let gas = Gas::of(rig);
+    let actuator = Actuator::of(rig);
+    let x = initial_state(rig, &gas, &actuator);
+    let parts = Parts {
+        gas,
+        valve: Valve::of(rig),
+        actuator,
+        load: Load::of(rig),
+        operator: Operator::of(rig),
+        supply_pressure: rig.get(&keys::supply::PRESSURE_PA),
+        network: Network::of(rig, gas),
+        flow_force: FlowForce::of(rig),
+        lag: Lag::of(rig, &gas),
+        sensor_lag: Some(rig.get(&keys::sensors::PRESSURE_LAG_S)).filter(|lag| *lag > 0.0),
+        continuous: ContinuousLaw::of(rig),
+        faults: Schedule::new(&rig.fault_events()),
+    };
+    (parts, x)
+}
+
+fn initial_state(rig: &Rig, gas: &Gas, actuator: &Actuator) -> StateVector {
+    let Start { position, pressures, temperatures } = Start::of(rig);
+    let volumes = actuator.volumes(position, 0.0);
+    let mut x = [0.0; STATES];
+    x[slot::POSITION] = position;
+    for ratio in slot::RATIO {
+        x[ratio] = 1.0;
+    }
+    for i in 0..2 {
+        let [mass, exner] = Air::state_of(gas, pressures[i], temperatures[i], volumes[i].volume);
+        x[slot::MASS[i]] = mass;
+        x[slot::EXNER[i]] = exner;
+        if rig.get(&keys::sensors::PRESSURE_LAG_S) > 0.0 {
+            x[slot::SENSED[i]] = pressures[i];
+        }
+    }
+    x
+}

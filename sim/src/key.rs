@@ -1,0 +1,371 @@
+//! A key of a rig file: what it takes, what holds without it, what it means, and the Rust type of its value.
+//!
+//! Each component lists its own keys with [`keys!`]; [`crate::rig`] collects the lists. Units stand in the key's name
+//! ([`unit()`]); equations get values in the unit of the name, or SI.
+
+use std::marker::PhantomData;
+use std::ops::Deref;
+
+/// What a key takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A real number within a range, ends included.
+    Number {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+    },
+    /// A whole number within a range.
+    Integer {
+        /// Smallest.
+        min: i64,
+        /// Largest.
+        max: i64,
+    },
+    /// true or false.
+    Switch,
+    /// One of some words; each with whether it is built.
+    Choice(&'static [(&'static str, bool)]),
+    /// A list of whole numbers within a range.
+    Integers {
+        /// Smallest.
+        min: i64,
+        /// Largest.
+        max: i64,
+        /// Most entries.
+        max_entries: usize,
+    },
+    /// A list of real numbers.
+    Numbers {
+        /// How many.
+        count: usize,
+    },
+    /// A list of [time in s, whole number].
+    Moves,
+    /// A list of tables: what goes wrong and when.
+    Events,
+    /// Text.
+    Text,
+    /// Not built yet; only the default is accepted.
+    NotBuilt,
+}
+
+/// The value of a key that the file does not have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Preset {
+    /// A real number.
+    Number(f64),
+    /// A whole number.
+    Integer(i64),
+    /// true or false.
+    Switch(bool),
+    /// A word.
+    Choice(&'static str),
+    /// Whole numbers.
+    Integers(&'static [i64]),
+    /// Moves.
+    Moves(&'static [(f64, i64)]),
+    /// Nothing: what that means, for the help text.
+    Absent(&'static str),
+}
+
+/// One key of a rig file.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// "table.name", as errors and `--set` have it; the top level has no table.
+    pub path: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+    /// What holds without it.
+    pub preset: Preset,
+    /// Models of the same table that use it; empty: all.
+    pub models: &'static [&'static str],
+    /// Name in the thesis, or "".
+    pub thesis: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// Whether `--spread` draws it: a physical value that is never known exactly.
+    pub spread: bool,
+}
+
+impl Key {
+    /// The table, "" for the top level.
+    #[must_use]
+    pub fn table(&self) -> &'static str {
+        self.path.split_once('.').map_or("", |(table, _)| table)
+    }
+
+    /// The name within the table.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.path.split_once('.').map_or(self.path, |(_, name)| name)
+    }
+
+    /// The unit, from the name; "" for a plain number.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        unit(self.name()).1
+    }
+}
+
+/// A key whose value is a `T`.
+#[derive(Clone, Copy, Debug)]
+pub struct Typed<T> {
+    /// What is known of it.
+    pub key: Key,
+    value: PhantomData<fn() -> T>,
+}
+
+impl<T> Deref for Typed<T> {
+    type Target = Key;
+
+    fn deref(&self) -> &Key {
+        &self.key
+    }
+}
+
+impl<T> Typed<T> {
+    const fn new(
+        path: &'static str,
+        kind: Kind,
+        preset: Preset,
+        thesis: &'static str,
+        meaning: &'static str,
+    ) -> Self {
+        let key = Key { path, kind, preset, models: &[], thesis, meaning, spread: false };
+        Typed { key, value: PhantomData }
+    }
+
+    /// The key of some of its table's models only.
+    #[must_use]
+    pub(crate) const fn of(self, models: &'static [&'static str]) -> Self {
+        Typed { key: Key { models, ..self.key }, ..self }
+    }
+
+    /// A physical value that is never known exactly.
+    #[must_use]
+    pub(crate) const fn spread(self) -> Self {
+        Typed { key: Key { spread: true, ..self.key }, ..self }
+    }
+
+    #[must_use]
+    pub(crate) const fn not_built(self) -> Self {
+        Typed { key: Key { kind: Kind::NotBuilt, ..self.key }, ..self }
+    }
+}
+
+pub(crate) const fn number(
+    path: &'static str,
+    preset: f64,
+    min: f64,
+    max: f64,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<f64> {
+    Typed::new(path, Kind::Number { min, max }, Preset::Number(preset), thesis, meaning)
+}
+
+/// A number that may be absent, and what that means.
+pub(crate) const fn optional_number(
+    path: &'static str,
+    min: f64,
+    max: f64,
+    absent: &'static str,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<Option<f64>> {
+    Typed::new(path, Kind::Number { min, max }, Preset::Absent(absent), thesis, meaning)
+}
+
+pub(crate) const fn integer(
+    path: &'static str,
+    preset: i64,
+    min: i64,
+    max: i64,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<i64> {
+    Typed::new(path, Kind::Integer { min, max }, Preset::Integer(preset), thesis, meaning)
+}
+
+pub(crate) const fn switch(
+    path: &'static str,
+    preset: bool,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<bool> {
+    Typed::new(path, Kind::Switch, Preset::Switch(preset), thesis, meaning)
+}
+
+/// One of the words of `C`, the first one without the key.
+pub(crate) const fn choice<C: Choice>(
+    path: &'static str,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<C> {
+    Typed::new(path, Kind::Choice(C::WORDS), Preset::Choice(C::WORDS[0].0), thesis, meaning)
+}
+
+/// A key of another kind.
+pub(crate) const fn other<T>(
+    path: &'static str,
+    kind: Kind,
+    preset: Preset,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<T> {
+    Typed::new(path, kind, preset, thesis, meaning)
+}
+
+/// A list of numbers that may be absent, and what that means.
+pub(crate) const fn optional_numbers(
+    path: &'static str,
+    count: usize,
+    absent: &'static str,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<Option<Vec<f64>>> {
+    Typed::new(path, Kind::Numbers { count }, Preset::Absent(absent), thesis, meaning)
+}
+
+/// Words that a key takes, as a Rust type.
+pub trait Choice: Copy + PartialEq + Sized + 'static {
+    /// Each word, with whether it is built; the first one is the default.
+    const WORDS: &'static [(&'static str, bool)];
+
+    /// What a word stands for; None for one that is not built.
+    fn of_word(word: &str) -> Option<Self>;
+
+    /// The word.
+    fn word(self) -> &'static str;
+}
+
+/// Declares a type of which a key takes the words, and the words that are not built.
+macro_rules! words {
+    (
+        $(#[$about:meta])*
+        $visibility:vis enum $name:ident {
+            $($(#[$meaning:meta])* $variant:ident = $word:literal,)+
+        } $(not built $($unbuilt:literal)+)?
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $visibility enum $name {
+            $($(#[$meaning])* $variant,)+
+        }
+
+        impl $crate::key::Choice for $name {
+            const WORDS: &'static [(&'static str, bool)] =
+                &[$(($word, true),)+ $($(($unbuilt, false),)+)?];
+
+            fn of_word(word: &str) -> Option<Self> {
+                match word {
+                    $($word => Some($name::$variant),)+
+                    _ => None,
+                }
+            }
+
+            fn word(self) -> &'static str {
+                match self {
+                    $($name::$variant => $word,)+
+                }
+            }
+        }
+
+        impl $crate::values::FromValue for $name {
+            fn from_value(value: Option<&$crate::values::Value>) -> Option<Self> {
+                match value {
+                    Some($crate::values::Value::Word(word)) => $crate::key::Choice::of_word(word),
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+/// Declares the keys of a component, and the list of them that [`crate::rig`] collects.
+macro_rules! keys {
+    ($($name:ident: $type:ty = $key:expr;)+) => {
+        /// Keys of a rig file, in the order of `rig explain`.
+        #[allow(missing_docs, clippy::wildcard_imports)]
+        #[rustfmt::skip]
+        pub mod keys {
+            #[allow(unused_imports)]
+            use super::*;
+            #[allow(unused_imports)]
+            use $crate::key::*;
+
+            $(pub static $name: Typed<$type> = $key;)+
+
+            /// All of them.
+            pub static ALL: &[&Key] = &[$(&$name.key),+];
+        }
+    };
+}
+
+pub(crate) use {keys, words};
+
+/// Endings of names and the units they stand for, longer ones first.
+const UNITS: &[(&str, &str)] = &[
+    ("_j_per_kg_k", "J/(kg K)"),
+    ("_w_per_m2_k", "W/(m2 K)"),
+    ("_m3_per_s_pa", "m3/(s Pa)"),
+    ("_per_mass_per_s2", "1/s2"),
+    ("_n_s_per_m", "N s/m"),
+    ("_n_per_mm", "N/mm"),
+    ("_n_per_m", "N/m"),
+    ("mm_per_count", "mm/count"),
+    ("mm_per_step", "mm/step"),
+    ("_per_s", "1/s"),
+    ("_percent", "%"),
+    ("_samples", "samples"),
+    ("_counts", "counts"),
+    ("_kg_s", "kg/s"),
+    ("_m_s", "m/s"),
+    ("_kpa", "kPa"),
+    ("_mpa", "MPa"),
+    ("_bar", "bar"),
+    ("_psi", "psi"),
+    ("_deg", "deg"),
+    ("_rad", "rad"),
+    ("_cm", "cm"),
+    ("_mm", "mm"),
+    ("_um", "um"),
+    ("_m3", "m3"),
+    ("_l", "l"),
+    ("_pa", "Pa"),
+    ("_hz", "Hz"),
+    ("_kg", "kg"),
+    ("_ms", "ms"),
+    ("_us", "us"),
+    ("_s", "s"),
+    ("_n", "N"),
+    ("_k", "K"),
+    ("_c", "C"),
+    ("_m", "m"),
+    ("_g", "g"),
+];
+
+/// The part of a name before its unit, and the unit ("" for none).
+#[must_use]
+pub fn unit(name: &str) -> (&str, &'static str) {
+    UNITS
+        .iter()
+        .find_map(|(ending, unit)| name.strip_suffix(ending).map(|stem| (stem, *unit)))
+        .unwrap_or((name, ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_read_from_names() {
+        assert_eq!(unit("pressure_pa"), ("pressure", "Pa"));
+        assert_eq!(unit("residual_volume_1_m3"), ("residual_volume_1", "m3"));
+        assert_eq!(unit("gas_constant_j_per_kg_k"), ("gas_constant", "J/(kg K)"));
+        assert_eq!(unit("law"), ("law", ""));
+        assert_eq!(unit("max_speed_m_s"), ("max_speed", "m/s"));
+    }
+}

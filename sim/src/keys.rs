@@ -1,0 +1,31 @@
+//! The keys of a rig file by the file that declares them: `keys::load::MASS_KG`.
+
+pub use crate::component::actuator::keys as actuator;
+pub use crate::component::actuator::leakage::keys as leakage;
+pub use crate::component::actuator::walls::keys as walls;
+pub use crate::component::controller::keys as controller;
+pub use crate::component::dither::keys as dither;
+pub use crate::component::encoder::keys as encoder;
+pub use crate::component::exhaust::keys as exhaust;
+pub use crate::component::faults::keys as faults;
+pub use crate::component::friction::keys as friction;
+pub use crate::component::gas::keys as gas;
+pub use crate::component::load::keys as load;
+pub use crate::component::operator::amplifier::keys as amplifier;
+pub use crate::component::operator::empirical::keys as empirical;
+pub use crate::component::operator::hysteresis::keys as hysteresis;
+pub use crate::component::operator::keys as operator;
+pub use crate::component::operator::on_off::keys as on_off;
+pub use crate::component::operator::solenoid::keys as solenoid;
+pub use crate::component::operator::stepper::keys as stepper;
+pub use crate::component::safety::keys as safety;
+pub use crate::component::sensors::keys as sensors;
+pub use crate::component::stop::keys as stop;
+pub use crate::component::supply::keys as supply;
+pub use crate::component::tubing::keys as tubing;
+pub use crate::component::valve::discharge::keys as discharge;
+pub use crate::component::valve::flow_force::keys as flow_force;
+pub use crate::component::valve::iso6358::keys as iso6358;
+pub use crate::component::valve::keys as valve;
+pub use crate::positive_gain::keys as positive_gain;
+pub use crate::schedule::keys as test;

@@ -1,0 +1,47 @@
+//! The network of a rig.
+
+use super::{Laws, Network, Vessels};
+use crate::component::air::Station;
+use crate::component::gas::Gas;
+use crate::component::tubing::{Tube, tubes};
+use crate::component::valve::{Valve, land_law, speed_counts};
+use crate::component::{exhaust, supply};
+use crate::keys;
+use crate::values::Rig;
+
+impl Network {
+    /// The network of a rig. Lagged tubes are states of the assembly, not part of it.
+    pub fn of(rig: &Rig, gas: Gas) -> Network {
+        let lagged = rig.get(&keys::tubing::LAG_S) > 0.0;
+        let (supply_tube, cylinder_tube) =
+            if lagged { (Tube::none(), Tube::none()) } else { tubes(rig, &gas) };
+        let port_area = speed_counts(rig).then(|| Valve::of(rig).port_area());
+        let law = land_law(rig);
+        let network = Network::new(
+            gas,
+            supply::station(rig, &gas),
+            exhaust::station(rig, &gas),
+            supply_tube,
+            cylinder_tube,
+            Laws { land: law, port: law },
+            port_area,
+        );
+        network.beside(vessels(rig, &gas))
+    }
+
+    /// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no
+    /// tubes, and `port_area` (m^2) where air approaches at its own speed.
+    pub fn without_tubes(rig: &Rig, gas: Gas, supply_pa: f64, port_area: Option<f64>) -> Network {
+        let law = land_law(rig);
+        let supply = Station { exner: gas.exner(supply_pa), ..supply::station(rig, &gas) };
+        let exhaust = exhaust::station(rig, &gas);
+        let laws = Laws { land: law, port: law };
+        Network::new(gas, supply, exhaust, Tube::none(), Tube::none(), laws, port_area)
+    }
+}
+
+/// Which ends no tube joins to the valve. A lagged tube is one.
+fn vessels(rig: &Rig, gas: &Gas) -> Vessels {
+    let (supply, cylinder) = tubes(rig, gas);
+    Vessels { supply: supply.is_none(), chambers: cylinder.is_none() }
+}

@@ -1,0 +1,39 @@
+//! What to say of a name that no key has.
+
+use super::table::all_keys;
+use crate::key::{Key, unit};
+
+/// What to say of a key that is not in the table: its unit, or a near miss.
+pub(super) fn unknown_key(path: &str) -> String {
+    let (table, name) = path.split_once('.').unwrap_or(("", path));
+    let (stem, given) = unit(name);
+    let same_stem =
+        all_keys().find(|key| key.table() == table && !key.unit().is_empty() && unit(key.name()).0 == stem);
+    match same_stem {
+        Some(key) if given.is_empty() => {
+            format!("there is no such key; with its unit it is {} (in {})", key.name(), key.unit())
+        }
+        Some(key) => {
+            format!("wrong unit: this key is {}, so give it in {} instead of {given}", key.name(), key.unit())
+        }
+        None => {
+            let known = all_keys().filter(|key| key.table() == table).map(Key::name);
+            format!("unknown key{}", did_you_mean(name, known))
+        }
+    }
+}
+
+pub(super) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    nearest(name, known)
+        .map(|candidate| format!("; did you mean {candidate}?"))
+        .unwrap_or_else(|| "; `pneudrive rig explain` lists the keys".to_owned())
+}
+
+/// The known name that is most like a name, if one is.
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,129 @@
+//! The value of a key, as TOML has it.
+
+use toml_edit::Item;
+
+use super::table::preset_value;
+use crate::key::{Key, Kind, Preset};
+use crate::values::Value;
+
+/// A value as it is typed. A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes.
+pub(super) fn item_of(text: &str) -> Item {
+    Item::Value(text.parse().unwrap_or_else(|_| text.into()))
+}
+
+/// The value of a key, or what is wrong with it.
+pub(super) fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
+    match key.kind {
+        Kind::Number { min, max } => number(key, item, min, max),
+        Kind::Integer { min, max } => whole(key, item, min, max).map(Value::Integer),
+        Kind::Switch => item.as_bool().map(Value::Switch).ok_or_else(|| "must be true or false".to_owned()),
+        Kind::Text => text(item, "must be a text in quotes")
+            .and_then(|text| {
+                let one_line = !text.contains(char::is_control);
+                one_line.then_some(text).ok_or_else(|| "must be one line".to_owned())
+            })
+            .map(Value::Word),
+        Kind::Choice(options) => word(key, item, options),
+        Kind::Integers { min, max, max_entries } => integers(key, item, min, max, max_entries),
+        Kind::Numbers { count } => numbers(item, count),
+        Kind::Moves => moves(item),
+        Kind::NotBuilt => not_built(key, item),
+        Kind::Events => Err("must be a list of tables".to_owned()),
+    }
+}
+
+fn text(item: &Item, message: &str) -> Result<String, String> {
+    item.as_str().map(str::to_owned).ok_or_else(|| message.to_owned())
+}
+
+fn real(item: &Item) -> Option<f64> {
+    item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
+}
+
+fn number(key: &Key, item: &Item, min: f64, max: f64) -> Result<Value, String> {
+    let with_unit = |value: f64| format!("{value} {}", key.unit()).trim_end().to_owned();
+    let Some(value) = real(item) else {
+        let kind = item.type_name();
+        return Err(match key.unit() {
+            "" => format!("must be a number, not a {kind}"),
+            unit => format!("must be a number in {unit} without the unit, not a {kind}"),
+        });
+    };
+    if (min..=max).contains(&value) {
+        Ok(Value::Number(value))
+    } else {
+        let range = format!("must be between {} and {}", with_unit(min), with_unit(max));
+        Err(format!("{range}, is {value}"))
+    }
+}
+
+fn whole(key: &Key, item: &Item, min: i64, max: i64) -> Result<i64, String> {
+    let value =
+        item.as_integer().ok_or_else(|| format!("must be a whole number, not a {}", item.type_name()))?;
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        let unit = key.unit();
+        Err(format!("must be between {min} and {max} {unit}").trim_end().to_owned()
+            + &format!(", is {value}"))
+    }
+}
+
+fn word(key: &Key, item: &Item, options: &[(&str, bool)]) -> Result<Value, String> {
+    let known: Vec<String> = options.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+    let known = known.join(", ");
+    let word = text(item, &format!("must be one of {known}"))?;
+    match options.iter().find(|(name, _)| *name == word) {
+        Some((_, true)) => Ok(Value::Word(word)),
+        Some((_, false)) => {
+            let built: Vec<&str> =
+                options.iter().filter(|(_, built)| *built).map(|(name, _)| *name).collect();
+            Err(format!("{} = \"{word}\" is not built yet; built: {}", key.path, built.join(", ")))
+        }
+        None => Err(format!("must be one of {known}, is \"{word}\"")),
+    }
+}
+
+fn integers(key: &Key, item: &Item, min: i64, max: i64, max_entries: usize) -> Result<Value, String> {
+    let array = item.as_array().ok_or("must be a list of whole numbers, such as [8192, 4096]")?;
+    if array.is_empty() || array.len() > max_entries {
+        return Err(format!("must have 1 to {max_entries} entries, has {}", array.len()));
+    }
+    let values = array.iter().map(|value| whole(key, &Item::Value(value.clone()), min, max));
+    values.collect::<Result<_, _>>().map(Value::Integers)
+}
+
+fn numbers(item: &Item, count: usize) -> Result<Value, String> {
+    let message = || format!("must be a list of {count} numbers");
+    let array = item.as_array().filter(|array| array.len() == count).ok_or_else(message)?;
+    let values = array.iter().map(|value| real(&Item::Value(value.clone())).ok_or_else(message));
+    values.collect::<Result<_, _>>().map(Value::Numbers)
+}
+
+fn moves(item: &Item) -> Result<Value, String> {
+    let form = "must be a list of [time in s, counts], such as [[0.0, 8192], [0.3, 16384]]";
+    let array = item.as_array().ok_or(form)?;
+    let one = |value: &toml_edit::Value| {
+        let pair = value.as_array().filter(|pair| pair.len() == 2)?;
+        let time = real(&Item::Value(pair.get(0)?.clone()))?;
+        Some((time, pair.get(1)?.as_integer()?))
+    };
+    array
+        .iter()
+        .map(|value| one(value).ok_or_else(|| form.to_owned()))
+        .collect::<Result<_, _>>()
+        .map(Value::Moves)
+}
+
+/// A key that is not built yet takes its default and nothing else.
+fn not_built(key: &Key, item: &Item) -> Result<Value, String> {
+    let given = match key.preset {
+        Preset::Number(_) => real(item).map(Value::Number),
+        Preset::Switch(_) => item.as_bool().map(Value::Switch),
+        _ => None,
+    };
+    match given {
+        Some(value) if Some(&value) == preset_value(&key.preset).as_ref() => Ok(value),
+        _ => Err(format!("{} is not built yet; leave it out", key.path)),
+    }
+}
