@@ -111,7 +111,7 @@ fn assert_intervals_hold(json: &serde_json::Value, real: &Rig) {
     let of_the_load = told.iter().filter(|parameter| key(parameter).starts_with("load."));
     assert_eq!(of_the_load.count(), 6, "mass, viscous friction, and friction both ways: {told:?}");
     for parameter in told {
-        let truth = real.number(&key(parameter));
+        let truth = real.number_at(&key(parameter)).expect("a number");
         let [low, high] = [0, 1].map(|end| parameter["interval_95"][end].as_f64().expect("a number"));
         assert!(low <= truth && truth <= high, "{parameter}");
     }
