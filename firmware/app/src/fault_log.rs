@@ -4,7 +4,10 @@
 //! that logging takes the time of one event, and a reset in the middle of it costs that one alone. While
 //! the drive is disarmed, [`FaultLog::flush`] copies the log to flash, for power cuts.
 //!
-//! At boot: [`FaultLog::recover`], then [`FaultLog::restore`], and only then the first event.
+//! It counts the boots, too: in that memory and, as marks in what the log leaves free of its slots, in flash. So the number
+//! of a boot is that of no other one, also after a power cut.
+//!
+//! At boot: [`FaultLog::recover`], then [`FaultLog::restore`] and [`FaultLog::count_boot`], and only then the first event.
 
 use core::borrow::BorrowMut;
 use core::ops::Range;
@@ -13,7 +16,7 @@ use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 pub use pneudrive_protocol::Event;
 use pneudrive_protocol::RecordCrc;
 
-use crate::storage::{Found, LayoutError, Record, SaveError, Slots};
+use crate::storage::{Found, LayoutError, Record, SaveError, Slots, marks};
 
 /// Events that are kept.
 pub const EVENTS: usize = 100;
@@ -23,6 +26,9 @@ const FORMAT: u16 = 1;
 const CRC_BYTES: usize = 4;
 const BOOT_BYTES: usize = 4 + CRC_BYTES;
 const PLACE_BYTES: usize = Event::BYTES + CRC_BYTES;
+
+/// Length of a full log in flash, bytes.
+const LOG_BYTES: usize = EVENTS * Event::BYTES;
 
 /// Length of the memory, bytes.
 pub const MEMORY_BYTES: usize = BOOT_BYTES + EVENTS * PLACE_BYTES;
@@ -73,7 +79,7 @@ impl FaultStore {
     /// # Errors
     /// When the ranges can't hold two copies of the log.
     pub fn new<F: NorFlash>(flash: &F, slots: [Range<u32>; 2]) -> Result<FaultStore, LayoutError> {
-        Ok(FaultStore { slots: Slots::new(flash, MAGIC, slots, EVENTS * Event::BYTES)? })
+        Ok(FaultStore { slots: Slots::new(flash, MAGIC, slots, LOG_BYTES)? })
     }
 }
 
@@ -87,12 +93,14 @@ pub struct FaultLog<M> {
     whole: u128,
     /// The newest event in flash.
     flushed: Option<Event>,
+    /// Whether the flash holds the number of this boot.
+    counted: bool,
 }
 
 impl<M: BorrowMut<Memory>> FaultLog<M> {
     /// Takes the log up again after a reset, with what in the memory is whole, and counts the reset.
     pub fn recover(memory: M) -> (Self, Recovery) {
-        let mut log = FaultLog { memory, boot: 1, next: 0, whole: 0, flushed: None };
+        let mut log = FaultLog { memory, boot: 1, next: 0, whole: 0, flushed: None, counted: false };
         let damaged = log.drop_damaged();
         let stored_boot = log.stored_boot();
         let newest = log.places().filter_map(whole_event).max_by_key(|event| event.number);
@@ -193,7 +201,8 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         self.newest_first().next()
     }
 
-    /// Resets so far, this one included. Those between two power cuts without an event are not counted.
+    /// Resets so far, this one included. Before [`FaultLog::count_boot`], or without it, those between two power cuts without
+    /// an event are not counted.
     #[must_use]
     pub fn boot(&self) -> u32 {
         self.boot
@@ -219,9 +228,46 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         if !self.needs_flush() {
             return Ok(false);
         }
+        self.save(store, flash)?;
+        if self.counted {
+            self.mark(store, flash)?;
+        }
+        Ok(true)
+    }
+
+    fn save<F: NorFlash>(&mut self, store: &FaultStore, flash: &mut F) -> Result<(), SaveError<F::Error>> {
         store.slots.save(flash, FORMAT, || self.oldest_first().map(|event| event.to_bytes()))?;
         self.flushed = self.newest();
-        Ok(true)
+        Ok(())
+    }
+
+    /// Counts this boot in flash, and tells its number: more than that of any boot that was counted before. Once after
+    /// [`FaultLog::restore`]. It writes one mark; only where the marks have no more room, it saves the log anew, which erases
+    /// a slot.
+    ///
+    /// # Errors
+    /// When the flash refuses or does not hold what was written. The number may be that of an earlier boot then.
+    pub fn count_boot<F: NorFlash>(
+        &mut self,
+        store: &FaultStore,
+        flash: &mut F,
+    ) -> Result<u32, SaveError<F::Error>> {
+        let parts = store.slots.free_parts(flash, LOG_BYTES);
+        let counted = parts.iter().filter_map(|&part| marks::newest(flash, part)).max();
+        self.set_boot(self.boot.max(counted.unwrap_or(0).saturating_add(1)));
+        if self.mark(store, flash).is_err() {
+            // The slot that is erased is not the one with the marks.
+            self.save(store, flash)?;
+            self.mark(store, flash)?;
+        }
+        self.counted = true;
+        Ok(self.boot)
+    }
+
+    /// Writes the number of this boot into the slot that the next save leaves alone.
+    fn mark<F: NorFlash>(&self, store: &FaultStore, flash: &mut F) -> Result<(), SaveError<F::Error>> {
+        let [kept, _] = store.slots.free_parts(flash, LOG_BYTES);
+        if marks::add(flash, kept, self.boot) { Ok(()) } else { Err(SaveError::NotAsWritten) }
     }
 
     /// Clears the places. The flash keeps what it has.

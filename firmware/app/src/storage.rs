@@ -7,6 +7,7 @@
 //! Two slots hold the configuration. A power cut at any operation of a save leaves the old one or the
 //! new one whole. Flash is written only while the drive is disarmed: an erase stalls the processor.
 
+pub(crate) mod marks;
 mod slots;
 mod stream;
 

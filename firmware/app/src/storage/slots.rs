@@ -12,6 +12,7 @@
 //! | 2 | entries |
 //! | entries * bytes of an entry | the entries |
 //! | 4 | CRC-32 (ISO-HDLC) of all that stands before it |
+//! | what is left | nothing, or [marks](super::marks) |
 //! | the last 32 of the slot | the seal |
 //!
 //! Numbers are little endian. The seal is zeros, written once the record has been read back. A record
@@ -226,6 +227,16 @@ impl Slots {
         Ok(header.generation)
     }
 
+    /// What records of up to so many bytes of entries leave free in each slot: first in the one that the next save leaves
+    /// alone, then in the one that it erases.
+    pub fn free_parts<F: ReadNorFlash>(&self, flash: &mut F, entry_bytes: usize) -> [Span; 2] {
+        let found = self.find(flash);
+        let written = self.span_to_write(flash, &found);
+        let [first, second] = self.spans;
+        let slots = if written == first { [second, first] } else { [first, second] };
+        slots.map(|slot| free_part(slot, entry_bytes))
+    }
+
     fn write<F: NorFlash, const N: usize>(
         &self,
         flash: &mut F,
@@ -318,4 +329,11 @@ fn record_part(slot: Span) -> Span {
 /// Where the seal stands in a slot.
 fn seal_part(slot: Span) -> Span {
     Span { start: slot.end.saturating_sub(SEAL.len() as u32), end: slot.end }
+}
+
+/// What lies between the longest record of a slot and its seal, whole chunks.
+fn free_part(slot: Span, entry_bytes: usize) -> Span {
+    let record = (HEADER_BYTES + CRC_BYTES + entry_bytes).next_multiple_of(CHUNK_BYTES);
+    let end = record_part(slot).end;
+    Span { start: slot.start.saturating_add(record as u32).min(end), end }
 }

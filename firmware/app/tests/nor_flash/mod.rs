@@ -39,6 +39,17 @@ pub const TEARS: [Tear; 8] = [
     Tear::Done,
 ];
 
+/// What becomes of a word whose writing was cut, and which still reads as erased, when it is written again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TornWord {
+    /// Nobody may do that: the test fails.
+    Forbidden,
+    /// It is written: flash without a code that corrects errors.
+    Taken,
+    /// It is refused: flash with such a code.
+    Refused,
+}
+
 /// Why the flash did not do it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashError {
@@ -46,6 +57,8 @@ pub enum FlashError {
     NoPower,
     /// The bytes can't be corrected.
     Unreadable,
+    /// The word was written before.
+    WrittenBefore,
 }
 
 impl NorFlashError for FlashError {
@@ -64,6 +77,8 @@ impl NorFlashError for FlashError {
 pub struct Flash<const WRITE: usize> {
     pub bytes: Vec<u8>,
     written: Vec<bool>,
+    /// What becomes of a word whose writing was cut.
+    pub torn_word: TornWord,
     /// Erases of each sector.
     pub erases: Vec<u32>,
     /// Operations so far.
@@ -81,6 +96,7 @@ impl<const WRITE: usize> Flash<WRITE> {
         Flash {
             bytes: vec![0xff; bytes],
             written: vec![false; bytes / WRITE],
+            torn_word: TornWord::Forbidden,
             erases: vec![0; sectors],
             operations: 0,
             cut: None,
@@ -204,7 +220,12 @@ impl<const WRITE: usize> NorFlash for Flash<WRITE> {
         for (i, word) in bytes.chunks(WRITE).enumerate() {
             self.power()?;
             let start = offset as usize + i * WRITE;
-            assert!(!self.written[start / WRITE], "the word at {start} is written twice");
+            let reads_as_erased = self.bytes[start..start + WRITE].iter().all(|&byte| byte == 0xff);
+            match self.torn_word {
+                TornWord::Refused if self.written[start / WRITE] => return Err(FlashError::WrittenBefore),
+                TornWord::Taken if reads_as_erased => {}
+                _ => assert!(!self.written[start / WRITE], "the word at {start} is written twice"),
+            }
             if let Some(tear) = self.operate() {
                 self.damage(start..start + WRITE, tear, word, bytes.len() - i * WRITE);
                 return Err(FlashError::NoPower);
