@@ -139,6 +139,10 @@ fn the_watchdog_ends_a_stalled_loop_and_the_drive_comes_up_disabled_with_the_rea
     let newest = client.events().expect("a log").first().copied().expect("an event");
     assert_eq!((newest.code, newest.boot), (Fault::Watchdog.code(), 2), "in the life after the first");
     assert_eq!(client.parameters().expect("an answer").values, rig.parameters(), "stored before");
+    let error = client.arm().expect_err("it means the first life").to_string();
+    assert!(error.contains("the rig was reset since this program connected (boot 2 now)"), "{error}");
+    drop(client);
+    let mut client = target.connect().expect("a board that answers");
     client.arm().expect("arming leaves the fault");
     client.disarm().expect("an answer");
     drop(client);

@@ -13,8 +13,8 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_protocol::{
-    Accumulator, CURRENT_VERSION, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply, ReplyBody, Request,
-    RequestBody, Status, UNTIL_STOPPED, decode_reply, encode_and_know, frame,
+    ANY_BOOT, Accumulator, CURRENT_VERSION, InBoot, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply,
+    ReplyBody, Request, RequestBody, Status, UNTIL_STOPPED, decode_reply, encode_and_know, frame,
 };
 
 pub use owner::Commander;
@@ -63,6 +63,8 @@ pub struct Client {
     sequence: u16,
     /// Tells its requests from those of other hosts.
     session: u32,
+    /// The boot of the rig that its requests are meant for.
+    boot: u32,
     /// Whether it has armed the drive, or taken it over.
     commands: bool,
     /// The test that it has downloaded, as a start names it.
@@ -129,6 +131,7 @@ impl Client {
             heard: Vec::new().into_iter(),
             sequence,
             session,
+            boot: ANY_BOOT,
             commands: false,
             test_crc32: None,
             known: None,
@@ -148,6 +151,7 @@ impl Client {
         }
         let info = client.info()?;
         (client.version, client.record_capacity) = (info.version, info.record_capacity);
+        client.boot = client.number_of_boot()?;
         Ok(client)
     }
 
@@ -199,8 +203,12 @@ impl Client {
 
     fn send(&mut self, request: Request<'_>) -> Result<()> {
         let mut frame = [0; MAX_FRAME];
-        let (frame, crc32) = encode_and_know(&InSession { request, session: self.session }, &mut frame)
-            .ok_or_else(|| anyhow!("a request is too long to send"))?;
+        let asked = InSession { request, session: self.session };
+        let framed = match self.boot {
+            ANY_BOOT => encode_and_know(&asked, &mut frame),
+            boot => encode_and_know(&InBoot { asked, boot }, &mut frame),
+        };
+        let (frame, crc32) = framed.ok_or_else(|| anyhow!("a request is too long to send"))?;
         self.said.add(crc32);
         self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
     }

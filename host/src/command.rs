@@ -35,10 +35,11 @@ use pneudrive_sim::rig::{BUILTIN, builtin};
 use pneudrive_sim::{Accuracy, Method, Rig};
 
 use crate::cli::{Cli, Command, Integration, MethodName, RigChoice};
-use crate::client::RigParameters;
+use crate::client::{Client, RigParameters};
 use crate::exit::Exit;
 use crate::output::{self, Stream};
 use crate::parameter_names::names_of;
+use crate::words;
 
 /// The program: reads the command line, does what it asks for, tells what went wrong.
 #[must_use]
@@ -168,6 +169,13 @@ fn few(names: &[&str]) -> String {
             format!("{first}, {second}, {third} and {} more", more.len() + 1)
         }
         names => names.join(", "),
+    }
+}
+
+/// Says so where a rig does not tell its boots apart, before it is armed or moved.
+fn tell_of_boots(client: &Client) {
+    if !client.names_its_boot() {
+        tell!("note: {}", words::no_boots(client.speaks(6)));
     }
 }
 

@@ -20,11 +20,12 @@ pub(crate) fn protocol(version: u16) -> String {
             )
         }
         Ordering::Less => {
-            let lacks: [(u16, &str); 4] = [
+            let lacks: [(u16, &str); 5] = [
                 (2, "homing, stored parameters, fault log"),
                 (3, "streams"),
                 (4, "tests that repeat or last for hours"),
                 (5, "rule that one host commands, changes that are taken whole"),
+                (6, "numbers of its boots"),
             ];
             let lacks: Vec<&str> =
                 lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
@@ -181,10 +182,25 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
         Refused::OtherTest => {
             "another program has stated another test, or changed the parameters; run again".to_owned()
         }
+        Refused::OtherBoot { number } => format!(
+            "the rig was reset since this program connected (boot {number} now), and takes nothing that was meant for before; run again"
+        ),
         Refused::Unknown => {
             "the firmware does not know this request; it is older than this program".to_owned()
         }
     }
+}
+
+/// What is missing of a rig that does not tell its boots apart, by whether its firmware could.
+pub(crate) fn no_boots(firmware_could: bool) -> String {
+    let why = if firmware_could {
+        "its flash does not keep their number; look after the board"
+    } else {
+        "flash a firmware of version 6 of the protocol or newer"
+    };
+    format!(
+        "the rig does not tell its boots apart: a copy of a request that the link holds back over a reset can still arm and move the drive; {why}"
+    )
 }
 
 /// Who commands the drive, and what another host can do about it.
@@ -225,14 +241,14 @@ mod tests {
 
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
-        assert_eq!(protocol(5), "version 5");
-        assert!(
-            protocol(4)
-                .contains("is older and has no rule that one host commands, changes that are taken whole;")
-        );
+        assert_eq!(protocol(6), "version 6");
+        assert!(protocol(5).contains("is older and has no numbers of its boots;"));
+        assert!(protocol(4).contains(
+            "is older and has no rule that one host commands, changes that are taken whole, numbers of its boots;"
+        ));
         assert!(protocol(3).contains("has no tests that repeat or last for hours, rule that"));
         assert!(protocol(2).contains("has no streams, tests that"));
         assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
-        assert!(protocol(6).starts_with("version 6; this program is older and speaks 5:"));
+        assert!(protocol(7).starts_with("version 7; this program is older and speaks 6:"));
     }
 }

@@ -10,7 +10,7 @@ use pneudrive_protocol::{
     decode_request, encode,
 };
 use pneudrive_sim::Rig;
-use simulated_link::{Random, SimulatedRig, any_samples};
+use simulated_link::{Random, SimulatedRig, Simulation, any_samples};
 
 /// `Info` as a firmware of version 1 answers it: the bytes of `wire_v01.rs` behind the sequence number.
 const INFO_V1: [u8; 33] = [
@@ -41,6 +41,7 @@ fn info(sequence: u16, min_version: u16, version: u16) -> Option<Vec<u8>> {
 /// The version that a request came with.
 fn version_of(body: &RequestBody<'_>) -> u16 {
     match body {
+        RequestBody::Boot => 6,
         RequestBody::ArmAs { .. }
         | RequestBody::TakeOver { .. }
         | RequestBody::Leave
@@ -105,6 +106,10 @@ fn version_3(message: &[u8]) -> Option<Vec<u8>> {
 
 fn version_4(message: &[u8]) -> Option<Vec<u8>> {
     older(message, 4, id::HOMING_SWITCH)
+}
+
+fn version_5(message: &[u8]) -> Option<Vec<u8>> {
+    older(message, 5, id::HOMING_SWITCH)
 }
 
 fn version_9(message: &[u8]) -> Option<Vec<u8>> {
@@ -215,6 +220,35 @@ fn a_rig_that_knows_no_owner_is_armed_and_disarmed_by_whoever_asks() {
 }
 
 #[test]
+fn a_rig_that_tells_no_boot_is_armed_as_ever_and_known_not_to() {
+    for older in [version_1 as simulated_link::Older, version_2, version_3, version_4, version_5] {
+        let rig = SimulatedRig::with_record(&[]).with_firmware(older);
+        rig.change(|simulation| simulation.board.store.boot = 3);
+        let mut client = rig.connect().expect("an answer");
+        assert!(!client.names_its_boot());
+        client.arm().expect("as ever");
+        client.disarm().expect("as ever");
+    }
+}
+
+#[test]
+fn what_was_meant_for_a_rig_before_its_reset_is_refused_by_name_and_a_new_connection_goes_on() {
+    let rig = SimulatedRig::with_record(&[]);
+    rig.change(|simulation| simulation.board.store.boot = 3);
+    let mut client = rig.connect().expect("an answer");
+    assert!(client.names_its_boot());
+    client.arm().expect("disarmed");
+    rig.change(Simulation::reset);
+    for error in [client.arm(), client.set_parameters(id::VELOCITY_GAIN, &[7]), client.save_parameters()] {
+        let error = error.expect_err("of another boot").to_string();
+        assert!(error.contains("the rig was reset since this program connected (boot 4 now)"), "{error}");
+    }
+    client.disarm().expect("whoever may disarm, may in any boot");
+    client.status().expect("reading goes on");
+    rig.connect().expect("an answer").arm().expect("it means this boot");
+}
+
+#[test]
 fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let samples = any_samples(&mut Random(7), 100);
     let rig = SimulatedRig::with_record(&samples).with_firmware(version_9);
@@ -222,7 +256,7 @@ fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_9);
     let error = rig.connect().err().expect("no common version").to_string();
     assert!(
-        error.contains("speaks protocol versions 9 to 9, this program 1 to 5; update the older"),
+        error.contains("speaks protocol versions 9 to 9, this program 1 to 6; update the older"),
         "{error}"
     );
 }

@@ -50,7 +50,8 @@ impl Need {
             | Body::StreamRead { .. }
             | Body::Leave
             | Body::Owner
-            | Body::Token { .. } => Need::Nothing,
+            | Body::Token { .. }
+            | Body::Boot => Need::Nothing,
             Body::Arm | Body::ArmAs { .. } | Body::TakeOver { .. } | Body::Disarm => Need::NoOtherOwner,
             Body::ConfigSet { .. }
             | Body::Start

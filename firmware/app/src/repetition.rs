@@ -1,7 +1,7 @@
 //! Requests that come late a second time, behind later ones: an echo of the line, or of a host that asked
-//! again while the answer was on its way.
+//! again while the answer was on its way. Those that come after a reset are told by the boot that they name.
 
-use pneudrive_protocol::{InSession, MessageError, Recent, RequestBody};
+use pneudrive_protocol::{InBoot, MessageError, Recent, RequestBody};
 
 /// Requests that are remembered.
 const REMEMBERED: usize = 8;
@@ -13,15 +13,21 @@ pub(crate) struct CarriedOut(Recent<REMEMBERED>);
 impl CarriedOut {
     /// Whether a request that changes something was carried out before; from now on it was. Hosts of version 4 and
     /// older share a session: one that asks the same under the same number by chance (1 in 65,536) gets no answer.
-    pub(crate) fn has(&mut self, asked: &Result<InSession<'_>, MessageError>, crc32: u32) -> bool {
+    pub(crate) fn has(&mut self, asked: &Result<InBoot<'_>, MessageError>, crc32: u32) -> bool {
         let Ok(asked) = asked else { return false };
-        if only_reads(&asked.request.body) {
+        if only_reads(&asked.asked.request.body) {
             return false;
         }
         let before = self.0.holds(crc32);
         self.0.add(crc32);
         before
     }
+}
+
+/// Whether a request that was meant for another boot may be carried out: it changes nothing, or it can only take the
+/// energy out of the drive.
+pub(crate) fn counts_in_any_boot(body: &RequestBody<'_>) -> bool {
+    only_reads(body) || matches!(body, RequestBody::Stop | RequestBody::Disarm)
 }
 
 /// Whether a request may be carried out as often as it comes: it changes nothing, only raises what may be sent, or is a
@@ -45,5 +51,6 @@ fn only_reads(body: &RequestBody<'_>) -> bool {
             | Body::Owner
             | Body::Token { .. }
             | Body::ChangePart { .. }
+            | Body::Boot
     )
 }

@@ -12,7 +12,7 @@ use core::borrow::BorrowMut;
 use embedded_io::Write;
 use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, Event, InSession, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
+    Accumulator, CHUNK_SAMPLES, Event, InBoot, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
     Recent, RecordedSample, Refused, Reply, ReplyBody, StreamedSample, encode_and_know, frame,
 };
 
@@ -24,6 +24,7 @@ use crate::change::Parts;
 use crate::control::Control;
 use crate::recorder::Recorder;
 use crate::repetition::CarriedOut;
+use crate::store::Store;
 use crate::stream::Stream;
 
 /// Version of the firmware, as `info` and TARGET files have it.
@@ -106,15 +107,18 @@ impl Server {
             if self.said.holds(crc32) {
                 continue;
             }
-            let asked = InSession::decode(message);
-            if let Ok(asked) = asked {
-                control.host_heard(asked.session, board);
-                self.session = asked.session;
+            let meant = InBoot::decode(message);
+            // What was meant for another boot is no sign that its host is there now.
+            if let Ok(now) = meant
+                && now.counts_in(board.store().boot())
+            {
+                control.host_heard(now.asked.session, board);
+                self.session = now.asked.session;
             }
             let framed = match self.answered {
                 Some((answered, framed)) if answered == crc32 => framed,
-                _ if self.carried_out.has(&asked, crc32) => continue,
-                _ => answer(&asked, control, board, damaged, &mut self.talk, &mut self.reply),
+                _ if self.carried_out.has(&meant, crc32) => continue,
+                _ => answer(&meant, control, board, damaged, &mut self.talk, &mut self.reply),
             };
             self.answered = Some((crc32, framed));
             if let Some((len, crc32)) = framed {
@@ -164,7 +168,7 @@ impl Server {
 /// Carries out a request and frames its reply; none for a message that does not even have a number to answer
 /// under.
 fn answer<B: Board>(
-    asked: &Result<InSession<'_>, MessageError>,
+    meant: &Result<InBoot<'_>, MessageError>,
     control: &mut Control<impl BorrowMut<Recorder>>,
     board: &mut B,
     damaged_frames: u32,
@@ -172,10 +176,10 @@ fn answer<B: Board>(
     frame: &mut [u8; MAX_FRAME],
 ) -> Framed {
     let mut scratch = SCRATCH;
-    let reply = match asked {
-        Ok(asked) => Reply {
-            sequence: asked.request.sequence,
-            body: carry_out(asked, control, board, damaged_frames, talk, &mut scratch),
+    let reply = match meant {
+        Ok(meant) => Reply {
+            sequence: meant.asked.request.sequence,
+            body: carry_out(meant, control, board, damaged_frames, talk, &mut scratch),
         },
         Err(error) => match error.sequence {
             Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },

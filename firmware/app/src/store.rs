@@ -5,6 +5,7 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::NorFlash;
 use pneudrive_controller::Parameters;
+use pneudrive_protocol::ANY_BOOT;
 
 use crate::fault_log::{Event, FaultLog, FaultStore, Memory, Recovery, Restored};
 use crate::storage::{ConfigStore, LayoutError, Load, Outcome};
@@ -17,6 +18,10 @@ pub struct NotStored;
 pub trait Store {
     /// The configuration to start with.
     fn load(&mut self) -> Load;
+
+    /// The number of this boot: another one for each, whatever ended the one before.
+    /// [`ANY_BOOT`](pneudrive_protocol::ANY_BOOT): what is kept cannot tell.
+    fn boot(&self) -> u32;
 
     /// Stores the configuration; how often that was done, wrapping.
     ///
@@ -41,13 +46,20 @@ pub trait Store {
     fn flush(&mut self) -> Result<(), NotStored>;
 }
 
-/// A board without flash.
+/// A board without flash. By default it cannot tell its boots apart.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NoStore;
+pub struct NoStore {
+    /// The number of this boot.
+    pub boot: u32,
+}
 
 impl Store for NoStore {
     fn load(&mut self) -> Load {
         Load { parameters: Parameters::default(), outcome: Outcome::NeverSaved }
+    }
+
+    fn boot(&self) -> u32 {
+        self.boot
     }
 
     fn save(&mut self, _: &Parameters) -> Result<u32, NotStored> {
@@ -85,10 +97,11 @@ pub struct FlashStore<F, M> {
     config: ConfigStore,
     faults: FaultStore,
     log: FaultLog<M>,
+    boot: u32,
 }
 
 impl<F: NorFlash, M: BorrowMut<Memory>> FlashStore<F, M> {
-    /// Takes up what is there after a reset, and tells what of the log was found.
+    /// Takes up what is there after a reset, counts the boot, and tells what of the log was found.
     ///
     /// # Errors
     /// When the layout does not fit the flash.
@@ -101,7 +114,8 @@ impl<F: NorFlash, M: BorrowMut<Memory>> FlashStore<F, M> {
         let faults = FaultStore::new(&flash, layout.faults)?;
         let (mut log, recovery) = FaultLog::recover(memory);
         let restored = log.restore(&faults, &mut flash);
-        Ok((FlashStore { flash, config, faults, log }, recovery, restored))
+        let boot = log.count_boot(&faults, &mut flash).unwrap_or(ANY_BOOT);
+        Ok((FlashStore { flash, config, faults, log, boot }, recovery, restored))
     }
 
     /// The flash, to be looked at.
@@ -114,6 +128,10 @@ impl<F: NorFlash, M: BorrowMut<Memory>> FlashStore<F, M> {
 impl<F: NorFlash, M: BorrowMut<Memory>> Store for FlashStore<F, M> {
     fn load(&mut self) -> Load {
         self.config.load(&mut self.flash)
+    }
+
+    fn boot(&self) -> u32 {
+        self.boot
     }
 
     fn save(&mut self, parameters: &Parameters) -> Result<u32, NotStored> {

@@ -125,6 +125,15 @@ fn a_configuration_that_is_lost_is_a_fault_and_arms_nothing_before_one_is_saved(
 }
 
 #[test]
+fn each_time_that_it_is_switched_on_a_board_has_another_boot_number() {
+    let mut drive = Drive::on(RamFlash::default());
+    for boot in 1..200 {
+        assert_eq!(drive.board.store.boot(), boot);
+        drive = drive.power_cycle();
+    }
+}
+
+#[test]
 fn a_fault_is_logged_once_with_its_sample_and_outlives_a_power_cut_once_it_was_flushed() {
     let mut drive = Drive::on(RamFlash::default());
     drive.control.set_referenced().expect("disarmed");

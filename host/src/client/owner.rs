@@ -1,9 +1,10 @@
-//! Who commands the drive (version 5 of the protocol): the session that has armed it, while it is heard.
+//! Who commands the drive (version 5 of the protocol): the session that has armed it, while it is heard. And in which of
+//! its boots (version 6).
 
 use std::hash::{BuildHasher, RandomState};
 
 use anyhow::{Context, Result};
-use pneudrive_protocol::{Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
+use pneudrive_protocol::{ANY_BOOT, Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
 
 use super::{Client, unexpected};
 use crate::exit::Exit;
@@ -42,6 +43,29 @@ fn host_name() -> String {
 }
 
 impl Client {
+    /// The number of the rig's boot, if its firmware tells one.
+    pub(super) fn number_of_boot(&mut self) -> Result<u32> {
+        if self.version < 6 {
+            return Ok(ANY_BOOT);
+        }
+        self.ask(RequestBody::Boot, |reply| match reply {
+            ReplyBody::Boot { number } => Ok(*number),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// Whether the firmware speaks this version of the protocol.
+    #[must_use]
+    pub fn speaks(&self, version: u16) -> bool {
+        self.version >= version
+    }
+
+    /// Whether its requests name the boot of the rig that they are meant for, so that no copy of one counts after a reset.
+    #[must_use]
+    pub fn names_its_boot(&self) -> bool {
+        self.boot != ANY_BOOT
+    }
+
     /// Who commands the drive; None where the firmware is too old to know.
     ///
     /// # Errors

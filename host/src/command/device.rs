@@ -11,6 +11,7 @@ use pneudrive_protocol::{
 };
 
 use super::interrupts::Interrupts;
+use super::tell_of_boots;
 use crate::cli::{Device, DeviceAction, Place};
 use crate::client::{Client, Commander};
 use crate::exit::Exit;
@@ -22,7 +23,10 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
     match &arguments.action {
         DeviceAction::Info => info(&mut client),
         DeviceAction::Status => status(&mut client, arguments.counts),
-        DeviceAction::Arm => client.arm().map(|()| say!("armed: the drive is enabled, the valve at null")),
+        DeviceAction::Arm => {
+            tell_of_boots(&client);
+            client.arm().map(|()| say!("armed: the drive is enabled, the valve at null"))
+        }
         DeviceAction::Disarm => {
             client.disarm()?;
             match client.status()?.mode {
@@ -115,6 +119,7 @@ fn provenance(state: &ConfigState) -> String {
 
 /// Homes the axis and waits for the end. Ctrl-C stops it.
 fn home(client: &mut Client, counts: bool) -> Result<()> {
+    tell_of_boots(client);
     let interrupts = Interrupts::watch();
     let timeout_ms = client.parameters()?.values.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
     // The rig trips after its own time-out; an emulated one may be some times slower than the clock.

@@ -14,7 +14,7 @@ use pneudrive_sim::Rig;
 
 use super::interrupts::Interrupts;
 use super::streaming::Streaming;
-use super::{Progress, load_rig, tell_lacking};
+use super::{Progress, load_rig, tell_lacking, tell_of_boots};
 use crate::cli::Run;
 use crate::client::{Client, RigParameters};
 use crate::exit::Exit;
@@ -123,6 +123,7 @@ pub(super) fn run_test(
         _ => {}
     }
     warn_of_other_hosts(client)?;
+    tell_of_boots(client);
     client.disarm()?;
     if !with_parameters {
         compare_parameters(&client.parameters()?.values, &rig.parameters(), rig.name())?;

@@ -21,8 +21,8 @@ pub use line::{Faults, Random};
 
 /// A board whose rod creeps out by 3 counts a sample.
 #[derive(Default)]
-struct CreepingBoard {
-    store: NoStore,
+pub struct CreepingBoard {
+    pub store: NoStore,
     position: i32,
     now_us: u64,
 }
@@ -59,7 +59,7 @@ pub type Older = fn(&[u8]) -> Option<Vec<u8>>;
 pub struct Simulation {
     control: Control<Box<Recorder>>,
     server: Server,
-    board: CreepingBoard,
+    pub board: CreepingBoard,
     /// When the next sample is due, on a rig that takes some.
     next_sample: Option<Duration>,
     older: Option<Older>,
@@ -193,6 +193,13 @@ impl Simulation {
             self.control = Control::with_recorder(recorder_of(&samples));
             self.server = Server::default();
         }
+    }
+
+    /// The rig is reset.
+    pub fn reset(&mut self) {
+        self.control = Control::with_recorder(recorder_of(&[]));
+        self.server = Server::default();
+        self.board.store.boot += 1;
     }
 
     /// So many samples pass in which nobody talks.

@@ -7,8 +7,8 @@
 //! # A frame
 //!
 //! ```text
-//! COBS( sequence | body | session | CRC-32 ) 0x00
-//!       \_______ message _______/
+//! COBS( sequence | body | session | boot | CRC-32 ) 0x00
+//!       \__________ message __________/
 //! ```
 //!
 //! | part | bytes | holds |
@@ -16,6 +16,7 @@
 //! | sequence | 1 to 3 | number of the request, `u16` as a varint |
 //! | body | 1 and more | number of the variant as a varint, then its fields in order |
 //! | session | 1 to 5 | of requests, from version 5 on: the [session] of the host, `u32` as a varint |
+//! | boot | 1 to 5 | of requests, from version 6 on: the [boot] that the request is meant for, `u32` as a varint |
 //! | CRC-32 | 4 | ISO-HDLC, of the message, little endian |
 //! | COBS | 1 to 3 | what it costs to have no 0x00 in the frame |
 //! | delimiter | 1 | 0x00: the frame is over |
@@ -41,8 +42,8 @@
 //!   old PC can read.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
 //!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v05.rs` those
-//!   that versions 2 to 5 have added. A new version adds a file of its own.
+//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v06.rs` those
+//!   that versions 2 to 6 have added. A new version adds a file of its own.
 //!
 //! # What is promised
 //!
@@ -52,6 +53,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod boot;
 pub mod change;
 pub mod event;
 pub mod frame;
@@ -62,6 +64,7 @@ pub mod session;
 pub mod stream;
 pub mod values;
 
+pub use boot::{ANY_BOOT, InBoot};
 pub use event::Event;
 pub use frame::{Accumulator, FrameError};
 pub use message::{
@@ -79,7 +82,7 @@ pub use values::Values;
 pub const MIN_VERSION: u16 = 1;
 
 /// The version described here.
-pub const CURRENT_VERSION: u16 = 5;
+pub const CURRENT_VERSION: u16 = 6;
 
 /// The longest message, bytes: sequence and body, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;
@@ -124,10 +127,10 @@ const _: () = {
     assert!(events <= MAX_MESSAGE, "Events");
     let rows = HEADER_BYTES + U32_BYTES + U16_BYTES + MAX_ROWS * StreamedSample::BYTES;
     assert!(rows <= MAX_MESSAGE, "Rows");
-    let session = U32_BYTES;
-    let part = HEADER_BYTES + U32_BYTES + 2 * U16_BYTES + change::PART_BYTES + session;
+    let (session, boot) = (U32_BYTES, U32_BYTES);
+    let part = HEADER_BYTES + U32_BYTES + 2 * U16_BYTES + change::PART_BYTES + session + boot;
     assert!(part <= MAX_MESSAGE, "ChangePart");
-    assert!(config + session <= MAX_MESSAGE, "ConfigSet");
+    assert!(config + session + boot <= MAX_MESSAGE, "ConfigSet");
     assert!(change::MAX_CHANGE <= u16::MAX as usize, "first of ChangePart");
     assert!(MIN_VERSION <= CURRENT_VERSION);
     assert!(MAX_VALUES <= u8::MAX as usize, "count of ConfigGet");

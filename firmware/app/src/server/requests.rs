@@ -7,7 +7,8 @@ use pneudrive_controller::sequencer::SequenceError;
 use pneudrive_controller::{Mode, Move};
 use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
-    CURRENT_VERSION, InSession, MIN_VERSION, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED, code,
+    CURRENT_VERSION, InBoot, InSession, MIN_VERSION, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED,
+    code,
 };
 
 use super::answers::{chunk, config, config_state, digest, events, motion, record_info, status};
@@ -17,17 +18,23 @@ use crate::change::{NotWhole, Parts};
 use crate::control::{ChangeError, Control, MoveError, SaveRefused, TakeError, Test};
 use crate::ownership::Need;
 use crate::recorder::{CAPACITY, Recorder};
+use crate::repetition::counts_in_any_boot;
+use crate::store::Store;
 
-/// Carries out a request, unless another host commands the drive.
+/// Carries out a request, unless it was meant for another boot, or another host commands the drive.
 pub(super) fn carry_out<'a, B: Board>(
-    asked: &InSession<'a>,
+    meant: &InBoot<'a>,
     control: &'a mut Control<impl BorrowMut<Recorder>>,
     board: &'a mut B,
     damaged_frames: u32,
     talk: &mut Talk,
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
-    let InSession { request, session } = *asked;
+    let InBoot { asked: InSession { request, session }, .. } = *meant;
+    let boot = board.store().boot();
+    if !(meant.counts_in(boot) || counts_in_any_boot(&request.body)) {
+        return ReplyBody::Refused(Refused::OtherBoot { number: boot });
+    }
     if !control.allows(session, Need::of(&request.body), board) {
         return ReplyBody::Refused(owned(session, control.owner(board)));
     }
@@ -56,6 +63,7 @@ pub(super) fn carry_out<'a, B: Board>(
             ReplyBody::Done
         }
         RequestBody::Token { .. } => ReplyBody::Done,
+        RequestBody::Boot => ReplyBody::Boot { number: boot },
         RequestBody::Owner => ReplyBody::Owner(control.owner(board)),
         RequestBody::Disarm => {
             control.disarm();

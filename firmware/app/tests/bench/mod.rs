@@ -5,8 +5,8 @@ use pneudrive_app::store::NoStore;
 use pneudrive_app::{App, Board};
 use pneudrive_controller::{Command, Config, Mode, Refusal, Sample};
 use pneudrive_protocol::{
-    Accumulator, CHUNK_SAMPLES, InSession, MAX_FRAME, RecordCrc, RecordedSample, Refused, ReplyBody, Request,
-    RequestBody, decode_reply, encode,
+    ANY_BOOT, Accumulator, CHUNK_SAMPLES, InBoot, InSession, MAX_FRAME, RecordCrc, RecordedSample, Refused,
+    ReplyBody, Request, RequestBody, decode_reply, encode,
 };
 
 /// A board whose rod creeps out by 3 counts a sample, with a clock that the test turns.
@@ -59,6 +59,8 @@ pub struct Bench {
     pub sequence: u16,
     /// The host that asks; 0: one of version 4 or older.
     pub session: u32,
+    /// The boot that it means; 0: it is of version 5 or older.
+    pub boot: u32,
 }
 
 impl Bench {
@@ -88,9 +90,11 @@ impl Bench {
         self.sequence += 1;
         let request = Request { sequence: self.sequence, body };
         let mut frame = [0; MAX_FRAME];
-        let framed = match self.session {
-            0 => encode(&request, &mut frame),
-            session => encode(&InSession { request, session }, &mut frame),
+        let asked = InSession { request, session: self.session };
+        let framed = match (self.session, self.boot) {
+            (0, _) => encode(&request, &mut frame),
+            (_, ANY_BOOT) => encode(&asked, &mut frame),
+            (_, boot) => encode(&InBoot { asked, boot }, &mut frame),
         };
         framed.expect("fits").to_vec()
     }

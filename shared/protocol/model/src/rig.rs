@@ -13,7 +13,7 @@ use pneudrive_app::storage::{ConfigStore, Load};
 use pneudrive_app::store::NotStored;
 use pneudrive_app::{Board, Control, Recorder, Store};
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Command, Config, Parameters, Sample};
+use pneudrive_controller::{Command, Config, Mode, Parameters, Sample};
 use pneudrive_protocol::RecordedSample;
 
 use crate::flash::Flash;
@@ -56,18 +56,25 @@ pub struct Kept {
     slots: ConfigStore,
     flash: Flash,
     in_parts: bool,
+    /// Boots so far. That those of a board are counted through any power cut is tested where they are
+    /// (`firmware/app/tests/boots.rs`).
+    boot: u32,
 }
 
 impl Kept {
     fn new(flash: Flash, mutant: Option<Mutant>) -> Kept {
         let slots = ConfigStore::new(&flash, RamFlash::layout().config).expect("the layout of this flash");
-        Kept { slots, flash, in_parts: mutant == Some(Mutant::SavesInParts) }
+        Kept { slots, flash, in_parts: mutant == Some(Mutant::SavesInParts), boot: 0 }
     }
 }
 
 impl Store for Kept {
     fn load(&mut self) -> Load {
         self.slots.load(&mut self.flash)
+    }
+
+    fn boot(&self) -> u32 {
+        self.boot
     }
 
     fn save(&mut self, parameters: &Parameters) -> Result<u32, NotStored> {
@@ -165,7 +172,7 @@ pub struct Rig {
     pub control: Control<Shared>,
     /// What it runs on.
     pub board: Bench,
-    /// The host whose request has armed the drive, or taken it over, since the reset.
+    /// The host whose request has armed the drive, or taken it over, since the reset; None if it was sent before.
     pub armed_by: Option<usize>,
     /// The runs, the one that is on last.
     pub runs: Arc<Vec<Run>>,
@@ -199,7 +206,8 @@ impl Rig {
     /// The rig after a reset: what is in flash is kept.
     #[must_use]
     pub fn reset(&self) -> Rig {
-        let kept = Kept { flash: self.board.kept.flash.powered(), ..self.board.kept.clone() };
+        let Kept { flash, boot, .. } = &self.board.kept;
+        let kept = Kept { flash: flash.powered(), boot: boot + 1, ..self.board.kept.clone() };
         let mut board = Bench { kept, now_us: 0, host_clock_ms: 0, ..self.board.clone() };
         let mut control = Control::with_recorder(Shared::default());
         control.take_up(&mut board);
@@ -207,10 +215,20 @@ impl Rig {
         Rig { control, board, armed_by: None, ..self.clone() }
     }
 
-    /// A sample and its output, a period after the one before.
+    /// A sample and its output, a period after the one before; of a homing run, all of them up to its end. That leaves
+    /// nothing out: a request finds the same at each of them but for the counters of the run, and no record is made.
     #[must_use]
     pub fn sampled(&self) -> Rig {
         let mut rig = self.clone();
+        rig.sample();
+        while rig.homes() {
+            rig.sample();
+        }
+        rig
+    }
+
+    fn sample(&mut self) {
+        let rig = self;
         rig.board.now_us += PERIOD_US;
         rig.control.on_sample(&mut rig.board);
         rig.control.on_output(&mut rig.board);
@@ -228,7 +246,6 @@ impl Rig {
                 run.samples.push(sample);
             }
         }
-        rig
     }
 
     /// The rig after a time in which nobody was heard.
@@ -254,6 +271,12 @@ impl Rig {
     #[must_use]
     pub fn moves(&self) -> bool {
         self.control.state().supervisor.moves()
+    }
+
+    /// Whether it is on its way to its stop.
+    #[must_use]
+    pub fn homes(&self) -> bool {
+        self.control.state().supervisor.mode() == Mode::Homing
     }
 
     /// Whether the drive is enabled.

@@ -51,6 +51,11 @@ pub enum Refused<'a> {
     ChangeNotWhole,
     /// Version 5. Test or parameters are not those that the start has named.
     OtherTest,
+    /// Version 6. The request was meant for another [boot](crate::boot): the drive has been reset since.
+    OtherBoot {
+        /// The number of this one.
+        number: u32,
+    },
 }
 
 /// Codes of [`Refused::NotNow`] that are not the controller's, which stay below 128. A host of any version can read

@@ -88,4 +88,9 @@ pub enum ReplyBody<'a> {
     },
     /// Version 5. Who commands the drive.
     Owner(#[serde(borrow)] Owner<'a>),
+    /// Version 6. Which boot of the drive this is.
+    Boot {
+        /// Another one for each boot; [`ANY_BOOT`](crate::ANY_BOOT): the board cannot tell its boots apart.
+        number: u32,
+    },
 }

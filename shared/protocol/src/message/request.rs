@@ -171,6 +171,8 @@ pub enum RequestBody<'a> {
         /// What host and rig both know.
         token: &'a str,
     },
+    /// Version 6. Which boot is this? Answered by [`ReplyBody::Boot`](super::ReplyBody::Boot).
+    Boot,
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.

@@ -1,0 +1,80 @@
+//! Boots: which start of the drive a request is meant for.
+//!
+//! A drive gives each of its boots another number. A host of version 6 or newer asks for it when it connects
+//! ([`RequestBody::Boot`](crate::RequestBody::Boot)) and from then on puts it behind the session of every request, as a
+//! varint. A request for another boot, such as a copy that comes after a reset, is refused if it could arm, move or change
+//! anything. Firmware before version 6 skips the number; a host before version 6 does not send it.
+
+use serde::Serialize;
+
+use crate::message::{Message, MessageError, Request, decode};
+use crate::session::{InSession, OLD_HOSTS};
+
+/// Stands for no boot: a drive that cannot tell its boots apart answers it, and a request that names it counts in any.
+pub const ANY_BOOT: u32 = 0;
+
+/// A request with its session and the boot that it is meant for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct InBoot<'a> {
+    /// The request in its session.
+    pub asked: InSession<'a>,
+    /// The number of the boot; [`ANY_BOOT`] is not sent by anyone.
+    pub boot: u32,
+}
+
+impl Message for InBoot<'_> {}
+
+impl<'a> InBoot<'a> {
+    /// The request in a message, its session and its boot.
+    ///
+    /// # Errors
+    /// For a message that is no request of this version.
+    pub fn decode(message: &'a [u8]) -> Result<InBoot<'a>, MessageError> {
+        let (sequence, body, behind) = decode(message)?;
+        let (session, behind) = postcard::take_from_bytes(behind).unwrap_or((OLD_HOSTS, &[]));
+        let boot = postcard::take_from_bytes(behind).map_or(ANY_BOOT, |(boot, _)| boot);
+        Ok(InBoot { asked: InSession { request: Request { sequence, body }, session }, boot })
+    }
+
+    /// Whether the request counts in this boot of a drive; [`ANY_BOOT`]: the drive cannot tell.
+    #[must_use]
+    pub fn counts_in(&self, boot: u32) -> bool {
+        self.boot == ANY_BOOT || boot == ANY_BOOT || self.boot == boot
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::{Accumulator, MAX_FRAME, RequestBody, encode};
+
+    fn message(request: &impl Message) -> std::vec::Vec<u8> {
+        let mut out = [0; MAX_FRAME];
+        let frame = encode(request, &mut out).expect("fits");
+        let mut accumulator: Accumulator = Accumulator::new();
+        frame.iter().find_map(|&byte| accumulator.push(byte)?.ok().map(<[u8]>::to_vec)).expect("whole")
+    }
+
+    const HOME: Request<'_> = Request { sequence: 300, body: RequestBody::Home };
+
+    #[test]
+    fn a_request_is_the_same_with_and_without_its_boot() {
+        let asked = InSession { request: HOME, session: 7 };
+        let meant = InBoot { asked, boot: 70_000 };
+        assert_eq!(InBoot::decode(&message(&meant)), Ok(meant));
+        assert_eq!(InSession::decode(&message(&meant)), Ok(asked), "as firmware of version 5 reads it");
+        let of_any = InBoot { asked, boot: ANY_BOOT };
+        assert_eq!(InBoot::decode(&message(&asked)), Ok(of_any), "as a host of version 5 sends it");
+        let old = InBoot { asked: InSession { request: HOME, session: OLD_HOSTS }, boot: ANY_BOOT };
+        assert_eq!(InBoot::decode(&message(&HOME)), Ok(old), "as a host before version 5 sends it");
+    }
+
+    #[test]
+    fn a_request_counts_in_its_own_boot_and_one_without_a_boot_in_any() {
+        let meant = |boot| InBoot { asked: InSession { request: HOME, session: 7 }, boot };
+        assert!(meant(3).counts_in(3) && meant(ANY_BOOT).counts_in(3));
+        assert!(!meant(3).counts_in(4) && !meant(4).counts_in(3));
+        assert!(meant(3).counts_in(ANY_BOOT), "the drive cannot tell its boots apart");
+    }
+}
