@@ -71,6 +71,8 @@ pub struct Client {
     test_crc32: Option<u32>,
     /// The parameters that it has read, and their fingerprint on the rig.
     known: Option<(u32, RigParameters)>,
+    /// The parameters that the test which it has downloaded is to run with, if it knows them.
+    meant: Option<RigParameters>,
     /// The newest version that the rig speaks.
     version: u16,
     /// Samples that the rig has room for, as it says.
@@ -135,6 +137,7 @@ impl Client {
             commands: false,
             test_crc32: None,
             known: None,
+            meant: None,
             version: MIN_VERSION,
             record_capacity: 0,
             last_sample: None,

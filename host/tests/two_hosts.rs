@@ -13,9 +13,11 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use pneudrive::client::{Client, Record};
+use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Parameters};
 use pneudrive_protocol::{MAX_FRAME, Mode, Request, RequestBody, encode};
 use pneudrive_sim::Rig;
+use pneudrive_sim::rig::builtin;
 
 use program::{folder, ok, unhurried_rig, virtual_rig};
 use simulated_link::{Random, SimulatedRig, cases};
@@ -138,6 +140,45 @@ fn a_drive_whose_host_was_killed_is_stopped_though_another_program_looks_on() {
     println!("{:?} {:.2} s after its host was killed", status.mode, killed.elapsed().as_secs_f64());
     assert_eq!((status.mode, status.fault), (Mode::Fault, Fault::HostSilent.code()));
     assert!(killed.elapsed() < Duration::from_secs(3), "{:?}", killed.elapsed());
+}
+
+/// What becomes of a run beside which another program changes a parameter at one of these places.
+fn run_beside_a_change(with_parameters: bool, changes_before: Option<&str>) -> Result<Mode, String> {
+    let rig = SimulatedRig::with_record(&[]);
+    let [mut one, mut other] = [(); 2].map(|()| rig.connect().expect("an answer"));
+    let mut now = |place: &str| {
+        if changes_before == Some(place) {
+            other.set_parameters(id::VELOCITY_GAIN, &[77]).expect("disarmed");
+        }
+    };
+    let test = Rig::read("servo-b", builtin("servo-b").expect("a built-in rig")).expect("a rig");
+    one.reference(8192).expect("disarmed");
+    let parameters = with_parameters.then(|| test.parameters());
+    if !with_parameters {
+        one.parameters().expect("those that are compared with the file's");
+    }
+    now("stating the test");
+    one.prepare(&test, test.last_sample(), parameters.as_ref()).expect("disarmed");
+    now("reading the parameters");
+    one.parameters().expect("those of the stream's header");
+    now("arming");
+    one.arm().expect("disarmed");
+    one.start().map_err(|error| error.to_string())?;
+    Ok(one.status().expect("an answer").mode)
+}
+
+#[test]
+fn a_test_runs_with_the_parameters_that_its_program_means_or_not_at_all() {
+    let changed = Err("the simulated rig: another program has changed its parameters; run again".to_owned());
+    for with_parameters in [true, false] {
+        assert_eq!(run_beside_a_change(with_parameters, None), Ok(Mode::Running));
+        for place in ["reading the parameters", "arming"] {
+            assert_eq!(run_beside_a_change(with_parameters, Some(place)), changed, "before {place}");
+        }
+    }
+    let stated = run_beside_a_change(true, Some("stating the test"));
+    assert_eq!(stated, Ok(Mode::Running), "its own parameters come behind the other's");
+    assert_eq!(run_beside_a_change(false, Some("stating the test")), changed);
 }
 
 /// A program that asks as fast as it can and reads no answer.

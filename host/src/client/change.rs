@@ -75,6 +75,8 @@ impl Client {
         parameters: Option<&Parameters>,
     ) -> Result<Vec<&'static str>> {
         self.last_sample = Some(last_sample);
+        // Those of the rig as this program has seen them last, if the test comes alone.
+        self.meant = self.known.take().map(|(_, parameters)| parameters);
         if self.version < 5 {
             let lacking = parameters.map(|parameters| self.import_parameters(parameters)).transpose()?;
             self.download_step_by_step(rig, last_sample)?;
@@ -87,6 +89,9 @@ impl Client {
         };
         change.add_test(rig, last_sample);
         self.take(&change)?;
+        if let Some(parameters) = parameters {
+            self.meant = Some(RigParameters { values: parameters.clone(), lacking: Vec::new() });
+        }
         self.test_crc32 = Some(test_crc32(&change.0));
         Ok(lacking)
     }
@@ -148,7 +153,8 @@ impl Client {
         if spans { self.ask_done(RequestBody::TestSpan { last_sample, round }) } else { Ok(()) }
     }
 
-    /// Starts the test that this client has downloaded, with the parameters that it has read, if it has.
+    /// Starts the test that this client has downloaded, with the parameters that it has downloaded with it or else those that
+    /// it had read before, and those that it has read since, if it has.
     ///
     /// # Errors
     /// When it is refused or not answered; also when another program has changed test or parameters since.
@@ -158,18 +164,28 @@ impl Client {
         };
         // The drive is armed: its parameters stay what they are from here on.
         let parameters = self.config_state()?.hash;
-        if let Some((_, before)) = self.known.take_if(|(hash, _)| *hash != parameters) {
-            let now = self.parameters()?;
-            if !differ_by_what_was_learned(&before, &now) {
-                bail!("{}: another program has changed its parameters; run again", self.name);
-            }
+        let read_since = self.known.take_if(|(hash, _)| *hash != parameters).map(|(_, read)| read);
+        for expected in [self.meant.take(), read_since].into_iter().flatten() {
+            self.refuse_others_parameters(&expected, parameters)?;
         }
         self.ask_done(RequestBody::StartTest { crc32: start_crc32(test, parameters) })
+    }
+
+    /// Refuses to start where the parameters in force, which have this fingerprint, are not those that are expected.
+    fn refuse_others_parameters(&mut self, expected: &RigParameters, hash: u32) -> Result<()> {
+        let now = match &self.known {
+            Some((known, read)) if *known == hash => read.clone(),
+            _ => self.parameters()?,
+        };
+        if !are_the_same_but_for_what_was_learned(expected, &now) {
+            bail!("{}: another program has changed its parameters; run again", self.name);
+        }
+        Ok(())
     }
 }
 
 /// Arming makes what the last run has learned of the valve's null a parameter.
-fn differ_by_what_was_learned(before: &RigParameters, now: &RigParameters) -> bool {
+fn are_the_same_but_for_what_was_learned(before: &RigParameters, now: &RigParameters) -> bool {
     let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && was.0 != id::NULL_OFFSET_COUNTS;
     !before.values.iter().zip(now.values.iter()).any(differs)
 }

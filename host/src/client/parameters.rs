@@ -113,7 +113,7 @@ impl Client {
         let mut room = [0; 4 * MAX_VALUES];
         let values = Values::fill(&mut room, values.iter().copied())
             .ok_or_else(|| anyhow!("more than {MAX_VALUES} values at once"))?;
-        self.known = None;
+        (self.known, self.meant) = (None, None);
         self.ask_done(RequestBody::ConfigSet { first_id, values })
     }
 
