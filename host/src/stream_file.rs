@@ -1,13 +1,13 @@
 //! A run as it is streamed to disk: as long as it lasts, not only as long as the board's memory does.
 //!
 //! Text, LF, as a TARGET file: lines `# key = value`, the header, a line of integers a sample. What has come is
-//! in the file at once, so a program that is killed leaves all of it. Where samples are missing, a line
+//! in the file at once, so a program that is killed leaves all of it; its end is told once all is on the disk. Where samples are missing, a line
 //! `# gap = 3 samples before index 120` stands; at the end the file says how many there are and how many
 //! are missing, and the CRC-32 of all lines behind the header's. The header ends with a CRC-32 of its own, so that an
 //! interrupted stream has that. [`crate::target::TargetFile`] reads it.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, anyhow, bail};
@@ -15,6 +15,7 @@ use pneudrive_protocol::{RecordCrc, RecordedSample, StreamedSample};
 
 use crate::client::{Info, RigParameters};
 use crate::target::{COLUMNS, crc_text, data_line, described, header_text, sample_of};
+use crate::whole_file;
 
 /// First line's value.
 pub(crate) const FORMAT: &str = "pneudrive-stream 2";
@@ -30,6 +31,21 @@ const CRC: &str = "# crc32 = ";
 
 /// More samples than this do not go into the memory of a small machine.
 const MOST_SAMPLES: usize = 10_000_000;
+
+/// What a stream is written to.
+pub trait Disk: Write {
+    /// Brings all that was written to the disk, so that it outlives a power cut.
+    ///
+    /// # Errors
+    /// When the disk does not take it.
+    fn sync(&mut self) -> io::Result<()>;
+}
+
+impl Disk for File {
+    fn sync(&mut self) -> io::Result<()> {
+        self.sync_all()
+    }
+}
 
 /// A file that a run is streamed to.
 #[derive(Debug)]
@@ -68,7 +84,7 @@ impl StreamFile {
     }
 }
 
-impl<W: Write> StreamFile<W> {
+impl<W: Disk> StreamFile<W> {
     fn over(out: W, path: &Path, every: u16) -> StreamFile<W> {
         StreamFile {
             path: path.to_owned(),
@@ -102,7 +118,7 @@ impl<W: Write> StreamFile<W> {
         }
     }
 
-    /// Ends the file; `samples_of_run` is how many samples the run had, where that is known.
+    /// Ends the file and brings it to the disk; `samples_of_run` is how many samples the run had, where that is known.
     ///
     /// # Errors
     /// When the disk does not take it.
@@ -111,7 +127,10 @@ impl<W: Write> StreamFile<W> {
             self.skip_to(end)?;
         }
         self.add_line(&format!("# samples = {}\n# missing = {}\n", self.samples, self.missing))?;
-        self.write(&format!("{CRC}{:08x}\n", self.crc.clone().finish()))
+        self.write(&format!("{CRC}{:08x}\n", self.crc.clone().finish()))?;
+        self.out.sync().with_context(|| format!("cannot write {}", self.path.display()))?;
+        whole_file::sync_folder(whole_file::folder_of(&self.path));
+        Ok(())
     }
 
     fn add_line(&mut self, line: &str) -> Result<()> {
@@ -195,6 +214,53 @@ fn too_late(line: &str) -> Option<Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Disk for Vec<u8> {
+        fn sync(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// A disk with a cache in front of it.
+    #[derive(Default)]
+    struct Cached {
+        cached: usize,
+        on_disk: usize,
+        is_full: bool,
+    }
+
+    impl Write for Cached {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.cached += bytes.len();
+            Ok(bytes.len())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Disk for Cached {
+        fn sync(&mut self) -> io::Result<()> {
+            if self.is_full {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            self.on_disk = self.cached;
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_stream_that_has_ended_is_on_the_disk_to_its_last_byte_or_says_that_it_is_not() {
+        let mut file = StreamFile::over(Cached::default(), Path::new("run.stream"), 1);
+        file.add(&StreamedSample::default()).expect("cached");
+        file.end(Some(1)).expect("on the disk");
+        assert!(file.out.cached > 40);
+        assert_eq!(file.out.on_disk, file.out.cached);
+
+        let full = Cached { is_full: true, ..Cached::default() };
+        let error = StreamFile::over(full, Path::new("run.stream"), 1).end(Some(0)).expect_err("no room");
+        assert_eq!(error.to_string(), "cannot write run.stream");
+    }
 
     const LINES: &str = "0,1,2,3,4,5,6\n2,1,2,3,4,5,6\n# gap = 1 samples before index 6\n6,1,2,3,4,5,6\n";
 
