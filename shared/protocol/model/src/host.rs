@@ -4,6 +4,8 @@
 //! alone, though: its session, the number of its first request and its clock are given. So its state is the list of
 //! inputs that it has had, and what it does next is found by running it with them up to where it waits again.
 //!
+//! The answer to `Info` is the same at every time, so it is there as soon as the client asks: neither goes over the line.
+//!
 //! Two things are left out of the list ([`Host::after`]): a reply that the client passes over, and, once a question is
 //! answered, that it had to be asked more than once. Neither leaves a trace in what the client does later, as numbers of
 //! requests only grow; `tests/hosts.rs` runs clients with and without them to the end.
@@ -16,10 +18,13 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use pneudrive::client::{Client, Pieces, Record};
 use pneudrive::port::Link;
+use pneudrive_app::Server;
 use pneudrive_controller::parameters::id;
+use pneudrive_protocol::{InBoot, RequestBody};
 use pneudrive_sim::Rig as RigFile;
 
-use crate::rig::{Pair, Run};
+use crate::line::message;
+use crate::rig::{Pair, Rig, Run};
 
 /// What a host experiences.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -55,6 +60,8 @@ pub struct Standing {
     pub means_to_command: bool,
     /// The record that it was given.
     pub record: Option<Run>,
+    /// Whether its homing run has come to its end, and the drive is disarmed.
+    pub homed: bool,
 }
 
 /// What a host does.
@@ -66,6 +73,8 @@ pub enum Job {
     Runs,
     /// The one, then the other.
     Both,
+    /// Arms, homes, and disarms when that is over.
+    Homes,
 }
 
 /// What a host is to do.
@@ -147,6 +156,9 @@ impl Host {
 
 /// What the program does.
 fn work(client: &mut Client, plan: &Plan, script: &Script) -> Result<()> {
+    if plan.job == Job::Homes {
+        return home(client, script);
+    }
     if plan.job != Job::Runs {
         client.set_parameters(id::VELOCITY_GAIN, &plan.pair)?;
         client.save_parameters()?;
@@ -164,6 +176,17 @@ fn run(client: &mut Client, plan: &Plan, script: &Script) -> Result<()> {
     script.played().standing.means_to_command = false;
     let record = pull(client, plan)?;
     script.played().standing.record = Some(record);
+    Ok(())
+}
+
+fn home(client: &mut Client, script: &Script) -> Result<()> {
+    script.played().standing.means_to_command = true;
+    client.arm()?;
+    client.home()?;
+    script.wait_for_the_end_of_the_run()?;
+    client.disarm()?;
+    let mut played = script.played();
+    (played.standing.means_to_command, played.standing.homed) = (false, true);
     Ok(())
 }
 
@@ -263,8 +286,12 @@ impl Link for Scripted {
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut played = self.0.played();
         // What only opens the line is no request.
-        if !played.blocked && bytes != [0] {
-            played.standing.sent.push(bytes.to_vec());
+        if played.blocked || bytes == [0] {
+            return Ok(());
+        }
+        match answer_to_info(bytes) {
+            Some(reply) => played.unread.push_back(reply),
+            None => played.standing.sent.push(bytes.to_vec()),
         }
         Ok(())
     }
@@ -272,4 +299,15 @@ impl Link for Scripted {
     fn now(&self) -> Duration {
         self.0.played().now
     }
+}
+
+/// What the firmware answers if this is the question who it is.
+fn answer_to_info(frame: &[u8]) -> Option<Vec<u8>> {
+    let asked = message(frame);
+    if !InBoot::decode(&asked).is_ok_and(|meant| meant.asked.request.body == RequestBody::Info) {
+        return None;
+    }
+    let (mut rig, mut reply) = (Rig::new(None), Vec::new());
+    let Ok(()) = Server::default().receive(frame, &mut rig.control, &mut rig.board, &mut reply);
+    Some(reply)
 }

@@ -2,7 +2,7 @@
 //! the host makes of its answers.
 
 use pneudrive_protocol::change::start_crc32;
-use pneudrive_protocol::{InSession, Request, RequestBody};
+use pneudrive_protocol::{ANY_BOOT, InBoot, InSession, Request, RequestBody};
 
 use crate::rig::Rig;
 
@@ -17,15 +17,18 @@ pub enum Mutant {
     SavesInParts,
     /// The rig sends chunks of whatever record it has, and the host does not look at the CRC-32 of the whole.
     IgnoresNameOfRecord,
+    /// The rig takes requests that were meant for another boot, as it takes those of hosts before version 6.
+    IgnoresBoot,
 }
 
 impl Mutant {
     /// The request as a rig with this defect takes it.
     #[must_use]
-    pub fn distort<'a>(self, asked: InSession<'a>, rig: &Rig) -> InSession<'a> {
-        let InSession { request: Request { sequence, body }, session } = asked;
-        let (mut body, mut session) = (body, session);
+    pub fn distort<'a>(self, meant: InBoot<'a>, rig: &Rig) -> InBoot<'a> {
+        let InBoot { asked: InSession { request: Request { sequence, body }, session }, boot } = meant;
+        let (mut body, mut session, mut boot) = (body, session, boot);
         match (self, body) {
+            (Mutant::IgnoresBoot, _) => boot = ANY_BOOT,
             (Mutant::IgnoresOwner, _) if rig.drives() => session = rig.control.owner(&rig.board).session,
             (Mutant::IgnoresNameOfStart, RequestBody::StartTest { .. }) => {
                 let test = rig.control.test().crc32().unwrap_or(0);
@@ -37,6 +40,6 @@ impl Mutant {
             }
             _ => {}
         }
-        InSession { request: Request { sequence, body }, session }
+        InBoot { asked: InSession { request: Request { sequence, body }, session }, boot }
     }
 }

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use pneudrive_app::Server;
-use pneudrive_protocol::{Accumulator, InSession, MAX_FRAME, ReplyBody, RequestBody, decode_reply, encode};
+use pneudrive_protocol::{ANY_BOOT, InBoot, MAX_FRAME, ReplyBody, RequestBody, decode_reply, encode};
 
 use crate::host::{Input, Standing, Waits};
 use crate::intern::Id;
-use crate::line::Way;
+use crate::line::{Frame, Way, message};
 use crate::rig::{Rig, Run, pair};
 use crate::{Action, Broken, Link, State};
 
@@ -17,7 +17,7 @@ pub struct Delivery {
     rig: Id,
     server: Id,
     host: usize,
-    frame: Id,
+    frame: Frame,
     /// The operation of the flash at which the power goes.
     cut: Option<u8>,
 }
@@ -75,13 +75,6 @@ pub enum Change {
     Reset,
 }
 
-/// The message in a frame.
-pub(crate) fn message(frame: &[u8]) -> Vec<u8> {
-    let mut accumulator: Accumulator = Accumulator::new();
-    let whole = frame.iter().find_map(|&byte| accumulator.push(byte)?.ok().map(<[u8]>::to_vec));
-    whole.expect("a frame that was sent whole")
-}
-
 impl Link {
     pub(crate) fn step(&self, state: &State, action: Action) -> Option<State> {
         let mut next = state.clone();
@@ -101,11 +94,11 @@ impl Link {
             }
             Action::Answered(host) => {
                 let frame = next.to_host[host].queue.remove(0);
-                self.tell(&mut next, host, Heard::Reply(frame))
+                self.tell(&mut next, host, Heard::Reply(frame.id()))
             }
             Action::AnsweredLate(host, nth) => {
                 let frame = next.to_host[host].late.remove(nth);
-                self.tell(&mut next, host, Heard::Reply(frame))
+                self.tell(&mut next, host, Heard::Reply(frame.id()))
             }
             Action::AsksAgain(host) => {
                 let too_early = !(next.to_rig[host].is_empty() && next.to_host[host].is_empty());
@@ -160,7 +153,7 @@ impl Link {
     fn drop_replies(&self, state: &mut State, host: usize, ended: bool) {
         let Way { queue, late } = std::mem::take(&mut state.to_host[host]);
         for frame in queue.into_iter().chain(late).filter(|_| !ended) {
-            let telling = Telling { number: host, host: state.hosts[host], heard: Heard::Reply(frame) };
+            let telling = Telling { number: host, host: state.hosts[host], heard: Heard::Reply(frame.id()) };
             let told = self.tellings.out(telling, || Arc::new(self.told(telling)));
             assert!(told.after.is_none(), "a reply that is no answer is passed over");
         }
@@ -184,7 +177,7 @@ impl Link {
     }
 
     /// A request comes to the rig.
-    fn ask(&self, state: &mut State, host: usize, frame: Id, cut: Option<u8>) -> bool {
+    fn ask(&self, state: &mut State, host: usize, frame: Frame, cut: Option<u8>) -> bool {
         let delivery = Delivery { rig: state.rig, server: state.servers[host], host, frame, cut };
         let delivered = self.deliveries.out(delivery, || self.deliver(&delivery));
         if cut.is_some() && !delivered.cut {
@@ -209,14 +202,15 @@ impl Link {
         if let Some(nth) = delivery.cut {
             rig.cut_power_at(nth);
         }
-        let asked = message(&self.frames.value(delivery.frame));
-        let asked = InSession::decode(&asked).expect("a request of this version");
-        let reply = self.carry_out(&mut rig, &mut server, asked);
-        self.note(&mut rig, &before, delivery.host, asked.request.body, reply.as_deref());
-        let saves = asked.request.body == RequestBody::ConfigSave;
-        assert!(saves || rig.board.kept == before.board.kept, "{:?} wrote to the flash", asked.request.body);
+        let meant = message(&self.frames.value(delivery.frame.id()));
+        let meant = InBoot::decode(&meant).expect("a request of this version");
+        let body = meant.asked.request.body;
+        let reply = self.carry_out(&mut rig, &mut server, meant);
+        self.note(&mut rig, &before, delivery, body, reply.as_deref());
+        let saves = body == RequestBody::ConfigSave;
+        assert!(saves || rig.board.kept == before.board.kept, "{body:?} wrote to the flash");
         let began = rig.moves() && !before.moves();
-        let broken = if began { self.wrong_start(&rig, delivery.host) } else { None };
+        let broken = if began { self.wrong_start(&rig, delivery) } else { None };
         Delivered {
             broken: broken.or_else(|| self.wrong_parameters(&rig)),
             cut: rig.is_dark(),
@@ -229,22 +223,48 @@ impl Link {
 
     /// Whether this request writes to the flash; no other one does.
     pub(crate) fn saves(&self, frame: Id) -> bool {
-        let asked = message(&self.frames.value(frame));
-        InSession::decode(&asked).is_ok_and(|asked| asked.request.body == RequestBody::ConfigSave)
+        let meant = message(&self.frames.value(frame));
+        InBoot::decode(&meant).is_ok_and(|meant| meant.asked.request.body == RequestBody::ConfigSave)
+    }
+
+    /// Whether this request arms or moves the drive, so that it matters whether it was sent before a reset.
+    fn arms_or_moves(&self, frame: Id) -> bool {
+        let meant = message(&self.frames.value(frame));
+        let meant = InBoot::decode(&meant).expect("a request of this version");
+        matches!(
+            meant.asked.request.body,
+            RequestBody::Arm
+                | RequestBody::ArmAs { .. }
+                | RequestBody::TakeOver { .. }
+                | RequestBody::Home
+                | RequestBody::Start
+                | RequestBody::StartTest { .. }
+        )
     }
 
     /// Gives the request to the firmware; its reply.
-    fn carry_out(&self, rig: &mut Rig, server: &mut Server, asked: InSession<'_>) -> Option<Vec<u8>> {
-        let asked = self.mutant.map_or(asked, |mutant| mutant.distort(asked, rig));
+    fn carry_out(&self, rig: &mut Rig, server: &mut Server, meant: InBoot<'_>) -> Option<Vec<u8>> {
+        let meant = self.mutant.map_or(meant, |mutant| mutant.distort(meant, rig));
         let mut room = [0; MAX_FRAME];
-        let frame = encode(&asked, &mut room).expect("it was sent once");
+        let frame = match meant.boot {
+            ANY_BOOT => encode(&meant.asked, &mut room),
+            _ => encode(&meant, &mut room),
+        };
+        let frame = frame.expect("it was sent once");
         let mut reply = Vec::new();
         let Ok(()) = server.receive(frame, &mut rig.control, &mut rig.board, &mut reply);
         Some(reply).filter(|reply| !reply.is_empty())
     }
 
     /// Notes what the properties are judged by.
-    fn note(&self, rig: &mut Rig, before: &Rig, host: usize, body: RequestBody<'_>, reply: Option<&[u8]>) {
+    fn note(
+        &self,
+        rig: &mut Rig,
+        before: &Rig,
+        &Delivery { host, frame, .. }: &Delivery,
+        body: RequestBody<'_>,
+        reply: Option<&[u8]>,
+    ) {
         let reply = reply.map(message);
         let done =
             reply.is_some_and(|reply| decode_reply(&reply).is_ok_and(|reply| reply.body == ReplyBody::Done));
@@ -252,22 +272,25 @@ impl Link {
         let owns = rig.drives() && rig.control.owner(&rig.board).session == self.plans[host].session;
         match body {
             RequestBody::Arm | RequestBody::ArmAs { .. } | RequestBody::TakeOver { .. } if done && owns => {
-                rig.armed_by = Some(host);
+                rig.armed_by = Some(host).filter(|_| !frame.is_from_before());
             }
             RequestBody::ConfigSave if done && rig.board.kept != before.board.kept => {
                 rig.saved = pair(rig.control.parameters());
             }
             _ => {}
         }
-        if rig.moves() && !before.moves() {
+        if rig.moves() && !before.moves() && !rig.homes() {
             rig.note_run();
         }
     }
 
-    /// What is wrong with a run that has begun at the request of this host.
-    fn wrong_start(&self, rig: &Rig, host: usize) -> Option<Broken> {
-        if rig.armed_by != Some(host) {
+    /// What is wrong with a move that has begun at this request.
+    fn wrong_start(&self, rig: &Rig, &Delivery { host, frame, .. }: &Delivery) -> Option<Broken> {
+        if rig.armed_by != Some(host) || frame.is_from_before() {
             return Some(Broken::MovesUnarmed);
+        }
+        if rig.homes() {
+            return None;
         }
         (rig.control.test().name() != self.plans[host].test.name()).then_some(Broken::RunsOthersTest)
     }
@@ -296,6 +319,9 @@ impl Link {
     /// The rig begins anew, and so do its servers. What is on the lines stays there.
     fn reset(&self, state: &mut State) -> bool {
         state.servers = [self.servers.id(Server::default()); 2];
+        // Replies are known by the numbers of their requests, whenever they come.
+        let matters = |id| self.arms_or_moves(id);
+        state.to_rig.iter_mut().for_each(|way| way.outlives_reset(matters));
         self.change(state, Change::Reset)
     }
 }

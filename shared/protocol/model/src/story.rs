@@ -1,10 +1,10 @@
 //! A way to a state, in words.
 
-use pneudrive_protocol::{InSession, decode_reply};
+use pneudrive_protocol::{InBoot, decode_reply};
 use stateright::Path;
 
 use crate::intern::Id;
-use crate::step::message;
+use crate::line::message;
 use crate::{Action, Link, State};
 
 impl Link {
@@ -21,12 +21,14 @@ impl Link {
             Action::Asked(host)
             | Action::AskedAndCut(host, _)
             | Action::LosesRequest(host)
-            | Action::CopiesRequest(host) => state.to_rig[host].queue.first().map(|&id| self.request(id)),
-            Action::AskedLate(host, nth) => Some(self.request(state.to_rig[host].late[nth])),
-            Action::Answered(host) | Action::LosesReply(host) | Action::CopiesReply(host) => {
-                state.to_host[host].queue.first().map(|&id| self.reply(id))
+            | Action::CopiesRequest(host) => {
+                state.to_rig[host].queue.first().map(|frame| self.request(frame.id()))
             }
-            Action::AnsweredLate(host, nth) => Some(self.reply(state.to_host[host].late[nth])),
+            Action::AskedLate(host, nth) => Some(self.request(state.to_rig[host].late[nth].id())),
+            Action::Answered(host) | Action::LosesReply(host) | Action::CopiesReply(host) => {
+                state.to_host[host].queue.first().map(|frame| self.reply(frame.id()))
+            }
+            Action::AnsweredLate(host, nth) => Some(self.reply(state.to_host[host].late[nth].id())),
             _ => None,
         };
         format!("{action:?} {}", frame.unwrap_or_default())
@@ -34,8 +36,10 @@ impl Link {
 
     fn request(&self, id: Id) -> String {
         let message = message(&self.frames.value(id));
-        InSession::decode(&message)
-            .map_or_else(|error| format!("{error:?}"), |asked| format!("{:?}", asked.request))
+        InBoot::decode(&message).map_or_else(
+            |error| format!("{error:?}"),
+            |meant| format!("{:?} in boot {}", meant.asked.request, meant.boot),
+        )
     }
 
     fn reply(&self, id: Id) -> String {

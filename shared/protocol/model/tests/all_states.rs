@@ -1,6 +1,6 @@
 //! All states of two hosts and a rig, within bounds that take less than a minute; `cargo xtask link-states` goes further.
 
-use pneudrive_protocol_model::host::Job::{self, Both, Configures, Runs};
+use pneudrive_protocol_model::host::Job::{self, Both, Configures, Homes, Runs};
 use pneudrive_protocol_model::host::Plan;
 use pneudrive_protocol_model::{Budget, Link};
 
@@ -44,6 +44,17 @@ fn two_hosts_that_configure_with_a_power_cut_at_any_operation_of_the_flash() {
 fn a_host_that_runs_and_one_that_configures_with_a_reset_and_a_power_cut() {
     let budget = Budget { resets: 1, power_cuts: 1, ..NOTHING };
     holds("runs, configures", hosts([Runs, Configures], TWO, budget));
+}
+
+#[test]
+fn two_hosts_that_home_with_two_faults_and_a_reset() {
+    let budget = Budget { faults: 2, resets: 1, ..NOTHING };
+    holds("homes, homes", hosts([Homes, Homes], TWO, budget));
+}
+
+#[test]
+fn a_host_that_homes_and_one_that_runs_with_a_reset() {
+    holds("homes, runs", hosts([Homes, Runs], TWO, Budget { resets: 1, ..NOTHING }));
 }
 
 #[test]
