@@ -184,12 +184,19 @@ pub fn soak_link(tally: &mut Tally) {
     });
 }
 
-/// Bounds of the checker of the link: jobs of the two hosts, then faults, resets, power cuts and silences. These are CI's.
+/// Bounds of the checker of the link: jobs of the two hosts, then faults, resets, power cuts and silences, and
+/// whether to go deep. These are CI's.
 const BOUNDS_OF_CI: [&str; 2] = ["runs configures 2 1 1 0", "homes runs 2 1 0 0"];
 
 /// All states of the link within wider bounds than the tests have.
 pub fn link_states(tally: &mut Tally) {
-    let wider = ["both both 1 0 0 0", "both both 0 0 0 1", "runs runs 1 1 1 0", "runs runs 2 0 0 0"];
+    let wider = [
+        "both both 1 0 0 0",
+        "both both 0 0 0 1",
+        "runs runs 1 1 1 0",
+        "runs runs 2 0 0 0",
+        "runs runs 2 1 1 0 deep",
+    ];
     for bounds in BOUNDS_OF_CI.into_iter().chain(wider) {
         all_states(tally, bounds);
     }
