@@ -193,6 +193,7 @@ pub fn link_states(tally: &mut Tally) {
     let wider = [
         "both both 1 0 0 0",
         "both both 0 0 0 1",
+        "both both 1 1 1 0 deep",
         "runs runs 1 1 1 0",
         "runs runs 2 0 0 0",
         "runs runs 2 1 1 0 deep",
