@@ -6,14 +6,15 @@ use std::convert::Infallible;
 use arbitrary::{Result, Unstructured};
 use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::ram_flash::RamFlash;
-use pneudrive_app::store::FlashStore;
+use pneudrive_app::store::{FlashStore, Store as _};
 use pneudrive_app::{Board, Control, Recorder, Server};
-use pneudrive_controller::{Command, Config, Mode, Parameters, Sample};
+use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_protocol::change::{PART_BYTES, start_crc32};
 use pneudrive_protocol::{
-    Accumulator, InSession, MAX_FRAME, Reply, ReplyBody, Request, RequestBody, decode_reply, encode, frame,
+    Accumulator, InBoot, InSession, MAX_FRAME, ReplyBody, Request, RequestBody, decode_reply, encode, frame,
 };
 
+use crate::checks::{Seen, check, check_boot, drives, moves};
 use crate::requests::{Room, body, change};
 
 /// The sessions: two hosts, and those of version 4 and older.
@@ -129,12 +130,20 @@ struct Rig {
     /// The last change that was sent, and the last record, by their CRC-32.
     change: u32,
     samples: u32,
+    /// The boot that the host of version 6 means: the one that it was told last.
+    meant: u32,
+}
+
+/// The host of version 6; the others are of version 5 and 4.
+const NAMES_BOOTS: usize = 0;
+
+fn store_in(flash: RamFlash) -> Store {
+    let memory: Box<Memory> = Box::new([0; MEMORY_BYTES]);
+    FlashStore::take_up(flash, RamFlash::layout(), memory).expect("the layout of this flash").0
 }
 
 fn board() -> Rod {
-    let memory: Box<Memory> = Box::new([0; MEMORY_BYTES]);
-    let taken = FlashStore::take_up(RamFlash::default(), RamFlash::layout(), memory);
-    let (store, _, _) = taken.expect("the layout of this flash");
+    let store = store_in(RamFlash::default());
     Rod { store, now_us: 0, clock_ms: 1, position: 0, driven: Command::OFF }
 }
 
@@ -148,6 +157,7 @@ impl Rig {
             sent: Vec::new(),
             change: 0,
             samples: 0,
+            meant: 1,
         };
         rig.reset();
         rig
@@ -156,6 +166,9 @@ impl Rig {
     fn reset(&mut self) {
         *self.control = Control::default();
         self.servers = Default::default();
+        let before = self.rod.store.boot();
+        self.rod.store = store_in(self.rod.store.flash().clone());
+        assert!(self.rod.store.boot() > before, "a boot has a number of its own");
         self.control.take_up(&mut self.rod);
         assert!(!self.control.configuration().is_lost(), "no power was cut");
         let _ = self.control.set_referenced();
@@ -251,9 +264,11 @@ impl Rig {
         self.sequence = self.sequence.wrapping_add(1);
         let request = Request { sequence: self.sequence, body };
         let mut room = [0; MAX_FRAME];
-        let framed = match SESSIONS[host] {
+        let asked = InSession { request, session: SESSIONS[host] };
+        let framed = match asked.session {
+            _ if host == NAMES_BOOTS => encode(&InBoot { asked, boot: self.meant }, &mut room),
             0 => encode(&request, &mut room),
-            session => encode(&InSession { request, session }, &mut room),
+            _ => encode(&asked, &mut room),
         };
         // A text may be too long to be sent.
         let Some(frame) = framed.map(<[u8]>::to_vec) else { return };
@@ -268,12 +283,15 @@ impl Rig {
         let owner = self.control.owner(&self.rod).session;
         let enabled = before.mode;
         let replies = self.hear(host, frame);
-        let asked = message(frame);
-        let asked = InSession::decode(&asked).expect("a request that was sent");
+        let meant = message(frame);
+        let InBoot { asked, boot } = InBoot::decode(&meant).expect("a request that was sent");
         let after = Seen::of(&self.control);
         let reply = (!replies.is_empty()).then(|| message(&replies));
         let reply = reply.as_deref().map(|reply| decode_reply(reply).expect("a reply of this version"));
         check(&asked, reply.as_ref(), &before, &after, owner);
+        let now = self.rod.store.boot();
+        // A host that is told of another boot connects again.
+        self.meant = check_boot(boot, now, reply.as_ref(), &before, &after).unwrap_or(self.meant);
         let arms = matches!(asked.request.body, RequestBody::Arm | RequestBody::ArmAs { .. });
         assert!(drives(enabled) || !drives(after.mode) || arms, "{:?} enabled the drive", asked.request.body);
         reply.is_some()
@@ -321,59 +339,6 @@ impl Rig {
         }
         let _ = self.control.tidy_up(&mut self.rod);
     }
-}
-
-/// What a refused request leaves as it is.
-#[derive(Debug, PartialEq, Eq)]
-struct Seen {
-    mode: Mode,
-    referenced: bool,
-    parameters: Parameters,
-    test: pneudrive_app::control::Test,
-}
-
-impl Seen {
-    fn of(control: &Control<Recorder>) -> Seen {
-        let supervisor = &control.state().supervisor;
-        Seen {
-            mode: supervisor.mode(),
-            referenced: supervisor.is_referenced(),
-            parameters: control.parameters().clone(),
-            test: control.test().clone(),
-        }
-    }
-}
-
-fn check(asked: &InSession<'_>, reply: Option<&Reply<'_>>, before: &Seen, after: &Seen, owner: u32) {
-    let body = asked.request.body;
-    let starts = matches!(body, RequestBody::Start | RequestBody::StartTest { .. } | RequestBody::Home);
-    if let Some(reply) = reply {
-        assert_eq!(reply.sequence, asked.request.sequence);
-    }
-    let refused = matches!(reply, Some(Reply { body: ReplyBody::Refused(_), .. }));
-    if reply.is_none() || (refused && !(starts && before.mode == Mode::Disarmed)) {
-        assert_eq!(before, after, "{body:?}: {reply:?}");
-    }
-    if moves(after.mode) && !moves(before.mode) {
-        assert!(starts && before.mode == Mode::Armed, "{body:?} from {:?}", before.mode);
-        assert_eq!(asked.session, owner, "the drive moves for its owner alone");
-    }
-    let changes = matches!(
-        body,
-        RequestBody::ConfigSet { .. }
-            | RequestBody::ChangeTake { .. }
-            | RequestBody::Arm
-            | RequestBody::ArmAs { .. }
-    );
-    assert!(changes || before.parameters == after.parameters, "{body:?} changed parameters");
-}
-
-fn drives(mode: Mode) -> bool {
-    matches!(mode, Mode::Armed | Mode::Running | Mode::Done | Mode::Homing)
-}
-
-fn moves(mode: Mode) -> bool {
-    matches!(mode, Mode::Running | Mode::Homing)
 }
 
 /// The message in the first frame of these bytes.

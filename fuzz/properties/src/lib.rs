@@ -3,6 +3,7 @@
 //!
 //! Each panics where its property does not hold.
 
+mod checks;
 mod drive;
 mod requests;
 

@@ -132,6 +132,7 @@ pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Res
         30 => Body::ChangePart { crc32, first: short(u)?, part: u.arbitrary()? },
         31 => Body::ChangeTake { crc32 },
         32 => Body::StartTest { crc32 },
+        _ if u.ratio(1, 2)? => Body::Boot,
         _ => Body::Token { token: text(u)? },
     })
 }
