@@ -14,7 +14,7 @@ use std::time::{Duration, SystemTime};
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_protocol::{
     ANY_BOOT, Accumulator, CURRENT_VERSION, InBoot, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply,
-    ReplyBody, Request, RequestBody, Status, UNTIL_STOPPED, decode_reply, encode_and_know, frame,
+    ReplyBody, Request, RequestBody, Status, decode_reply, encode_and_know, frame,
 };
 
 pub use owner::Commander;
@@ -24,7 +24,6 @@ pub use record::{Pieces, Record, RecordChanged, RecordHead};
 use crate::exit::Exit;
 use crate::foreign::{NAME, SENTENCE, cleaned};
 use crate::port::{self, Link};
-use crate::units::Units;
 use crate::words;
 use advance::Advance;
 
@@ -374,26 +373,6 @@ impl Client {
                 ),
             }
         }
-    }
-}
-
-impl Client {
-    /// Where a run has come to: also in s, where the rig has told its period.
-    fn place_in_run(&self, index: u32) -> String {
-        let after =
-            |(_, parameters): &(u32, RigParameters)| format!(", after {}", Units::of(parameters).time(index));
-        format!("at sample {index}{}", self.known.as_ref().map_or_else(String::new, after))
-    }
-
-    /// Ends a run before its time.
-    fn end_early(&mut self, last: Option<Status>) -> Result<Status> {
-        if last.is_some_and(|status| status.duration_samples == UNTIL_STOPPED) {
-            self.disarm()?;
-            return self.status();
-        }
-        self.stop()?;
-        Err(Exit::Interrupted
-            .error(format!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name)))
     }
 }
 

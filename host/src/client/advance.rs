@@ -1,9 +1,13 @@
-//! Whether a run goes on.
+//! Whether a run goes on, and its end before its time.
 
 use std::time::Duration;
 
 use anyhow::{Result, bail};
 use pneudrive_protocol::{Status, UNTIL_STOPPED};
+
+use super::{Client, RigParameters};
+use crate::exit::Exit;
+use crate::units::Units;
 
 /// How long the samples of a run may stand still.
 const STALLED: Duration = Duration::from_secs(5);
@@ -38,6 +42,26 @@ impl Advance {
             );
         }
         Ok(())
+    }
+}
+
+impl Client {
+    /// Where a run has come to: also in s, where the rig has told its period.
+    pub(super) fn place_in_run(&self, index: u32) -> String {
+        let after =
+            |(_, parameters): &(u32, RigParameters)| format!(", after {}", Units::of(parameters).time(index));
+        format!("at sample {index}{}", self.known.as_ref().map_or_else(String::new, after))
+    }
+
+    /// Ends a run before its time.
+    pub(super) fn end_early(&mut self, last: Option<Status>) -> Result<Status> {
+        if last.is_some_and(|status| status.duration_samples == UNTIL_STOPPED) {
+            self.disarm()?;
+            return self.status();
+        }
+        self.stop()?;
+        Err(Exit::Interrupted
+            .error(format!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name)))
     }
 }
 
