@@ -71,6 +71,21 @@ fn a_curve_that_a_rig_has_not_is_refused_and_left_out_of_all() {
     assert!(!folder.path().join("all/pressure-drop.csv").exists());
 }
 
+/// The rig has a dither; it is the integration that cannot follow its spool.
+#[test]
+fn a_test_that_stops_on_the_bench_is_not_a_part_that_the_rig_lacks() {
+    let folder = folder();
+    let pile_up = "--set operator.coulomb_friction_n=3.35 --set operator.dither_mm=0.4";
+    let said = transcript(folder.path(), &format!("characterise servo-b-thesis dither {pile_up} --out ."));
+    assert!(said.contains("! error: the test \"dither\" of servo-b-thesis stopped: events pile up at t ="), "{said}");
+    assert!(said.contains("another value of the spool's friction or dither") && said.ends_with("= 1"), "{said}");
+    assert!(!said.contains("has no dither"), "{said}");
+    let said = transcript(folder.path(), &format!("characterise servo-b-thesis all {pile_up} --out all"));
+    assert!(said.contains("! error: the test \"dither\" of servo-b-thesis stopped: "), "{said}");
+    assert!(!said.contains("dither: left out") && said.ends_with("= 1"), "{said}");
+    exists(folder.path(), &["all/pressure-drop.csv", "all/land-area.html"]);
+}
+
 #[test]
 fn a_curve_that_there_is_not_is_wrong_use_and_a_file_of_the_users_stays() {
     let folder = folder();

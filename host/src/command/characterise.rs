@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
-use pneudrive_sim::Rig;
+use anyhow::{Error, Result, anyhow, bail};
+use pneudrive_sim::{IntegrationError, Rig};
 use pneudrive_sim::characteristics::{
-    CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading,
+    CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
 };
 
 use super::eval::column;
@@ -31,14 +31,26 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
         refuse_foreign(&csv, CSV_MARK)?;
         refuse_foreign(&html, GENERATOR)?;
     }
+    let mut stopped = Ok(());
     for curve in wanted {
         match (curve.measure)(&rig) {
             Ok(found) => leave(&arguments.out, &rig, curve, &found)?,
-            Err(unfit) if all => say!("{}: left out, as {unfit}", curve.name),
-            Err(unfit) => bail!("{} has no {}: {unfit}", rig.name(), curve.name),
+            Err(Unfit::Integration(error)) => stopped = stopped.and(Err(stops(&rig, curve, &error))),
+            Err(lacks) if all => say!("{}: left out, as {lacks}", curve.name),
+            Err(lacks) => bail!("{} has no {}: {lacks}", rig.name(), curve.name),
         }
     }
-    Ok(())
+    // The other curves are there all the same.
+    stopped
+}
+
+/// A test that the bench could not carry through, which says nothing about what the rig has.
+fn stops(rig: &Rig, curve: &Wanted, error: &IntegrationError) -> Error {
+    anyhow!(
+        "the test \"{}\" of {} stopped: {error}; try another value of the spool's friction or dither (--set KEY=VALUE)",
+        curve.name,
+        rig.name()
+    )
 }
 
 fn places(folder: &Path, curve: &Wanted) -> [PathBuf; 2] {
