@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 pub use device::{ConfigAction, Device, DeviceAction, Place};
-pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Tune};
+pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
 pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -61,6 +61,8 @@ pub enum Command {
     Characterise(Characterise),
     /// The application studies of the thesis: what it says, and what the model shows
     Study(Study),
+    /// The thesis, reproduced: its numbers beside those of the model, section by section on one page
+    Thesis(Thesis),
     /// Many runs of a rig on all cores: keys vary, figures of the moves are collected; goes on where it was killed
     Sweep(Sweep),
     /// Put the shards of a sweep together

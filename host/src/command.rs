@@ -20,6 +20,7 @@ mod spectrum;
 mod streaming;
 mod study;
 mod sweep;
+mod thesis;
 mod tune;
 mod virtual_rig;
 
@@ -107,6 +108,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
         Command::Characterise(arguments) => characterise::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
+        Command::Thesis(arguments) => thesis::execute(&arguments),
         Command::Sweep(arguments) => sweep::execute(&arguments),
         Command::Ladder(arguments) => ladder::execute(&arguments),
         Command::Tune(arguments) => tune::execute(&arguments),

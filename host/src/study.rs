@@ -19,7 +19,7 @@ pub use finding::{Finding, Verdict};
 pub use outcome::Outcome;
 pub use page::{index, page, statements, summary};
 pub use runs::{Studied, run};
-pub use starts::STARTS;
+pub use starts::{STARTS, at_start};
 pub use steadiness::{Steadiness, Swing};
 
 /// A study.

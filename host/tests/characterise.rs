@@ -77,8 +77,14 @@ fn a_test_that_stops_on_the_bench_is_not_a_part_that_the_rig_lacks() {
     let folder = folder();
     let pile_up = "--set operator.coulomb_friction_n=3.35 --set operator.dither_mm=0.4";
     let said = transcript(folder.path(), &format!("characterise servo-b-thesis dither {pile_up} --out ."));
-    assert!(said.contains("! error: the test \"dither\" of servo-b-thesis stopped: events pile up at t ="), "{said}");
-    assert!(said.contains("another value of the spool's friction or dither") && said.ends_with("= 1"), "{said}");
+    assert!(
+        said.contains("! error: the test \"dither\" of servo-b-thesis stopped: events pile up at t ="),
+        "{said}"
+    );
+    assert!(
+        said.contains("another value of the spool's friction or dither") && said.ends_with("= 1"),
+        "{said}"
+    );
     assert!(!said.contains("has no dither"), "{said}");
     let said = transcript(folder.path(), &format!("characterise servo-b-thesis all {pile_up} --out all"));
     assert!(said.contains("! error: the test \"dither\" of servo-b-thesis stopped: "), "{said}");

@@ -81,6 +81,20 @@ fn study(text: &str) -> Result<String, String> {
     }
 }
 
+/// Arguments of `thesis`.
+#[derive(Debug, Args)]
+pub struct Thesis {
+    /// Where to leave thesis.html and thesis.toml
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// This section alone and those within it, such as 7.1 or 8.2.4
+    #[arg(long, value_name = "SECTION")]
+    pub only: Option<String>,
+    /// Starts of each drive of a study, as with `pneudrive study`
+    #[arg(long, value_name = "N", default_value_t = STARTS as u16, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub starts: u16,
+}
+
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 #[command(after_help = figures())]

@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, anyhow, bail};
-use pneudrive_sim::{IntegrationError, Rig};
 use pneudrive_sim::characteristics::{
     CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
 };
+use pneudrive_sim::{IntegrationError, Rig};
 
 use super::eval::column;
 use super::load_choice;

@@ -16,6 +16,8 @@ pub struct Studied {
     pub own: Vec<Outcome>,
     /// The moves of each drive at each start.
     pub moves: Vec<Vec<Vec<Move>>>,
+    /// How far each drive swings at the end of its moves at each start, mm; None where that is not to be seen.
+    pub swings_mm: Vec<Vec<Option<f64>>>,
     /// What the model shows of each statement, over all starts.
     pub findings: Vec<Finding>,
 }
@@ -25,6 +27,7 @@ struct AtStart {
     /// Kept of the first start alone: a transient takes half a megabyte.
     own: Option<Vec<Outcome>>,
     moves: Vec<Vec<Move>>,
+    swings_mm: Vec<Option<f64>>,
     findings: Vec<Finding>,
 }
 
@@ -55,6 +58,7 @@ fn at_one_start(study: &Study, start: usize) -> Result<AtStart> {
         study.variants.iter().map(|variant| outcome(variant, start)).collect::<Result<_>>()?;
     Ok(AtStart {
         moves: outcomes.iter().map(|outcome| outcome.moves.clone()).collect(),
+        swings_mm: outcomes.iter().map(Outcome::swing_mm).collect(),
         findings: study.statements.iter().map(|statement| (statement.judge)(&outcomes)).collect(),
         own: (start == 0).then_some(outcomes),
     })
@@ -71,10 +75,12 @@ fn together(study: &Study, starts: Vec<AtStart>) -> Studied {
     let of_statement = |number: usize| {
         Finding::over(&starts.iter().map(|start| start.findings[number].clone()).collect::<Vec<_>>())
     };
+    let swings = |drive: usize| starts.iter().map(|start| start.swings_mm[drive]).collect();
     let of_drive = |drive: usize| starts.iter().map(|start| start.moves[drive].clone()).collect();
     Studied {
         findings: (0..study.statements.len()).map(of_statement).collect(),
         moves: (0..study.variants.len()).map(of_drive).collect(),
+        swings_mm: (0..study.variants.len()).map(swings).collect(),
         own: starts.into_iter().find_map(|start| start.own).expect("the first start is among them"),
     }
 }

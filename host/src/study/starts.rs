@@ -28,7 +28,7 @@ const FARTHEST_MM: f64 = 48.0;
 ///
 /// # Errors
 /// When there is no such rig, or it refuses the settings.
-pub(super) fn at_start(variant: &Variant, start: usize) -> Result<Rig> {
+pub fn at_start(variant: &Variant, start: usize) -> Result<Rig> {
     let text = builtin(variant.rig).with_context(|| format!("there is no built-in rig {}", variant.rig))?;
     let mut settings: Vec<String> = variant.settings.iter().map(|setting| (*setting).to_owned()).collect();
     let rig = Rig::read_with(variant.rig, text, &settings)?;

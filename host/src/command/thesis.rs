@@ -1,0 +1,48 @@
+//! `pneudrive thesis`.
+
+use anyhow::Result;
+
+use super::Progress;
+use super::long_work::about;
+use crate::cli::Thesis as Arguments;
+use crate::exit::Exit;
+use crate::page::GENERATOR;
+use crate::run_folder::{make_writable, put, refuse_foreign};
+use crate::thesis::{Exhibit, exhibits, golden, html, lasts, run, said, within};
+
+/// Names of the files.
+const PAGE: &str = "thesis.html";
+const NUMBERS: &str = "thesis.toml";
+
+pub(super) fn execute(arguments: &Arguments) -> Result<()> {
+    let wanted = wanted(arguments.only.as_deref())?;
+    make_writable(&arguments.out)?;
+    let [page, numbers] = [PAGE, NUMBERS].map(|name| arguments.out.join(name));
+    refuse_foreign(&page, GENERATOR)?;
+    refuse_foreign(&numbers, golden::MARK)?;
+    let starts = usize::from(arguments.starts);
+    say!("{} tables, figures and sections of the thesis: {}", wanted.len(), about(lasts(&wanted, starts)));
+    let mut progress = Progress::of("reproducing", "experiments");
+    let shown = run(&wanted, starts, |done, all| progress.at(done as u64, all as u64));
+    progress.done();
+    let shown = shown?;
+    put(&page, &html(&shown))?;
+    put(&numbers, &golden::to_toml(&shown))?;
+    say!("{}\n{}, {}", said(&shown), page.display(), numbers.display());
+    Ok(())
+}
+
+/// What is asked for.
+fn wanted(only: Option<&str>) -> Result<Vec<&'static Exhibit>> {
+    let Some(section) = only else { return Ok(exhibits()) };
+    let found = within(section);
+    if found.is_empty() {
+        let mut sections: Vec<&str> = exhibits().iter().map(|exhibit| exhibit.section).collect();
+        sections.dedup();
+        return Err(Exit::Usage.error(format!(
+            "nothing of section {section} is reproduced; choose one of {}, or what holds them, such as 7.1",
+            sections.join(", ")
+        )));
+    }
+    Ok(found)
+}
