@@ -10,7 +10,7 @@
 //! | `chapter_7`, `chapter_8` | the exhibits, and their experiments |
 //! | `reading` | what an experiment gives, and whether that agrees |
 //! | `runs` | runs the exhibits on all processors |
-//! | `page`, `chart`, `bar` | the page, its graphs, and the bars that hold printed and found beside each other |
+//! | `page`, `table`, `chart`, `bar` | the page, its tables and graphs, and the bars that hold printed and found beside each other |
 //! | `golden` | the readings as TOML, and what has changed against an older file |
 //!
 //! To add a number: a line in the entries of its exhibit, and a reading of the same key in the experiment.
@@ -24,6 +24,7 @@ pub mod golden;
 mod page;
 mod reading;
 mod runs;
+mod table;
 
 use anyhow::Result;
 

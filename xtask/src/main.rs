@@ -60,6 +60,11 @@ enum Command {
         /// Words of the line of CHANGELOG.md that says why they have
         #[arg(long)]
         cause: String,
+    /// Reproduce the whole thesis and hold its numbers against host/tests/thesis.toml, which CI does with chapter 7
+    Thesis {
+        /// Write the file anew
+        #[arg(long)]
+        write: bool,
     },
     /// 100,000 downloads over a faulty line, and 1,000 kills of either side of a record
     SoakLink,
@@ -84,6 +89,7 @@ fn main() -> ExitCode {
         Command::Cost => steps::cost(&mut tally),
         Command::Bless { cause } => steps::bless(&mut tally, &cause),
         Command::LinkStates => steps::link_states(&mut tally),
+        Command::Thesis { write } => steps::thesis(&mut tally, write),
         Command::SoakLink => steps::soak_link(&mut tally),
     }
     tally.report()

@@ -144,6 +144,24 @@ pub fn cost(tally: &mut Tally) {
     tally.check("instructions of the simulator", instructions::write);
 }
 
+/// The numbers of the whole thesis, studies and all.
+pub fn thesis(tally: &mut Tally, write: bool) {
+    let arguments = [
+        "test",
+        "--release",
+        "--package",
+        "pneudrive",
+        "--test",
+        "thesis",
+        "--",
+        "golden_file",
+        "--nocapture",
+    ];
+    tally.check("numbers of the thesis", || {
+        run(in_root(&arguments).env("PNEUDRIVE_THESIS", if write { "write" } else { "all" }))
+    });
+}
+
 /// The test bodies on a real board.
 pub fn hil(tally: &mut Tally, bodies: &[String]) {
     let bodies: Vec<&str> = bodies.iter().map(String::as_str).collect();

@@ -31,6 +31,8 @@ pub struct Line {
     pub points: Vec<[f64; 2]>,
     /// Whether its points are marked, too.
     pub dots: bool,
+    /// Its colour, by number; the next one if None.
+    pub colour: Option<usize>,
 }
 
 impl Line {
@@ -38,7 +40,7 @@ impl Line {
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Line {
         let points = x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();
-        Line { name: name.into(), points, dots: false }
+        Line { name: name.into(), points, dots: false, colour: None }
     }
 
     /// The same with its points marked.
@@ -62,7 +64,7 @@ impl Chart {
         let frame = Frame::around(self);
         let mut drawing = frame.axes(self.across, self.up);
         drawing += &frame.printed(self);
-        for (line, colour) in self.lines.iter().zip(COLOURS.iter().cycle()) {
+        for (line, colour) in self.coloured() {
             drawing += &frame.line(line, colour);
         }
         let [width, height] = SIZE;
@@ -74,9 +76,14 @@ impl Chart {
         )
     }
 
+    fn coloured(&self) -> impl Iterator<Item = (&Line, &'static str)> {
+        let colour = |(place, line): (usize, &Line)| COLOURS[line.colour.unwrap_or(place) % COLOURS.len()];
+        self.lines.iter().enumerate().map(move |(place, line)| (line, colour((place, line))))
+    }
+
     fn legend(&self) -> String {
-        let named = self.lines.iter().zip(COLOURS.iter().cycle()).filter(|(line, _)| !line.name.is_empty());
-        let one = |(line, colour): (&Line, &&str)| {
+        let named = self.coloured().filter(|(line, _)| !line.name.is_empty());
+        let one = |(line, colour): (&Line, &str)| {
             format!("<span><i style=\"background:{colour}\"></i>{}</span>", escaped(&line.name))
         };
         let printed = if self.printed_across.is_empty() && self.printed_up.is_empty() {

@@ -1,6 +1,9 @@
 //! The readings as TOML, and what has changed against an older file: a change of the model shows.
 //!
 //! ```toml
+//! # pneudrive: the thesis in numbers; written by `pneudrive thesis`
+//! # 40 printed numbers: 18 agree, ...
+//!
 //! [["7.1.2.1 Fig. 7.6".number]]
 //! key = "2 N"
 //! verdict = "agrees"
@@ -18,7 +21,7 @@ use std::fmt::Write;
 use anyhow::{Context, Result};
 use toml_edit::{DocumentMut, Item, Table};
 
-use super::{Found, Reading, Shown};
+use super::{Found, Reading, Shown, said};
 
 /// First line of a file.
 pub const MARK: &str = "# pneudrive: the thesis in numbers";
@@ -31,7 +34,7 @@ fn heading(one: &Shown) -> String {
 /// The readings as a file.
 #[must_use]
 pub fn to_toml(shown: &[Shown]) -> String {
-    let mut text = format!("{MARK}; written by `pneudrive thesis`\n");
+    let mut text = format!("{MARK}; written by `pneudrive thesis`\n# {}\n", said(shown));
     for one in shown {
         for (entry, reading) in one.rows() {
             let verdict = reading.agreement(&entry).word();

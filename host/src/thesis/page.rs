@@ -1,9 +1,9 @@
 //! The page: a summary, and each exhibit with its graphs, its numbers beside the printed ones, and what repeats it.
 
-use super::bar::bar;
-use super::reading::{AGREEMENTS, rounded};
+use super::reading::AGREEMENTS;
 use super::runs::is_number;
-use super::{Agreement, Entry, Found, Printed, Reading, Shown, value_of};
+use super::table::{class, table};
+use super::{Agreement, Experiment, Shown};
 use crate::page::{GENERATOR, STYLE, escaped};
 
 /// Title of the page.
@@ -57,15 +57,16 @@ pub fn said(shown: &[Shown]) -> String {
     };
     let told = |numbers: bool| {
         let all: usize = AGREEMENTS.iter().map(|agreement| of(numbers, *agreement)).sum();
-        let counts = AGREEMENTS.map(|agreement| (of(numbers, agreement), agreement.word()));
+        let counts = AGREEMENTS.map(|agreement| (of(numbers, agreement), agreement.of_many()));
         let told: Vec<String> = counts
             .iter()
             .filter(|(count, _)| *count > 0)
             .map(|(count, word)| format!("{count} {word}"))
             .collect();
-        format!("{all} {}: {}", if numbers { "printed numbers" } else { "sentences" }, told.join(", "))
+        let what = if numbers { "printed numbers" } else { "sentences" };
+        (all > 0).then(|| format!("{all} {what}: {}.", told.join(", ")))
     };
-    format!("{}. {}.", told(true), told(false))
+    [told(true), told(false)].into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 
 fn contents(shown: &[Shown]) -> String {
@@ -102,7 +103,10 @@ fn section(one: &Shown) -> String {
         "" => String::new(),
         why => format!("<p class=\"why\"><b>What differs, and why most likely.</b> {}</p>\n", escaped(why)),
     };
-    let commands = exhibit.commands.join("\n");
+    let commands = match exhibit.experiment {
+        Experiment::Own(_) => exhibit.commands.join("\n"),
+        Experiment::Study(name) => format!("pneudrive study {name} --out DIR"),
+    };
     format!(
         "<section id=\"{}\">\n<h2>{}{place} <small>{}</small></h2>\n{lost}{}<div class=\"charts\">{charts}</div>\n{why}<pre>{}</pre>\n</section>\n",
         anchor(one),
@@ -111,79 +115,6 @@ fn section(one: &Shown) -> String {
         table(one),
         escaped(&commands)
     )
-}
-
-fn table(one: &Shown) -> String {
-    let numbers: String = one
-        .rows()
-        .filter(|(entry, _)| is_number(entry))
-        .map(|(entry, reading)| number(&entry, reading))
-        .collect();
-    let sentences: String = one
-        .rows()
-        .filter(|(entry, _)| !is_number(entry))
-        .map(|(entry, reading)| sentence(&entry, reading))
-        .collect();
-    let of_numbers = "<tr><th class=\"words\">number</th><th>printed</th><th></th><th>ours (range)</th><th>gap</th><th class=\"words\">verdict</th><th class=\"words\">rests on</th></tr>";
-    let of_sentences = "<tr><th class=\"words\">the thesis says</th><th class=\"words\">the model shows</th><th class=\"words\">verdict</th><th class=\"words\">rests on</th></tr>";
-    let filled = |head: &str, rows: &str| match rows {
-        "" => String::new(),
-        rows => format!("<table>{head}\n{rows}</table>\n"),
-    };
-    filled(of_numbers, &numbers) + &filled(of_sentences, &sentences)
-}
-
-/// What it is, printed, the bar, ours, the gap, the verdict, what it rests on.
-fn number(entry: &Entry, reading: &Reading) -> String {
-    let Printed::Number { text, unit, within, source } = entry.printed else { return String::new() };
-    let class_of_row = if entry.alternative { " class=\"alternative\"" } else { "" };
-    format!(
-        "<tr{class_of_row}><td class=\"words\">{}</td><td title=\"within {within}: {}\">{text} {unit}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"words\">{}</td><td class=\"words rests\">{}</td></tr>\n",
-        escaped(entry.what),
-        escaped(source).replace('"', "&quot;"),
-        bar(entry, reading),
-        escaped(&reading.found.said(unit)),
-        gap(value_of(text), &reading.found),
-        chip(reading.agreement(entry)),
-        escaped(&format!("{}; agrees within {within}: {source}", reading.rests_on))
-    )
-}
-
-/// How much of the printed number ours lies beside it.
-fn gap(printed: f64, found: &Found) -> String {
-    match found {
-        Found::Figure { value, .. } | Found::Given { value, .. } if printed != 0.0 => {
-            let percent = rounded(100.0 * (value / printed - 1.0), 1);
-            if percent.starts_with('-') { format!("{percent} %") } else { format!("+{percent} %") }
-        }
-        _ => String::new(),
-    }
-}
-
-fn sentence(entry: &Entry, reading: &Reading) -> String {
-    let Printed::Sentence(says) = entry.printed else { return String::new() };
-    let says = if entry.what.is_empty() { says.to_owned() } else { format!("{} {says}", entry.what) };
-    format!(
-        "<tr><td class=\"words says\">{}</td><td class=\"words\">{}</td><td class=\"words\">{}</td><td class=\"words rests\">{}</td></tr>\n",
-        escaped(&says),
-        escaped(&reading.found.said("")),
-        chip(reading.agreement(entry)),
-        escaped(&reading.rests_on)
-    )
-}
-
-fn chip(agreement: Agreement) -> String {
-    format!("<span class=\"chip {}\">{}</span>", class(agreement), agreement.word())
-}
-
-fn class(agreement: Agreement) -> &'static str {
-    match agreement {
-        Agreement::Agrees => "agrees",
-        Agreement::InPart => "part",
-        Agreement::Differs => "differs",
-        Agreement::Open => "open",
-        Agreement::Given => "given",
-    }
 }
 
 const OWN_STYLE: &str = "\
@@ -199,9 +130,9 @@ i.agrees{background:var(--agrees)}i.part{background:var(--part)}i.differs{backgr
 .contents a{color:#222;text-decoration:none}.contents a span{display:inline-block;min-width:3.4rem;color:#777}\
 .dots{white-space:nowrap}.dots i{display:inline-block;width:7px;height:7px;border-radius:50%;margin-left:2px}\
 section{border-top:1px solid #ccc;margin-top:1.8rem}h2 small{font-weight:normal;color:#555;margin-left:.5rem}\
-section table{font-size:.84rem;margin-bottom:.8rem}td{vertical-align:top}td.rests{max-width:19rem}td.says{max-width:18rem}\
-tr.alternative td{color:#777}.charts{display:flex;flex-wrap:wrap;gap:.4rem 1rem}\
-figure{margin:0;flex:0 1 340px}figcaption{font-size:.82rem;font-weight:600}figure svg{width:100%;height:auto}\
+section table{font-size:.84rem;margin-bottom:.8rem;display:table;width:100%}th{color:#666;font-weight:600}td small{color:#888}td{vertical-align:top}td.rests{width:17rem;border-left:1px solid #eee}td.says{max-width:18rem}\
+tr.alternative td{color:#777}td.figure{white-space:nowrap}.charts{display:flex;flex-wrap:wrap;gap:.4rem 1rem}\
+figure{margin:0;flex:1 1 250px;max-width:350px}figcaption{font-size:.82rem;font-weight:600}figure svg{width:100%;height:auto}\
 svg text{font-size:10px;fill:#666}svg .mid{text-anchor:middle}svg .end{text-anchor:end}svg .name{fill:#444}\
 svg .grid{stroke:#e6e6e6;fill:none}svg polyline{fill:none;stroke-width:1.3;stroke-linejoin:round}\
 svg .printed{fill:#e8b64c;opacity:.4}\

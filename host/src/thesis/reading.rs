@@ -92,6 +92,17 @@ impl Agreement {
         }
     }
 
+    /// Of several: they agree, they differ.
+    #[must_use]
+    pub fn of_many(self) -> &'static str {
+        match self {
+            Agreement::Agrees => "agree",
+            Agreement::InPart => "agree in part",
+            Agreement::Differs => "differ",
+            Agreement::Open | Agreement::Given => self.word(),
+        }
+    }
+
     /// Of a sentence that holds or does not.
     pub(super) fn of(holds: bool) -> Agreement {
         if holds { Agreement::Agrees } else { Agreement::Differs }

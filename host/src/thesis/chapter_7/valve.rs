@@ -6,7 +6,7 @@ use pneudrive_sim::characteristics::valve_models::{Model, flow};
 use pneudrive_sim::characteristics::{CURVES, Characteristic, SUPPLY_FAMILY_PA, pressure_gain};
 
 use crate::thesis::drives::rig;
-use crate::thesis::{Chart, Entry, Exhibit, Experiment, Line, Measured, Reading};
+use crate::thesis::{Agreement, Chart, Entry, Exhibit, Experiment, Found, Line, Measured, Reading};
 
 const OWN_SPREAD: &str = "the five nulls of the table lie within 0.003 mm";
 
@@ -25,7 +25,7 @@ pub(super) const EXHIBITS: [Exhibit; 3] = [
             Entry::number("null 5", "null at 0.1013 MPa", ["9.570", "mm"], 0.003, OWN_SPREAD),
             Entry::sentence("fit", "The fitting errors of curves 4 and 5 are slightly higher."),
         ],
-        why: "The micrometer's zero is a matter of its mounting: ours is put where curve 1 has its null, so what counts is how far the five lie apart. The larger fitting errors of the low pressures are those of real gauges; ours are read to 1 kPa at every pressure.",
+        why: "The micrometer's zero is a matter of its mounting: ours is put where curve 1 has its null, so what counts is how far the five lie apart. The fitting errors of curves 4 and 5 are larger than the others as parts of their supply pressure, and not in kPa: our gauges are read to 1 kPa at every pressure.",
         experiment: Experiment::Own(nulls),
         takes_s: 0.2,
     },
@@ -98,18 +98,48 @@ fn nulls() -> Result<Measured> {
             Reading::read(&format!("null {number}"), place, within, 4, rests_on)
         })
         .collect();
-    let misfits: Vec<f64> = nulls.iter().map(|null| 1e-3 * null.misfit_pa).collect();
-    let holds = misfits[3..].iter().all(|low| misfits[..3].iter().all(|high| low > high));
-    let said: Vec<String> = misfits.iter().map(|kpa| format!("{kpa:.2}")).collect();
-    let text = format!("the misfits of curves 1 to 5 are {} kPa", said.join(", "));
-    readings.push(Reading::shows("fit", holds, text, "the same five fits"));
-    Ok(Measured { readings, charts: of_curve(&curve(&rig, "pressure-gain")?, &["blocked ports"]) })
+    readings.push(fit(&nulls));
+    let mut charts = of_curve(&curve(&rig, "pressure-gain")?, &["both blocked ports (Fig. 7.3)"]);
+    charts.iter_mut().for_each(paired);
+    Ok(Measured { readings, charts })
 }
 
-/// Each graph of a bench test, its title before that of the axis.
+/// The misfits of the five curves, in kPa and as parts of their supply pressures: the thesis does not say which it means.
+fn fit(nulls: &[pressure_gain::Null]) -> Reading {
+    let kpa: Vec<f64> = nulls.iter().map(|null| 1e-3 * null.misfit_pa).collect();
+    let percent: Vec<f64> = kpa.iter().zip(SUPPLY_FAMILY_PA).map(|(kpa, above)| 1e5 * kpa / above).collect();
+    let higher = |misfits: &[f64]| misfits[3..].iter().all(|low| misfits[..3].iter().all(|high| low > high));
+    let agreement = match (higher(&kpa), higher(&percent)) {
+        (true, true) => Agreement::Agrees,
+        (false, false) => Agreement::Differs,
+        _ => Agreement::InPart,
+    };
+    let said =
+        |misfits: &[f64]| misfits.iter().map(|misfit| format!("{misfit:.2}")).collect::<Vec<_>>().join(", ");
+    let text = format!(
+        "the misfits of curves 1 to 5 are {} kPa, or {} % of the supply pressure",
+        said(&kpa),
+        said(&percent)
+    );
+    Reading {
+        key: "fit".to_owned(),
+        found: Found::Shows { text, agreement },
+        rests_on: "the same five fits".to_owned(),
+    }
+}
+
+/// The curves of both ports at a supply pressure in one colour, and named once.
+fn paired(chart: &mut Chart) {
+    for (place, line) in chart.lines.iter_mut().enumerate() {
+        line.colour = Some(place / 2);
+        line.name = if place % 2 == 0 { line.name.replace("P1, ", "") } else { String::new() };
+    }
+}
+
+/// Each graph of a bench test.
 fn of_curve(found: &Characteristic, titles: &[&str]) -> Vec<Chart> {
     let chart = |(graph, title): (&pneudrive_sim::characteristics::Graph, &&str)| Chart {
-        title: format!("{title}: {}", graph.title),
+        title: (*title).to_owned(),
         across: found.across,
         up: graph.title,
         lines: graph.series.iter().map(|series| Line::new(&series.name, &series.x, &series.y)).collect(),
@@ -129,7 +159,7 @@ fn flow_gain() -> Result<Measured> {
             "on the bench each port is solved on its own, so no test of it could fail",
         ),
     ];
-    let charts = of_curve(&curve(&rig, "flow-gain")?, &["by supply pressure", "Fig. 7.4, by back pressure"]);
+    let charts = of_curve(&curve(&rig, "flow-gain")?, &["by supply pressure", "by back pressure (Fig. 7.4)"]);
     Ok(Measured { readings, charts })
 }
 
@@ -166,6 +196,9 @@ fn saturation() -> Result<Measured> {
             bench,
         ),
     ];
-    let charts = of_curve(&curve(&rig, "valve-models")?, &["589 kPa", "Fig. 7.5"]);
+    let charts = of_curve(
+        &curve(&rig, "valve-models")?,
+        &["supply port at 589 kPa", "supply port at 317 kPa (Fig. 7.5)"],
+    );
     Ok(Measured { readings, charts })
 }
