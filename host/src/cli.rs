@@ -130,6 +130,9 @@ pub struct Demo {
     /// How far the virtual rig's true parameters lie from the rig file's at most
     #[arg(long, value_name = "PERCENT", default_value = "10%", value_parser = percent)]
     pub spread: f64,
+    /// Replace the run in DIR even if it is of another rig
+    #[arg(long)]
+    pub overwrite: bool,
     /// Which virtual rig is drawn
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -189,6 +192,9 @@ pub struct Simulate {
     /// More columns of trace.csv and graphs of the page: names as below, with commas between them, or valve for all of them
     #[arg(long, value_name = "NAMES", value_parser = columns)]
     pub columns: Option<Columns>,
+    /// Replace the run in DIR even if it is of another rig
+    #[arg(long)]
+    pub overwrite: bool,
     /// Leave no report.html, which takes longer than most runs
     #[arg(long)]
     pub no_report: bool,

@@ -3,10 +3,12 @@
 //! They are one thing: they are replaced together (`replacement.rs`), run.json has the checksums of trace.csv and band.csv,
 //! and the page has the identity of its run, [`IDENTITY`].
 
+mod numbering;
 mod replacement;
 mod stored;
 
 pub use crate::whole_file::{put, put_pieces};
+pub use numbering::{Existing, Numbered, refuse_other_rig};
 pub use stored::{StoredRun, is_trace, rig_of};
 
 use std::fs::{self, File};
@@ -54,20 +56,24 @@ static WINDOWS: [&Typed<i64>; 2] =
 
 /// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder, and its page if it has one; all of
 /// them or none, and none of another run stays. `moves` has the moves of the run, and then those of each of its neighbours.
+/// Tells the number of the run.
 ///
 /// # Errors
-/// When the folder cannot be written to, or holds a file of such a name that is not ours.
+/// When the folder cannot be written to, holds a file of such a name that is not ours, or the run of another rig that is
+/// to be kept.
 pub fn write(
     folder: &Path,
     rig: &Rig,
     judged: &Judged,
     moves: &[Vec<Move>],
     page: Option<&Page>,
-) -> Result<()> {
+    existing: Existing,
+) -> Result<u64> {
     refuse_others(folder)?;
+    let numbered = Numbered::next(folder, rig, existing)?;
     let trace = to_csv_with(&judged.run.rows, &judged.columns);
     let band = judged.band.as_ref().map(Band::to_csv);
-    let mut description = describe(rig, judged, moves);
+    let mut description = describe(rig, judged, moves, &numbered);
     let identity = checksum(&format!("{trace}{}{}", band.as_deref().unwrap_or(""), description["keys"]));
     description[CHECKSUMS] = json!({ TRACE: checksum(&trace), BAND: band.as_deref().map(checksum) });
     description["identity"] = json!(identity);
@@ -82,7 +88,8 @@ pub fn write(
         set.add(PAGE, &pieces.each_ref().map(|piece| piece.as_bytes()))?;
     }
     set.add(RUN, &[(serde_json::to_string_pretty(&description)? + "\n").as_bytes()])?;
-    set.commit()
+    set.commit()?;
+    Ok(numbered.run)
 }
 
 /// Refuses to replace files that are somebody's own.
@@ -146,7 +153,7 @@ fn beginning(path: &Path) -> std::io::Result<String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>]) -> serde_json::Value {
+fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>], numbered: &Numbered) -> serde_json::Value {
     let (run, accuracy) = (&judged.run, judged.accuracy);
     let keys: Map<String, serde_json::Value> =
         rig.entries().map(|(key, value)| (key.path.to_owned(), json_of(value))).collect();
@@ -188,6 +195,8 @@ fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>]) -> serde_json::Valu
         },
         "controller": controller,
         "keys": keys,
+        "run": numbered.run,
+        "date": numbered.date,
     })
 }
 
@@ -239,7 +248,8 @@ mod tests {
             let rig = rig.with_numbers(&[("test.duration_s", 0.03)]).unwrap_or(rig);
             let spacing = Spacing { runs: 2, ..Spacing::default() };
             let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {});
-            write(folder.path(), &rig, &ensemble.expect("runs").nominal, &[], None).expect("written");
+            write(folder.path(), &rig, &ensemble.expect("runs").nominal, &[], None, Existing::Overwrite)
+                .expect("written");
             let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));
             for (key, value) in rig.entries() {
                 assert_eq!(read.value(key.path), Some(value), "{}: {}", rig.name(), key.path);

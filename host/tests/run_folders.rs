@@ -28,11 +28,22 @@ fn simulate(folder: &Path, run: &str) -> Command {
     command
 }
 
-/// Every file of a folder with what is in it.
+/// Every file of a folder with what is in it, but for the number and the date of a run, which are another's each time.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let named = entries.map(|path| (path.file_name().expect("a name").to_string_lossy().into_owned(), path));
-    named.map(|(name, path)| (name, fs::read(path).expect("a file"))).collect()
+    let read = |name: &str, path| match name {
+        "run.json" => without_number(&fs::read_to_string(path).expect("a file")).into_bytes(),
+        _ => fs::read(path).expect("a file"),
+    };
+    named.map(|(name, path)| (name.clone(), read(&name, path))).collect()
+}
+
+/// A run.json without two of its lines.
+fn without_number(text: &str) -> String {
+    let of_time = |line: &&str| line.starts_with("  \"run\": ") || line.starts_with("  \"date\": ");
+    assert_eq!(text.lines().filter(of_time).count(), 2, "a number and a date: {text}");
+    text.lines().filter(|line| !of_time(line)).map(|line| format!("{line}\n")).collect()
 }
 
 /// What of a run does not change from one time to the next: all but the page's order of attributes is the run's own.

@@ -60,6 +60,7 @@ enum Command {
         /// Words of the line of CHANGELOG.md that says why they have
         #[arg(long)]
         cause: String,
+    },
     /// Reproduce the whole thesis and hold its numbers against host/tests/thesis.toml, which CI does with chapter 7
     Thesis {
         /// Write the file anew

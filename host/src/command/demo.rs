@@ -37,6 +37,8 @@ fn on_the_rig(port: &str, model: &Rig, out: &Path) -> Result<(PathBuf, TargetFil
 pub(super) fn execute(arguments: &Demo) -> Result<()> {
     make_writable(&arguments.out)?;
     let model = load_rig(&arguments.rig, &[])?;
+    let existing = simulate::existing(arguments.overwrite);
+    run_folder::refuse_other_rig(&arguments.out, &model, existing)?;
     let real = model.spread(arguments.spread, arguments.seed)?;
     let percent = 100.0 * arguments.spread;
 
@@ -71,7 +73,7 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     ];
     let title = format!("{}: {name} and the simulation", model.name());
     let page = report::page(&title, notes, &transients, tables);
-    run_folder::write(&arguments.out, &model, &judged, &ensemble.measured, Some(&page))?;
+    run_folder::write(&arguments.out, &model, &judged, &ensemble.measured, Some(&page), existing)?;
     say!("open {} in a browser", arguments.out.join("report.html").display());
     Ok(())
 }

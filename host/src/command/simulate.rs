@@ -13,7 +13,7 @@ use crate::exit::Exit;
 use crate::page::{Page, Table};
 use crate::recorded_test::taken_from;
 use crate::report;
-use crate::run_folder::{self, StoredRun, make_writable};
+use crate::run_folder::{self, Existing, StoredRun, make_writable};
 use crate::transient::Transient;
 use crate::words;
 
@@ -28,6 +28,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
         let taken = taken_from(from, &rig)?;
         (rig, origin) = (taken.rig, taken.notes);
     }
+    run_folder::refuse_other_rig(&arguments.out, &rig, existing(arguments.overwrite))?;
     let accuracy = accuracy(&arguments.integration, &rig);
     let mut progress = Progress::new("simulating");
     let begin = Instant::now();
@@ -47,15 +48,27 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let remarks = remarks(&moves);
     notes.extend(remarks.iter().cloned());
     let page = (!arguments.no_report).then(|| page(&rig, &judged, notes.clone(), table.clone()));
-    run_folder::write(&arguments.out, &rig, &judged, &moves, page.as_ref())?;
+    let number = run_folder::write(
+        &arguments.out,
+        &rig,
+        &judged,
+        &moves,
+        page.as_ref(),
+        existing(arguments.overwrite),
+    )?;
     say!("{}, in {:.1} ms", notes[0], 1e3 * took.as_secs_f64());
     notes[1..notes.len() - remarks.len()].iter().for_each(|note| say!("{note}"));
     say!("{}\n{}", table.heading, table.to_text());
     remarks.iter().for_each(|remark| say!("{remark}"));
     let band = judged.band.as_ref().map_or("", |_| " band.csv,");
     let report = page.map_or("", |_| ", report.html");
-    say!("{}: trace.csv,{band} run.json{report}", arguments.out.display());
+    say!("{}: trace.csv,{band} run.json{report}; run {number}", arguments.out.display());
     if arguments.strict { strictly(&judged) } else { Ok(()) }
+}
+
+/// What becomes of another rig's run, by `--overwrite`.
+pub(super) fn existing(overwrite: bool) -> Existing {
+    if overwrite { Existing::Overwrite } else { Existing::Keep }
 }
 
 /// What `--strict` refuses to take for a result.

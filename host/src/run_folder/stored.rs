@@ -10,7 +10,7 @@ use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
 use pneudrive_sim::{Accuracy, Method, Rig, Run};
 
 use super::replacement::settle;
-use super::{BAND, CHECKSUMS, OPEN, RUN, TRACE, WINDOWS, checksum, read_json};
+use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS, checksum, read_json};
 use crate::band::Band;
 use crate::ensemble::{Judged, Spacing};
 use crate::rig_text;
@@ -21,6 +21,8 @@ use crate::transient::{WHOLE_WINDOW, whole_window};
 pub struct StoredRun {
     /// What the rig is called.
     pub rig: String,
+    /// Its number in its folder, and when it was written; None of a run of an older program, or one not written.
+    pub numbered: Option<Numbered>,
     /// mm of stroke per encoder count.
     pub mm_per_count: f64,
     /// Whether its moves are commands.
@@ -52,6 +54,7 @@ impl StoredRun {
         }
         StoredRun {
             rig: rig.name().to_owned(),
+            numbered: None,
             mm_per_count: rig.get(&keys::encoder::MM_PER_COUNT),
             open_loop: rig.get(&keys::controller::LOOP) == Loop::Open,
             windows: WINDOWS.map(|key| rig.get(key) as u8),
@@ -132,6 +135,7 @@ impl StoredRun {
         }
         Ok(StoredRun {
             rig,
+            numbered: Numbered::of(&description),
             mm_per_count,
             open_loop,
             windows,

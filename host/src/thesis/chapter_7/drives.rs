@@ -212,10 +212,7 @@ fn closed_loop() -> Result<Measured> {
         Reading::shows(
             "stable",
             most <= 1,
-            format!(
-                "from its last move on it turns back by more than 1 mm {} (0 to {most}) times",
-                turned[0]
-            ),
+            format!("from its last move on it turns back by more than 1 mm {most} times at most"),
             format!("{STARTS} starts elsewhere on the stroke; once is an overshoot"),
         ),
         Reading::shows(
