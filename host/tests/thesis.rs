@@ -43,6 +43,24 @@ fn the_golden_file_has_every_exhibit_and_the_readme_its_counts() {
     assert!(readme.contains(counts.trim_end_matches('.')), "README has other counts than: {counts}");
 }
 
+/// docs/thesis-audit.md: a row for each item that the thesis describes.
+#[test]
+fn the_audit_counts_its_rows() {
+    let audit = include_str!("../../docs/thesis-audit.md");
+    let rows: Vec<Vec<&str>> = audit
+        .lines()
+        .filter(|line| line.starts_with("| ") && !line.starts_with("| item"))
+        .map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect())
+        .collect();
+    let count = |word: &str| rows.iter().filter(|row| row[2] == word).count();
+    let [works, differs, missing] = ["works", "differs", "missing"].map(count);
+    assert_eq!(works + differs + missing, rows.len(), "every row is one of the three");
+    let said = format!("**{} items: {works} work, {differs} differ, {missing} are missing.**", rows.len());
+    assert!(audit.contains(&said), "the audit says otherwise than: {said}");
+    let unexplained = rows.iter().find(|row| row[2] != "works" && row.get(3).is_none_or(|why| why.len() < 5));
+    assert_eq!(unexplained, None, "what differs or is missing says why");
+}
+
 #[test]
 fn a_section_leaves_its_page_and_its_numbers_and_tells_how_long_it_takes() {
     let folder = folder();
