@@ -438,7 +438,7 @@ fn a_run_without_a_page_takes_the_page_of_the_run_before_away() {
     let folder = folder();
     ok(folder.path(), "simulate servo-a --out out");
     assert!(folder.path().join("out/report.html").exists());
-    ok(folder.path(), "simulate servo-c --out out --no-report");
+    ok(folder.path(), "simulate servo-c --out out --no-report --overwrite");
     assert!(!folder.path().join("out/report.html").exists());
 }
 

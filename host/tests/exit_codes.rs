@@ -44,7 +44,7 @@ fn strictly_a_simulated_trip_ends_with_6_and_an_undecided_run_with_9() {
         ("servo-b-tuned --tolerance 1e-3", 9),
         ("servo-b-tuned --set test.duration_s=0.5", 0),
     ] {
-        let simulate = format!("simulate {rig} --ensemble 1 --no-report --out run");
+        let simulate = format!("simulate {rig} --ensemble 1 --no-report --overwrite --out run");
         assert_eq!(code(folder.path(), &simulate), 0, "{rig}");
         let run = || fs::read(folder.path().join("run/trace.csv")).expect("written");
         let before = run();

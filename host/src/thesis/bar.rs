@@ -48,9 +48,9 @@ mod tests {
     #[test]
     fn a_bar_shows_printed_and_found_to_scale() {
         let entry = Entry::number("a", "a", ["10", "N"], 1.0, "one digit");
-        let drawn = bar(&entry, &Reading::read("a", 12.0, 1.0, 1, ""));
-        // From 9 to 13 over 134 pixels: 10 at 41.5, 12 at 108.5.
-        assert!(drawn.contains("M41.5 1V17") && drawn.contains("cx=\"108.5\""), "{drawn}");
+        let drawn = bar(&entry, &Reading::read("a", 13.0, 1.0, 1, ""));
+        // From 9 to 14 over 134 pixels: 10 at 34.8, 13 at 115.2.
+        assert!(drawn.contains("M34.8 1V17") && drawn.contains("cx=\"115.2\""), "{drawn}");
         assert!(drawn.contains("bar differs"), "{drawn}");
         assert_eq!(bar(&entry, &Reading::nothing("a", "lost")), "");
         assert_eq!(bar(&Entry::sentence("a", "It moves."), &Reading::exact("a", 1.0, 0, "")), "");

@@ -123,7 +123,8 @@ fn change(heading: &str, reading: &Reading, verdict: &str, table: &Table) -> Opt
         // Not a number is off.
         !number(key).is_some_and(|was| (was - now).abs() <= tolerance)
     });
-    off.map(|(key, now)| format!("{name}: {key} is {now}, was {:?}, within {tolerance}", number(key)))
+    let was = |key: &str| number(key).map_or_else(|| "no figure".to_owned(), |was| format!("{was:?}"));
+    off.map(|(key, now)| format!("{name}: {key} is {now:?}, was {}, within {tolerance:?}", was(key)))
 }
 
 #[cfg(test)]
@@ -143,7 +144,10 @@ mod tests {
         let other = text.replacen("value = 1.96", "value = 2.96", 1);
         let told = changes(&other, &shown()).expect("a file");
         assert_eq!(told.len(), 1);
-        assert!(told[0].starts_with("7.1.3.3 Tab. 7.3, asymmetric: value is 1.9634"), "{told:?}");
+        assert!(
+            told[0].starts_with("7.1.3.3 Tab. 7.3, asymmetric: value is 1.9634954084936214e-5, was 2.96"),
+            "{told:?}"
+        );
         let other = text.replacen("\"agrees\"", "\"differs\"", 1);
         assert!(changes(&other, &shown()).expect("a file")[0].ends_with("agrees, and it was \"differs\""));
     }
