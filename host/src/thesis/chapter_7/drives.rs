@@ -229,7 +229,7 @@ fn closed_loop() -> Result<Measured> {
 fn turns_of_last_move(run: &Run) -> usize {
     let begins_s =
         run.rows.windows(2).filter(|pair| pair[0].observation.setpoint != pair[1].observation.setpoint);
-    let begins_s = begins_s.map(|pair| pair[1].time).last().unwrap_or(0.0);
+    let begins_s = begins_s.map(|pair| pair[1].time).next_back().unwrap_or(0.0);
     let after = run.rows.iter().filter(|row| row.time >= begins_s);
     turns(&after.map(|row| row.plant.position).collect::<Vec<f64>>(), 1e-3)
 }
