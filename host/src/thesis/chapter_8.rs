@@ -1,5 +1,6 @@
 //! Chapter 8 of the thesis: the application studies, and the few numbers in its text.
 
+use pneudrive_sim::keys;
 use std::f64::consts::TAU;
 
 use anyhow::{Result, ensure};
@@ -118,7 +119,7 @@ pub(super) const EXHIBITS: [&[Exhibit]; 1] = [&[
 /// K_s of the empirical operator as its frequency, undamped.
 fn natural_frequency() -> Result<Measured> {
     let k_s = rig("servo-b-thesis", &["operator.model=\"solenoid-empirical\""])?
-        .number("operator.stiffness_per_mass_per_s2");
+        .get(&keys::empirical::STIFFNESS_PER_MASS_PER_S2);
     ensure!(k_s > 0.0, "the operator has no stiffness");
     Ok(Measured {
         readings: vec![Reading::exact("frequency", k_s.sqrt() / TAU, 1, "C(50)")],

@@ -1,5 +1,7 @@
 //! Rigs, runs and columns that several experiments share.
 
+use pneudrive_sim::component::controller;
+use pneudrive_sim::keys;
 use std::ops::Range;
 
 use anyhow::{Context, Result};
@@ -62,10 +64,10 @@ pub(super) fn median(values: &[f64]) -> f64 {
 /// Position with its setpoint, and the chamber pressures of a run.
 pub(super) fn step_charts(title: &str, rig: &Rig, run: &Run) -> [Chart; 2] {
     let time = column(run, |row| row.time);
-    let pulse_mm = rig.number("encoder.mm_per_count");
+    let pulse_mm = rig.get(&keys::encoder::MM_PER_COUNT);
     let line = |name: &str, of: &dyn Fn(&Row) -> f64| Line::new(name, &time, &column(run, of));
     let mut position = vec![line("position", &|row| 1e3 * row.plant.position)];
-    if rig.word("controller.loop") == "closed" {
+    if rig.get(&keys::controller::LOOP) == controller::Loop::Closed {
         position.push(line("setpoint", &|row| pulse_mm * f64::from(row.observation.setpoint)));
     }
     let pressures = [0, 1]

@@ -1,6 +1,7 @@
 //! The three drives (7.2.1 to 7.2.3).
 
 use anyhow::Result;
+use pneudrive_sim::keys;
 use pneudrive_sim::trace::Row;
 use pneudrive_sim::{Rig, Run};
 
@@ -85,20 +86,17 @@ pub(super) const EXHIBITS: [Exhibit; 4] = [
 const OPEN: [&str; 3] =
     ["controller.loop=open", "test.moves=[[0.0, 0], [0.3, 40], [2.0, -40]]", "test.duration_s=3.7"];
 
-/// C(89): how far the stiffness of a stop reaches, m.
-const REGION: &str = "load.stop_region_m";
-
 fn open_loop() -> Result<Measured> {
     let rig = rig("servo-a", &OPEN)?;
     let run = run(&rig)?;
     let ends = crate::thesis::reading::ends(&column(&run, |row| row.plant.position));
-    let beyond = [-ends[0], ends[1] - rig.number("actuator.stroke_m")];
-    let holds = beyond.iter().all(|m| (-1e-4..=rig.number(REGION)).contains(m));
+    let beyond = [-ends[0], ends[1] - rig.get(&keys::actuator::STROKE_M)];
+    let holds = beyond.iter().all(|m| (-1e-4..=rig.get(&keys::stop::STOP_REGION_M)).contains(m));
     let text = format!(
         "it is pressed {:.2} and {:.2} mm into its ends, of {} mm of C(89)",
         1e3 * beyond[1],
         1e3 * beyond[0],
-        1e3 * rig.number(REGION)
+        1e3 * rig.get(&keys::stop::STOP_REGION_M)
     );
     let held = run.rows.iter().filter(|row| holds_command(row)).count();
     let said = format!("{held} of {} rows have the command of their move", run.rows.len());
@@ -195,7 +193,7 @@ fn closed_loop() -> Result<Measured> {
     let mut charts: Vec<Chart> = step_charts("A, closed loop", &rig, &run).into();
     let time = column(&run, |row| row.time);
     let spool = column(&run, |row| 1e3 * row.plant.spool);
-    let step_mm = rig.number("operator.mm_per_step");
+    let step_mm = rig.get(&keys::stepper::MM_PER_STEP);
     let off = spool.iter().map(|mm| (mm / step_mm - (mm / step_mm).round()).abs()).fold(0.0, f64::max);
     charts.push(Chart {
         title: "A, closed loop: spool".to_owned(),

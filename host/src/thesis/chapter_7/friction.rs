@@ -7,6 +7,7 @@
 //! Coulomb   F_c while the velocity is constant
 //! ```
 
+use pneudrive_sim::keys;
 use std::fmt::Write;
 
 use anyhow::{Context, Result, ensure};
@@ -159,7 +160,7 @@ fn friction((counts, step_s): Way, direction: f64) -> Result<Friction> {
     let mean = |of: &dyn Fn(&pneudrive_sim::trace::Row) -> f64| {
         direction * steady.iter().map(|row| of(row)).sum::<f64>() / steady.len() as f64
     };
-    let viscous = rig.number("load.viscous_n_s_per_m");
+    let viscous = rig.get(&keys::load::VISCOUS_N_S_PER_M);
     Ok(Friction {
         still: direction * run.rows[moves - 1].plant.actuator_force,
         moving: mean(&|row| row.plant.actuator_force),
@@ -196,7 +197,8 @@ const GRAVITY: f64 = 9.806_65;
 fn sums() -> Result<Measured> {
     let rig = rig_and("servo-b-thesis", "", &[])?;
     let area_cm2 = |diameter_m: f64| 1e4 * std::f64::consts::FRAC_PI_4 * diameter_m * diameter_m;
-    let [bore, rod] = ["actuator.bore_m", "actuator.rod_diameter_m"].map(|key| area_cm2(rig.number(key)));
+    let [bore, rod] =
+        [&keys::actuator::BORE_M, &keys::actuator::ROD_DIAMETER_M].map(|key| area_cm2(rig.get(key)));
     let sum: f64 = PUT_IN.iter().map(|[pressure, area]| pressure * area).sum();
     let readings = vec![
         Reading::exact("A1", bore, 2, "C(15)"),

@@ -8,7 +8,7 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::characteristics::dither::FREQUENCIES_HZ;
 use pneudrive_sim::characteristics::hysteresis::{Loop, mean, sweep};
 use pneudrive_sim::characteristics::{CURVES, Reading as Figure, Unfit};
-use pneudrive_sim::dither::Dither;
+use pneudrive_sim::component::dither::Dither;
 
 use crate::thesis::drives::rig;
 use crate::thesis::reading::{ends, rounded};

@@ -1,5 +1,6 @@
 //! Volumes, tubes and timer (7.1.3.3 to 7.1.5).
 
+use pneudrive_sim::keys;
 use std::f64::consts::FRAC_PI_4;
 
 use anyhow::Result;
@@ -82,7 +83,7 @@ pub(super) const EXHIBITS: [Exhibit; 3] = [
 
 fn volumes() -> Result<Measured> {
     let volume = |key: &str, name: &str| -> Result<Reading> {
-        let bore = rig(name, &[])?.number("actuator.bore_m");
+        let bore = rig(name, &[])?.get(&keys::actuator::BORE_M);
         Ok(Reading::exact(key, 0.01 * FRAC_PI_4 * bore * bore, 7, format!("bore of {name}")))
     };
     Ok(Measured {

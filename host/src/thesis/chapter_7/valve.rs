@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use pneudrive_sim::Rig;
 use pneudrive_sim::characteristics::valve_models::{Model, flow};
 use pneudrive_sim::characteristics::{CURVES, Characteristic, SUPPLY_FAMILY_PA, pressure_gain};
+use pneudrive_sim::keys;
 
 use crate::thesis::drives::rig;
 use crate::thesis::{Agreement, Chart, Entry, Exhibit, Experiment, Found, Line, Measured, Reading};
@@ -83,7 +84,7 @@ fn curve(rig: &Rig, name: &str) -> Result<Characteristic> {
 fn nulls() -> Result<Measured> {
     let rig = rig("servo-b-thesis", &[])?;
     let null = |above: f64| {
-        let supply = rig.number("exhaust.pressure_pa") + above;
+        let supply = rig.get(&keys::exhaust::PRESSURE_PA) + above;
         let readings = pressure_gain::read_blocked_ports(&rig, supply, GAUGE_PA)?;
         Some(pressure_gain::null_by_least_squares(&rig, supply, &readings))
     };
@@ -150,8 +151,8 @@ fn of_curve(found: &Characteristic, titles: &[&str]) -> Vec<Chart> {
 
 fn flow_gain() -> Result<Measured> {
     let rig = rig("servo-b-thesis", &[])?;
-    let density = rig.number("exhaust.pressure_pa")
-        / (rig.number("gas.gas_constant_j_per_kg_k") * rig.number("exhaust.temperature_k"));
+    let density = rig.get(&keys::exhaust::PRESSURE_PA)
+        / (rig.get(&keys::gas::GAS_CONSTANT_J_PER_KG_K) * rig.get(&keys::exhaust::TEMPERATURE_K));
     let readings = vec![
         Reading::exact("density", density, 3, "C(2), C(7), C(8)"),
         Reading::nothing(
