@@ -170,6 +170,28 @@ pub fn other_built_in_rigs(start: Start) {
     }
 }
 
+/// Pressures and spool are read one after the other; the relay of the on-off law acts on both pressures.
+///
+/// # Panics
+/// When a record is not the simulation.
+pub fn channels_read_in_turn(start: Start) {
+    for name in ["servo-b-tuned", "burrows"] {
+        let rig = rig(name, &["test.duration_s=1", "sensors.channel_skew_s=0.00004"]);
+        assert_equal_in_every_integer(&*start(&rig), &rig);
+    }
+}
+
+/// The drive has lived for a while before its controller starts.
+///
+/// # Panics
+/// When a record is not the simulation.
+pub fn a_late_controller(start: Start) {
+    for name in ["servo-a", "servo-b-tuned"] {
+        let rig = rig(name, &["test.duration_s=0.6", "controller.start_s=0.2345"]);
+        assert_equal_in_every_integer(&*start(&rig), &rig);
+    }
+}
+
 /// Servo-drive B with a stepper in the place of its solenoid.
 ///
 /// # Panics

@@ -38,6 +38,16 @@ fn the_record_of_the_emulated_board_is_the_simulation_of_the_other_built_in_rigs
 }
 
 #[test]
+fn the_record_of_an_emulated_board_that_reads_its_channels_in_turn_is_the_simulation() {
+    body::channels_read_in_turn(emulated_board);
+}
+
+#[test]
+fn the_record_of_the_emulated_board_whose_controller_starts_late_is_the_simulation() {
+    body::a_late_controller(emulated_board);
+}
+
+#[test]
 fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_emulated_board() {
     body::a_late_first_move(emulated_board);
 }

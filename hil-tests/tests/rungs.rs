@@ -32,6 +32,16 @@ fn the_record_of_the_virtual_rig_is_the_simulation_in_open_loop() {
 }
 
 #[test]
+fn the_record_of_a_virtual_rig_that_reads_its_channels_in_turn_is_the_simulation() {
+    body::channels_read_in_turn(virtual_rig);
+}
+
+#[test]
+fn the_record_of_the_virtual_rig_whose_controller_starts_late_is_the_simulation() {
+    body::a_late_controller(virtual_rig);
+}
+
+#[test]
 fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_virtual_rig() {
     body::a_late_first_move(virtual_rig);
 }

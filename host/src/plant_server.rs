@@ -136,7 +136,7 @@ impl PlantServer {
                 self.time.begin(period_us);
             }
         }
-        Ok(Inputs { sample: self.plant.sample(), frozen: outputs.next == Next::Stay })
+        Ok(Inputs { sample: self.plant.sample()?, frozen: outputs.next == Next::Stay })
     }
 
     fn note(&self, outputs: Outputs, request: u32, begun: Instant) {

@@ -154,7 +154,11 @@ impl Board for VirtualBoard {
     }
 
     fn read_sensors(&mut self, _: &Config) -> Sample {
-        self.plant.sample()
+        // A rig that cannot be read stops at the end of this sample.
+        self.plant.sample().unwrap_or_else(|error| {
+            self.failed = Some(error);
+            Sample::default()
+        })
     }
 
     /// The amplifier of a disabled drive holds the valve at its null.

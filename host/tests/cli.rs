@@ -140,7 +140,10 @@ fn rig_list_show_and_explain_tell_what_there_is() {
         ),
         "{number}"
     );
-    assert!(ok(folder.path(), "rig explain L(14)").contains("no key     not built: the text does not say"));
+    assert!(
+        ok(folder.path(), "rig explain L(14)")
+            .contains("no key     not defined: Appendix VII alone names the mode")
+    );
     assert_eq!(ok(folder.path(), "rig explain C").lines().count(), 69);
     assert_eq!(ok(folder.path(), "rig explain L").lines().count(), 22);
     assert!(transcript(folder.path(), "rig explain nonsense").ends_with("= 1"));

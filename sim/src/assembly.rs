@@ -11,6 +11,7 @@
 
 mod air;
 pub(crate) mod build;
+mod disturbed;
 mod following;
 mod lag;
 mod lands;
@@ -100,6 +101,8 @@ pub(crate) struct Assembly {
 pub(crate) struct Parts {
     pub gas: Gas,
     pub valve: Valve,
+    /// Speed of the valve's null, m/s (8.4).
+    pub null_drift: f64,
     pub actuator: Actuator,
     pub load: Load,
     pub operator: Operator,
@@ -137,7 +140,7 @@ impl Assembly {
             parts,
         };
         assembly.load_contact = assembly.parts.load.friction.at_rest(assembly.applied_to_load(x));
-        assembly.lands = Lands::at(&assembly.parts.valve, assembly.spool(0.0, x));
+        assembly.lands = Lands::at(&assembly.parts.valve, assembly.spool_to_lands(0.0, x));
         assembly.find_port_directions(0.0, x);
         assembly.pass_faults(0.0, &mut { *x });
         assembly
@@ -154,7 +157,7 @@ impl Assembly {
         let spool = self.spool(t, x);
         if spool != before {
             self.solved = None;
-            self.lands = Lands::at(&self.parts.valve, spool);
+            self.lands = Lands::at(&self.parts.valve, self.spool_to_lands(t, x));
             self.parts.network.jump();
             self.find_port_directions(t, x);
         }
@@ -182,6 +185,15 @@ impl Assembly {
         self.parts.operator.position(t, self.place(t, x))
     }
 
+    /// Where the spool is as the lands have it, m: a null that drifts leaves it behind.
+    fn spool_to_lands(&self, t: f64, x: &StateVector) -> f64 {
+        self.beside_null(t, self.spool(t, x))
+    }
+
+    fn beside_null(&self, t: f64, spool: f64) -> f64 {
+        spool - self.parts.null_drift * t
+    }
+
     /// Position and velocity of a moving spool.
     fn place(&self, t: f64, x: &StateVector) -> SpoolState {
         self.parts.operator.place(t, spool_state(x))
@@ -197,7 +209,7 @@ impl Assembly {
         let ends = self.ends_at_valve(x, &self.air(x));
         let behind = self.parts.network.exner_behind_ports(&nodes, &ends, &self.ports.directions);
         let each = nodes.each();
-        let spool = self.spool(t, x);
+        let spool = self.spool_to_lands(t, x);
         let pressure = |exner| self.parts.gas.pressure(exner);
         let flows = ValveFlows {
             supply: Source {
@@ -219,28 +231,6 @@ impl Assembly {
             opening: (spool - self.parts.valve.null_offset) / self.parts.valve.travel,
         };
         self.parts.flow_force.force(&self.parts.gas, &flows)
-    }
-
-    /// Faults of the plant that begin or end at `t`; tells whether any do. They take the flows with them.
-    fn pass_faults(&mut self, t: f64, x: &mut StateVector) -> bool {
-        if !self.parts.faults.pass(t) {
-            return false;
-        }
-        let faults = self.parts.faults.now;
-        let supply = self.parts.gas.exner(faults.supply_pressure.unwrap_or(self.parts.supply_pressure));
-        self.parts.network.set_supply(supply);
-        if let Some(lag) = &mut self.parts.lag {
-            lag.supply.exner = supply;
-        }
-        if faults.stuck_spool {
-            self.settle(t, x);
-            self.parts.operator.stick(t, spool_state(x));
-            x[slot::SPOOL_VELOCITY] = 0.0;
-        }
-        self.parts.network.jump();
-        self.solved = None;
-        self.find_port_directions(t, x);
-        true
     }
 
     fn applied_to_load(&self, x: &StateVector) -> f64 {
@@ -407,7 +397,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }
             Event::Guard(guard @ LANDS..LOAD_GUARDS) => {
-                let spool = self.spool(t, x);
+                let spool = self.spool_to_lands(t, x);
                 self.lands.pass(guard - LANDS, &self.parts.valve, spool);
             }
             Event::Guard(guard @ ..LANDS) => {

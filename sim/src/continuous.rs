@@ -7,6 +7,8 @@
 //! n   = clamp((Kp[i] n_p - Kv n_v - Ka n_a) / scale + null offset, +-2048)
 //! ```
 //!
+//! In open loop (L(3) = 0, "available for all controller modules", 6.3.3) the target is the command itself.
+//!
 //! The windows Wv T and Wa T give n_v and n_a the units of the sampled law, so that the same gains
 //! mean the same. y'' includes the friction, so the command jumps at stick and slip. The index of the
 //! profile is a mode: each change of it is an event. The target changes at sample instants alone.
@@ -18,7 +20,7 @@
 //! ```
 
 use pneudrive_controller::Config;
-use pneudrive_controller::law::{LawConfig, LawKind};
+use pneudrive_controller::law::{LawConfig, LawKind, Loop};
 
 use crate::component::controller;
 use crate::component::encoder::pulse;
@@ -38,6 +40,8 @@ pub struct ContinuousLaw {
     /// Counts.
     target: f64,
     index: usize,
+    /// Before its first target a law that waits asks for the null.
+    waits: bool,
 }
 
 impl ContinuousLaw {
@@ -49,7 +53,8 @@ impl ContinuousLaw {
     pub fn of(rig: &Rig) -> Option<ContinuousLaw> {
         (rig.get(&controller::keys::MODEL) == controller::Model::Continuous).then(|| {
             let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
-            ContinuousLaw::new(&config, pulse(rig))
+            let law = ContinuousLaw::new(&config, pulse(rig));
+            if rig.get(&controller::keys::START_S) > 0.0 { law.waiting() } else { law }
         })
     }
 
@@ -64,13 +69,26 @@ impl ContinuousLaw {
             acceleration_window: f64::from(config.estimator.acceleration_window) * period,
             target: 0.0,
             index: 0,
+            waits: false,
         }
+    }
+
+    /// The same, whose controller has not started yet.
+    #[must_use]
+    pub fn waiting(self) -> ContinuousLaw {
+        ContinuousLaw { waits: true, ..self }
     }
 
     /// A new target, in counts.
     pub fn set_target(&mut self, target: i32, position: f64) {
+        self.waits = false;
         self.target = f64::from(target);
         self.index = (self.spans(position).floor() as usize).min(self.last_index());
+    }
+
+    /// Whether the target is the command: in open loop, and before the start, when it is 0.
+    fn is_open(&self) -> bool {
+        self.waits || self.law.control_loop == Loop::Open
     }
 
     fn last_index(&self) -> usize {
@@ -95,6 +113,9 @@ impl ContinuousLaw {
     /// What the law asks for, in DAC counts, before it is limited to their range.
     #[must_use]
     pub fn demand(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
+        if self.is_open() {
+            return self.target;
+        }
         self.sum(self.error(position), velocity, acceleration) / f64::from(self.law.scale.get())
             + f64::from(self.law.null_offset)
     }
@@ -102,6 +123,9 @@ impl ContinuousLaw {
     /// The rate of the demand, counts/s, in the present entry of the profile.
     #[must_use]
     pub fn demand_rate(&self, velocity: f64, acceleration: f64, jerk: f64) -> f64 {
+        if self.is_open() {
+            return 0.0;
+        }
         self.sum(-velocity / self.pulse, acceleration, jerk) / f64::from(self.law.scale.get())
     }
 
@@ -123,6 +147,9 @@ impl ContinuousLaw {
     /// and down to the one before. A fast load leaves at one end soon after it came in at the other.
     #[must_use]
     pub fn guards(&self, position: f64) -> [f64; 2] {
+        if self.is_open() {
+            return [1.0; 2];
+        }
         let (spans, index) = (self.spans(position), self.index as f64);
         let farther = if self.index == self.last_index() { 1.0 } else { index + 1.0 - spans };
         let nearer = if self.index == 0 { 1.0 } else { spans - index };
@@ -162,6 +189,16 @@ mod tests {
         assert!((law().command(at, 1.0, 0.0) + 539.42 / 256.0).abs() < 1e-4);
         let n_a = 6.5e-3 * 3.9e-3 / 0.01205e-3;
         assert!((law().command(at, 0.0, 1.0) + n_a / 256.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_open_loop_asks_for_its_target_whatever_the_load_does() {
+        let open = LawConfig { control_loop: Loop::Open, null_offset: 30, ..Config::default().law };
+        let mut law = ContinuousLaw::new(&Config { law: open, ..Config::default() }, 0.01205e-3);
+        law.set_target(-700, 0.1);
+        assert_eq!([law.command(0.1, 0.0, 0.0), law.command(0.2, 1.0, 50.0)], [-700.0; 2]);
+        assert_eq!(law.demand_rate(1.0, 50.0, 1e4), 0.0);
+        assert_eq!(law.guards(0.2), [1.0; 2], "no entry of the profile to leave");
     }
 
     #[test]

@@ -18,7 +18,8 @@ pub struct Timing {
     pub delay_us: u64,
 }
 
-/// What sensors would read at a sample instant without their noise and quantisation, SI.
+/// What sensors would read at a sample without their noise and quantisation, SI. With a channel skew the second
+/// pressure and the spool are those of a little later than the sample's instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// m.
@@ -43,7 +44,7 @@ pub fn follow(
     let mut plant = Plant::new(rig, accuracy, 0).with_timing(timing.period_us, timing.delay_us);
     let mut readings = Vec::with_capacity(commands.len());
     for &command in commands {
-        readings.push(plant.reading());
+        readings.push(plant.reading()?);
         plant.command(command);
         plant.next_sample()?;
     }

@@ -310,6 +310,7 @@ pub(crate) use {keys, words};
 const UNITS: &[(&str, &str)] = &[
     ("_j_per_kg_k", "J/(kg K)"),
     ("_w_per_m2_k", "W/(m2 K)"),
+    ("_mm_per_h", "mm/h"),
     ("_m3_per_s_pa", "m3/(s Pa)"),
     ("_per_mass_per_s2", "1/s2"),
     ("_n_s_per_m", "N s/m"),
@@ -367,5 +368,6 @@ mod tests {
         assert_eq!(unit("gas_constant_j_per_kg_k"), ("gas_constant", "J/(kg K)"));
         assert_eq!(unit("law"), ("law", ""));
         assert_eq!(unit("max_speed_m_s"), ("max_speed", "m/s"));
+        assert_eq!(unit("null_drift_mm_per_h"), ("null_drift", "mm/h"));
     }
 }

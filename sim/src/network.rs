@@ -148,6 +148,8 @@ pub struct Network {
     returning: f64,
     /// R / (n A_p^2): makes T m^2 / P^2 a squared Mach number; 0 where approach counts for nothing.
     mach: f64,
+    /// The square of C(54), which every upstream Mach number is multiplied by.
+    turbulence_squared: f64,
     nodes: Nodes,
     /// Whether `nodes` is a solution.
     started: bool,
@@ -229,6 +231,7 @@ impl Network {
             following: None,
             returning: supply.temperature,
             mach: port_area.map_or(0.0, |area| gas.gas_constant / (gas.heat_capacity_ratio * area * area)),
+            turbulence_squared: 1.0,
             nodes: Nodes::alike(node),
             started: false,
             far: true,
@@ -248,6 +251,12 @@ impl Network {
     pub fn beside(self, vessels: Vessels) -> Network {
         let mach = if vessels.supply && vessels.chambers { 0.0 } else { self.mach };
         Network { vessels, mach, ..self }
+    }
+
+    /// The same with every upstream Mach number multiplied by C(54), from 0 to 1 (6.54).
+    #[must_use]
+    pub fn with_turbulence(self, coefficient: f64) -> Network {
+        Network { turbulence_squared: coefficient * coefficient, ..self }
     }
 
     /// The same with flows to an error of so many kg/s.

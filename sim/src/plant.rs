@@ -4,60 +4,25 @@
 //! all of them see the same samples in every bit. Time is whole microseconds; samples are read off
 //! the dense output of the integrator and cost no step.
 
-use crate::keys;
+mod accuracy;
+
+pub use accuracy::Accuracy;
+
 use pneudrive_controller::{Command, Sample};
+use pneudrive_solver::{IntegrationError, Integrator, Statistics, System};
 
 use crate::assembly::build;
-use crate::assembly::{Assembly, CORE, END_GUARDS, Effects, GUARDS, SCALE, STATES, ValveState, slot};
-use crate::component::controller::Loop;
+use crate::assembly::{
+    Assembly, CORE, END_GUARDS, Effects, GUARDS, SCALE, STATES, StateVector, ValveState, slot,
+};
 use crate::component::faults::SensorFaults;
-use crate::component::operator::Model;
 use crate::component::operator::Request;
 use crate::component::sensors::Sensors;
 use crate::follow::Reading;
+use crate::keys;
 use crate::network::NetworkWork;
 use crate::number::Pair;
 use crate::values::{Rig, seconds};
-use pneudrive_solver::{IntegrationError, Integrator, Method, Statistics, System};
-
-/// How exactly a plant is integrated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Accuracy {
-    /// The method.
-    pub method: Method,
-    /// Allowed error of a step, relative to what counts as large in each state.
-    pub tolerance: f64,
-}
-
-impl Default for Accuracy {
-    /// For a plant under given commands: repeats the reference transients to a tenth of their tolerances, over the
-    /// whole run (docs/agreement.md).
-    fn default() -> Self {
-        Accuracy { method: Method::DormandPrince, tolerance: 1e-9 }
-    }
-}
-
-impl Accuracy {
-    /// What a run of a rig needs. In a closed loop a count that flips makes another transient, so that it is
-    /// integrated until that is rare (see [`crate::decision`]).
-    #[must_use]
-    pub fn of(rig: &Rig) -> Accuracy {
-        match rig.get(&keys::controller::LOOP) {
-            Loop::Closed => Accuracy { tolerance: 1e-11, ..Accuracy::default() },
-            Loop::Open => Accuracy::of_draw(rig),
-        }
-    }
-
-    /// What a run needs that is one of many draws: another transient of the same drive is as good. A spool that a
-    /// stepper places does not shake, and no position depends on the last nanometres of its motion.
-    #[must_use]
-    pub fn of_draw(rig: &Rig) -> Accuracy {
-        match rig.get(&keys::operator::MODEL) {
-            Model::Stepper => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
-            _ => Accuracy::default(),
-        }
-    }
-}
 
 /// A simulated rig without its controller.
 #[derive(Clone, Debug)]
@@ -66,8 +31,12 @@ pub struct Plant {
     integrator: Integrator<STATES, GUARDS, END_GUARDS, CORE>,
     sensors: Sensors,
     sensor_faults: SensorFaults,
+    /// The plant's time at sample 0, microseconds: from its initial state on it has lived so long at the null.
+    start_us: u64,
     period_us: u64,
     delay_us: u64,
+    /// The converter reads a channel so long after the one before, microseconds.
+    channel_skew_us: u64,
     /// Request in force.
     request: Request,
     /// Request that takes effect at the output of the present sample, until it has.
@@ -142,8 +111,10 @@ impl Plant {
             integrator: Integrator::with_core(accuracy.method, accuracy.tolerance, SCALE, x),
             sensors: Sensors::new(rig, seed),
             sensor_faults: SensorFaults::new(&rig.fault_events()),
+            start_us: rig.microseconds(&keys::controller::START_S),
             period_us: u64::from(rig.period_us().get()),
             delay_us: rig.microseconds(&keys::controller::DELAY_S),
+            channel_skew_us: rig.microseconds(&keys::sensors::CHANNEL_SKEW_S),
             request: Request::default(),
             due: None,
             restless: false,
@@ -158,9 +129,38 @@ impl Plant {
         self
     }
 
-    /// What the sensors are given at the present sample instant.
-    pub fn reading(&mut self) -> Reading {
-        let t = self.sample_time_of(self.k);
+    /// What the sensors are given at the present sample: position and first pressure at its instant, the second pressure
+    /// and the spool one and two channel skews later.
+    ///
+    /// # Errors
+    /// When the integration cannot go on to the last channel.
+    pub fn reading(&mut self) -> Result<Reading, IntegrationError> {
+        let now = self.sample_time_of(self.k);
+        if self.k == 0 && self.start_us > 0 {
+            self.run_to(now)?;
+        }
+        let at_once = self.reading_at(now);
+        if self.channel_skew_us == 0 {
+            return Ok(at_once);
+        }
+        // A copy goes ahead, so that reading changes nothing here.
+        let mut ahead = self.clone();
+        let [second, third] = [1, 2].map(|channel| ahead.read_channel(channel));
+        Ok(Reading {
+            pressures: [at_once.pressures[0], second?.pressures[1]],
+            spool: third?.spool,
+            ..at_once
+        })
+    }
+
+    /// All sensors when the converter reads a channel of the present sample.
+    fn read_channel(&mut self, channel: u64) -> Result<Reading, IntegrationError> {
+        let t = self.time_of(self.k * self.period_us + channel * self.channel_skew_us);
+        self.run_to(t)?;
+        Ok(self.reading_at(t))
+    }
+
+    fn reading_at(&mut self, t: f64) -> Reading {
         let x = self.integrator.state(t);
         Reading {
             position: x[slot::POSITION],
@@ -169,10 +169,13 @@ impl Plant {
         }
     }
 
-    /// The sensors at the present sample instant.
-    pub fn sample(&mut self) -> Sample {
-        let reading = self.reading();
-        self.sample_of(&reading)
+    /// The sensors at the present sample.
+    ///
+    /// # Errors
+    /// As [`Plant::reading`].
+    pub fn sample(&mut self) -> Result<Sample, IntegrationError> {
+        let reading = self.reading()?;
+        Ok(self.sample_of(&reading))
     }
 
     /// What the sensors make of a reading at the present sample instant.
@@ -188,12 +191,20 @@ impl Plant {
     pub fn advance(&mut self, command: Command) -> Result<Sample, IntegrationError> {
         self.command(command);
         self.next_sample()?;
-        Ok(self.sample())
+        self.sample()
     }
 
     /// Has `command` take effect at the output of the present sample.
     pub fn command(&mut self, command: Command) {
         self.due = Some(Request { counts: command.counts, step: command.step });
+    }
+
+    /// From the present sample on the supply has another pressure, Pa.
+    pub(crate) fn set_supply_pressure(&mut self, pressure: f64) {
+        let at = self.sample_time_of(self.k);
+        let set =
+            |assembly: &mut Assembly, x: &mut StateVector| assembly.set_supply_pressure(at, x, pressure);
+        self.integrator.interrupt(&mut self.assembly, at, set);
     }
 
     /// The target of a continuous controller changes at the present sample, in counts.
@@ -225,6 +236,7 @@ impl Plant {
     /// # Errors
     /// When the integration cannot go on.
     pub fn look(&mut self, t: f64) -> Result<Snapshot, IntegrationError> {
+        let t = self.plant_time(t);
         self.run_to(t)?;
         Ok(self.snapshot(t))
     }
@@ -284,6 +296,7 @@ impl Plant {
 
     /// The air inside the valve at the time of the last [`Plant::look`].
     pub fn look_into_valve(&mut self, t: f64) -> ValveState {
+        let t = self.plant_time(t);
         let x = self.integrator.state(t);
         self.assembly.follow(&x);
         self.assembly.valve_state(t, &x)
@@ -293,6 +306,7 @@ impl Plant {
     /// of the masses.
     #[doc(hidden)]
     pub fn solved_flows(&mut self, t: f64) -> [f64; 2] {
+        let t = self.plant_time(t);
         let x = self.integrator.state(t);
         self.assembly.follow(&x);
         self.assembly.port_flows(t, &x).to_array()
@@ -308,11 +322,21 @@ impl Plant {
     }
 
     fn sample_time_of(&self, k: u64) -> f64 {
-        seconds(k * self.period_us)
+        self.time_of(k * self.period_us)
     }
 
     fn output_time_of(&self, k: u64) -> f64 {
-        seconds(k * self.period_us + self.delay_us)
+        self.time_of(k * self.period_us + self.delay_us)
+    }
+
+    /// The plant's time so many microseconds after sample 0, s.
+    fn time_of(&self, after_start_us: u64) -> f64 {
+        seconds(self.start_us + after_start_us)
+    }
+
+    /// The plant's time `t` seconds after sample 0; to a whole microsecond where the two clocks differ.
+    fn plant_time(&self, t: f64) -> f64 {
+        if self.start_us == 0 { t } else { self.time_of((1e6 * t).round() as u64) }
     }
 
     /// What the run has cost so far.

@@ -113,7 +113,7 @@ pub fn run_recorded(
     let mut bug = PositiveGain::of(rig, &config);
     let last = rig.last_sample();
     for k in 0..=u64::from(last) {
-        let reading = plant.reading();
+        let reading = plant.reading()?;
         readings.push(reading);
         sample(&config, &sequence, &mut state, &plant.sample_of(&reading));
         let mut command = output(&config, &mut state);

@@ -130,3 +130,41 @@ fn flow_forces_hold_the_spool_back() {
         ["none", "experimental", "analytical"].map(|force| opening(&format!("valve.flow_force={force}")));
     assert!(experimental < none && analytical < none, "{none} {experimental} {analytical}");
 }
+
+/// 6.54: C(54) takes the upstream Mach numbers from all to none. Air that has a speed at a port passes it faster.
+#[test]
+fn the_turbulence_coefficient_leads_from_upstream_mach_numbers_to_none() {
+    let of = |turbulence: &str| arrival(&[turbulence, "test.trace_period_s=1e-5"]);
+    let [all, half, few] = [1.0, 0.5, 0.1].map(|c| of(&format!("valve.turbulence={c}")));
+    let none = of("valve.upstream_mach=false");
+    assert!(all < half && half < few && few < none, "{all} {half} {few} {none} s");
+    let rows = |setting: &str| -> Vec<_> {
+        simulate(&[&STEP[..], &[setting]].concat()).rows.iter().map(|row| row.plant).collect()
+    };
+    assert_eq!(rows("valve.turbulence=0"), rows("valve.upstream_mach=false"));
+}
+
+/// 6.3.3: "The open loop function is available for all controller modules." A continuous one drives at once what a
+/// sampled one drives a microsecond later.
+#[test]
+fn the_continuous_controller_passes_the_commands_of_an_open_loop() {
+    for operator in ["operator.model=solenoid", "operator.model=solenoid-empirical"] {
+        let of = |model: &str| {
+            let settings = ["controller.delay_s=1e-6", "operator.dither_mm=0", operator, model];
+            simulate(&[&STEP[..], &settings].concat()).rows
+        };
+        let (continuous, sampled) = (of("controller.model=continuous"), of("controller.model=sampled"));
+        assert_eq!(continuous.len(), sampled.len());
+        for (one, other) in continuous.iter().zip(&sampled) {
+            assert_eq!(one.observation.command, other.observation.command, "at {} s", one.time);
+            let apart = (one.plant.position - other.plant.position).abs();
+            assert!(
+                apart < 2e-6 * one.plant.velocity.abs().max(1.0),
+                "{operator}: {apart} m at {} s",
+                one.time
+            );
+        }
+        let farthest = continuous.iter().map(|row| row.plant.position).fold(0.0, f64::max);
+        assert!(farthest > continuous[0].plant.position + 0.02, "{operator}: it moves");
+    }
+}

@@ -211,4 +211,21 @@ mod tests {
         let mut relay = Relay::default();
         assert_eq!([5, 1, 0, -1, i32::MIN, i32::MAX].map(|s| relay.switch(s, 0, 9)), [1, 1, 0, -1, -1, 1]);
     }
+
+    /// Two dead bands of a gain (6.3.3): one asks for nothing inside it, the other goes on braking.
+    #[test]
+    fn a_profile_that_begins_with_zeros_brakes_inside_its_dead_band() {
+        let thesis = crate::Config::default().law;
+        let mut gain_profile = thesis.gain_profile;
+        gain_profile[..2].fill(0);
+        let by_profile = LawConfig { gain_profile, velocity_gain: 512, ..thesis.clone() };
+        let by_band = LawConfig { dead_band: 8, velocity_gain: 512, ..thesis };
+        let moving = Motion { velocity: 10, ..Motion::default() };
+        for error in [-7, 0, 7] {
+            assert_eq!(from_null(&by_profile, error, &moving), -20, "error {error}");
+            assert_eq!(from_null(&by_band, error, &moving), 0, "error {error}");
+        }
+        assert_eq!(from_null(&by_profile, 8, &moving), 8 * 16 - 20);
+        assert_eq!(from_null(&by_band, 8, &moving), 8 * 16 - 20);
+    }
 }

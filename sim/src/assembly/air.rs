@@ -59,7 +59,7 @@ impl Assembly {
     }
 
     fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
-        let openings = self.parts.valve.openings(self.spool(t, x));
+        let openings = self.parts.valve.openings(self.spool_to_lands(t, x));
         let conductances = self.restrictions.at(openings, self.lands.open);
         let stations = self.ends_at_valve(x, air);
         if let Some(lag) = self.parts.lag.as_ref().filter(|lag| lag.recovery > 0.0) {

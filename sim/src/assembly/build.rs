@@ -23,6 +23,7 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
     let parts = Parts {
         gas,
         valve: Valve::of(rig),
+        null_drift: rig.get(&keys::valve::NULL_DRIFT_MM_PER_H) * 1e-3 / 3600.0,
         actuator,
         load: Load::of(rig),
         operator: Operator::of(rig),
@@ -32,7 +33,7 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         lag: Lag::of(rig, &gas),
         sensor_lag: Some(rig.get(&keys::sensors::PRESSURE_LAG_S)).filter(|lag| *lag > 0.0),
         continuous: ContinuousLaw::of(rig),
-        faults: Schedule::new(&rig.fault_events()),
+        faults: Schedule::new(&rig.fault_events()).later_by(rig.microseconds(&keys::controller::START_S)),
     };
     (parts, x)
 }

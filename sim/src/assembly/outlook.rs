@@ -18,13 +18,18 @@ impl Assembly {
         }
         let instant = self.parts.operator.next_time_event(t).min(self.parts.faults.next_time_event());
         let instant = StepLimit { until: instant, event: Some(Event::Time) };
-        let clear = instant.within(t + self.parts.operator.max_step());
+        let clear = instant.within(t + self.parts.operator.max_step().min(self.longest_look()));
         if !self.parts.operator.is_foreseen() {
             return clear;
         }
         let found = self.spool_event(t, x, clear);
         self.outlook = Some(found);
         found
+    }
+
+    /// For how long the edges of the lands are looked after, s: a null that drifts passes a spool at rest.
+    fn longest_look(&self) -> f64 {
+        if self.parts.null_drift == 0.0 { f64::INFINITY } else { 1.0 }
     }
 
     /// The spool's first event before what ends the time that is looked at.
@@ -49,7 +54,7 @@ impl Assembly {
         let place = self.parts.operator.place(t, spool_state(x));
         let spool = self.parts.operator.position(t, place);
         let mut guards = [1.0; SPOOL_GUARDS];
-        [guards[0], guards[1]] = self.lands.guards(&self.parts.valve, spool);
+        [guards[0], guards[1]] = self.lands.guards(&self.parts.valve, self.beside_null(t, spool));
         guards[2..].copy_from_slice(&self.parts.operator.guards(t, place, flow_force));
         guards
     }

@@ -96,6 +96,9 @@ mod tests {
             plant.next_sample().expect("a sample");
         }
         let looked = plant.look(50.0 * 1.3e-3).expect("the present sample");
-        assert_eq!(plant.reading().pressures.map(f64::to_bits), looked.pressures.map(f64::to_bits));
+        assert_eq!(
+            plant.reading().expect("a reading").pressures.map(f64::to_bits),
+            looked.pressures.map(f64::to_bits)
+        );
     }
 }

@@ -191,6 +191,13 @@ impl Schedule {
         Schedule { events, instants, passed: 0, now: PlantFaults::default() }
     }
 
+    /// The same on a clock that has run for so many microseconds before the start of the test.
+    pub fn later_by(mut self, us: u64) -> Schedule {
+        self.events.iter_mut().for_each(|event| event.at_us += us);
+        self.instants.iter_mut().for_each(|instant| *instant += us);
+        self
+    }
+
     /// When something begins or ends next, s; infinity for never.
     pub fn next_time_event(&self) -> f64 {
         self.instants.get(self.passed).map_or(f64::INFINITY, |&us| seconds(us))

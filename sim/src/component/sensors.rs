@@ -12,12 +12,12 @@ use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+use crate::component::controller;
 use crate::component::encoder::{count, distance_to_count, pulse};
 use crate::follow::Reading;
 use crate::key::keys;
 use crate::random::unit_interval;
-use crate::values::Findings;
-use crate::values::Rig;
+use crate::values::{Findings, Rig, whole_microseconds};
 
 keys! {
     PRESSURE_MIN_PA: f64 = number("sensors.pressure_min_pa", 0.0, 0.0, 1e7, "", "Absolute pressure at raw 0.");
@@ -27,6 +27,7 @@ keys! {
     BITS: i64 = integer("sensors.bits", 12, 8, 15, "", "Width of the converter.");
     HOME_SWITCH_MM: Option<f64> = optional_number("sensors.home_switch_mm", -1000.0, 20_000.0, "there is no switch", "", "The homing switch is closed below this position.");
     PRESSURE_LAG_S: f64 = number("sensors.pressure_lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure sensors; 0: none.");
+    CHANNEL_SKEW_S: f64 = number("sensors.channel_skew_s", 0.0, 0.0, 0.01, "5.3.1", "The converter reads pressure 1 with the encoder, pressure 2 so much later, and the spool as much after that; whole microseconds, twice it less than controller.delay_s. 0: all at once. About 1e-4 on the thesis's test rig.");
     NOISE_COUNTS: f64 = number("sensors.noise_counts", 0.0, 0.0, 1000.0, "", "Standard deviation of the converter's noise.");
 }
 
@@ -35,6 +36,25 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let why = "the sensor's range would be empty";
     findings.below(rig, &keys::PRESSURE_MIN_PA, &keys::PRESSURE_MAX_PA, why);
     findings.below(rig, &keys::SPOOL_MIN_MM, &keys::SPOOL_MAX_MM, why);
+    check_channel_skew(rig, findings);
+}
+
+/// All channels of a sample are read before its command goes out.
+fn check_channel_skew(rig: &Rig, findings: &mut Findings) {
+    let (skew, delay) = (rig.get(&keys::CHANNEL_SKEW_S), rig.get(&controller::keys::DELAY_S));
+    if whole_microseconds(skew).is_none() {
+        findings.note(&keys::CHANNEL_SKEW_S, "must be a whole number of microseconds");
+    }
+    if skew > 0.0 && 2.0 * skew >= delay {
+        let message = format!(
+            "must be less than half of controller.delay_s = {delay}, is {skew}: all three channels are read before the output"
+        );
+        findings.note(&keys::CHANNEL_SKEW_S, message);
+    }
+    if skew > 0.0 && rig.get(&controller::keys::MODEL) == controller::Model::Continuous {
+        let message = "must be 0 with controller.model = \"continuous\", which has no converter";
+        findings.note(&keys::CHANNEL_SKEW_S, message);
+    }
 }
 
 /// A converter: a range of a physical value and its width.

@@ -96,7 +96,7 @@ pub(crate) fn speed_recovery(rig: &Rig, gas: &Gas, valve: &Valve) -> f64 {
     let far = tube.far_end(&supply, flow);
     let lost = -far.by_flow / (gas.exner_exponent() * far.exner);
     let density_of_flow = gas.gas_constant * supply.temperature / (valve.port_area() * pressure).powi(2);
-    density_of_flow * flow / lost
+    rig.get(&valve::keys::TURBULENCE).powi(2) * density_of_flow * flow / lost
 }
 
 /// Whether the speed in the ports gives more pressure back behind a wide land than the tube from the

@@ -52,9 +52,11 @@ keys! {
     DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").spread();
     DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").spread();
     DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built();
-    UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "C(54)", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(&["flow-node", "multiple-flow-node"]);
+    UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(&["flow-node", "multiple-flow-node"]);
+    TURBULENCE: f64 = number("valve.turbulence", 1.0, 0.0, 1.0, "C(54)", "Every upstream Mach number is multiplied by it; 0 is upstream_mach = false.").of(&["flow-node", "multiple-flow-node"]);
     TABLE: bool = switch("valve.table", false, "", "Of former versions: flows from a table. Only false is accepted.");
     NULL_OFFSET_MM: f64 = number("valve.null_offset_mm", 0.0, -10.0, 10.0, "", "Spool position at which the valve is at its null.");
+    NULL_DRIFT_MM_PER_H: f64 = number("valve.null_drift_mm_per_h", 0.0, -3600.0, 3600.0, "8.4", "How fast the valve\'s null moves, from null_offset_mm at the start of the test.");
 }
 
 impl Valve {
@@ -98,7 +100,7 @@ pub fn land_law(rig: &Rig) -> FlowLaw {
 /// conventional flows of 6.39 to 6.46, without Mach numbers.
 #[must_use]
 pub fn speed_counts(rig: &Rig) -> bool {
-    rig.get(&keys::UPSTREAM_MACH) && Valve::of(rig).has_node
+    rig.get(&keys::UPSTREAM_MACH) && rig.get(&keys::TURBULENCE) > 0.0 && Valve::of(rig).has_node
 }
 
 /// The largest coefficient of discharge with upstream Mach numbers. At 1 a choked port behind a wide

@@ -37,7 +37,12 @@ fn network(approach: bool) -> Network {
 
 /// Gamma as the network has it: of a restriction with C_d A of 1, approached at a Mach number.
 fn gamma_of_network(p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
-    let (network, gas) = (network(true), Gas::new(N, R));
+    gamma_with(&network(true), p1, t1, m1, p2)
+}
+
+/// The same of a network of any C(54).
+fn gamma_with(network: &Network, p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
+    let gas = Gas::new(N, R);
     let flow = m1 * p1 / (network.mach * t1).sqrt();
     let up = station(p1, t1);
     let square = network.land(
@@ -96,6 +101,19 @@ fn air_that_approaches_flows_like_air_at_rest_at_its_stagnation_state() {
                 gamma_of_network(p0, t0, 0.0, ratio * 589e3),
             );
             assert!((moving / still - 1.0).abs() < 1e-11, "M {mach}, r {ratio}: {moving} {still}");
+        }
+    }
+}
+
+/// 6.54: C(54) multiplies the Mach number, one above that of sound being that of sound.
+#[test]
+fn the_turbulence_coefficient_multiplies_the_upstream_mach_number() {
+    for coefficient in [0.0, 0.3, 0.7, 1.0] {
+        let turbulent = network(true).with_turbulence(coefficient);
+        for (mach, counted) in [(0.2, 0.2), (0.5, 0.5), (0.9, 0.9), (1.4, 1.0)] {
+            let got = gamma_with(&turbulent, 589e3, 294.0, mach, 300e3);
+            let expected = gamma(589e3, 294.0, coefficient * counted, 300e3);
+            assert!((got / expected - 1.0).abs() < 1e-11, "C(54) {coefficient}, M {mach}: {got} {expected}");
         }
     }
 }

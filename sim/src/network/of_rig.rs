@@ -26,7 +26,7 @@ impl Network {
             Laws { land: law, port: law },
             port_area,
         );
-        network.beside(vessels(rig, &gas))
+        network.beside(vessels(rig, &gas)).with_turbulence(rig.get(&keys::valve::TURBULENCE))
     }
 
     /// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no
@@ -37,6 +37,7 @@ impl Network {
         let exhaust = exhaust::station(rig, &gas);
         let laws = Laws { land: law, port: law };
         Network::new(gas, supply, exhaust, Tube::none(), Tube::none(), laws, port_area)
+            .with_turbulence(rig.get(&keys::valve::TURBULENCE))
     }
 }
 

@@ -57,7 +57,8 @@ impl Network {
         let (zero, one) = (N::from(0.0), N::from(1.0));
         let flux = flow / self.gas.pressure_of(place.exner);
         let mach_squared = N::from(self.mach) * place.temperature * flux * flux;
-        let rise = N::from(0.5 * (self.gas.heat_capacity_ratio - 1.0)) * -(-mach_squared).larger(-one);
+        let of_mach = 0.5 * (self.gas.heat_capacity_ratio - 1.0) * self.turbulence_squared;
+        let rise = N::from(of_mach) * -(-mach_squared).larger(-one);
         // Neither of a flow the other way nor of one at the speed of sound.
         let bends =
             |slope: N| N::choose(flow.above(zero), N::choose(one.above(mach_squared), slope, zero), zero);

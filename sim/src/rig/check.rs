@@ -65,7 +65,11 @@ fn check_continuous(rig: &Rig, findings: &mut Findings) {
     let refused = if !rig.get(&keys::operator::MODEL).is_solenoid() {
         "it drives solenoids; a stepper and an on-off valve need samples"
     } else if rig.get(&keys::controller::LOOP) == Loop::Open {
-        "it closes the loop; an open loop is for the sampled one"
+        let ends = [&keys::safety::END_MIN_MM, &keys::safety::END_MAX_MM];
+        if ends.iter().all(|end| rig.get(end).is_none()) {
+            return;
+        }
+        "its open loop is not held back at safety.end_min_mm and safety.end_max_mm; leave them out"
     } else if !matches!(rig.get(&keys::controller::LAW), Law::GainProfile | Law::Proportional) {
         "it has the laws gain-profile and proportional; relays and steps across a dead zone are sampled"
     } else if is_above_0(&keys::controller::DEAD_BAND_COUNTS)

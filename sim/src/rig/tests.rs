@@ -134,6 +134,10 @@ fn what_does_not_go_together_is_refused_at_its_key() {
             "[controller]\nmodel = \"continuous\"\n[operator]\nmodel = \"on-off\"\n",
             "a stepper and an on-off valve need samples",
         ),
+        (
+            "[controller]\nmodel = \"continuous\"\nloop = \"open\"\n[safety]\nend_max_mm = 200\n",
+            "its open loop is not held back at safety.end_min_mm and safety.end_max_mm",
+        ),
         ("[valve]\nspool_diameter_mm = 11\n", "must not be above valve.sleeve_diameter_mm"),
         ("[actuator]\nrod_diameter_m = 0.05\n", "must be below actuator.bore_m"),
         ("[load]\ncoulomb_extend_n = 80\n", "must not be above load.static_extend_n"),

@@ -1,0 +1,44 @@
+//! What happens to the plant from outside: faults, and another pressure of the supply.
+
+use super::{Assembly, StateVector, slot, spool_state};
+use pneudrive_solver::Derivative;
+
+impl Assembly {
+    /// Faults of the plant that begin or end at `t`; tells whether any do. They take the flows with them.
+    pub(super) fn pass_faults(&mut self, t: f64, x: &mut StateVector) -> bool {
+        if !self.parts.faults.pass(t) {
+            return false;
+        }
+        self.supply_the_network();
+        if self.parts.faults.now.stuck_spool {
+            self.settle(t, x);
+            self.parts.operator.stick(t, spool_state(x));
+            x[slot::SPOOL_VELOCITY] = 0.0;
+        }
+        self.parts.network.jump();
+        self.solved = None;
+        self.find_port_directions(t, x);
+        true
+    }
+
+    /// The supply has another pressure from `t` on, Pa.
+    pub fn set_supply_pressure(&mut self, t: f64, x: &StateVector, pressure: f64) -> Derivative {
+        self.parts.supply_pressure = pressure;
+        self.supply_the_network();
+        self.outlook = None;
+        self.solved = None;
+        self.parts.network.jump();
+        self.find_port_directions(t, x);
+        Derivative::Discontinuous
+    }
+
+    /// Tells network and tubes the supply's pressure: its own, or that of a fault.
+    fn supply_the_network(&mut self) {
+        let pressure = self.parts.faults.now.supply_pressure.unwrap_or(self.parts.supply_pressure);
+        let supply = self.parts.gas.exner(pressure);
+        self.parts.network.set_supply(supply);
+        if let Some(lag) = &mut self.parts.lag {
+            lag.supply.exner = supply;
+        }
+    }
+}

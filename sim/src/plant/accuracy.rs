@@ -1,0 +1,46 @@
+//! How exactly a plant is integrated, and what a run of a rig needs.
+
+use crate::component::controller::Loop;
+use crate::component::operator::Model;
+use crate::keys;
+use crate::values::Rig;
+use pneudrive_solver::Method;
+
+/// How exactly a plant is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// The method.
+    pub method: Method,
+    /// Allowed error of a step, relative to what counts as large in each state.
+    pub tolerance: f64,
+}
+
+impl Default for Accuracy {
+    /// For a plant under given commands: repeats the reference transients to a tenth of their tolerances, over the
+    /// whole run (docs/agreement.md).
+    fn default() -> Self {
+        Accuracy { method: Method::DormandPrince, tolerance: 1e-9 }
+    }
+}
+
+impl Accuracy {
+    /// What a run of a rig needs. In a closed loop a count that flips makes another transient, so that it is
+    /// integrated until that is rare (see [`crate::decision`]).
+    #[must_use]
+    pub fn of(rig: &Rig) -> Accuracy {
+        match rig.get(&keys::controller::LOOP) {
+            Loop::Closed => Accuracy { tolerance: 1e-11, ..Accuracy::default() },
+            Loop::Open => Accuracy::of_draw(rig),
+        }
+    }
+
+    /// What a run needs that is one of many draws: another transient of the same drive is as good. A spool that a
+    /// stepper places does not shake, and no position depends on the last nanometres of its motion.
+    #[must_use]
+    pub fn of_draw(rig: &Rig) -> Accuracy {
+        match rig.get(&keys::operator::MODEL) {
+            Model::Stepper => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
+            _ => Accuracy::default(),
+        }
+    }
+}
