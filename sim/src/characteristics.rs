@@ -12,21 +12,27 @@
 //! | [`frequency_response`] | 7.1.2.3 | the spool under a swept sine |
 //! | [`land_area`] | 6.38 | areas of the lands over the spool |
 //! | [`flow_force`] | 6.4.4 | force of the flow on the spool |
+//! | [`friction`] | 7.1.3.1, Fig. 7.10 and 7.11, Tab. 7.2 | the load as the supply rises slowly |
+//! | [`drift`] | 8.4 | the error at rest over hours, as the valve's null moves |
 //! | [`leakage`] | 8.3.3, Fig. 8.8 | what passes the piston |
+//! | [`timer`] | 7.1.5, Fig. 7.13 | which sample periods the drive can have |
 //!
 //! There is no second model: [`bench`] fastens the very parts that a run is built of.
 
 mod bench;
 pub mod dither;
+pub mod drift;
 pub mod flow_force;
 pub mod flow_function;
 pub mod flow_gain;
 pub mod frequency_response;
+pub mod friction;
 pub mod hysteresis;
 pub mod land_area;
 pub mod leakage;
 pub mod pressure_drop;
 pub mod pressure_gain;
+pub mod timer;
 pub mod valve_models;
 
 use crate::keys;
@@ -44,7 +50,7 @@ pub struct Curve {
 }
 
 /// All curves.
-pub const CURVES: [Curve; 11] = [
+pub const CURVES: [Curve; 14] = [
     Curve { name: "flow-gain", about: flow_gain::ABOUT, measure: flow_gain::measure },
     Curve { name: "pressure-gain", about: pressure_gain::ABOUT, measure: pressure_gain::measure },
     Curve { name: "flow-function", about: flow_function::ABOUT, measure: flow_function::measure },
@@ -59,7 +65,10 @@ pub const CURVES: [Curve; 11] = [
     },
     Curve { name: "land-area", about: land_area::ABOUT, measure: land_area::measure },
     Curve { name: "flow-force", about: flow_force::ABOUT, measure: flow_force::measure },
+    Curve { name: "friction", about: friction::ABOUT, measure: friction::measure },
     Curve { name: "leakage", about: leakage::ABOUT, measure: leakage::measure },
+    Curve { name: "drift", about: drift::ABOUT, measure: drift::measure },
+    Curve { name: "timer", about: timer::ABOUT, measure: timer::measure },
 ];
 
 /// Why a curve cannot be measured on a rig.
