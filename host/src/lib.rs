@@ -24,7 +24,7 @@
 //! | [`identification`] | parameters of a rig from its transients, with their uncertainties |
 //! | [`evaluation`] | what a transient tells about its moves |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
-//! | [`thesis`] | every number of the thesis that the model can be held against, on one page |
+//! | [`thesis`] | the numbers of the thesis that the model can be held against, on one page |
 //! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
 //! | [`ladder`] | what each model of a component costs, and what it changes |
 //! | [`parallel`] | the same for each of many, on several threads |

@@ -1,4 +1,4 @@
-//! The thesis, reproduced: every number in the text of its chapters 7 and 8 that the model can be held against.
+//! The thesis, reproduced: the numbers in the text of its chapters 7 and 8 that the model can be held against.
 //!
 //! An [`Exhibit`] is one table, figure or section of the thesis: what it prints ([`Entry`], a line each), the experiment
 //! that repeats it, and the command that repeats the experiment. The experiment gives a [`Reading`] for each entry, with

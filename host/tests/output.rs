@@ -46,7 +46,7 @@ fn run(folder: &Path, arguments: &str, fates: [Fate; 2]) -> (i32, Output) {
 }
 
 /// Every command that needs no rig at a port, with the file that it leaves if it leaves one.
-const COMMANDS: [(&str, &str); 19] = [
+const COMMANDS: [(&str, &str); 20] = [
     ("--help", ""),
     ("help simulate", ""),
     ("--version", ""),
@@ -62,6 +62,7 @@ const COMMANDS: [(&str, &str); 19] = [
     ("characterise servo-b flow-gain --out made", "made/flow-gain.csv"),
     ("study list", ""),
     ("study impulse --starts 1 --out made", "made/impulse.html"),
+    ("thesis --only 7.1.5 --out made", "made/thesis.html"),
     ("ladder servo-b --set test.duration_s=0.02 --ensemble 1 --out made", "made/ladder.html"),
     ("sweep s.toml --out made", "made/sweep.csv"),
     ("tune servo-b-tuned --generations 0 --draws 1 --out made", "made/tuned.toml"),

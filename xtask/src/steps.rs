@@ -154,7 +154,7 @@ pub fn thesis(tally: &mut Tally, write: bool) {
         "--test",
         "thesis",
         "--",
-        "golden_file",
+        "the_numbers_are",
         "--nocapture",
     ];
     tally.check("numbers of the thesis", || {
