@@ -59,7 +59,7 @@ pub(super) const EXHIBITS: [Exhibit; 2] = [
                 "In terms of position responses, servo-drive B was the best among the three.",
             ),
         ],
-        why: "Ignorance of the values within 10 % makes a part of the printed deviations of A and B, and most of those of C, which vibrates with its preliminary gains. The pressures of B deviate by more than ten times what such ignorance makes: a level of the pressures that is wrong from the start, or a valve that leaks otherwise about its null, would do that, and neither can be told without the transients.",
+        why: "Ignorance of the values within 10 % makes a part of the printed deviations of A and B, and most of those of C, which vibrates with its preliminary gains. The pressures of B deviate by more than ten times what such ignorance makes. Tried one by one on B: chambers that begin at 200 kPa for 400 kPa make 46 and 61 kPa, a supply of 450 kPa 16 and 25 kPa, an underlap or overlap of 0.05 mm 10 to 16 kPa, a null off by 0.05 mm 14 kPa, a clearance twice as wide 10 and 12 kPa. None makes half of it; what does stays open without the transients.",
         experiment: Experiment::Own(deviations),
         takes_s: 5.0,
     },
