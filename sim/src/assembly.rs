@@ -15,12 +15,14 @@ mod disturbed;
 mod following;
 mod lag;
 mod lands;
+pub(crate) mod layout;
 mod outlook;
 mod ports;
 mod sensed;
 mod valve_state;
 
 pub(crate) use lag::Lag;
+pub(crate) use layout::{CORE, END_GUARDS, GUARDS, SCALE, STATES, StateVector, slot};
 
 use crate::component::actuator::Actuator;
 use crate::component::air::{Air, Station};
@@ -36,50 +38,10 @@ use crate::continuous::ContinuousLaw;
 use crate::network::{Network, Nodes};
 use crate::number::{Number, Pair};
 use lands::Lands;
+use layout::{SPOOL_GUARDS, guard, spool_state};
 use pneudrive_solver::{Derivative, Event, StepLimit, System};
 use ports::Ports;
 pub use valve_state::ValveState;
-
-/// Number of states.
-pub(crate) const STATES: usize = 13;
-/// Those of load and air come first: they move alone where the spool is foreseen, and neither tubes nor
-/// pressure sensors lag.
-pub(crate) const CORE: usize = 6;
-/// Guards read from the state: stiction and stops of the load, the entry of the gain profile, the edges of
-/// the lands, then those of the operator.
-pub(crate) const GUARDS: usize = LOAD_GUARDS + operator::GUARDS;
-/// Guards that need the flows: the direction of the air in each port.
-pub(crate) const END_GUARDS: usize = 2;
-
-/// The state vector.
-pub(crate) type StateVector = [f64; STATES];
-
-/// Places in the state vector.
-pub(crate) mod slot {
-    pub const POSITION: usize = 0;
-    pub const VELOCITY: usize = 1;
-    pub const MASS: [usize; 2] = [2, 3];
-    pub const EXNER: [usize; 2] = [4, 5];
-    pub const SPOOL: usize = 6;
-    pub const SPOOL_VELOCITY: usize = 7;
-    /// Pressure behind a lagged tube over that at its known end: supply, cylinder 1, cylinder 2.
-    pub const RATIO: [usize; 3] = [8, 9, 10];
-    /// Pressures that lagged sensors tell of, Pa.
-    pub const SENSED: [usize; 2] = [11, 12];
-}
-
-/// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
-/// to themselves, hence small), m, m/s; ratios of pressures; Pa.
-pub(crate) const SCALE: StateVector = [0.1, 1.0, 1e-5, 1e-5, 1.0, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0, 1e5, 1e5];
-
-const LOAD_FRICTION: usize = 0;
-const LOAD_STOPS: usize = 1;
-const PROFILE_FARTHER: usize = 2;
-const PROFILE_NEARER: usize = 3;
-const LANDS: usize = 4;
-const LOAD_GUARDS: usize = 6;
-/// Guards of the spool: at the edges of the lands, and the operator's.
-const SPOOL_GUARDS: usize = GUARDS - LANDS;
 
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
@@ -257,10 +219,6 @@ impl Assembly {
     }
 }
 
-fn spool_state(x: &StateVector) -> SpoolState {
-    SpoolState { position: x[slot::SPOOL], velocity: x[slot::SPOOL_VELOCITY] }
-}
-
 impl Assembly {
     /// The rates of all but the spool: of load, air and lagged tubes. No command is in them.
     fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
@@ -300,17 +258,19 @@ impl Assembly {
     }
 
     /// A mode of the load or an entry of the profile ends: the continuous command jumps, or its rate does.
-    fn cross_load(&mut self, guard: usize, t: f64, x: &mut StateVector) {
+    fn cross_load(&mut self, index: usize, t: f64, x: &mut StateVector) {
         self.follow(x);
-        match guard {
-            LOAD_FRICTION => {
+        match index {
+            guard::LOAD_FRICTION => {
                 if self.load_contact != Contact::Stuck {
                     x[slot::VELOCITY] = 0.0;
                 }
                 let applied = self.applied_to_load(x);
                 self.load_contact = self.parts.load.friction.after(self.load_contact, applied);
             }
-            LOAD_STOPS => self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION]),
+            guard::LOAD_STOPS => {
+                self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION])
+            }
             _ => {
                 if let Some(law) = &mut self.parts.continuous {
                     law.cross(x[slot::POSITION]);
@@ -338,11 +298,12 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
         let on_load = self.applied_to_load(x);
         let flow_force = self.flow_force(t, x);
         let mut guards = [0.0; GUARDS];
-        guards[LOAD_FRICTION] = self.parts.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
-        guards[LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
-        [guards[PROFILE_FARTHER], guards[PROFILE_NEARER]] =
+        guards[guard::LOAD_FRICTION] =
+            self.parts.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
+        guards[guard::LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
+        [guards[guard::PROFILE[0]], guards[guard::PROFILE[1]]] =
             self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
-        guards[LANDS..].copy_from_slice(&match self.parts.operator.is_foreseen() {
+        guards[guard::SPOOL..].copy_from_slice(&match self.parts.operator.is_foreseen() {
             true => [1.0; SPOOL_GUARDS],
             false => self.spool_guards(t, x, flow_force),
         });
@@ -387,7 +348,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     fn handle_event(&mut self, event: Event, t: f64, x: &mut StateVector) -> Derivative {
         let mut foreseen = self.parts.operator.is_foreseen();
         self.outlook = None;
-        if matches!(event, Event::Time | Event::Guard(LOAD_GUARDS..)) {
+        if matches!(event, Event::Time | Event::Guard(guard::FIRST_OF_OPERATOR..)) {
             self.settle(t, x);
         }
         match event {
@@ -396,20 +357,20 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
                 let flow_force = self.flow_force(t, x);
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }
-            Event::Guard(guard @ LANDS..LOAD_GUARDS) => {
+            Event::Guard(index @ guard::SPOOL..guard::FIRST_OF_OPERATOR) => {
                 let spool = self.spool_to_lands(t, x);
-                self.lands.pass(guard - LANDS, &self.parts.valve, spool);
+                self.lands.pass(index - guard::SPOOL, &self.parts.valve, spool);
             }
-            Event::Guard(guard @ ..LANDS) => {
-                self.cross_load(guard, t, x);
+            Event::Guard(index @ ..guard::SPOOL) => {
+                self.cross_load(index, t, x);
                 foreseen = false;
             }
-            Event::Guard(guard) => {
+            Event::Guard(index) => {
                 self.follow(x);
                 self.follow_rate(t, x);
                 let flow_force = self.flow_force(t, x);
                 let mut spool = spool_state(x);
-                self.parts.operator.cross(guard - LOAD_GUARDS, t, &mut spool, flow_force);
+                self.parts.operator.cross(index - guard::FIRST_OF_OPERATOR, t, &mut spool, flow_force);
                 x[slot::SPOOL_VELOCITY] = spool.velocity;
             }
             Event::EndGuard(port) => {

@@ -33,6 +33,7 @@
 mod brackets;
 mod course;
 mod from_rest;
+mod mixing;
 mod newton;
 mod nodes;
 mod of_rig;
@@ -46,6 +47,7 @@ use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::{Conductances, Valve};
 use crate::number::{Number, Pair};
 use course::Course;
+use mixing::mean_of_inflows;
 pub(crate) use nodes::{Nodes, Surroundings};
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
@@ -468,17 +470,6 @@ impl Network {
             [(node.supply_flow, self.supply.temperature), (node.exhaust_flow, self.exhaust.temperature)];
         mean_of_inflows(&from_lands).unwrap_or(node.temperature)
     }
-}
-
-/// Appendix VI as one rule: the mean stagnation temperature of what flows in, by mass. None if
-/// nothing does.
-fn mean_of_inflows(inflows: &[(f64, f64)]) -> Option<f64> {
-    let (mut mass, mut heat) = (0.0, 0.0);
-    for (flow, temperature) in inflows.iter().filter(|(flow, _)| *flow > 0.0) {
-        mass += flow;
-        heat += flow * temperature;
-    }
-    (mass > 0.0).then(|| heat / mass)
 }
 
 #[cfg(test)]

@@ -39,6 +39,7 @@
 pub mod config;
 pub mod drive;
 pub mod estimator;
+mod fault;
 mod fixed;
 pub mod homing;
 pub mod law;
@@ -52,10 +53,11 @@ mod standstill;
 pub mod supervisor;
 
 pub use config::Config;
+pub use fault::Fault;
 pub use parameters::Parameters;
 pub use sequencer::{Move, Sequence};
 pub use signal::{Command, Observation, Sample};
-pub use supervisor::{Fault, Mode, Refusal};
+pub use supervisor::{Mode, Refusal};
 
 use drive::{DriveConfig, SpoolLocation};
 use estimator::{Estimator, Motion};

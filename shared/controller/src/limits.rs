@@ -11,9 +11,9 @@
 //! stuck spool.
 
 use crate::estimator::Motion;
+use crate::fault::Fault;
 use crate::signal::Sample;
 use crate::standstill::Standstill;
-use crate::supervisor::Fault;
 
 /// The limits of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

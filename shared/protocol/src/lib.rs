@@ -58,6 +58,7 @@ pub mod change;
 pub mod event;
 pub mod frame;
 pub mod message;
+pub mod owner;
 pub mod recent;
 pub mod record;
 pub mod session;
@@ -72,9 +73,10 @@ pub use message::{
     Request, RequestBody, Spread, Status, UNTIL_STOPPED, code, decode_reply, decode_request, encode,
     encode_and_know,
 };
+pub use owner::{Owner, Presence};
 pub use recent::Recent;
 pub use record::{RecordCrc, RecordedSample};
-pub use session::{InSession, Owner, Presence};
+pub use session::InSession;
 pub use stream::StreamedSample;
 pub use values::Values;
 

@@ -3,15 +3,11 @@
 //! A host draws a number for as long as it runs and puts it behind the body of every request, as a varint. Firmware
 //! before version 5 skips it, and a host before version 5 does not send it: that is session 0.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::message::{Message, MessageError, Request, decode};
 
-/// The session of all hosts of version 4 and older.
-pub const OLD_HOSTS: u32 = 0;
-
-/// Bytes of the name that a host gives itself. A longer one is cut.
-pub const HOST_BYTES: usize = 32;
+pub use crate::owner::{HOST_BYTES, OLD_HOSTS};
 
 /// A request with the session that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -34,31 +30,6 @@ impl<'a> InSession<'a> {
         let session = postcard::take_from_bytes(behind).map_or(OLD_HOSTS, |(session, _)| session);
         Ok(InSession { request: Request { sequence, body }, session })
     }
-}
-
-/// Whether somebody commands the drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Presence {
-    /// Nobody does: the drive is disabled.
-    #[default]
-    Nobody,
-    /// Its owner is there: others may read and stop.
-    There,
-    /// Its owner has gone, or has been silent for too long: whoever wants to may take over.
-    Gone,
-}
-
-/// Who commands the drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Owner<'a> {
-    /// Whether there is one.
-    pub presence: Presence,
-    /// Its session; [`OLD_HOSTS`]: of version 4 or older.
-    pub session: u32,
-    /// For how long nothing has been heard of it, milliseconds; 0 where the board has no clock for that.
-    pub silent_ms: u32,
-    /// What it calls itself, up to [`HOST_BYTES`].
-    pub host: &'a str,
 }
 
 #[cfg(test)]

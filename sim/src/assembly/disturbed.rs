@@ -1,6 +1,7 @@
 //! What happens to the plant from outside: faults, and another pressure of the supply.
 
-use super::{Assembly, StateVector, slot, spool_state};
+use super::layout::spool_state;
+use super::{Assembly, StateVector, slot};
 use pneudrive_solver::Derivative;
 
 impl Assembly {

@@ -4,7 +4,8 @@
 //! rate does as well where the load meets a stop. An operator that remembers the way that its command
 //! took is told of these jumps (EQUATIONS section 11 rules 3 and 8).
 
-use super::{Assembly, StateVector, slot, spool_state};
+use super::layout::spool_state;
+use super::{Assembly, StateVector, slot};
 use crate::component::load::Motion;
 use crate::component::operator;
 use pneudrive_solver::Derivative;

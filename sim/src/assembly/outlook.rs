@@ -4,7 +4,8 @@
 //! They are located before a step is made, which then ends on them. A spool under a flow force, in a stop or with
 //! a command that moves all the time is watched at every step instead (`System::guards`).
 
-use super::{Assembly, LANDS, SPOOL_GUARDS, StateVector, spool_state};
+use super::layout::{SPOOL_GUARDS, guard, spool_state};
+use super::{Assembly, StateVector};
 use pneudrive_solver::crossing::{PROBES, first_crossing};
 use pneudrive_solver::{Event, StepLimit};
 
@@ -43,9 +44,9 @@ impl Assembly {
         let [one, two, three, four] = PROBES;
         let looks = [guards_at(one), guards_at(two), guards_at(three), guards_at(four)];
         let found = first_crossing(&guards_at(0.0), &looks, guards_at);
-        found.map_or(clear, |(guard, part)| StepLimit {
+        found.map_or(clear, |(index, part)| StepLimit {
             until: t + part * span,
-            event: Some(Event::Guard(LANDS + guard)),
+            event: Some(Event::Guard(guard::SPOOL + index)),
         })
     }
 

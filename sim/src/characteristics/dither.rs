@@ -6,7 +6,8 @@
 
 use super::bench::{SpoolBench, ValveBench};
 use super::hysteresis::{branches, reading_m, sweep};
-use super::{Characteristic, Figure, Graph, Unfit, evenly};
+use super::points::evenly;
+use super::{Characteristic, Figure, Graph, Unfit};
 use crate::component::dither::Dither;
 use crate::keys;
 use crate::values::Rig;

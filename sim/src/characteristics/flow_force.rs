@@ -4,7 +4,8 @@
 //! in a cylinder that moves.
 
 use super::bench::ValveBench;
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
+use super::points::{evenly, supplies};
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::component::valve::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::keys;
 use crate::values::Rig;

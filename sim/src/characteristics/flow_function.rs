@@ -5,7 +5,8 @@
 //! m / (A P_u / sqrt(T_u) sqrt(n/R) (2/(n+1))^((n+1)/(2(n-1))))
 //! ```
 
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
+use super::points::evenly;
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::component::gas::Gas;
 use crate::component::valve::Valve;
 use crate::component::valve::discharge::perry;

@@ -5,7 +5,8 @@
 //! other family: one pressure at the supply port, several at port 1.
 
 use super::bench::ValveBench;
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
+use super::points::{evenly, supplies};
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::keys;
 use crate::values::Rig;
 

@@ -1,6 +1,7 @@
 //! Areas of the lands over the spool (6.38, Appendix IV): what of the valve is open.
 
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
+use super::points::evenly;
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::component::valve::Valve;
 use crate::keys;
 use crate::values::Rig;

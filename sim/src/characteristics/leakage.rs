@@ -1,7 +1,8 @@
 //! Leakage past the piston on a bench (8.3.3, Fig. 8.8): one chamber is fed, the other is open to the surroundings, and
 //! what comes out of it has passed the seal.
 
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
+use super::points::evenly;
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::component::actuator::Actuator;
 use crate::component::actuator::leakage::Leakage;
 use crate::component::gas::Gas;

@@ -2,7 +2,8 @@
 //!
 //! Positive flows go away from the end whose pressure is known; against it the far end is the higher one.
 
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
+use super::points::evenly;
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::component::air::Station;
 use crate::component::gas::Gas;
 use crate::component::tubing::tubes;

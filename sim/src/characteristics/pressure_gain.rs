@@ -12,7 +12,8 @@
 //! It is known to twice its standard error: the misfit over the root of the sum of the squared slopes.
 
 use super::bench::ValveBench;
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly, supplies};
+use super::points::{evenly, supplies};
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::keys;
 use crate::values::Rig;
 

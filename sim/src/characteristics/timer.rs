@@ -4,7 +4,8 @@
 //! they were served. Here the time from sample to output is `controller.delay_s`, C(26), and a period that leaves no room
 //! for it is refused, not stretched. What a timer makes of the period that it is asked for is measured on a board.
 
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
+use super::points::evenly;
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::keys;
 use crate::rig::Rig;
 

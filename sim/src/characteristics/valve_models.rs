@@ -4,7 +4,8 @@
 
 use super::bench::ValveBench;
 use super::flow_gain::FIG_7_4_SUPPLY_PA;
-use super::{Characteristic, Figure, Graph, Series, Unfit, evenly};
+use super::points::evenly;
+use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::keys;
 use crate::values::Rig;
 

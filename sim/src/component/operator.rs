@@ -19,11 +19,10 @@ mod flight;
 pub(crate) mod hysteresis;
 mod moving_hysteresis;
 pub mod on_off;
+pub mod request;
 pub mod solenoid;
 pub mod stepper;
 pub mod stuck;
-
-use pneudrive_controller::drive;
 
 use crate::component::controller::{self, keys as controller_keys};
 use crate::component::dither::{self, Dither};
@@ -31,6 +30,7 @@ use crate::key::{keys, words};
 use crate::values::{Findings, Rig};
 use empirical::Empirical;
 use on_off::OnOff;
+pub use request::{Request, within_range};
 use solenoid::{Solenoid, SolenoidParameters};
 use stepper::Stepper;
 use stuck::Stuck;
@@ -94,21 +94,6 @@ impl Operator {
             Model::OnOff => Operator::OnOff(OnOff::of(rig)),
         }
     }
-}
-
-/// What the drive stage does at an output.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Request {
-    /// Counts of a DAC; for a stepper the location asked for, steps.
-    pub counts: i16,
-    /// Pulse for a stepper: -1, 0 or 1.
-    pub step: i8,
-}
-
-/// A demand in counts, limited to the range of a DAC.
-#[must_use]
-pub fn within_range(demand: f64) -> f64 {
-    demand.clamp(-f64::from(drive::MAX_COUNTS), f64::from(drive::MAX_COUNTS))
 }
 
 /// Position (m) and velocity (m/s) of a moving spool.

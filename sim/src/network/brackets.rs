@@ -2,8 +2,9 @@
 //! inside it, its port innermost. Slow, and used only where Newton's method gets lost, on the way from air at rest as well.
 //! Only the speeds of approach, which are given to the brackets and found again pass by pass, may not come to rest.
 
+use super::mixing::mean_of_inflows;
 use super::restriction::{Approach, MaybeApproach, Place, factor};
-use super::{Network, Node, Nodes, PortFlow, Station, Surroundings, mean_of_inflows};
+use super::{Network, Node, Nodes, PortFlow, Station, Surroundings};
 use crate::component::valve::Conductances;
 use pneudrive_solver::bracketed_root;
 

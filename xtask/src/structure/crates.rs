@@ -7,16 +7,12 @@ use toml_edit::{DocumentMut, Item};
 
 /// The crates, from the lowest layer up, with their folders. Those of one layer do not know each other.
 const LAYERS: [&[(&str, &str)]; 6] = [
-    &[
-        ("pneudrive-controller", "shared/controller"),
-        ("pneudrive-solver", "sim/solver"),
-        ("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"),
-    ],
+    &[("pneudrive-controller", "shared/controller"), ("pneudrive-solver", "sim/solver")],
     &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
-    &[("pneudrive-app", "firmware/app"), ("xtask", "xtask")],
-    &[("pneudrive-protocol-model", "shared/protocol/model"), ("pneudrive", "host")],
-    &[("pneudrive-hil-tests", "hil-tests")],
-    &[("pneudrive-properties", "fuzz/properties")],
+    &[("pneudrive-app", "firmware/app")],
+    &[("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"), ("pneudrive", "host")],
+    &[("xtask", "xtask"), ("pneudrive-protocol-model", "shared/protocol/model")],
+    &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],
 ];
 
 /// Dependencies that do not go down.

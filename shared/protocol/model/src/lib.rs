@@ -12,6 +12,7 @@
 //!
 //! [`mutant`] plants defects; `tests/mutants.rs` shows that the checker finds each.
 
+mod distortion;
 pub mod flash;
 pub mod host;
 pub mod intern;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ConfigState, Motion, RecordInfo, Refused, Spread, Status};
 use crate::Values;
-use crate::session::Owner;
+use crate::owner::Owner;
 
 /// The answer to a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,0 +1,121 @@
+//! Where each state and each guard of the assembly stands: one list, from which all places follow.
+
+use crate::component::operator::{self, SpoolState};
+
+/// A list of names, each with how many entries it has, becomes their places and the number of all.
+macro_rules! layout {
+    ($total:ident at $place:expr;) => {
+        pub const $total: usize = $place;
+    };
+    ($total:ident at $place:expr; $(#[$about:meta])* $name:ident, $($rest:tt)*) => {
+        $(#[$about])*
+        pub const $name: usize = $place;
+        layout! { $total at $place + 1; $($rest)* }
+    };
+    ($total:ident at $place:expr; $(#[$about:meta])* $name:ident: $count:expr, $($rest:tt)*) => {
+        $(#[$about])*
+        pub const $name: [usize; $count] = super::places($place);
+        layout! { $total at $place + $count; $($rest)* }
+    };
+}
+
+const fn places<const COUNT: usize>(first: usize) -> [usize; COUNT] {
+    let mut places = [0; COUNT];
+    let mut i = 0;
+    while i < COUNT {
+        places[i] = first + i;
+        i += 1;
+    }
+    places
+}
+
+/// Places in the state vector, SI.
+pub(crate) mod slot {
+    layout! {
+        COUNT at 0;
+        POSITION,
+        VELOCITY,
+        MASS: 2,
+        EXNER: 2,
+        SPOOL,
+        SPOOL_VELOCITY,
+        /// Pressure behind a lagged tube over that at its known end: supply, cylinder 1, cylinder 2.
+        RATIO: 3,
+        /// Pressures that lagged sensors tell of, Pa.
+        SENSED: 2,
+    }
+}
+
+/// Places among the guards that are read from the state.
+pub(crate) mod guard {
+    use super::operator;
+
+    layout! {
+        COUNT at 0;
+        /// Stiction of the load.
+        LOAD_FRICTION,
+        /// Stops of the load.
+        LOAD_STOPS,
+        /// The farther and the nearer end of the entry of the gain profile.
+        PROFILE: 2,
+        /// The edges of the lands.
+        LANDS: 2,
+        /// The operator's own.
+        OPERATOR: operator::GUARDS,
+    }
+
+    /// The first guard of the spool: the edges of the lands, then the operator's.
+    pub const SPOOL: usize = LANDS[0];
+    /// The first guard of the operator.
+    pub const FIRST_OF_OPERATOR: usize = OPERATOR[0];
+}
+
+/// Number of states.
+pub(crate) const STATES: usize = slot::COUNT;
+/// Those of load and air come first: they move alone where the spool has a closed form, and neither tubes nor
+/// pressure sensors lag.
+pub(crate) const CORE: usize = slot::SPOOL;
+/// Guards read from the state.
+pub(crate) const GUARDS: usize = guard::COUNT;
+/// Guards that need the flows: the direction of the air in each port.
+pub(crate) const END_GUARDS: usize = 2;
+/// Guards of the spool.
+pub(super) const SPOOL_GUARDS: usize = GUARDS - guard::SPOOL;
+
+/// The state vector.
+pub(crate) type StateVector = [f64; STATES];
+
+/// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
+/// to themselves, hence small), m, m/s; ratios of pressures; Pa.
+pub(crate) const SCALE: StateVector = {
+    let mut scale = [1.0; STATES];
+    scale[slot::POSITION] = 0.1;
+    scale[slot::MASS[0]] = 1e-5;
+    scale[slot::MASS[1]] = 1e-5;
+    scale[slot::SPOOL] = 1e-3;
+    scale[slot::SENSED[0]] = 1e5;
+    scale[slot::SENSED[1]] = 1e5;
+    scale
+};
+
+/// The spool's part of the state.
+pub(super) fn spool_state(x: &StateVector) -> SpoolState {
+    SpoolState { position: x[slot::SPOOL], velocity: x[slot::SPOOL_VELOCITY] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_is_taken_once() {
+        let single = [slot::POSITION, slot::VELOCITY, slot::SPOOL, slot::SPOOL_VELOCITY];
+        let mut all = [&single[..], &slot::MASS, &slot::EXNER, &slot::RATIO, &slot::SENSED].concat();
+        all.sort_unstable();
+        assert_eq!(all, (0..STATES).collect::<Vec<_>>());
+        let mut guards = vec![guard::LOAD_FRICTION, guard::LOAD_STOPS];
+        guards.extend([&guard::PROFILE[..], &guard::LANDS, &guard::OPERATOR].concat());
+        guards.sort_unstable();
+        assert_eq!(guards, (0..GUARDS).collect::<Vec<_>>());
+    }
+}
