@@ -132,9 +132,13 @@ fn cells(deviation: &Deviation) -> Vec<String> {
     ]
 }
 
-/// Four decimals, and no zero with a sign.
+/// A figure with four significant digits, and no more than four behind the point.
 fn number(value: f64) -> String {
-    format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0)
+    let whole_digits = value.abs().max(1.0).log10().floor() as usize + 1;
+    let decimals = if value.abs() < 1.0 { 4 } else { 4_usize.saturating_sub(whole_digits) };
+    let scale = 10_f64.powi(decimals as i32);
+    // Not -0.
+    format!("{:.decimals$}", (value * scale).round() / scale + 0.0)
 }
 
 #[cfg(test)]
@@ -157,6 +161,13 @@ mod tests {
         assert_eq!(position.standard_deviation, 0.5);
         assert!((position.fraction_of_range - 2.5_f64.sqrt() / 20.0).abs() < 1e-15);
         assert!(found[1].fraction_of_range.is_nan(), "a constant channel has no range");
+    }
+
+    #[test]
+    fn figures_have_four_significant_digits() {
+        let shown = [40_132.609_2, 1152.0, 199.573_1, -17.411_7, 5.279_8, -0.174_8, 0.000_04, -0.000_04];
+        let told = ["40133", "1152", "199.6", "-17.41", "5.280", "-0.1748", "0.0000", "0.0000"];
+        assert_eq!(shown.map(number), told);
     }
 
     #[test]
