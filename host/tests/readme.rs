@@ -1,12 +1,12 @@
-//! What the README says that the built-in rigs reach.
+//! What docs/rigs.md says that the built-in rigs reach.
 
 mod program;
 
 use program::{folder, ok};
 
-/// The cells of a rig in the README's table.
+/// The cells of a rig in the table.
 fn stated(rig: &str) -> Vec<String> {
-    let row = include_str!("../../README.md").lines().find(|line| line.starts_with(&format!("| {rig} |")));
+    let row = include_str!("../../docs/rigs.md").lines().find(|line| line.starts_with(&format!("| {rig} |")));
     let row = row.unwrap_or_else(|| panic!("{rig} has a row"));
     row.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()
 }
@@ -21,7 +21,7 @@ fn judged(rig: &str, settled_mm: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_tuned_rigs_reach_what_the_readme_says() {
+fn the_tuned_rigs_reach_what_the_page_says() {
     for rig in ["servo-a-tuned", "servo-c-tuned"] {
         let (row, at_1, at_5) = (stated(rig), judged(rig, "1"), judged(rig, "0.05"));
         let met = |seen: &[String]| format!("{} ({})", seen[0], seen[1]);
