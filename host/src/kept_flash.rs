@@ -45,7 +45,7 @@ impl KeptFlash {
 
     /// Whether the power is off.
     #[must_use]
-    pub fn is_dark(&self) -> bool {
+    pub fn is_powered_off(&self) -> bool {
         self.cells().dark
     }
 
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(flash.write(0, &[0; 4]), Ok(()));
         assert_eq!(flash.write(4, &[0; 4]), Err(Dark), "a word is written or not");
         assert_eq!((flash.write(4, &[0; 4]), flash.read(0, &mut [0])), (Err(Dark), Err(Dark)));
-        assert!(flash.is_dark());
+        assert!(flash.is_powered_off());
         flash.switch_on();
         assert_eq!(read(&mut flash), [0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff]);
         flash.cut_power_at(1);

@@ -256,7 +256,7 @@ impl VirtualRig {
         while !stop.load(Ordering::Relaxed) {
             door.admit();
             let heard = self.hear(&mut door.callers);
-            if self.board.store.flash().is_dark() {
+            if self.board.store.flash().is_powered_off() {
                 return Ok(());
             }
             let sampled = self.catch_up(&mut door.callers)?;
@@ -277,7 +277,7 @@ impl VirtualRig {
                 return false;
             };
             heard |= count > 0;
-            !self.board.store.flash().is_dark() && caller.speak().is_ok()
+            !self.board.store.flash().is_powered_off() && caller.speak().is_ok()
         });
         heard
     }

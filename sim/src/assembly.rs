@@ -16,7 +16,7 @@ mod following;
 mod lag;
 mod lands;
 pub(crate) mod layout;
-mod outlook;
+mod next_event;
 mod ports;
 mod sensed;
 mod valve_state;
@@ -30,7 +30,7 @@ use crate::component::faults::Schedule;
 use crate::component::friction::Contact;
 use crate::component::gas::Gas;
 use crate::component::load::Load;
-use crate::component::operator::{self, Operator, Request, SpoolState};
+use crate::component::operator::{Operator, Request, SpoolState};
 use crate::component::stop::Side;
 use crate::component::valve::flow_force::{FlowForce, NodeFlows, Source, ValveFlows, path_area};
 use crate::component::valve::{Restrictions, Valve};
@@ -52,8 +52,8 @@ pub(crate) struct Assembly {
     restrictions: Restrictions,
     lands: Lands,
     ports: Ports,
-    /// What the spool will do next, as long as no mode of it changes.
-    outlook: Option<StepLimit>,
+    /// The next event of the spool, as long as no mode of it changes.
+    next_spool_event: Option<StepLimit>,
     /// The last solution of the network, and the instant and state it belongs to.
     solved: Option<(f64, StateVector, Nodes)>,
 }
@@ -97,7 +97,7 @@ impl Assembly {
             restrictions: parts.valve.restrictions(&parts.gas),
             lands: Lands::at(&parts.valve, 0.0),
             ports: Ports::new(),
-            outlook: None,
+            next_spool_event: None,
             solved: None,
             parts,
         };
@@ -110,8 +110,8 @@ impl Assembly {
 
     /// A request to the operator takes effect at `t`. A spool that jumps takes the flows with it.
     pub fn drive(&mut self, t: f64, x: &mut StateVector, request: Request) -> Derivative {
-        let foreseen = self.parts.operator.is_foreseen();
-        self.outlook = None;
+        let closed_form = self.parts.operator.has_closed_form();
+        self.next_spool_event = None;
         self.settle(t, x);
         let flow_force = self.flow_force(t, x);
         let before = self.spool(t, x);
@@ -123,13 +123,13 @@ impl Assembly {
             self.parts.network.jump();
             self.find_port_directions(t, x);
         }
-        self.derivative_after(foreseen && spool == before)
+        self.derivative_after(closed_form && spool == before)
     }
 
-    /// What an event of the spool leaves of dx/dt, if before it the spool was `foreseen`: where the spool is
-    /// no state, only its position is felt, and that does not jump.
-    fn derivative_after(&self, foreseen: bool) -> Derivative {
-        if foreseen && self.parts.operator.is_foreseen() {
+    /// What an event of the spool makes of dx/dt, `closed_form` before it: where the spool has a closed form before and
+    /// after, only its position acts on the other states, and that does not jump.
+    fn derivative_after(&self, closed_form: bool) -> Derivative {
+        if closed_form && self.parts.operator.has_closed_form() {
             Derivative::Continuous
         } else {
             Derivative::Discontinuous
@@ -138,13 +138,13 @@ impl Assembly {
 
     /// Brings the integrator's state of the spool to where it is, before a mode of it changes.
     fn settle(&self, t: f64, x: &mut StateVector) {
-        let SpoolState { position, velocity } = self.place(t, x);
+        let SpoolState { position, velocity } = self.spool_state_at(t, x);
         [x[slot::SPOOL], x[slot::SPOOL_VELOCITY]] = [position, velocity];
     }
 
     /// Where the spool is, m.
     pub fn spool(&self, t: f64, x: &StateVector) -> f64 {
-        self.parts.operator.position(t, self.place(t, x))
+        self.parts.operator.position(t, self.spool_state_at(t, x))
     }
 
     /// Where the spool is as the lands have it, m: a null that drifts leaves it behind.
@@ -157,8 +157,8 @@ impl Assembly {
     }
 
     /// Position and velocity of a moving spool.
-    fn place(&self, t: f64, x: &StateVector) -> SpoolState {
-        self.parts.operator.place(t, spool_state(x))
+    fn spool_state_at(&self, t: f64, x: &StateVector) -> SpoolState {
+        self.parts.operator.state(t, spool_state(x))
     }
 
     /// Force of the flow on the spool, N, by the flows at this very state (EQUATIONS section 11
@@ -303,7 +303,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
         guards[guard::LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
         [guards[guard::PROFILE[0]], guards[guard::PROFILE[1]]] =
             self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
-        guards[guard::SPOOL..].copy_from_slice(&match self.parts.operator.is_foreseen() {
+        guards[guard::SPOOL..].copy_from_slice(&match self.parts.operator.has_closed_form() {
             true => [1.0; SPOOL_GUARDS],
             false => self.spool_guards(t, x, flow_force),
         });
@@ -326,7 +326,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn only_core_moves(&self) -> bool {
-        self.parts.operator.is_foreseen() && self.parts.lag.is_none() && self.parts.sensor_lag.is_none()
+        self.parts.operator.has_closed_form() && self.parts.lag.is_none() && self.parts.sensor_lag.is_none()
     }
 
     fn oscillates(&self) -> bool {
@@ -346,14 +346,14 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn handle_event(&mut self, event: Event, t: f64, x: &mut StateVector) -> Derivative {
-        let mut foreseen = self.parts.operator.is_foreseen();
-        self.outlook = None;
+        let mut closed_form = self.parts.operator.has_closed_form();
+        self.next_spool_event = None;
         if matches!(event, Event::Time | Event::Guard(guard::FIRST_OF_OPERATOR..)) {
             self.settle(t, x);
         }
         match event {
             Event::Time => {
-                foreseen &= !self.pass_faults(t, x);
+                closed_form &= !self.pass_faults(t, x);
                 let flow_force = self.flow_force(t, x);
                 self.parts.operator.pass_instant(t, spool_state(x), flow_force);
             }
@@ -363,7 +363,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
             }
             Event::Guard(index @ ..guard::SPOOL) => {
                 self.cross_load(index, t, x);
-                foreseen = false;
+                closed_form = false;
             }
             Event::Guard(index) => {
                 self.follow(x);
@@ -375,10 +375,10 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
             }
             Event::EndGuard(port) => {
                 self.ports.turn(port, t);
-                foreseen = false;
+                closed_form = false;
             }
         }
-        let derivative = self.derivative_after(foreseen);
+        let derivative = self.derivative_after(closed_form);
         if derivative == Derivative::Discontinuous {
             self.solved = None;
             self.parts.network.expect_jump();

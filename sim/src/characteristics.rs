@@ -36,7 +36,6 @@ pub mod pressure_gain;
 pub mod timer;
 pub mod valve_models;
 
-use crate::keys;
 use crate::values::Rig;
 use pneudrive_solver::IntegrationError;
 pub use points::SUPPLY_FAMILY_PA;

@@ -5,6 +5,7 @@
 
 use pneudrive_controller::Command;
 
+pub use crate::component::sensors::Reading;
 use crate::plant::{Accuracy, Plant};
 use crate::values::Rig;
 use pneudrive_solver::IntegrationError;
@@ -16,18 +17,6 @@ pub struct Timing {
     pub period_us: u64,
     /// From a sample to its output; less than the period.
     pub delay_us: u64,
-}
-
-/// What sensors would read at a sample without their noise and quantisation, SI. With a channel skew the second
-/// pressure and the spool are those of a little later than the sample's instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// m.
-    pub position: f64,
-    /// Absolute chamber pressures, Pa.
-    pub pressures: [f64; 2],
-    /// m.
-    pub spool: f64,
 }
 
 /// The readings at the samples 0, 1, 2... of the plant of `rig`, in the initial state of its test, under

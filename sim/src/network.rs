@@ -31,12 +31,14 @@
 //! approach come to rest.
 
 mod brackets;
-mod course;
-mod from_rest;
+mod continuation;
+mod following;
 mod mixing;
 mod newton;
+mod node;
 mod nodes;
 mod of_rig;
+mod predictor;
 mod rest;
 mod restriction;
 
@@ -46,9 +48,11 @@ use crate::component::tubing::{FarEnd, Tube};
 use crate::component::valve::flow_law::FlowLaw;
 use crate::component::valve::{Conductances, Valve};
 use crate::number::{Number, Pair};
-use course::Course;
+use following::Following;
 use mixing::mean_of_inflows;
+pub use node::Node;
 pub(crate) use nodes::{Nodes, Surroundings};
+use predictor::Predictor;
 
 /// Which way the air in a port goes. Fixed during a step; its reversal is an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,45 +63,6 @@ pub enum PortFlow {
     Discharging,
 }
 
-/// One node and its flows.
-#[derive(Clone, Copy, Debug)]
-pub struct Node {
-    /// w_n.
-    pub exner: f64,
-    /// T_n, K: of the air that leaves by the lands.
-    pub temperature: f64,
-    /// Temperature of the air that goes on into the cylinder, K.
-    pub carried: f64,
-    /// s, kg/s, from the supply.
-    pub supply_flow: f64,
-    /// e, kg/s, from the exhaust; negative when air leaves.
-    pub exhaust_flow: f64,
-}
-
-impl Node {
-    fn station(&self) -> Station {
-        Station { exner: self.exner, temperature: self.temperature }
-    }
-
-    const NOT_A_NUMBER: Node = Node {
-        exner: f64::NAN,
-        temperature: f64::NAN,
-        carried: f64::NAN,
-        supply_flow: f64::NAN,
-        exhaust_flow: f64::NAN,
-    };
-
-    fn is_finite(&self) -> bool {
-        (self.exner + self.temperature + self.supply_flow + self.exhaust_flow).is_finite()
-    }
-
-    /// m, kg/s, into the cylinder.
-    #[must_use]
-    pub fn port_flow(&self) -> f64 {
-        self.supply_flow + self.exhaust_flow
-    }
-}
-
 /// Which ends of the network are vessels right at the valve: no tube brings their air to it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vessels {
@@ -105,23 +70,6 @@ pub struct Vessels {
     pub supply: bool,
     /// Both chambers.
     pub chambers: bool,
-}
-
-/// The part of a lagged tube's drop that follows the flow at once.
-#[derive(Clone, Copy, Debug)]
-struct Following {
-    source: Station,
-    tube: Tube,
-    part: f64,
-}
-
-impl Following {
-    /// The valve's end, for the w that the rest has come to.
-    fn far_end(&self, lagged: f64, temperature: f64, total: f64) -> FarEnd {
-        let settled = self.tube.far_end(&Station { temperature, ..self.source }, total);
-        let exner = lagged * libm::pow(settled.exner / lagged, self.part);
-        FarEnd { exner, by_flow: self.part * exner * settled.by_flow / settled.exner }
-    }
 }
 
 /// The laws of flow of lands and ports.
@@ -157,7 +105,7 @@ pub struct Network {
     started: bool,
     /// Whether the next solution may be far from `nodes`, so that a search is worth its time.
     far: bool,
-    course: Course,
+    predictor: Predictor,
     /// Allowed error of a flow, kg/s, in the present step and in one no longer than `short_step` (s).
     flow_error: f64,
     short_error: f64,
@@ -190,7 +138,7 @@ const FLOW_ERROR: f64 = 1e-15;
 /// After so many failures, with a step ten times shorter each time, the solution that was followed has
 /// come to its end: with upstream Mach numbers a land that is wider than its port has none below M = 1
 /// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
-const MOST_FAILURES: u32 = 3;
+const MAX_FAILURES: u32 = 3;
 
 /// The temperature of what goes back through the supply tube depends on the flows and they a little on it.
 const MAX_RETURNING_PASSES: u32 = 20;
@@ -237,7 +185,7 @@ impl Network {
             nodes: Nodes::alike(node),
             started: false,
             far: true,
-            course: Course::UNKNOWN,
+            predictor: Predictor::UNKNOWN,
             flow_error: FLOW_ERROR,
             short_error: FLOW_ERROR,
             short_step: f64::INFINITY,
@@ -286,7 +234,7 @@ impl Network {
 
     /// The flows jump: what they were says nothing of the next ones.
     pub fn jump(&mut self) {
-        self.course = Course::UNKNOWN;
+        self.predictor = Predictor::UNKNOWN;
         self.expect_jump();
     }
 
@@ -424,7 +372,7 @@ impl Network {
             (self.failures, self.found) = (self.failures + 1, 0);
             // A trial step too large may lead to where there is no solution, or leave no numbers: it is
             // told so, and the last solution is not spoilt by it.
-            let lost = !self.far && self.failures < MOST_FAILURES;
+            let lost = !self.far && self.failures < MAX_FAILURES;
             if lost || !self.by_search(around) {
                 return Nodes::NOT_NUMBERS;
             }
@@ -446,7 +394,7 @@ impl Network {
     /// brackets, sharpened by Newton's method; false where they find nothing.
     fn by_search(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
-        if self.come_from_rest(around) {
+        if self.continue_from_rest(around) {
             return true;
         }
         self.work.bracketed += 1;

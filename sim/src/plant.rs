@@ -17,8 +17,7 @@ use crate::assembly::{
 };
 use crate::component::faults::SensorFaults;
 use crate::component::operator::Request;
-use crate::component::sensors::Sensors;
-use crate::follow::Reading;
+use crate::component::sensors::{Reading, Sensors};
 use crate::keys;
 use crate::network::NetworkWork;
 use crate::number::Pair;
@@ -53,7 +52,7 @@ pub struct Plant {
 const FLOW: f64 = 0.3;
 
 /// kg/s: flows are solved to this at any tolerance, so that their noise looks like no motion.
-const MOST_FLOW_ERROR: f64 = 3e-10;
+const MAX_FLOW_ERROR: f64 = 3e-10;
 
 /// s: in longer steps the flows are found as much more exactly.
 const SHORT_STEP: f64 = 0.5e-3;
@@ -101,7 +100,7 @@ impl Plant {
     #[must_use]
     pub fn new(rig: &Rig, accuracy: Accuracy, seed: u64) -> Plant {
         let (mut parts, x) = build::drive(rig);
-        parts.network = parts.network.to_within((FLOW * accuracy.tolerance).min(MOST_FLOW_ERROR));
+        parts.network = parts.network.to_within((FLOW * accuracy.tolerance).min(MAX_FLOW_ERROR));
         if accuracy.tolerance < LOOSE {
             parts.network = parts.network.by_steps_of(SHORT_STEP);
         }

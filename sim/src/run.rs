@@ -1,9 +1,9 @@
 //! One run: the real controller on the simulated plant, as fast as it goes.
 
-use crate::keys;
-use pneudrive_controller::{Command, Config, Fault, Mode, Observation, State, output, sample};
+use pneudrive_controller::{Command, Config, Fault, Mode, Observation, Sequence, State, output, sample};
 
-use crate::follow::Reading;
+use crate::component::sensors::Reading;
+use crate::keys;
 use crate::plant::{Accuracy, Plant, PlantWork};
 use crate::positive_gain::PositiveGain;
 use crate::trace::Row;
@@ -44,6 +44,15 @@ struct Rows {
 }
 
 impl Rows {
+    /// Those of a rig's test.
+    fn of(rig: &Rig, recording: Recording) -> Rows {
+        let every = rig.get(&keys::test::TRACE_PERIOD_S).and_then(whole_microseconds);
+        let period_us = every.unwrap_or(u64::from(rig.period_us().get()));
+        let end_us = rig.microseconds(&keys::test::DURATION_S);
+        let rows = Vec::with_capacity(room_for(end_us / period_us));
+        Rows { period_us, next_us: 0, end_us, recording, rows }
+    }
+
     /// Rows due before `until_us` and not after the end.
     fn catch_up(
         &mut self,
@@ -92,74 +101,100 @@ pub fn run_recorded(
     recording: Recording,
     mut progress: impl FnMut(u32, u32),
 ) -> Result<Run, IntegrationError> {
-    let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
-    let sequence = rig.sequence();
-    let mut state = State::default();
-    state.supervisor.set_referenced();
-    state.supervisor.arm().expect("a new drive does not run");
-    state.start(&config, &sequence).expect("a checked rig has moves that may be run");
-
-    let period = u64::from(rig.period_us().get());
-    let row_period = rig.get(&keys::test::TRACE_PERIOD_S).and_then(whole_microseconds);
-    let (row_period, end_us) = (row_period.unwrap_or(period), rig.microseconds(&keys::test::DURATION_S));
-    let rows = Vec::with_capacity(room_for(end_us / row_period));
-    let mut rows = Rows { period_us: row_period, next_us: 0, end_us, recording, rows };
-    let mut plant = Plant::new(rig, accuracy, 0);
-    let samples = room_for(u64::from(rig.last_sample()));
+    let mut rows = Rows::of(rig, recording);
+    let mut drive = Drive::of(rig, accuracy);
+    let (last, period) = (rig.last_sample(), u64::from(rig.period_us().get()));
+    let samples = room_for(u64::from(last));
     let mut observations = Vec::with_capacity(samples);
     let (mut readings, mut commands) = (Vec::with_capacity(samples), Vec::with_capacity(samples));
-    let mut fault = None;
-    let mut target = None;
-    let mut bug = PositiveGain::of(rig, &config);
-    let last = rig.last_sample();
     for k in 0..=u64::from(last) {
-        let reading = plant.reading()?;
+        let reading = drive.plant.reading()?;
         readings.push(reading);
-        sample(&config, &sequence, &mut state, &plant.sample_of(&reading));
-        let mut command = output(&config, &mut state);
-        let mut seen = *state.observation();
-        if let Mode::Fault(kind) = state.supervisor.mode() {
-            fault = fault.or(Some((kind, seen.index)));
-        } else if let Some(command) = continuous(&mut plant, &mut target, seen.setpoint) {
-            seen.command = command;
-        }
-        if let Some(bug) = &bug {
-            seen = bug.spoil(state.supervisor.mode(), seen);
-        }
+        let (seen, command) = drive.control(&reading);
         observations.push(seen);
         // The supervisor has the last word on the simulator's own controller, too: it ends the run.
-        if target.is_some() && fault.is_some() {
+        if drive.target.is_some() && drive.fault.is_some() {
             break;
         }
         progress(seen.index, last);
-        if let Some(bug) = &mut bug {
-            command = bug.output(&seen, command);
-        }
-        commands.push(command);
-        if target.is_none() {
-            plant.command(command);
-        }
+        commands.push(drive.output(&seen, command));
         // A row at an instant with an output shows the state after it.
-        rows.catch_up(&mut plant, &seen, (k + 1) * period)?;
+        rows.catch_up(&mut drive.plant, &seen, (k + 1) * period)?;
         if k < u64::from(last) {
-            plant.next_sample()?;
+            drive.plant.next_sample()?;
         }
     }
-    Ok(Run { rows: rows.rows, observations, readings, commands, fault, work: plant.work() })
+    let (fault, work) = (drive.fault, drive.plant.work());
+    Ok(Run { rows: rows.rows, observations, readings, commands, fault, work })
+}
+
+/// The controller, and the plant that it drives.
+struct Drive {
+    config: Config,
+    sequence: Sequence,
+    state: State,
+    plant: Plant,
+    bug: Option<PositiveGain>,
+    /// The present target of a continuous controller.
+    target: Option<i32>,
+    fault: Option<(Fault, u32)>,
+}
+
+impl Drive {
+    /// The drive of a rig at the start of its test, referenced, armed and at rest.
+    fn of(rig: &Rig, accuracy: Accuracy) -> Drive {
+        let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
+        let sequence = rig.sequence();
+        let mut state = State::default();
+        state.supervisor.set_referenced();
+        state.supervisor.arm().expect("a new drive does not run");
+        state.start(&config, &sequence).expect("a checked rig has moves that may be run");
+        let (plant, bug) = (Plant::new(rig, accuracy, 0), PositiveGain::of(rig, &config));
+        Drive { config, sequence, state, plant, bug, target: None, fault: None }
+    }
+
+    /// What the controller makes of a sample: what is recorded of it, and its command.
+    fn control(&mut self, reading: &Reading) -> (Observation, Command) {
+        let taken = self.plant.sample_of(reading);
+        sample(&self.config, &self.sequence, &mut self.state, &taken);
+        let command = output(&self.config, &mut self.state);
+        let mut seen = *self.state.observation();
+        if let Mode::Fault(kind) = self.state.supervisor.mode() {
+            self.fault = self.fault.or(Some((kind, seen.index)));
+        } else if let Some(command) = self.continuous(seen.setpoint) {
+            seen.command = command;
+        }
+        if let Some(bug) = &self.bug {
+            seen = bug.spoil(self.state.supervisor.mode(), seen);
+        }
+        (seen, command)
+    }
+
+    /// Gives the plant the command of the present sample, and tells what it was.
+    fn output(&mut self, seen: &Observation, command: Command) -> Command {
+        let command = match &mut self.bug {
+            Some(bug) => bug.output(seen, command),
+            None => command,
+        };
+        if self.target.is_none() {
+            self.plant.command(command);
+        }
+        command
+    }
+
+    /// Gives a continuous controller its target where it changes, and tells its command, rounded to counts;
+    /// None for a sampled one.
+    fn continuous(&mut self, setpoint: i32) -> Option<i16> {
+        self.plant.continuous_command()?;
+        if self.target != Some(setpoint) {
+            self.target = Some(setpoint);
+            self.plant.set_target(setpoint);
+        }
+        self.plant.continuous_command().map(|command| command.round() as i16)
+    }
 }
 
 /// Room for entries 0 to `last`, as far as it is wise to take it beforehand.
 fn room_for(last: u64) -> usize {
     last.min(1 << 14) as usize + 1
-}
-
-/// Gives a continuous controller its target where it changes, and tells its command, rounded to counts;
-/// None for a sampled one.
-fn continuous(plant: &mut Plant, target: &mut Option<i32>, setpoint: i32) -> Option<i16> {
-    plant.continuous_command()?;
-    if *target != Some(setpoint) {
-        *target = Some(setpoint);
-        plant.set_target(setpoint);
-    }
-    plant.continuous_command().map(|command| command.round() as i16)
 }

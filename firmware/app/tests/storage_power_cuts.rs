@@ -52,7 +52,7 @@ impl<const WRITE: usize> Drive<WRITE> {
     fn cut(mut self, gain: i32, operations: usize, tear: Tear) -> Self {
         self.flash.cut_after(operations, tear);
         let saved = self.store.save(&mut self.flash, &with_gain(gain));
-        assert_eq!(saved.is_err(), self.flash.is_dark(), "a save that was cut is not called saved");
+        assert_eq!(saved.is_err(), self.flash.is_powered_off(), "a save that was cut is not called saved");
         self.flash.reboot();
         self
     }

@@ -21,7 +21,7 @@ use crate::requests::{Room, body, change};
 const SESSIONS: [u32; 3] = [0x1001, 0x2002, 0];
 
 /// The most samples that an input asks for.
-const MOST_SAMPLES: u32 = 400;
+const MAX_SAMPLES: u32 = 400;
 
 type Store = FlashStore<RamFlash, Box<Memory>>;
 
@@ -307,7 +307,7 @@ impl Rig {
 
     fn sample(&mut self, interval_us: u32) {
         self.samples += 1;
-        if self.samples > MOST_SAMPLES {
+        if self.samples > MAX_SAMPLES {
             return;
         }
         self.rod.now_us += u64::from(interval_us);

@@ -26,7 +26,7 @@ impl Assembly {
     pub fn set_supply_pressure(&mut self, t: f64, x: &StateVector, pressure: f64) -> Derivative {
         self.parts.supply_pressure = pressure;
         self.supply_the_network();
-        self.outlook = None;
+        self.next_spool_event = None;
         self.solved = None;
         self.parts.network.jump();
         self.find_port_directions(t, x);

@@ -154,7 +154,7 @@ impl SpoolBench {
         self.integrator.integrate_to(&mut self.on_bench, t, t)?;
         self.at = t;
         let x = self.integrator.state(t);
-        Ok(self.on_bench.0.position(t, self.on_bench.place(t, &x)))
+        Ok(self.on_bench.0.position(t, self.on_bench.spool_state_at(t, &x)))
     }
 
     /// Goes on for `duration` and tells the spool at `samples` places of it, m, each in the middle of its part.
@@ -169,13 +169,13 @@ impl SpoolBench {
 }
 
 impl OnBench {
-    fn place(&self, t: f64, x: &[f64; 2]) -> SpoolState {
-        self.0.place(t, spool_state(x))
+    fn spool_state_at(&self, t: f64, x: &[f64; 2]) -> SpoolState {
+        self.0.state(t, spool_state(x))
     }
 
     /// Brings the integrator's state of the spool to where it is, before a mode of it changes.
     fn settle(&self, t: f64, x: &mut [f64; 2]) {
-        let SpoolState { position, velocity } = self.place(t, x);
+        let SpoolState { position, velocity } = self.spool_state_at(t, x);
         *x = [position, velocity];
     }
 }
@@ -186,7 +186,7 @@ impl System<2, GUARDS, 0> for OnBench {
     }
 
     fn guards(&mut self, t: f64, x: &[f64; 2]) -> [f64; GUARDS] {
-        self.0.guards(t, self.place(t, x), 0.0)
+        self.0.guards(t, self.spool_state_at(t, x), 0.0)
     }
 
     fn next_time_event(&self, t: f64) -> f64 {

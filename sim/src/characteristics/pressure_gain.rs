@@ -23,7 +23,7 @@ pub(super) const ABOUT: &str = "pressures of blocked ports over the spool, by su
 const REACH: f64 = 0.1;
 const INTERVALS: usize = 20;
 
-/// Slopes are taken over this part of the travel to either side.
+/// Slope are taken over this part of the travel to either side.
 const SLOPE_OVER: f64 = 1e-3;
 
 /// What the gauges can tell apart, Pa.
@@ -99,7 +99,7 @@ pub fn null_by_least_squares(rig: &Rig, supply_pa: f64, readings: &Readings) -> 
     Null { position, deviation, misfit_pa }
 }
 
-/// Slopes of the pressures of blocked ports at a place of the spool, Pa/m.
+/// Slope of the pressures of blocked ports at a place of the spool, Pa/m.
 fn slopes(bench: &mut ValveBench, spool: f64) -> [f64; 2] {
     let beside = SLOPE_OVER * bench.valve.travel;
     let [before, after] = [-beside, beside].map(|by| bench.blocked(spool + by));

@@ -57,7 +57,7 @@ keys! {
     LAW: Law = choice("controller.law", "L(22), L(8)", "How the position error becomes a demand. The variable dead band gain of 6.3.3 has no equation there; dead_band_counts, or zeros at the head of gain_profile, give a fixed one.");
     LOOP: Loop = choice("controller.loop", "L(3)", "Open: moves are valve commands, nothing is fed back.");
     PERIOD_S: f64 = number("controller.period_s", 0.0013, 1e-4, 0.1, "C(41)", "Sample period; whole microseconds.");
-    START_S: f64 = number("controller.start_s", 0.0, 0.0, 3600.0, "C(40)", "So long before the first sample the drive lives with its valve at the null, from the initial state of the test on; whole microseconds. Times of test, trace and faults count from that sample.");
+    START_S: f64 = number("controller.start_s", 0.0, 0.0, 60.0, "C(40)", "So long before the first sample the drive lives with its valve at the null, from the initial state of the test on; whole microseconds. Times of test, trace and faults count from that sample.");
     DELAY_S: f64 = number("controller.delay_s", 0.0005, 1e-6, 0.099_999, "C(26)", "From a sample to its output; whole microseconds, less than the period.");
     GAIN_PROFILE: Vec<i64> = other("controller.gain_profile", Kind::Integers { min: 0, max: GAIN, max_entries: 256 }, Preset::Integers(PROFILE), "Kp(0)..Kp(255)", "Gain on the error, an entry for each span of error; the last one repeats to 256 entries.");
     PROFILE_SPAN_COUNTS: i64 = integer("controller.profile_span_counts", 4, 1, 65_535, "L(67)", "Range of error that one entry of the gain profile covers.");

@@ -10,12 +10,12 @@
 //!
 //! An operator is given a [`Request`] at each output and tells where its spool is. Those with a
 //! moving mass have two states, position and velocity, for the integrator; as long as the motion is known
-//! beforehand (`operator/flight.rs`) these rest, and [`Operator::place`] tells where it is. What else they remember (hysteresis,
+//! beforehand (`operator/closed_form.rs`) these rest, and [`Operator::state`] tells where it is. What else they remember (hysteresis,
 //! stiction, stops) are modes, each with a guard that says how long it holds.
 
 pub mod amplifier;
+mod closed_form;
 pub mod empirical;
-mod flight;
 pub(crate) mod hysteresis;
 mod moving_hysteresis;
 pub mod on_off;
@@ -127,10 +127,10 @@ impl Operator {
     /// Position and velocity of a moving spool at `t`, if the integrator's state of it is `spool`. All else
     /// but [`Operator::derivative`] is asked with what this tells.
     #[must_use]
-    pub fn place(&self, t: f64, spool: SpoolState) -> SpoolState {
+    pub fn state(&self, t: f64, spool: SpoolState) -> SpoolState {
         match self {
-            Operator::Solenoid(solenoid) => solenoid.place(t, spool),
-            Operator::Empirical(empirical) => empirical.place(t, spool),
+            Operator::Solenoid(solenoid) => solenoid.state(t, spool),
+            Operator::Empirical(empirical) => empirical.state(t, spool),
             Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => spool,
         }
     }
@@ -148,9 +148,9 @@ impl Operator {
     /// Whether position and guards depend on the time alone until the next event. Then the integrator's states of the
     /// spool rest: [`Operator::derivative`] is zero.
     #[must_use]
-    pub fn is_foreseen(&self) -> bool {
+    pub fn has_closed_form(&self) -> bool {
         match self {
-            Operator::Solenoid(solenoid) => solenoid.is_foreseen(),
+            Operator::Solenoid(solenoid) => solenoid.has_closed_form(),
             Operator::Empirical(empirical) => empirical.flies(),
             Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => true,
         }
@@ -159,7 +159,7 @@ impl Operator {
     /// Whether nothing but a request will move its spool.
     #[must_use]
     pub fn stands(&self, t: f64) -> bool {
-        self.is_foreseen() && self.max_step().is_infinite() && self.next_time_event(t).is_infinite()
+        self.has_closed_form() && self.max_step().is_infinite() && self.next_time_event(t).is_infinite()
     }
 
     /// A request takes effect at `t`, under a flow force (N) on the spool.

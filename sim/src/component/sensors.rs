@@ -14,7 +14,6 @@ use rand_chacha::rand_core::SeedableRng;
 
 use crate::component::controller;
 use crate::component::encoder::{count, distance_to_count, pulse};
-use crate::follow::Reading;
 use crate::key::keys;
 use crate::random::unit_interval;
 use crate::values::{Findings, Rig, whole_microseconds};
@@ -55,6 +54,18 @@ fn check_channel_skew(rig: &Rig, findings: &mut Findings) {
         let message = "must be 0 with controller.model = \"continuous\", which has no converter";
         findings.note(&keys::CHANNEL_SKEW_S, message);
     }
+}
+
+/// What sensors would read at a sample without their noise and quantisation, SI. With a channel skew the second
+/// pressure and the spool are those of a little later than the sample's instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// m.
+    pub position: f64,
+    /// Absolute chamber pressures, Pa.
+    pub pressures: [f64; 2],
+    /// m.
+    pub spool: f64,
 }
 
 /// A converter: a range of a physical value and its width.

@@ -9,7 +9,7 @@ use crate::component::valve::Conductances;
 use pneudrive_solver::bracketed_root;
 
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.
-const MOST_PASSES: u32 = 400;
+const MAX_PASSES: u32 = 400;
 
 /// Change of a factor that is none; ten times as much after every [`PATIENCE`] passes more: a solution that is
 /// nearly two in one is come to ever more slowly, and near enough in the end.
@@ -45,9 +45,9 @@ impl Network {
     /// Behind tubes that let next to nothing pass, air comes at the speed of sound or not at all, each the
     /// consequence of the other: false where the speeds go round and round (Brent, BIT 20, 1980) or find no rest.
     pub(super) fn by_brackets(&mut self, around: &Surroundings) -> bool {
-        let mut places = [[Creep::AT_REST; 3]; 2];
+        let mut places = [[OverRelaxation::AT_REST; 3]; 2];
         let mut landmark = places;
-        for pass in 0..MOST_PASSES {
+        for pass in 0..MAX_PASSES {
             self.work.passes += 1;
             let approaches = places.map(|node| node.map(|place| place.approach));
             let nodes = self.balanced(around, &approaches);
@@ -204,20 +204,20 @@ impl Network {
     }
 }
 
-/// An approach on its way to where it belongs.
+/// The over-relaxed iteration of a speed of approach.
 #[derive(Clone, Copy)]
-struct Creep {
+struct OverRelaxation {
     approach: MaybeApproach,
     /// The last change of its factor that a pass asked for, and how many times as far it went.
     last: f64,
     reach: f64,
 }
 
-impl Creep {
-    const AT_REST: Creep = Creep { approach: None, last: 0.0, reach: 1.0 };
+impl OverRelaxation {
+    const AT_REST: OverRelaxation = OverRelaxation { approach: None, last: 0.0, reach: 1.0 };
 
     /// Whether it is where another one is, and goes on from there as that did.
-    fn is_where(&self, there: &Creep) -> bool {
+    fn is_where(&self, there: &OverRelaxation) -> bool {
         let apart = factor(&self.approach) - factor(&there.approach);
         apart.abs() < UNCHANGED && self.reach == there.reach
     }

@@ -5,7 +5,7 @@
 //! and not looked at again.
 
 use super::nodes::{Nodes, Surroundings, pair};
-use super::rest::{Slopes, is_rounding, land_line, square_slope};
+use super::rest::{Slope, is_rounding, land_line, square_slope};
 use super::restriction::{MaybeApproach, Place, SquareFlow};
 use super::{FLOW_ERROR, Network};
 use crate::component::air::Station;
@@ -45,14 +45,14 @@ type Correction = [Pair; 3];
 
 impl Network {
     /// Newton's method from `nodes`; None where it does not converge.
-    pub(super) fn newton(&mut self, around: &Surroundings, nodes: Nodes, slopes: Slopes) -> Option<Nodes> {
+    pub(super) fn newton(&mut self, around: &Surroundings, nodes: Nodes, slopes: Slope) -> Option<Nodes> {
         let nodes = self.begun(around, nodes);
         let plain = self.following.is_none()
             && !self.supply_tube.feels_temperature()
             && !self.cylinder_tube.feels_temperature();
         match slopes {
-            Slopes::Tangent if self.mach == 0.0 && plain => self.iterate::<true, true>(around, nodes, slopes),
-            Slopes::Tangent if self.mach == 0.0 => self.iterate::<true, false>(around, nodes, slopes),
+            Slope::Tangent if self.mach == 0.0 && plain => self.iterate::<true, true>(around, nodes, slopes),
+            Slope::Tangent if self.mach == 0.0 => self.iterate::<true, false>(around, nodes, slopes),
             _ if plain => self.iterate::<false, true>(around, nodes, slopes),
             _ => self.iterate::<false, false>(around, nodes, slopes),
         }
@@ -65,9 +65,9 @@ impl Network {
         &mut self,
         around: &Surroundings,
         mut nodes: Nodes,
-        slopes: Slopes,
+        slopes: Slope,
     ) -> Option<Nodes> {
-        for _ in 0..slopes.most_iterations() {
+        for _ in 0..slopes.max_iterations() {
             self.work.iterations += 1;
             let total = nodes.supply.reduce_add();
             let at_valve =
@@ -122,7 +122,7 @@ impl Network {
         mixture: &Mixture,
         [fixed, per_total]: &[Correction; 2],
         change: f64,
-        slopes: Slopes,
+        slopes: Slope,
     ) -> bool {
         let change = pair(change);
         let [exner, supply, exhaust] = [
@@ -139,10 +139,10 @@ impl Network {
         nodes.exhaust += exhaust;
         let error = pair(if self.tight { FLOW_ERROR } else { self.flow_error });
         let settles = |flow: Pair, change: Pair| match slopes {
-            Slopes::Tangent => {
+            Slope::Tangent => {
                 (error * flow.abs()).larger(pair(SMALLEST * SMALLEST)).at_least(change * change)
             }
-            Slopes::Secant => Pair::of(|i| {
+            Slope::Secant => Pair::of(|i| {
                 let change = change.lane(i);
                 f64::from(change.abs() < SMALLEST || is_rounding(change))
             })
@@ -160,7 +160,7 @@ impl Network {
         nodes: &Nodes,
         around: &Surroundings,
         at_valve: &FarEnd,
-        slopes: Slopes,
+        slopes: Slope,
     ) -> Balance {
         let (s, e, m) = (nodes.supply, nodes.exhaust, nodes.port_flow());
         let exhaust = self.exhausts();
@@ -195,8 +195,8 @@ impl Network {
         // Over T_n, where the air of the node is the one that flows.
         let per_temperature = mixture.per_temperature;
         let cooling = |square: &SquareFlow<Pair>, of_node: Pair| match slopes {
-            Slopes::Tangent => Pair::choose(of_node, square.value * per_temperature, pair(0.0)),
-            Slopes::Secant => pair(0.0),
+            Slope::Tangent => Pair::choose(of_node, square.value * per_temperature, pair(0.0)),
+            Slope::Secant => pair(0.0),
         };
         let [by_s, by_e, by_t] = mixture.slopes;
         let by_mixture = |slope: Pair| [slope * by_s, slope * by_e, slope * by_t];
@@ -224,8 +224,8 @@ impl Network {
         let back = self.port(bore, &behind, &far_approach, nodes.exner);
         let [p_s, p_e, p_t] = by_mixture(-cooling(&back, around.charging));
         let size = match slopes {
-            Slopes::Tangent => pair(2.0) * m.abs(),
-            Slopes::Secant => Pair::of(|i| square_slope(slopes, m.lane(i), -back.value.lane(i))),
+            Slope::Tangent => pair(2.0) * m.abs(),
+            Slope::Secant => Pair::of(|i| square_slope(slopes, m.lane(i), -back.value.lane(i))),
         };
         let by_flow = size - back.by_flow - back.by_place * by_back;
         let mut port_row = [back.by_node, by_flow + p_s, by_flow + p_e];
@@ -275,9 +275,9 @@ impl Network {
         conductance: Pair,
         source: &Station<Pair>,
         (flow, value): (Pair, Pair),
-        slopes: Slopes,
+        slopes: Slope,
     ) -> (Pair, Pair) {
-        if slopes == Slopes::Tangent && !around.has_shut_land {
+        if slopes == Slope::Tangent && !around.has_shut_land {
             return (flow * flow.abs() - value, pair(2.0) * flow.abs());
         }
         self.line_by_line(around, conductance, source, (flow, value), slopes)
@@ -291,7 +291,7 @@ impl Network {
         conductance: Pair,
         source: &Station<Pair>,
         (flow, value): (Pair, Pair),
-        slopes: Slopes,
+        slopes: Slope,
     ) -> (Pair, Pair) {
         let line = |i: usize| {
             let shut = around.valve.supply.lane(i) == 0.0 || around.valve.exhaust.lane(i) == 0.0;

@@ -25,7 +25,7 @@ use super::{Network, Station};
 
 /// Which slopes of a square over its flow Newton's method takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Slopes {
+pub(super) enum Slope {
     /// Tangents: from the last solution.
     Tangent,
     /// Secants towards the flow that the present pressures drive: where flows come to rest.
@@ -39,25 +39,25 @@ const ROUNDING: f64 = 1e-20;
 /// m_l^2 over the square of the land's choked flow.
 const CREEPING: f64 = 1e-6;
 
-impl Slopes {
+impl Slope {
     /// Newton takes about 4 iterations from the last solution; many more mean a bad start.
-    pub fn most_iterations(self) -> u32 {
+    pub fn max_iterations(self) -> u32 {
         match self {
-            Slopes::Tangent => 20,
-            Slopes::Secant => 60,
+            Slope::Tangent => 20,
+            Slope::Secant => 60,
         }
     }
 }
 
 /// Slope of m|m| over m, with the value that it is to come to.
 #[inline]
-pub(super) fn square_slope(slopes: Slopes, flow: f64, value: f64) -> f64 {
+pub(super) fn square_slope(slopes: Slope, flow: f64, value: f64) -> f64 {
     let size = flow.abs();
     let driven = value.abs().sqrt();
     match slopes {
-        Slopes::Tangent => 2.0 * size,
-        Slopes::Secant if flow * value >= 0.0 => (size + driven).max(f64::MIN_POSITIVE.sqrt()),
-        Slopes::Secant => (size * size + driven * driven) / (size + driven),
+        Slope::Tangent => 2.0 * size,
+        Slope::Secant if flow * value >= 0.0 => (size + driven).max(f64::MIN_POSITIVE.sqrt()),
+        Slope::Secant => (size * size + driven * driven) / (size + driven),
     }
 }
 
@@ -65,13 +65,7 @@ pub(super) fn square_slope(slopes: Slopes, flow: f64, value: f64) -> f64 {
 /// land that is shut (a spool without clearance) has no flow, said linearly: squares would leave Newton's
 /// method without a pivot.
 #[inline]
-pub(super) fn land_line(
-    conductance: f64,
-    flow: f64,
-    value: f64,
-    creeping: f64,
-    slopes: Slopes,
-) -> (f64, f64) {
+pub(super) fn land_line(conductance: f64, flow: f64, value: f64, creeping: f64, slopes: Slope) -> (f64, f64) {
     if conductance == 0.0 {
         (flow, 1.0)
     } else if creeping == 0.0 {
@@ -92,14 +86,14 @@ impl Network {
     /// Newton's method by tangents from where the solution is going or was last, else by secants.
     pub(super) fn by_newton(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
-        let ahead = self.course.ahead(&last);
+        let ahead = self.predictor.predict(&last);
         let found = ahead
-            .and_then(|ahead| self.newton(around, ahead, Slopes::Tangent))
-            .or_else(|| self.newton(around, last, Slopes::Tangent))
-            .or_else(|| self.newton(around, last, Slopes::Secant));
+            .and_then(|ahead| self.newton(around, ahead, Slope::Tangent))
+            .or_else(|| self.newton(around, last, Slope::Tangent))
+            .or_else(|| self.newton(around, last, Slope::Secant));
         if let Some(nodes) = &found {
             self.nodes = *nodes;
-            self.course.note(nodes);
+            self.predictor.note(nodes);
         }
         found.is_some()
     }

@@ -28,73 +28,106 @@ impl Rig {
     }
 
     fn parameter_values(&self) -> Vec<(u16, i32)> {
-        let whole = |key: &Typed<i64>| i32::try_from(self.get(key)).unwrap_or(i32::MAX);
-        let scaled = |key: &Typed<f64>, factor: f64| (self.get(key) * factor).round() as i32;
+        let mut values = self.of_law();
+        values.extend(self.of_supervisor());
+        values.extend(self.of_board());
+        values.extend(self.of_moves());
+        values.extend(self.gain_profile().into_iter().zip(id::GAIN_PROFILE..).map(|(gain, id)| (id, gain)));
+        values
+    }
+
+    fn of_law(&self) -> Vec<(u16, i32)> {
+        use keys::controller as key;
+        let mut values = vec![
+            (id::PERIOD_US, self.microseconds(&key::PERIOD_S) as i32),
+            (id::DELAY_US, self.microseconds(&key::DELAY_S) as i32),
+            (id::OPEN_LOOP, i32::from(self.get(&key::LOOP) == Loop::Open)),
+            (id::LAW, number_of(self.get(&key::LAW))),
+            (id::PROFILE_SPAN_COUNTS, self.whole(&key::PROFILE_SPAN_COUNTS)),
+            (id::PROPORTIONAL_GAIN, self.whole(&key::PROPORTIONAL_GAIN)),
+            (id::VELOCITY_GAIN, self.whole(&key::VELOCITY_GAIN)),
+            (id::ACCELERATION_GAIN, self.whole(&key::ACCELERATION_GAIN)),
+            (id::VELOCITY_WINDOW_SAMPLES, self.whole(&key::VELOCITY_WINDOW_SAMPLES)),
+            (id::ACCELERATION_WINDOW_SAMPLES, self.whole(&key::ACCELERATION_WINDOW_SAMPLES)),
+            (id::VELOCITY_DEAD_BAND, self.whole(&key::VELOCITY_DEAD_BAND)),
+            (id::DEAD_BAND_COUNTS, self.whole(&key::DEAD_BAND_COUNTS)),
+            (id::SCALE, self.whole(&key::SCALE)),
+            (id::NULL_OFFSET_COUNTS, self.whole(&key::NULL_OFFSET_COUNTS)),
+            (id::DEAD_ZONE_COUNTS, self.whole(&key::DEAD_ZONE_COUNTS)),
+            (id::RELAY_HYSTERESIS_COUNTS, self.whole(&key::RELAY_HYSTERESIS_COUNTS)),
+        ];
+        if self.get(&key::LEARN_NULL_OFFSET) {
+            values.push((id::LEARNING_GAIN, self.whole(&key::LEARNING_GAIN)));
+        }
+        if self.get(&key::LAW) == Law::OnOff {
+            values.push((id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()));
+        }
+        values
+    }
+
+    fn of_supervisor(&self) -> Vec<(u16, i32)> {
+        use keys::safety as key;
         let pulse_m = pulse(self);
         let counts = |metres: f64| (metres / pulse_m).floor() as i32;
-        let margin = self.get(&keys::safety::POSITION_MARGIN_MM) * 1e-3;
-        let step = self.get(&keys::safety::MAX_SPEED_M_S) * self.get(&keys::controller::PERIOD_S);
+        let margin = self.get(&key::POSITION_MARGIN_MM) * 1e-3;
+        let step = self.get(&key::MAX_SPEED_M_S) * self.get(&keys::controller::PERIOD_S);
+        let [low, high] = self.open_sensors();
         let mut values = vec![
-            (id::PERIOD_US, self.microseconds(&keys::controller::PERIOD_S) as i32),
-            (id::DELAY_US, self.microseconds(&keys::controller::DELAY_S) as i32),
-            (id::OPEN_LOOP, i32::from(self.get(&keys::controller::LOOP) == Loop::Open)),
-            (id::LAW, number_of(self.get(&keys::controller::LAW))),
-            (id::PROFILE_SPAN_COUNTS, whole(&keys::controller::PROFILE_SPAN_COUNTS)),
-            (id::PROPORTIONAL_GAIN, whole(&keys::controller::PROPORTIONAL_GAIN)),
-            (id::VELOCITY_GAIN, whole(&keys::controller::VELOCITY_GAIN)),
-            (id::ACCELERATION_GAIN, whole(&keys::controller::ACCELERATION_GAIN)),
-            (id::VELOCITY_WINDOW_SAMPLES, whole(&keys::controller::VELOCITY_WINDOW_SAMPLES)),
-            (id::ACCELERATION_WINDOW_SAMPLES, whole(&keys::controller::ACCELERATION_WINDOW_SAMPLES)),
-            (id::VELOCITY_DEAD_BAND, whole(&keys::controller::VELOCITY_DEAD_BAND)),
-            (id::DEAD_BAND_COUNTS, whole(&keys::controller::DEAD_BAND_COUNTS)),
-            (id::SCALE, whole(&keys::controller::SCALE)),
-            (id::NULL_OFFSET_COUNTS, whole(&keys::controller::NULL_OFFSET_COUNTS)),
             (id::POSITION_MIN_COUNTS, counts(-margin)),
             (id::POSITION_MAX_COUNTS, counts(self.get(&keys::actuator::STROKE_M) + margin)),
             (id::ENCODER_STEP_COUNTS, (step / pulse_m).ceil() as i32),
-            (id::LATE_SAMPLE_US, whole(&keys::safety::LATE_SAMPLE_US)),
-            (id::HOST_SILENCE_MS, scaled(&keys::safety::HOST_SILENCE_S, 1e3)),
-            (id::HOLD_MS, scaled(&keys::safety::HOLD_S, 1e3)),
-            (id::ENCODER_INVERTED, i32::from(self.get(&keys::encoder::POLARITY) < 0)),
-            (id::ENCODER_PM_PER_COUNT, scaled(&keys::encoder::MM_PER_COUNT, 1e9)),
-            (id::SENSOR_BITS, whole(&keys::sensors::BITS)),
-            (id::PRESSURE_MIN_PA, scaled(&keys::sensors::PRESSURE_MIN_PA, 1.0)),
-            (id::PRESSURE_MAX_PA, scaled(&keys::sensors::PRESSURE_MAX_PA, 1.0)),
-            (id::SPOOL_MIN_NM, scaled(&keys::sensors::SPOOL_MIN_MM, 1e6)),
-            (id::SPOOL_MAX_NM, scaled(&keys::sensors::SPOOL_MAX_MM, 1e6)),
-            (id::STEPPER, i32::from(self.get(&keys::operator::MODEL) == Model::Stepper)),
-            (id::MAX_STEPS, whole(&keys::stepper::MAX_STEPS)),
-            (id::DEAD_ZONE_COUNTS, whole(&keys::controller::DEAD_ZONE_COUNTS)),
-            (id::RELAY_HYSTERESIS_COUNTS, whole(&keys::controller::RELAY_HYSTERESIS_COUNTS)),
-            (id::TOLERANCE_COUNTS, self.tolerance_counts()),
-            (id::MONITORING_US, scaled(&keys::controller::MONITORING_S, 1e6)),
-            (id::DWELL_US, scaled(&keys::controller::DWELL_S, 1e6)),
-            (id::FORCED_EXIT_US, scaled(&keys::controller::FORCED_EXIT_S, 1e6)),
-            (id::ON_ARRIVAL, i32::from(self.get(&keys::controller::EXIT_ON_DEAD_BAND))),
-            (id::HOMING_SWITCH, i32::from(self.get(&keys::controller::HOMING) == Homing::Switch)),
-            (id::HOMING_COMMAND_COUNTS, whole(&keys::controller::HOMING_COMMAND_COUNTS)),
-            (id::HOMING_POSITION_COUNTS, whole(&keys::controller::HOMING_POSITION_COUNTS)),
-            (id::HOMING_STILL_MS, scaled(&keys::controller::HOMING_STILL_S, 1e3)),
-            (id::HOMING_TIMEOUT_MS, scaled(&keys::controller::HOMING_TIMEOUT_S, 1e3)),
-            (id::PULSE_WIDTH_US, whole(&keys::stepper::PULSE_WIDTH_US)),
-            (id::DIRECTION_SETUP_US, whole(&keys::stepper::DIRECTION_SETUP_US)),
-            (id::NO_MOTION_MS, scaled(&keys::safety::NO_MOTION_S, 1e3)),
+            (id::LATE_SAMPLE_US, self.whole(&key::LATE_SAMPLE_US)),
+            (id::HOST_SILENCE_MS, self.scaled(&key::HOST_SILENCE_S, 1e3)),
+            (id::HOLD_MS, self.scaled(&key::HOLD_S, 1e3)),
+            (id::NO_MOTION_MS, self.scaled(&key::NO_MOTION_S, 1e3)),
+            (id::SENSOR_LOW_RAW, low),
+            (id::SENSOR_HIGH_RAW, high),
         ];
-        let [low, high] = self.open_sensors();
-        values.extend([(id::SENSOR_LOW_RAW, low), (id::SENSOR_HIGH_RAW, high)]);
-        for (id, key) in
-            [(id::END_MIN_COUNTS, &keys::safety::END_MIN_MM), (id::END_MAX_COUNTS, &keys::safety::END_MAX_MM)]
-        {
-            values.extend(self.get(key).map(|mm| (id, counts(mm * 1e-3))));
+        for (id, end) in [(id::END_MIN_COUNTS, &key::END_MIN_MM), (id::END_MAX_COUNTS, &key::END_MAX_MM)] {
+            values.extend(self.get(end).map(|mm| (id, counts(mm * 1e-3))));
         }
-        if self.get(&keys::controller::LEARN_NULL_OFFSET) {
-            values.push((id::LEARNING_GAIN, whole(&keys::controller::LEARNING_GAIN)));
-        }
-        if self.get(&keys::controller::LAW) == Law::OnOff {
-            values.push((id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()));
-        }
-        values.extend(self.gain_profile().into_iter().zip(id::GAIN_PROFILE..).map(|(gain, id)| (id, gain)));
         values
+    }
+
+    fn of_board(&self) -> Vec<(u16, i32)> {
+        use keys::{sensors, stepper};
+        vec![
+            (id::ENCODER_INVERTED, i32::from(self.get(&keys::encoder::POLARITY) < 0)),
+            (id::ENCODER_PM_PER_COUNT, self.scaled(&keys::encoder::MM_PER_COUNT, 1e9)),
+            (id::SENSOR_BITS, self.whole(&sensors::BITS)),
+            (id::PRESSURE_MIN_PA, self.scaled(&sensors::PRESSURE_MIN_PA, 1.0)),
+            (id::PRESSURE_MAX_PA, self.scaled(&sensors::PRESSURE_MAX_PA, 1.0)),
+            (id::SPOOL_MIN_NM, self.scaled(&sensors::SPOOL_MIN_MM, 1e6)),
+            (id::SPOOL_MAX_NM, self.scaled(&sensors::SPOOL_MAX_MM, 1e6)),
+            (id::STEPPER, i32::from(self.get(&keys::operator::MODEL) == Model::Stepper)),
+            (id::MAX_STEPS, self.whole(&stepper::MAX_STEPS)),
+            (id::PULSE_WIDTH_US, self.whole(&stepper::PULSE_WIDTH_US)),
+            (id::DIRECTION_SETUP_US, self.whole(&stepper::DIRECTION_SETUP_US)),
+        ]
+    }
+
+    fn of_moves(&self) -> Vec<(u16, i32)> {
+        use keys::controller as key;
+        vec![
+            (id::TOLERANCE_COUNTS, self.tolerance_counts()),
+            (id::MONITORING_US, self.scaled(&key::MONITORING_S, 1e6)),
+            (id::DWELL_US, self.scaled(&key::DWELL_S, 1e6)),
+            (id::FORCED_EXIT_US, self.scaled(&key::FORCED_EXIT_S, 1e6)),
+            (id::ON_ARRIVAL, i32::from(self.get(&key::EXIT_ON_DEAD_BAND))),
+            (id::HOMING_SWITCH, i32::from(self.get(&key::HOMING) == Homing::Switch)),
+            (id::HOMING_COMMAND_COUNTS, self.whole(&key::HOMING_COMMAND_COUNTS)),
+            (id::HOMING_POSITION_COUNTS, self.whole(&key::HOMING_POSITION_COUNTS)),
+            (id::HOMING_STILL_MS, self.scaled(&key::HOMING_STILL_S, 1e3)),
+            (id::HOMING_TIMEOUT_MS, self.scaled(&key::HOMING_TIMEOUT_S, 1e3)),
+        ]
+    }
+
+    fn whole(&self, key: &Typed<i64>) -> i32 {
+        i32::try_from(self.get(key)).unwrap_or(i32::MAX)
+    }
+
+    fn scaled(&self, key: &Typed<f64>, factor: f64) -> i32 {
+        (self.get(key) * factor).round() as i32
     }
 
     /// An error inside the tolerance is less than the dead band, as the thesis compares it (8.2.3), where

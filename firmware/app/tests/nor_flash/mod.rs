@@ -128,7 +128,7 @@ impl<const WRITE: usize> Flash<WRITE> {
     }
 
     /// Whether the power went.
-    pub fn is_dark(&self) -> bool {
+    pub fn is_powered_off(&self) -> bool {
         !self.powered
     }
 

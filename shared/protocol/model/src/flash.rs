@@ -32,7 +32,7 @@ impl Flash {
 
     /// Whether the power went.
     #[must_use]
-    pub fn is_dark(&self) -> bool {
+    pub fn is_powered_off(&self) -> bool {
         self.dark
     }
 

@@ -263,8 +263,8 @@ impl Rig {
 
     /// Whether the power went.
     #[must_use]
-    pub fn is_dark(&self) -> bool {
-        self.board.kept.flash.is_dark()
+    pub fn is_powered_off(&self) -> bool {
+        self.board.kept.flash.is_powered_off()
     }
 
     /// Whether the cylinder is on its way.

@@ -213,7 +213,7 @@ impl Link {
         let broken = if began { self.wrong_start(&rig, delivery) } else { None };
         Delivered {
             broken: broken.or_else(|| self.wrong_parameters(&rig)),
-            cut: rig.is_dark(),
+            cut: rig.is_powered_off(),
             began,
             reply: reply.map(|reply| self.frames.id(reply)),
             rig: self.rigs.id(rig),
@@ -330,7 +330,7 @@ impl Link {
 fn after_reset(before: &Rig) -> (Rig, Option<Broken>) {
     let mut after = before.reset();
     let loaded = pair(after.control.parameters());
-    let saving = before.is_dark().then(|| pair(before.control.parameters()));
+    let saving = before.is_powered_off().then(|| pair(before.control.parameters()));
     let old_or_new = loaded == before.saved || Some(loaded) == saving;
     let whole = old_or_new && !after.control.configuration().is_lost();
     after.saved = loaded;

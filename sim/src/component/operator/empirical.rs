@@ -8,7 +8,7 @@
 //! Dither, hysteresis and limit act on a copy of the state (6.4.2; EQUATIONS section 11 rule 5); the
 //! play's memory is not limited.
 
-use super::flight::{Drive, Flight, Oscillator};
+use super::closed_form::{Drive, FreeMotion, Oscillator};
 use super::{GUARDS, Request, SpoolState};
 use crate::component::dither::Dither;
 use crate::component::operator::{amplifier, hysteresis};
@@ -68,7 +68,7 @@ pub struct Empirical {
     /// Whether the play's output is beyond the travel.
     limited: bool,
     /// The motion until the next command, unless that moves all the time.
-    flight: Option<Flight>,
+    flight: Option<FreeMotion>,
 }
 
 /// The guards of the play come first.
@@ -95,7 +95,7 @@ impl Empirical {
             Oscillator { stiffness_per_mass: p.stiffness_per_mass, damping_per_mass: p.damping_per_mass };
         let steady = p.stiffness_per_mass * self.amplified();
         let swing = Dither { amplitude: 0.0, ..p.dither };
-        self.flight = Flight::new(oscillator, Drive { steady, swing }, t, spool);
+        self.flight = FreeMotion::new(oscillator, Drive { steady, swing }, t, spool);
     }
 
     pub(super) fn follow(&mut self, counts: f64) {
@@ -103,7 +103,7 @@ impl Empirical {
     }
 
     /// Where the spool is at `t`, if the integrator's state is `spool`.
-    pub(super) fn place(&self, t: f64, spool: SpoolState) -> SpoolState {
+    pub(super) fn state(&self, t: f64, spool: SpoolState) -> SpoolState {
         self.flight.as_ref().map_or(spool, |flight| flight.at(t))
     }
 
@@ -114,7 +114,7 @@ impl Empirical {
 
     /// s.
     pub(super) fn max_step(&self) -> f64 {
-        self.flight.as_ref().map_or(f64::INFINITY, Flight::quarter_period)
+        self.flight.as_ref().map_or(f64::INFINITY, FreeMotion::quarter_period)
     }
 
     fn amplified(&self) -> f64 {

@@ -10,107 +10,17 @@
 //! X_b makes the null of the +-1 mm signal the middle of the coil's 0 to 2 mm (EQUATIONS section 7).
 //! F_ind is the force of the flow, F_se that of the spool's stops.
 
-use super::flight::{Drive, Flight, Oscillator};
+mod parameters;
+
+use super::closed_form::{Drive, FreeMotion, Oscillator};
 use super::hysteresis::Hysteresis;
 use super::moving_hysteresis::MovingHysteresis;
 use super::{GUARDS, Request, SpoolState, within_range};
 use crate::component::dither::Dither;
-use crate::component::friction::{Contact, DryFriction};
-use crate::component::operator::{amplifier, hysteresis};
-use crate::component::stop::{Side, Stops};
-use crate::component::valve::flow_force::FlowForce;
-use crate::component::valve::spool_travel;
-use crate::key::keys;
-use crate::values::{Findings, Rig};
-
-keys! {
-    FORCE_GAIN_N_PER_MM: f64 = number("operator.force_gain_n_per_mm", 25.0, 1e-3, 1e5, "C(81)", "Force of the coil per mm of command.").of(&["solenoid"]).spread();
-    SPRING_N_PER_MM: f64 = number("operator.spring_n_per_mm", 25.0, 1e-3, 1e5, "C(82)", "Stiffness of the spool's spring.").of(&["solenoid"]).spread();
-    SPRING_PRELOAD_N: f64 = number("operator.spring_preload_n", 25.0, 0.0, 1e5, "C(83)", "Compression of the spring at mid-travel, which the mid-range of the coil balances.").of(&["solenoid"]);
-    STATIC_FRICTION_N: f64 = number("operator.static_friction_n", 3.0, 0.0, 1e4, "C(84)", "Stiction of the spool.").of(&["solenoid"]).spread();
-    COULOMB_FRICTION_N: f64 = number("operator.coulomb_friction_n", 2.0, 0.0, 1e4, "C(85)", "Coulomb friction of the spool.").of(&["solenoid"]).spread();
-    SPOOL_MASS_KG: f64 = number("operator.spool_mass_kg", 0.023, 1e-5, 100.0, "C(86)", "Mass of the spool with the core.").of(&["solenoid"]).spread();
-    DAMPING_N_S_PER_M: f64 = number("operator.damping_n_s_per_m", 2.3, 0.0, 1e5, "", "Viscous damping of the spool; not in the thesis, C(51) times C(86).").of(&["solenoid"]).spread();
-    STOP_STIFFNESS_N_PER_M: f64 = number("operator.stop_stiffness_n_per_m", 100_000.0, 1.0, 1e10, "C(91)", "Stiffness of the spool's stops.").of(&["solenoid"]);
-    STOP_REGION_M: f64 = number("operator.stop_region_m", 5e-5, 1e-9, 0.1, "", "Penetration at which the stops' damping is full.").of(&["solenoid"]);
-    STOP_DAMPING_RATIO: f64 = number("operator.stop_damping_ratio", 0.5, 0.0, 10.0, "", "Damping ratio of the stops.").of(&["solenoid"]);
-}
-
-impl SolenoidParameters {
-    /// Those of a rig, under a dither.
-    pub(super) fn of(rig: &Rig, dither: Dither) -> SolenoidParameters {
-        let (spool_mass, travel) = (rig.get(&keys::SPOOL_MASS_KG), spool_travel(rig));
-        SolenoidParameters {
-            travel_per_count: travel / 2048.0,
-            amplifier_gain: rig.get(&amplifier::keys::AMPLIFIER_GAIN),
-            saturation: rig.get(&amplifier::keys::SATURATION_MM) * 1e-3,
-            hysteresis_half_width: hysteresis::half_width(rig),
-            dither,
-            force_gain: rig.get(&keys::FORCE_GAIN_N_PER_MM) * 1e3,
-            spring: rig.get(&keys::SPRING_N_PER_MM) * 1e3,
-            spring_preload: rig.get(&keys::SPRING_PRELOAD_N),
-            damping: rig.get(&keys::DAMPING_N_S_PER_M),
-            spool_mass,
-            friction: DryFriction::symmetric(
-                rig.get(&keys::STATIC_FRICTION_N),
-                rig.get(&keys::COULOMB_FRICTION_N),
-            ),
-            stops: Stops::new(
-                -travel,
-                travel,
-                rig.get(&keys::STOP_STIFFNESS_N_PER_M),
-                rig.get(&keys::STOP_REGION_M),
-                rig.get(&keys::STOP_DAMPING_RATIO),
-                spool_mass,
-            ),
-            feels_flow: FlowForce::of(rig) != FlowForce::None,
-        }
-    }
-}
-
-/// What the spool's friction must hold.
-pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
-    let why = "a body that slips must not be held more than one that sticks";
-    findings.not_above(rig, &keys::COULOMB_FRICTION_N, &keys::STATIC_FRICTION_N, why);
-}
-
-/// The parameters of a solenoid, SI.
-#[derive(Clone, Copy, Debug)]
-pub struct SolenoidParameters {
-    /// Spool travel of one command count, m.
-    pub travel_per_count: f64,
-    /// C(37).
-    pub amplifier_gain: f64,
-    /// C(38), m.
-    pub saturation: f64,
-    /// Half of the width of the hysteresis loop, m.
-    pub hysteresis_half_width: f64,
-    /// Dither of the amplifier, m of spool travel.
-    pub dither: Dither,
-    /// G_s, N/m.
-    pub force_gain: f64,
-    /// K_sp, N/m.
-    pub spring: f64,
-    /// F_i, N.
-    pub spring_preload: f64,
-    /// K_d, N s/m.
-    pub damping: f64,
-    /// M_s, kg.
-    pub spool_mass: f64,
-    /// Stiction and Coulomb friction of the spool.
-    pub friction: DryFriction,
-    /// The ends of the spool's travel.
-    pub stops: Stops,
-    /// Whether it is given a force of the flow.
-    pub feels_flow: bool,
-}
-
-impl SolenoidParameters {
-    /// The most that the amplifier passes on of a command in the range of the converter, m.
-    fn limit(&self) -> f64 {
-        (self.amplifier_gain * self.travel_per_count * within_range(f64::INFINITY)).min(self.saturation)
-    }
-}
+use crate::component::friction::Contact;
+use crate::component::stop::Side;
+pub(crate) use parameters::check;
+pub use parameters::{SolenoidParameters, keys};
 
 /// The magnetic hysteresis, by what is known of its command.
 #[derive(Clone, Copy, Debug)]
@@ -140,7 +50,7 @@ pub struct Solenoid {
     contact: Contact,
     side: Side,
     /// The motion until the next event, where it is known.
-    flight: Option<Flight>,
+    flight: Option<FreeMotion>,
     /// When the coil runs out of current or has some again, if the branch stays.
     passage: f64,
 }
@@ -184,7 +94,7 @@ impl Solenoid {
     }
 
     /// Where the spool is at `t`, if the integrator's state is `spool`.
-    pub(super) fn place(&self, t: f64, spool: SpoolState) -> SpoolState {
+    pub(super) fn state(&self, t: f64, spool: SpoolState) -> SpoolState {
         self.flight.as_ref().map_or(spool, |flight| flight.at(t))
     }
 
@@ -264,7 +174,7 @@ impl Solenoid {
                 stiffness_per_mass: p.spring / p.spool_mass,
                 damping_per_mass: p.damping / p.spool_mass,
             };
-            Flight::new(oscillator, self.forces(t, &hysteresis), t, spool)
+            FreeMotion::new(oscillator, self.forces(t, &hysteresis), t, spool)
         } else {
             None
         };
@@ -361,14 +271,14 @@ impl Solenoid {
     }
 
     /// Whether nothing but time moves the spool, or would break it away.
-    pub(super) fn is_foreseen(&self) -> bool {
+    pub(super) fn has_closed_form(&self) -> bool {
         let held = self.contact == Contact::Stuck && self.side == Side::Free && !self.parameters.feels_flow;
         self.flies() || (held && matches!(self.magnetism, Magnetism::Stepped(_)))
     }
 
     /// s.
     pub(super) fn max_step(&self) -> f64 {
-        self.flight.as_ref().map_or(f64::INFINITY, Flight::quarter_period)
+        self.flight.as_ref().map_or(f64::INFINITY, FreeMotion::quarter_period)
     }
 
     /// Where the coil runs out of current nothing changes but the force's slope.
@@ -385,6 +295,8 @@ impl Solenoid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::component::friction::DryFriction;
+    use crate::component::stop::Stops;
 
     fn thesis() -> Solenoid {
         Solenoid::new(SolenoidParameters {

@@ -20,7 +20,7 @@ use crate::component::air::Station;
 use crate::component::gas::Gas;
 
 /// Four reach rounding at any flow; one is to spare.
-const MOST_ITERATIONS: u32 = 5;
+const MAX_ITERATIONS: u32 = 5;
 
 /// A restriction and where it chokes.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +69,7 @@ impl Connector {
         // Exact at rest and at choking.
         let mut r = (e + (1.0 - fraction).sqrt()) / (e + 1.0);
         let mut slope = -1.0;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let psi = self.gas.flow_function(1.0, r);
             slope = psi.by_downstream;
             let step = (psi.value - b) / slope;

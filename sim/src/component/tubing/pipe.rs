@@ -38,7 +38,7 @@ use pneudrive_solver::bracketed_root;
 pub(super) const LEAST_SPAN: f64 = 1e-12;
 
 /// Two reach rounding at any Mach number and length; one is to spare.
-const MOST_ITERATIONS: u32 = 3;
+const MAX_ITERATIONS: u32 = 3;
 
 /// A pipe and where it chokes.
 #[derive(Clone, Copy, Debug)]
@@ -147,7 +147,7 @@ fn shift(y: f64, a: f64) -> f64 {
     let scaled = (to_critical + y * a).max(0.0);
     let guess = y - 1.0 + (2.0 * y * scaled).sqrt() + scaled;
     let mut x = guess.min(y * a / (1.0 - y));
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let from_critical = 1.0 + x - y;
         if from_critical <= 0.0 {
             return y - 1.0;

@@ -1,4 +1,4 @@
-//! A spool between two events, exactly.
+//! The motion of a spool between two events, in closed form.
 //!
 //! As long as its friction keeps its direction and its coil its branch, a moving spool is a linear
 //! oscillator under a constant and a sinusoidal force, and needs no steps:
@@ -39,7 +39,7 @@ pub(super) struct Drive {
 
 /// The motion of a driven oscillator from a given state on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flight {
+pub(super) struct FreeMotion {
     since: f64,
     /// a.
     decay: f64,
@@ -67,9 +67,9 @@ pub(super) struct Flight {
 /// resonance.
 const RESONANCE: f64 = 1e-12;
 
-impl Flight {
+impl FreeMotion {
     /// From the state `start` at `t`; None in a resonance without damping.
-    pub fn new(oscillator: Oscillator, drive: Drive, t: f64, start: SpoolState) -> Option<Flight> {
+    pub fn new(oscillator: Oscillator, drive: Drive, t: f64, start: SpoolState) -> Option<FreeMotion> {
         let (stiffness, decay) = (oscillator.stiffness_per_mass, 0.5 * oscillator.damping_per_mass);
         let angular = if drive.swing.amplitude == 0.0 { 0.0 } else { 2.0 * PI * drive.swing.frequency_hz };
         let (stiff, damped) = (stiffness - angular * angular, 2.0 * decay * angular);
@@ -78,7 +78,7 @@ impl Flight {
             return None;
         }
         let free = stiffness - decay * decay;
-        let mut flight = Flight {
+        let mut flight = FreeMotion {
             since: t,
             decay,
             stiffness,
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn it_begins_where_the_spool_is() {
         for oscillator in OSCILLATORS {
-            let flight = Flight::new(oscillator, Drive { steady: 50.0, swing: SWING }, 0.3, START);
+            let flight = FreeMotion::new(oscillator, Drive { steady: 50.0, swing: SWING }, 0.3, START);
             let begin = flight.expect("no resonance").at(0.3);
             assert!((begin.position - START.position).abs() < 1e-18, "{begin:?}");
             assert!((begin.velocity - START.velocity).abs() < 1e-15, "{begin:?}");
@@ -180,7 +180,7 @@ mod tests {
         let d = 1e-7;
         for oscillator in OSCILLATORS {
             let drive = Drive { steady: 50.0, swing: SWING };
-            let flight = Flight::new(oscillator, drive, 0.3, START).expect("no resonance");
+            let flight = FreeMotion::new(oscillator, drive, 0.3, START).expect("no resonance");
             for t in [0.3, 0.3004, 0.31, 0.4] {
                 let [before, now, after] = [t - d, t, t + d].map(|t| flight.at(t));
                 let velocity = (after.position - before.position) / (2.0 * d);
@@ -201,6 +201,6 @@ mod tests {
     fn a_resonance_without_damping_is_left_to_the_integrator() {
         let angular = 2.0 * PI * 50.0;
         let oscillator = Oscillator { stiffness_per_mass: angular * angular, damping_per_mass: 0.0 };
-        assert!(Flight::new(oscillator, Drive { steady: 0.0, swing: SWING }, 0.0, START).is_none());
+        assert!(FreeMotion::new(oscillator, Drive { steady: 0.0, swing: SWING }, 0.0, START).is_none());
     }
 }

@@ -1,17 +1,18 @@
-//! The solution that air at rest comes to as it begins to move.
+//! Continuation: the solution that grows out of air at rest.
 //!
-//! Of air that is at rest in front of each restriction there is one solution, wherever it is begun from. With the
-//! speeds of approach there may be several. They are let in little by little,
+//! With the air at rest in front of each restriction, the flows have one solution. With speeds of approach they may
+//! have several. The speeds are switched on in parts,
 //!
 //! ```text
 //! f = 1 + (n-1)/2 a M^2,   a = 0, 1/8, 2/8 ... 1
 //! ```
 //!
-//! and the solution is followed, as long as it does not leap: then it has come to its end, and another one was met.
+//! and the solution is followed from part to part. A leap means that the branch has ended and another solution was
+//! found; then the continuation has failed.
 
 use super::Network;
-use super::course::Course;
 use super::nodes::{Nodes, Surroundings, pair};
+use super::predictor::Predictor;
 use crate::number::Number;
 
 /// Parts in which the squared speeds are let in.
@@ -23,21 +24,21 @@ const LEAP: f64 = 0.25;
 const LEAK: f64 = 0.01;
 
 impl Network {
-    /// Finds it; false where it cannot be followed, or where air is at rest anyway.
-    pub(super) fn come_from_rest(&mut self, around: &Surroundings) -> bool {
+    /// Follows the solution from rest; false where the branch ends, or where no speed counts.
+    pub(super) fn continue_from_rest(&mut self, around: &Surroundings) -> bool {
         if self.mach == 0.0 {
             return false;
         }
-        let (whole, course) = (self.mach, self.course);
-        self.course = Course::UNKNOWN;
+        let (whole, predictor) = (self.mach, self.predictor);
+        self.predictor = Predictor::UNKNOWN;
         let found = (0..=PARTS).all(|part| {
             let before = self.nodes;
             self.mach = whole * f64::from(part) / f64::from(PARTS);
             self.by_newton(around) && (part == 0 || is_near(&before, &self.nodes))
         });
-        (self.mach, self.course) = (whole, course);
+        (self.mach, self.predictor) = (whole, predictor);
         if found {
-            self.course.note(&self.nodes);
+            self.predictor.note(&self.nodes);
         }
         found
     }
@@ -89,7 +90,7 @@ mod tests {
                         let chambers = crate::component::air::Station::both(&chambers(&gas, p1, p2));
                         let around = Surroundings::new(valve.conductances(&gas, spool), chambers, &ports);
                         let (mut one, mut other) = (network.clone(), network.clone());
-                        let found = one.come_from_rest(&around);
+                        let found = one.continue_from_rest(&around);
                         if !(other.by_brackets(&around) && fits(&other, &around)) {
                             continue;
                         }

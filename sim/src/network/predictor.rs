@@ -1,13 +1,13 @@
-//! Which way the solution has been going: where Newton's method begins.
+//! The predictor of Newton's method: where its iteration starts.
 //!
-//! Between two jumps flows change smoothly with time. The parabola through the last three solutions nearly
-//! meets the next one, and an iteration is saved.
+//! Between two jumps flows change smoothly with time. The parabola through the last three solutions comes close to
+//! the next one, which saves an iteration.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};
 use crate::number::{Number, Pair};
 
-/// How far ahead a parabola is trusted, over the time that it was taken from.
+/// The farthest extrapolation, over the time span of the three solutions.
 const FARTHEST: f64 = 8.0;
 
 /// w_n, s and e of the nodes.
@@ -15,20 +15,21 @@ type Unknowns = [Pair; 3];
 
 /// The last three solutions, the latest first, at different instants.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Course {
+pub(super) struct Predictor {
     at: [f64; 3],
     solutions: [Unknowns; 3],
     /// The instant of the solution that is asked for.
     now: f64,
 }
 
-impl Course {
-    /// Nothing is known yet.
-    pub const UNKNOWN: Course = Course { at: [0.0; 3], solutions: [[Pair::ZERO; 3]; 3], now: 0.0 };
+impl Predictor {
+    /// Before the first solution.
+    pub const UNKNOWN: Predictor = Predictor { at: [0.0; 3], solutions: [[Pair::ZERO; 3]; 3], now: 0.0 };
 
-    /// Where the solution will be now, by Newton's divided differences; None where that is not known.
+    /// The solution that the parabola predicts for now, by Newton's divided differences; None without three solutions
+    /// close enough.
     #[inline]
-    pub fn ahead(&self, nodes: &Nodes) -> Option<Nodes> {
+    pub fn predict(&self, nodes: &Nodes) -> Option<Nodes> {
         let [last, middle, first] = self.at;
         let dt = self.now - last;
         let span = last - first;
@@ -71,7 +72,7 @@ impl Network {
     /// The nodes among what surrounds them at the instant `t`.
     #[inline]
     pub(crate) fn solve_at(&mut self, t: f64, around: &Surroundings) -> Nodes {
-        self.course.now = t;
+        self.predictor.now = t;
         self.solve_among(around)
     }
 }
