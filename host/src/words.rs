@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use pneudrive_controller::{Fault, Refusal};
-use pneudrive_protocol::{CURRENT_VERSION, Presence, Refused, code};
+use pneudrive_protocol::{ANY_BOOT, CURRENT_VERSION, Presence, Refused, code};
 use pneudrive_sim::Decision;
 
 use crate::ensemble::Lost;
@@ -182,9 +182,15 @@ pub(crate) fn refusal(refused: &Refused<'_>) -> String {
         Refused::OtherTest => {
             "another program has stated another test, or changed the parameters; run again".to_owned()
         }
-        Refused::OtherBoot { number } => format!(
-            "the rig was reset since this program connected (boot {number} now), and takes nothing that was meant for before; run again"
-        ),
+        Refused::OtherBoot { number } => {
+            let now = match *number {
+                ANY_BOOT => "it no longer tells its boots apart".to_owned(),
+                number => format!("boot {number} now"),
+            };
+            format!(
+                "the rig was reset since this program connected ({now}), and takes nothing that was meant for before; run again"
+            )
+        }
         Refused::Unknown => {
             "the firmware does not know this request; it is older than this program".to_owned()
         }

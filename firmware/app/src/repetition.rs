@@ -1,7 +1,7 @@
 //! Requests that come late a second time, behind later ones: an echo of the line, or of a host that asked
 //! again while the answer was on its way. Those that come after a reset are told by the boot that they name.
 
-use pneudrive_protocol::{InBoot, MessageError, Recent, RequestBody};
+use pneudrive_protocol::{InBoot, Recent, RequestBody};
 
 /// Requests that are remembered.
 const REMEMBERED: usize = 8;
@@ -11,11 +11,10 @@ const REMEMBERED: usize = 8;
 pub(crate) struct CarriedOut(Recent<REMEMBERED>);
 
 impl CarriedOut {
-    /// Whether a request that changes something was carried out before; from now on it was. Hosts of version 4 and
+    /// Whether a request of this boot that changes something was carried out before; from now on it was. Hosts of version 4 and
     /// older share a session: one that asks the same under the same number by chance (1 in 65,536) gets no answer.
-    pub(crate) fn has(&mut self, asked: &Result<InBoot<'_>, MessageError>, crc32: u32) -> bool {
-        let Ok(asked) = asked else { return false };
-        if only_reads(&asked.asked.request.body) {
+    pub(crate) fn has(&mut self, now: &InBoot<'_>, crc32: u32) -> bool {
+        if only_reads(&now.asked.request.body) {
             return false;
         }
         let before = self.0.holds(crc32);

@@ -108,16 +108,15 @@ impl Server {
                 continue;
             }
             let meant = InBoot::decode(message);
-            // What was meant for another boot is no sign that its host is there now.
-            if let Ok(now) = meant
-                && now.counts_in(board.store().boot())
-            {
+            // What was meant for another boot is no sign that its host is there now, nor does it change anything.
+            let of_this_boot = meant.ok().filter(|meant| meant.counts_in(board.store().boot()));
+            if let Some(now) = of_this_boot {
                 control.host_heard(now.asked.session, board);
                 self.session = now.asked.session;
             }
             let framed = match self.answered {
                 Some((answered, framed)) if answered == crc32 => framed,
-                _ if self.carried_out.has(&meant, crc32) => continue,
+                _ if of_this_boot.is_some_and(|now| self.carried_out.has(&now, crc32)) => continue,
                 _ => answer(&meant, control, board, damaged, &mut self.talk, &mut self.reply),
             };
             self.answered = Some((crc32, framed));

@@ -144,10 +144,31 @@ fn a_copy_from_before_a_reset_is_no_sign_that_its_host_is_there() {
     assert!(matches!(bench.mode(), Mode::Fault(_)), "nobody was heard for 800 ms");
 }
 
+/// It has told no host of a boot, so a request that names one is from an earlier boot.
 #[test]
-fn a_drive_that_cannot_tell_its_boots_apart_takes_requests_for_any() {
+fn a_drive_that_cannot_tell_its_boots_apart_refuses_requests_that_name_one() {
     let mut bench = first_boot();
+    let arm = bench.done_in(RequestBody::ArmAs { host: "one" });
+    bench.reset();
     bench.board.store.boot = 0;
+    bench.send(&arm);
+    assert_eq!(bench.mode(), Mode::Disarmed, "the flash has failed since");
+    assert_eq!(bench.ask(RequestBody::ArmAs { host: "one" }), "Refused(OtherBoot { number: 0 })");
+    bench.boot = 0;
     assert_eq!(bench.ask(RequestBody::Boot), "Boot { number: 0 }");
     bench.done(RequestBody::ArmAs { host: "one" });
+}
+
+#[test]
+fn copies_from_before_a_reset_do_not_make_the_drive_forget_what_it_has_carried_out_since() {
+    let mut bench = first_boot();
+    let stale: Vec<_> = (0..8).map(|_| bench.done_in(RequestBody::Leave)).collect();
+    bench.reset_and_met();
+    let arm = bench.done_in(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Disarm);
+    for copy in &stale {
+        bench.send(copy);
+    }
+    assert_eq!(bench.send(&arm), [], "a copy of what was carried out in this boot");
+    assert_eq!(bench.mode(), Mode::Disarmed);
 }

@@ -36,10 +36,11 @@ impl<'a> InBoot<'a> {
         Ok(InBoot { asked: InSession { request: Request { sequence, body }, session }, boot })
     }
 
-    /// Whether the request counts in this boot of a drive; [`ANY_BOOT`]: the drive cannot tell.
+    /// Whether the request counts in this boot of a drive: it names this boot or none. A drive that cannot tell its boots
+    /// apart ([`ANY_BOOT`]) has told no host of a boot, so a request that names one is from an earlier boot.
     #[must_use]
     pub fn counts_in(&self, boot: u32) -> bool {
-        self.boot == ANY_BOOT || boot == ANY_BOOT || self.boot == boot
+        self.boot == ANY_BOOT || self.boot == boot
     }
 }
 
@@ -75,6 +76,7 @@ mod tests {
         let meant = |boot| InBoot { asked: InSession { request: HOME, session: 7 }, boot };
         assert!(meant(3).counts_in(3) && meant(ANY_BOOT).counts_in(3));
         assert!(!meant(3).counts_in(4) && !meant(4).counts_in(3));
-        assert!(meant(3).counts_in(ANY_BOOT), "the drive cannot tell its boots apart");
+        assert!(!meant(3).counts_in(ANY_BOOT), "a drive that cannot tell its boots apart has told no host of one");
+        assert!(meant(ANY_BOOT).counts_in(ANY_BOOT));
     }
 }
