@@ -3,6 +3,7 @@
 mod bench;
 
 use bench::Bench;
+use pneudrive_app::App;
 use pneudrive_controller::{Fault, Mode};
 use pneudrive_protocol::RequestBody;
 
@@ -66,4 +67,25 @@ fn rows_that_come_back_are_not_taken_for_the_host() {
         assert_eq!(bench.send(&rows), []);
     }
     assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent), "the host has gone, its line echoes");
+}
+
+/// After a reset the rig does not know any more what it has said: a line that holds it back over the reset brings it as new.
+#[test]
+fn what_a_rig_has_said_before_a_reset_neither_arms_nor_moves_it() {
+    for (name, boot) in [("no record", 7), ("no numbers of boots", 0)] {
+        let mut bench = Bench::referenced();
+        bench.board.store.boot = boot;
+        (bench.session, bench.boot) = (0xfeed_beef, boot);
+        let said = [RequestBody::RecordInfo, RequestBody::Boot, RequestBody::Start].map(|body| {
+            let frame = bench.frame(body);
+            bench.send(&frame)
+        });
+        *bench.app = App::default();
+        bench.app.control.set_referenced().expect("a new drive is disarmed");
+        bench.board.store.boot += u32::from(boot > 0);
+        for frame in &said {
+            bench.send(frame);
+            assert_eq!(bench.mode(), Mode::Disarmed, "{name}");
+        }
+    }
 }

@@ -28,12 +28,15 @@ impl<'a> InBoot<'a> {
     /// The request in a message, its session and its boot.
     ///
     /// # Errors
-    /// For a message that is no request of this version.
+    /// For a message that is no request of this version, and for one whose session or boot is 0 or no number. No host sends
+    /// such a message, but a reply that the line brings back can read as one.
     pub fn decode(message: &'a [u8]) -> Result<InBoot<'a>, MessageError> {
         let (sequence, body, behind) = decode(message)?;
-        let (session, behind) = postcard::take_from_bytes(behind).unwrap_or((OLD_HOSTS, &[]));
-        let boot = postcard::take_from_bytes(behind).map_or(ANY_BOOT, |(boot, _)| boot);
-        Ok(InBoot { asked: InSession { request: Request { sequence, body }, session }, boot })
+        let no_request = MessageError { sequence: Some(sequence) };
+        let (session, behind) = number(behind).ok_or(no_request)?;
+        let (boot, _later) = number(behind).ok_or(no_request)?;
+        let asked = InSession { request: Request { sequence, body }, session: session.unwrap_or(OLD_HOSTS) };
+        Ok(InBoot { asked, boot: boot.unwrap_or(ANY_BOOT) })
     }
 
     /// Whether the request counts in this boot of a drive: it names this boot or none. A drive that cannot tell its boots
@@ -42,6 +45,16 @@ impl<'a> InBoot<'a> {
     pub fn counts_in(&self, boot: u32) -> bool {
         self.boot == ANY_BOOT || self.boot == boot
     }
+}
+
+/// The number at the front of what stands behind a body, if anything does, and what follows it. None for 0 and for what is
+/// no number: hosts leave out what they do not have.
+fn number(behind: &[u8]) -> Option<(Option<u32>, &[u8])> {
+    if behind.is_empty() {
+        return Some((None, behind));
+    }
+    let (number, later) = postcard::take_from_bytes(behind).ok()?;
+    (number != 0).then_some((Some(number), later))
 }
 
 #[cfg(test)]
@@ -76,7 +89,22 @@ mod tests {
         let meant = |boot| InBoot { asked: InSession { request: HOME, session: 7 }, boot };
         assert!(meant(3).counts_in(3) && meant(ANY_BOOT).counts_in(3));
         assert!(!meant(3).counts_in(4) && !meant(4).counts_in(3));
-        assert!(!meant(3).counts_in(ANY_BOOT), "a drive that cannot tell its boots apart has told no host of one");
+        assert!(
+            !meant(3).counts_in(ANY_BOOT),
+            "a drive that cannot tell its boots apart has told no host of one"
+        );
         assert!(meant(ANY_BOOT).counts_in(ANY_BOOT));
+    }
+
+    #[test]
+    fn a_session_or_a_boot_that_no_host_sends_makes_no_request() {
+        let home = message(&HOME);
+        let behind = |bytes: &[u8]| InBoot::decode(&[&home, bytes].concat()).map(|meant| meant.boot);
+        let none = Err(MessageError { sequence: Some(HOME.sequence) });
+        for bytes in [&[0][..], &[0, 3], &[7, 0], &[0xff], &[7, 0xff], &[7, 0xff, 0xff, 0xff, 0xff, 0xff, 1]]
+        {
+            assert_eq!(behind(bytes), none, "{bytes:?}");
+        }
+        assert_eq!(behind(&[7, 3, 0, 0xff]), Ok(3), "a later version may send more behind the boot");
     }
 }
