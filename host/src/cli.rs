@@ -287,11 +287,6 @@ pub struct Virtual {
     pub seed: u64,
 }
 
-/// The value of a parameter.
-pub(crate) fn whole_number(text: &str) -> Result<i32, String> {
-    text.parse().map_err(|_| format!("{text:?} is not a whole number of up to 32 bits"))
-}
-
 /// Where a virtual rig can listen.
 fn door(text: &str) -> Result<String, String> {
     match text.strip_prefix("tcp:") {

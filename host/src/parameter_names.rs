@@ -8,8 +8,6 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{Parameter, TABLE, by_name, id, lookup};
 
-use crate::cli::whole_number;
-
 /// How a key of a rig file writes the value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
@@ -168,7 +166,7 @@ impl Written {
         let Parameter { id, len, .. } = *self.parameter;
         match len {
             1 => self.text(parameters.get(id).unwrap_or(0)),
-            len => crate::target::parameter_text(parameters, id, len),
+            len => parameter_text(parameters, id, len),
         }
     }
 
@@ -195,6 +193,20 @@ pub(crate) fn names_of(own: &[&'static str]) -> Vec<&'static str> {
 /// Whether a key of a rig file, or a part of its value, becomes a parameter of the controller.
 pub(crate) fn is_parameter(key: &str) -> bool {
     OF_SEVERAL.contains(&key) || KEYS.iter().any(|(_, name, _)| *name == key)
+}
+
+/// The whole number of a text, as the device holds one.
+pub(crate) fn whole_number(text: &str) -> Result<i32, String> {
+    text.parse().map_err(|_| format!("{text:?} is not a whole number of up to 32 bits"))
+}
+
+/// The value of a parameter; equal entries at the end of a list are said once, as in a rig file.
+pub(crate) fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
+    let values: Vec<i32> = (first..first + len).filter_map(|id| parameters.get(id)).collect();
+    let last = values.last().copied().unwrap_or(0);
+    let repeated = values.iter().rev().take_while(|&&value| value == last).count();
+    let kept = values.len() - repeated + 1;
+    values[..kept.min(values.len())].iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
 }
 
 /// A number of 10^-digits as a decimal fraction, exactly.

@@ -8,12 +8,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
-use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::{RecordedSample, frame};
 
 use crate::client::{Info, Record, RigParameters};
 use crate::foreign::{NAME, cleaned};
+use crate::parameter_names::parameter_text;
 use crate::stream_file;
 use crate::whole_file::{Staged, sync_folder};
 
@@ -198,15 +198,6 @@ fn numbered(index: i64, sample: RecordedSample) -> Result<(i32, RecordedSample)>
     let index = i32::try_from(index)
         .map_err(|_| anyhow!("sample {index} is beyond the last that a file counts, {}", i32::MAX))?;
     Ok((index, sample))
-}
-
-/// The value of a parameter; equal entries at the end of a list are said once, as in a rig file.
-pub(crate) fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
-    let values: Vec<i32> = (first..first + len).filter_map(|id| parameters.get(id)).collect();
-    let last = values.last().copied().unwrap_or(0);
-    let repeated = values.iter().rev().take_while(|&&value| value == last).count();
-    let kept = values.len() - repeated + 1;
-    values[..kept.min(values.len())].iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
 }
 
 fn data_lines(samples: &[(i32, RecordedSample)]) -> String {

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{PortChoice, whole_number};
+use super::PortChoice;
+use crate::parameter_names::whole_number;
 
 /// Arguments of `device`.
 #[derive(Debug, Args)]

@@ -222,7 +222,7 @@ mod tests {
         parameters.set(id::HOLD_MS, 1500).expect("in range");
         parameters.set(id::LAW, 3).expect("in range");
         let line = |parameter: &pneudrive_controller::parameters::Parameter| {
-            let value = crate::target::parameter_text(&parameters, parameter.id, parameter.len);
+            let value = crate::parameter_names::parameter_text(&parameters, parameter.id, parameter.len);
             format!("{} = {value}\n", parameter.name)
         };
         let lines: String = TABLE.iter().map(line).collect();
