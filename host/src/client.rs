@@ -17,9 +17,10 @@ use pneudrive_protocol::{
     ReplyBody, Request, RequestBody, Status, decode_reply, encode_and_know, frame,
 };
 
+pub use crate::record::{Record, RecordHead};
+pub use crate::rig_info::{Info, RigParameters};
 pub use owner::Commander;
-pub use parameters::RigParameters;
-pub use record::{Pieces, Record, RecordChanged, RecordHead};
+pub use record::{Pieces, RecordChanged};
 
 use crate::exit::Exit;
 use crate::foreign::{NAME, SENTENCE, cleaned};
@@ -81,21 +82,6 @@ pub struct Client {
     repeats: u32,
     said: Recent<SAID>,
     unasked: stream::Unasked,
-}
-
-/// Who a rig is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Info {
-    /// Newest protocol version that it speaks.
-    pub version: u16,
-    /// Version of the firmware.
-    pub firmware: String,
-    /// What it was built from.
-    pub build: String,
-    /// Kind of board.
-    pub board: String,
-    /// Samples that its buffer holds.
-    pub record_capacity: u32,
 }
 
 impl Client {

@@ -6,6 +6,7 @@
 //! | [`mod@output`], [`exit`] | what the program says, and how it ends |
 //! | [`port`], [`client`] | a byte link to a rig, and the requests over it |
 //! | [`download`], [`stream`] | which chunks of a record, and which rows of a stream, are there |
+//! | [`rig_info`], [`record`] | what a rig says of itself, and the transient that it has recorded |
 //! | [`part_file`] | what an interrupted download has left |
 //! | [`virtual_rig`] | the firmware's application on the simulated plant |
 //! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
@@ -67,9 +68,11 @@ mod plant_server;
 pub mod port;
 pub mod punctuality;
 pub mod range;
+pub mod record;
 pub mod recorded_test;
 pub mod replay;
 pub mod report;
+pub mod rig_info;
 pub mod rig_text;
 pub mod run_folder;
 pub mod spectrum;

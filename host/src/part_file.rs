@@ -14,7 +14,9 @@ use anyhow::{Context, Result, anyhow};
 use pneudrive_protocol::frame::DELIMITER;
 use pneudrive_protocol::{Accumulator, MAX_FRAME, Reply, ReplyBody, decode_reply, encode};
 
-use crate::client::{Info, Pieces, RecordHead};
+use crate::client::Pieces;
+use crate::record::RecordHead;
+use crate::rig_info::Info;
 use crate::whole_file::{open_to_add, sync_folder};
 
 /// A part file, to which chunks are added.

@@ -11,9 +11,10 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::{RecordedSample, frame};
 
-use crate::client::{Info, Record, RigParameters};
 use crate::foreign::{NAME, cleaned};
 use crate::parameter_names::parameter_text;
+use crate::record::Record;
+use crate::rig_info::{Info, RigParameters};
 use crate::stream_file;
 use crate::whole_file::{Staged, sync_folder};
 

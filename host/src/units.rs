@@ -2,7 +2,7 @@
 
 use pneudrive_controller::parameters::id;
 
-use crate::client::RigParameters;
+use crate::rig_info::RigParameters;
 
 /// What the raw numbers of a device mean; None where nobody knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,35 +2,16 @@
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::{TABLE, lookup};
+use pneudrive_controller::parameters::TABLE;
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
 
 use super::change::Change;
-use super::{Client, unexpected};
+use super::{Client, RigParameters, unexpected};
 use crate::parameter_names::{Written, name_of};
 use crate::words;
 
 /// How often parameters are read when they change meanwhile.
 const TRIES: u32 = 3;
-
-/// What a rig runs on.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RigParameters {
-    /// The values; defaults where the firmware has no such parameter.
-    pub values: Parameters,
-    /// Ids that the firmware does not have: it is older than they are.
-    pub lacking: Vec<u16>,
-}
-
-impl RigParameters {
-    /// Names of the parameters that the firmware does not have.
-    #[must_use]
-    pub fn lacking_names(&self) -> Vec<&'static str> {
-        let mut names: Vec<&str> = self.lacking.iter().filter_map(|&id| Some(lookup(id)?.name)).collect();
-        names.dedup();
-        names
-    }
-}
 
 impl Client {
     /// All parameters of the controller, as they were in force at one time.

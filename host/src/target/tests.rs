@@ -2,7 +2,7 @@
 
 use super::reading::Covered;
 use super::*;
-use crate::client::RecordHead;
+use crate::record::RecordHead;
 
 fn record() -> Record {
     let samples = (0..4).map(|i| RecordedSample {

@@ -1,0 +1,38 @@
+//! What a rig says of itself: who it is, and the parameters that it runs on.
+
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::lookup;
+
+/// Who a rig is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Info {
+    /// Newest protocol version that it speaks.
+    pub version: u16,
+    /// Version of the firmware.
+    pub firmware: String,
+    /// What it was built from.
+    pub build: String,
+    /// Kind of board.
+    pub board: String,
+    /// Samples that its buffer holds.
+    pub record_capacity: u32,
+}
+
+/// What a rig runs on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RigParameters {
+    /// The values; defaults where the firmware has no such parameter.
+    pub values: Parameters,
+    /// Ids that the firmware does not have: it is older than they are.
+    pub lacking: Vec<u16>,
+}
+
+impl RigParameters {
+    /// Names of the parameters that the firmware does not have.
+    #[must_use]
+    pub fn lacking_names(&self) -> Vec<&'static str> {
+        let mut names: Vec<&str> = self.lacking.iter().filter_map(|&id| Some(lookup(id)?.name)).collect();
+        names.dedup();
+        names
+    }
+}
