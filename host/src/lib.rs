@@ -69,6 +69,7 @@ pub mod port;
 pub mod punctuality;
 pub mod range;
 pub mod record;
+mod record_text;
 pub mod recorded_test;
 pub mod replay;
 pub mod report;

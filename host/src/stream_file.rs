@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Error, Result, anyhow, bail};
 use pneudrive_protocol::{RecordCrc, RecordedSample, StreamedSample};
 
+use crate::record_text::{COLUMNS, crc_text, data_line, described, header_text, sample_of};
 use crate::rig_info::{Info, RigParameters};
-use crate::target::{COLUMNS, crc_text, data_line, described, header_text, sample_of};
 use crate::whole_file;
 
 /// First line's value.

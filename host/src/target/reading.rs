@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use pneudrive_protocol::RecordedSample;
 
-use super::{COLUMNS, CRC, FORMAT, FORMAT_1, TargetFile, crc_text, data_lines, header_text};
+use super::{CRC, FORMAT, FORMAT_1, TargetFile};
+use crate::record_text::{COLUMNS, crc_text, data_lines, header_text, sample_of};
 use crate::stream_file;
 
 /// What of a file its checksums cover.
@@ -145,24 +145,4 @@ fn header<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Vec<
         header.push((key.to_owned(), value.to_owned()));
     }
     bail!("the file ends before its data: it has no line `{COLUMNS}`");
-}
-
-/// The sample of a line, whose number counts from 0.
-pub(crate) fn sample_of(number: usize, line: &str) -> Result<(i32, RecordedSample)> {
-    fields(line).ok_or_else(|| anyhow!("line {}: expected seven whole numbers, found {line:?}", number + 1))
-}
-
-fn fields(line: &str) -> Option<(i32, RecordedSample)> {
-    let mut fields = line.split(',');
-    let mut next = || fields.next();
-    let index = next()?.parse().ok()?;
-    let sample = RecordedSample {
-        position: next()?.parse().ok()?,
-        pressure_1: next()?.parse().ok()?,
-        pressure_2: next()?.parse().ok()?,
-        command: next()?.parse().ok()?,
-        error: next()?.parse().ok()?,
-        spool: next()?.parse().ok()?,
-    };
-    fields.next().is_none().then_some((index, sample))
 }
