@@ -59,6 +59,7 @@ pub mod identification;
 pub mod kept_flash;
 pub mod ladder;
 mod noise;
+mod own_file;
 pub mod page;
 pub mod parallel;
 mod parameter_names;

@@ -14,7 +14,8 @@ use plotly::Plot;
 
 pub use figure::{COLOURS, Curve, Figure, Look, Panel, Shade};
 
-use crate::run_folder;
+use crate::own_file::refuse_foreign;
+use crate::whole_file::put_pieces;
 
 /// Marks a page as ours, so that writing it again replaces nothing else.
 pub const GENERATOR: &str = "<meta name=\"generator\" content=\"pneudrive\">";
@@ -64,9 +65,9 @@ impl Page {
     }
 
     fn write_with(&self, path: &Path, lead: Option<&Figure>) -> Result<()> {
-        run_folder::refuse_foreign(path, GENERATOR)?;
+        refuse_foreign(path, GENERATOR)?;
         let [head, script, body] = self.pieces("", lead)?;
-        run_folder::put_pieces(path, &[head.as_bytes(), script.as_bytes(), body.as_bytes()])
+        put_pieces(path, &[head.as_bytes(), script.as_bytes(), body.as_bytes()])
     }
 
     /// What stands before the script, the script, and the rest; `mark` goes into the head, and `lead` before the tables.

@@ -7,12 +7,12 @@ mod numbering;
 mod replacement;
 mod stored;
 
+pub use crate::own_file::{make_writable, refuse_foreign};
 pub use crate::whole_file::{put, put_pieces};
 pub use numbering::{Existing, Numbered, refuse_other_rig};
 pub use stored::{StoredRun, is_trace, rig_of};
 
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
@@ -113,44 +113,6 @@ fn refuse_others(folder: &Path) -> Result<()> {
 fn checksum(text: &str) -> String {
     const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
     format!("{:016x}", CRC.checksum(text.as_bytes()))
-}
-
-/// Makes a folder if it is not there, and makes sure that it can be written to, before long work.
-///
-/// # Errors
-/// When it cannot.
-pub fn make_writable(folder: &Path) -> Result<()> {
-    // A file without a name, or one that goes with the program: a kill leaves none.
-    fs::create_dir_all(folder)
-        .and_then(|()| tempfile::tempfile_in(folder))
-        .map(drop)
-        .with_context(|| format!("cannot write into the folder {}; choose another", folder.display()))
-}
-
-/// Refuses to replace a file that does not hold `mark`: it is somebody's own. A pipe or a device is written to, and
-/// not replaced.
-///
-/// # Errors
-/// When there is such a file.
-pub fn refuse_foreign(path: &Path, mark: &str) -> Result<()> {
-    // To read a pipe would be to wait for somebody who writes.
-    if is_device(path) {
-        return Ok(());
-    }
-    match beginning(path) {
-        Ok(text) if text.contains(mark) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        _ => bail!("{} is not of this program; choose another place", path.display()),
-    }
-}
-
-/// Bytes at the beginning of a file that hold its mark, if it has one.
-const BEGINNING: u64 = 1 << 16;
-
-fn beginning(path: &Path) -> std::io::Result<String> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(BEGINNING).read_to_end(&mut bytes)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>], numbered: &Numbered) -> serde_json::Value {
