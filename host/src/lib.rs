@@ -89,4 +89,5 @@ pub mod tuning;
 mod units;
 pub mod virtual_rig;
 pub mod whole_file;
+mod window;
 mod words;

@@ -27,7 +27,6 @@ use serde_json::{Map, json};
 
 use crate::band::{self, Band};
 use crate::ensemble::Judged;
-use crate::evaluation::{self, Move};
 use crate::page::{GENERATOR, Page};
 use crate::whole_file::is_device;
 use crate::words;
@@ -55,8 +54,8 @@ static WINDOWS: [&Typed<i64>; 2] =
     [&keys::controller::VELOCITY_WINDOW_SAMPLES, &keys::controller::ACCELERATION_WINDOW_SAMPLES];
 
 /// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder, and its page if it has one; all of
-/// them or none, and none of another run stays. `moves` has the moves of the run, and then those of each of its neighbours.
-/// Tells the number of the run.
+/// them or none, and none of another run stays. `moves` are those of the run and its neighbours as run.json has
+/// them: [`to_json`](crate::evaluation::to_json) makes them. Tells the number of the run.
 ///
 /// # Errors
 /// When the folder cannot be written to, holds a file of such a name that is not ours, or the run of another rig that is
@@ -65,7 +64,7 @@ pub fn write(
     folder: &Path,
     rig: &Rig,
     judged: &Judged,
-    moves: &[Vec<Move>],
+    moves: serde_json::Value,
     page: Option<&Page>,
     existing: Existing,
 ) -> Result<u64> {
@@ -115,7 +114,7 @@ fn checksum(text: &str) -> String {
     format!("{:016x}", CRC.checksum(text.as_bytes()))
 }
 
-fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>], numbered: &Numbered) -> serde_json::Value {
+fn describe(rig: &Rig, judged: &Judged, moves: serde_json::Value, numbered: &Numbered) -> serde_json::Value {
     let (run, accuracy) = (&judged.run, judged.accuracy);
     let keys: Map<String, serde_json::Value> =
         rig.entries().map(|(key, value)| (key.path.to_owned(), json_of(value))).collect();
@@ -144,7 +143,7 @@ fn describe(rig: &Rig, judged: &Judged, moves: &[Vec<Move>], numbered: &Numbered
             "tripped": judged.lost.tripped.iter().map(|fault| words::fault_name(*fault)).collect::<Vec<_>>(),
             "not_simulated": judged.lost.failed,
         })),
-        "moves": evaluation::to_json(moves),
+        "moves": moves,
         "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
         "work": {
             "steps": work.integrator.n_steps,
@@ -210,7 +209,7 @@ mod tests {
             let rig = rig.with_numbers(&[("test.duration_s", 0.03)]).unwrap_or(rig);
             let spacing = Spacing { runs: 2, ..Spacing::default() };
             let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {});
-            write(folder.path(), &rig, &ensemble.expect("runs").nominal, &[], None, Existing::Overwrite)
+            write(folder.path(), &rig, &ensemble.expect("runs").nominal, json!([]), None, Existing::Overwrite)
                 .expect("written");
             let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));
             for (key, value) in rig.entries() {

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use pneudrive_controller::estimator::MAX_WINDOW_SAMPLES;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_sim::trace::Extra;
 
 use crate::band::Band;
 use crate::run_folder::StoredRun;
 use crate::target::TargetFile;
+use crate::window::{WHOLE_WINDOW, whole_window};
 
 /// What is compared and drawn: name and unit of each channel.
 pub const CHANNELS: [(&str, &str); 7] = [
@@ -367,14 +367,6 @@ fn gaps(file: &TargetFile, period_s: f64) -> Vec<[f64; 2]> {
 fn window(file: &TargetFile, key: &str) -> Result<u8> {
     let samples = file.number(key)?;
     whole_window(samples).with_context(|| format!("the header's {key} is {samples}; {WHOLE_WINDOW}"))
-}
-
-/// What is wrong with a window that [`whole_window`] refuses.
-pub(crate) const WHOLE_WINDOW: &str = "it must be a whole number from 1 to 63";
-
-/// A window that the controller's estimator can have, samples.
-pub(crate) fn whole_window(samples: f64) -> Option<u8> {
-    (1..=MAX_WINDOW_SAMPLES).find(|&whole| f64::from(whole) == samples)
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use super::{load_rig, simulate};
 use crate::cli::Demo;
 use crate::client::Client;
 use crate::ensemble::{Spacing, run_ensemble};
+use crate::evaluation::to_json;
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::target::TargetFile;
@@ -73,7 +74,8 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     ];
     let title = format!("{}: {name} and the simulation", model.name());
     let page = report::page(&title, notes, &transients, tables);
-    run_folder::write(&arguments.out, &model, &judged, &ensemble.measured, Some(&page), existing)?;
+    let moves = to_json(&ensemble.measured);
+    run_folder::write(&arguments.out, &model, &judged, moves, Some(&page), existing)?;
     say!("open {} in a browser", arguments.out.join("report.html").display());
     Ok(())
 }

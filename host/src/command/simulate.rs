@@ -8,7 +8,7 @@ use pneudrive_sim::{Recording, Rig, Run, run_recorded};
 use super::{Progress, accuracy, load_choice, load_rig};
 use crate::cli::Simulate;
 use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
-use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
+use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
 use crate::exit::Exit;
 use crate::page::{Page, Table};
 use crate::recorded_test::taken_from;
@@ -52,7 +52,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
         &arguments.out,
         &rig,
         &judged,
-        &moves,
+        to_json(&moves),
         page.as_ref(),
         existing(arguments.overwrite),
     )?;

@@ -14,7 +14,7 @@ use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS, checksum, read
 use crate::band::Band;
 use crate::ensemble::{Judged, Spacing};
 use crate::rig_text;
-use crate::transient::{WHOLE_WINDOW, whole_window};
+use crate::window::{WHOLE_WINDOW, whole_window};
 
 /// A run as it was written: its description and the columns of its trace.
 #[derive(Clone, Debug)]
