@@ -7,7 +7,6 @@
 //! One program can talk to the port at a time, as to a serial port.
 
 mod bridge;
-mod figures;
 mod flash;
 mod pipes;
 mod stall;
@@ -30,15 +29,12 @@ use tempfile::TempDir;
 use crate::kept_flash::KeptFlash;
 use crate::plant_server::{PlantServer, Time};
 use crate::punctuality::LateSample;
-pub use figures::{Figures, Spread};
+use crate::sample_cost::ICOUNT_SHIFT;
+pub use crate::sample_cost::{Figures, Spread};
 use pipes::Pipes;
 
 /// The emulator.
 const QEMU: &str = "qemu-system-arm";
-
-/// Nanoseconds of virtual time an instruction takes, as a power of two. Each of the counter's ticks
-/// (25 MHz) is less than that, so that ticks tell the number of instructions exactly.
-const ICOUNT_SHIFT: u32 = 7;
 
 /// How long the image may take to say hello.
 const HELLO_WAIT: Duration = Duration::from_secs(20);

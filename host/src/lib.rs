@@ -77,6 +77,8 @@ pub mod report;
 pub mod rig_info;
 pub mod rig_text;
 pub mod run_folder;
+#[cfg(unix)]
+mod sample_cost;
 pub mod spectrum;
 pub mod stream;
 pub mod stream_file;

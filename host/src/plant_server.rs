@@ -8,9 +8,9 @@ use anyhow::{Context, Result, bail};
 use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo, VERSION, request_ticks};
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
-use crate::emulated_board::Figures;
 use crate::noise::RunSeeds;
 use crate::punctuality::LateSample;
+use crate::sample_cost::Figures;
 
 /// The first bytes of a board.
 pub(crate) type Hello = [u8; HELLO.len()];

@@ -1,11 +1,13 @@
-//! What the samples of a run have cost on the emulated board.
+//! What the samples of a run cost on the emulated board.
 
 use std::fmt;
 use std::time::{Duration, Instant};
 
 use pneudrive_app::plant_bus::{Next, Outputs};
 
-use super::ICOUNT_SHIFT;
+/// Nanoseconds of virtual time an instruction takes, as a power of two. Each of the counter's ticks
+/// (25 MHz) is less than that, so that ticks tell the number of instructions exactly.
+pub(crate) const ICOUNT_SHIFT: u32 = 7;
 
 /// Nanoseconds of a tick of the board's counter: 25 MHz.
 const NS_PER_TICK: u64 = 40;
