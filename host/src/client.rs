@@ -1,6 +1,7 @@
 //! Requests to a rig, each asked again until it is answered.
 
 mod advance;
+mod answer;
 mod change;
 mod owner;
 mod parameters;
@@ -23,10 +24,11 @@ pub use owner::Commander;
 pub use record::{Pieces, RecordChanged};
 
 use crate::exit::Exit;
-use crate::foreign::{NAME, SENTENCE, cleaned};
+use crate::foreign::{NAME, cleaned};
 use crate::port::{self, Link};
 use crate::words;
 use advance::Advance;
+use answer::unexpected;
 
 /// How long an answer may take before the request is sent again.
 /// Several fit into the silence of the host that trips a running move.
@@ -360,17 +362,4 @@ impl Client {
             }
         }
     }
-}
-
-/// A name short enough for every message.
-fn short(name: &str) -> &str {
-    let end = (0..=name.len().min(pneudrive_app::control::NAME_BYTES))
-        .rev()
-        .find(|&end| name.is_char_boundary(end));
-    &name[..end.unwrap_or(0)]
-}
-
-fn unexpected(reply: &ReplyBody<'_>) -> anyhow::Error {
-    let reply = cleaned(&format!("{reply:?}"), SENTENCE);
-    anyhow!("the rig gave an answer that does not fit the request: {reply}")
 }

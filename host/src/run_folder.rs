@@ -209,8 +209,15 @@ mod tests {
             let rig = rig.with_numbers(&[("test.duration_s", 0.03)]).unwrap_or(rig);
             let spacing = Spacing { runs: 2, ..Spacing::default() };
             let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing, |_, _| (), |_, _| {});
-            write(folder.path(), &rig, &ensemble.expect("runs").nominal, json!([]), None, Existing::Overwrite)
-                .expect("written");
+            write(
+                folder.path(),
+                &rig,
+                &ensemble.expect("runs").nominal,
+                json!([]),
+                None,
+                Existing::Overwrite,
+            )
+            .expect("written");
             let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));
             for (key, value) in rig.entries() {
                 assert_eq!(read.value(key.path), Some(value), "{}: {}", rig.name(), key.path);

@@ -9,7 +9,8 @@ use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, fr
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
-use super::{Client, RigParameters, short, unexpected};
+use super::answer::unexpected;
+use super::{Client, RigParameters};
 use crate::words;
 
 /// How often a change is begun anew when the rig has lost a part of it.
@@ -188,6 +189,14 @@ impl Client {
 fn are_the_same_but_for_what_was_learned(before: &RigParameters, now: &RigParameters) -> bool {
     let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && was.0 != id::NULL_OFFSET_COUNTS;
     !before.values.iter().zip(now.values.iter()).any(differs)
+}
+
+/// A name short enough for every message.
+fn short(name: &str) -> &str {
+    let end = (0..=name.len().min(pneudrive_app::control::NAME_BYTES))
+        .rev()
+        .find(|&end| name.is_char_boundary(end));
+    &name[..end.unwrap_or(0)]
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@ use std::hash::{BuildHasher, RandomState};
 use anyhow::{Context, Result};
 use pneudrive_protocol::{ANY_BOOT, Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
 
-use super::{Client, unexpected};
+use super::Client;
+use super::answer::unexpected;
 use crate::exit::Exit;
 use crate::foreign::{NAME, cleaned};
 use crate::words;

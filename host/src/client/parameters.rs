@@ -5,8 +5,9 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
 
+use super::answer::unexpected;
 use super::change::Change;
-use super::{Client, RigParameters, unexpected};
+use super::{Client, RigParameters};
 use crate::parameter_names::{Written, name_of};
 use crate::words;
 

@@ -7,7 +7,8 @@ use pneudrive_protocol::{
     CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody,
 };
 
-use super::{ANSWER_WAIT, Client, PATIENCE, unexpected};
+use super::answer::unexpected;
+use super::{ANSWER_WAIT, Client, PATIENCE};
 use crate::download::Download;
 use crate::record::{Record, RecordHead};
 use crate::words;

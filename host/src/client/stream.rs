@@ -7,7 +7,8 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use pneudrive_protocol::{MAX_ROWS, Reply, ReplyBody, RequestBody, Status, StreamedSample};
 
-use super::{Client, unexpected};
+use super::Client;
+use super::answer::unexpected;
 use crate::stream::Arrivals;
 
 /// Rows that may come before the next grant: several times what comes until then, so that one is lost

@@ -6,7 +6,8 @@ use pneudrive_protocol::{
     ConfigState, Event, MAX_EVENTS, Mode, Motion, Refused, ReplyBody, RequestBody, Spread,
 };
 
-use super::{Client, unexpected};
+use super::Client;
+use super::answer::unexpected;
 use crate::words;
 
 impl Client {
