@@ -9,7 +9,9 @@
 //! |---|---|
 //! | `chapter_7`, `chapter_8` | the exhibits, and their experiments |
 //! | `reading` | what an experiment gives, and whether that agrees |
-//! | `runs` | runs the exhibits on all processors |
+//! | `number` | numbers as the thesis prints them |
+//! | `study_exhibit` | the exhibits that are application studies |
+//! | `runs`, `shown` | runs the exhibits on all processors; an exhibit with what was found |
 //! | `page`, `table`, `chart`, `bar` | the page, its tables and graphs, and the bars that hold printed and found beside each other |
 //! | `golden` | the readings as TOML, and what has changed against an older file |
 //!
@@ -21,17 +23,22 @@ mod chapter_8;
 mod chart;
 mod drives;
 pub mod golden;
+mod number;
 mod page;
 mod reading;
 mod runs;
+mod shown;
+mod study_exhibit;
 mod table;
 
 use anyhow::Result;
 
 pub use chart::{Chart, Line};
+pub use number::value_of;
 pub use page::{html, said, title};
 pub use reading::{Agreement, Found, Reading};
-pub use runs::{Shown, lasts, run};
+pub use runs::{lasts, run};
+pub use shown::Shown;
 
 /// One table, figure or section of the thesis.
 #[derive(Debug)]
@@ -127,15 +134,6 @@ impl Entry {
     const fn alternative(self) -> Entry {
         Entry { alternative: true, ..self }
     }
-}
-
-/// The value of a number as the thesis prints it, with commas between thousands.
-///
-/// # Panics
-/// If it is no number; a test reads all of them.
-#[must_use]
-pub fn value_of(text: &str) -> f64 {
-    text.replace(',', "").parse().unwrap_or_else(|_| panic!("{text:?} is no number"))
 }
 
 /// All exhibits, in the order of the thesis.

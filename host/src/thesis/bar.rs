@@ -1,7 +1,8 @@
 //! The bar that holds a printed number and what was found beside each other: the tolerance shaded, the printed number
 //! as a tick, what was found as a dot on its range.
 
-use super::{Agreement, Entry, Found, Printed, Reading, value_of};
+use super::number::value_of;
+use super::{Agreement, Entry, Found, Printed, Reading};
 
 /// The bar, pixels.
 const WIDTH: f64 = 150.0;

@@ -7,7 +7,8 @@
 //! cannot be decided  the thesis compares with what is lost, or the model has nothing to show
 //! ```
 
-use super::{Entry, Printed, value_of};
+use super::number::value_of;
+use super::{Entry, Printed};
 use crate::study::{self, Verdict};
 
 /// What an experiment gives for the entry of the same key.

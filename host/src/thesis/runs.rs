@@ -2,42 +2,13 @@
 
 use std::time::Duration;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 
-use super::chapter_8::study_of;
-use super::{Agreement, Entry, Exhibit, Experiment, Measured, Printed, Reading};
+use super::shown::in_order;
+use super::study_exhibit::{self, study_of};
+use super::{Entry, Exhibit, Experiment, Measured, Printed, Shown};
 use crate::parallel;
 use crate::study::{self, Study};
-
-/// An exhibit with what was found.
-#[derive(Clone, Debug)]
-pub struct Shown {
-    /// What the thesis prints.
-    pub exhibit: &'static Exhibit,
-    /// The readings of its entries, and behind them those of its study.
-    pub readings: Vec<Reading>,
-    /// The statements of its study, as entries.
-    pub statements: &'static [study::Statement],
-    /// What it looks like.
-    pub charts: Vec<super::Chart>,
-}
-
-impl Shown {
-    /// Each entry with its reading: what it is, what is printed, what was found.
-    pub fn rows(&self) -> impl Iterator<Item = (Entry, &Reading)> {
-        let of_study = self.statements.iter().map(|statement| Entry::sentence("", statement.thesis));
-        let own = self.exhibit.entries.iter().map(|entry| Entry { ..*entry });
-        own.chain(of_study).zip(&self.readings)
-    }
-
-    /// How many of its entries agree, differ and so on; other readings of the text do not count.
-    #[must_use]
-    pub fn count(&self, agreement: Agreement) -> usize {
-        self.rows()
-            .filter(|(entry, reading)| !entry.alternative && reading.agreement(entry) == agreement)
-            .count()
-    }
-}
 
 /// What exhibits take on all processors, roughly.
 #[must_use]
@@ -70,7 +41,7 @@ pub fn run(
     let mut studied = studied.into_iter();
     let shown = |exhibit: &&'static Exhibit| match study_of(exhibit) {
         None => measured.next().expect("it has been measured"),
-        Some(study) => super::chapter_8::shown(exhibit, study, &studied.next().expect("it has been studied")),
+        Some(study) => study_exhibit::shown(exhibit, study, &studied.next().expect("it has been studied")),
     };
     exhibits.iter().map(shown).collect()
 }
@@ -80,19 +51,6 @@ fn measured(exhibit: &'static Exhibit) -> Result<Shown> {
     let Measured { readings, charts } =
         experiment().with_context(|| format!("{}, {}", exhibit.section, exhibit.place))?;
     Ok(Shown { exhibit, readings: in_order(exhibit, readings)?, statements: &[], charts })
-}
-
-/// The readings in the order of the entries.
-pub(super) fn in_order(exhibit: &Exhibit, mut readings: Vec<Reading>) -> Result<Vec<Reading>> {
-    let mut ordered = Vec::new();
-    for entry in exhibit.entries {
-        let place = readings.iter().position(|reading| reading.key == entry.key);
-        let place =
-            place.with_context(|| format!("{}: nothing was read of {:?}", exhibit.place, entry.key))?;
-        ordered.push(readings.swap_remove(place));
-    }
-    ensure!(readings.is_empty(), "{}: no entry for {:?}", exhibit.place, readings[0].key);
-    Ok(ordered)
 }
 
 /// Whether an entry is a number.

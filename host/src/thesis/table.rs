@@ -1,8 +1,9 @@
 //! The tables of an exhibit: its numbers, and its sentences.
 
 use super::bar::bar;
+use super::number::value_of;
 use super::reading::rounded;
-use super::{Agreement, Entry, Found, Printed, Reading, Shown, value_of};
+use super::{Agreement, Entry, Found, Printed, Reading, Shown};
 use crate::page::escaped;
 
 /// A row of a table: its cells, and what it rests on, which stands once for all rows that rest on the same.

@@ -8,10 +8,9 @@ use pneudrive_sim::keys;
 use pneudrive_sim::{Rig, Run};
 
 use crate::thesis::drives::{column, median, rig, rms, run};
+use crate::thesis::number::value_of;
 use crate::thesis::reading::ends;
-use crate::thesis::{
-    Agreement, Chart, Entry, Exhibit, Experiment, Found, Line, Measured, Printed, Reading, value_of,
-};
+use crate::thesis::{Agreement, Chart, Entry, Exhibit, Experiment, Found, Line, Measured, Printed, Reading};
 use crate::tuning::Proportion;
 
 const LOST: &str = "none, as the rig's transient is lost";

@@ -1,6 +1,6 @@
 //! Verification against published data (7.3): the studies of the drives that others measured.
 
-use crate::thesis::chapter_8::of_study;
+use crate::thesis::study_exhibit::of_study;
 use crate::thesis::{Entry, Exhibit};
 
 /// What a study has no number of.

@@ -1,0 +1,10 @@
+//! Numbers as the thesis prints them.
+
+/// The value of a number as the thesis prints it, with commas between thousands.
+///
+/// # Panics
+/// If it is no number; a test reads all of them.
+#[must_use]
+pub fn value_of(text: &str) -> f64 {
+    text.replace(',', "").parse().unwrap_or_else(|_| panic!("{text:?} is no number"))
+}
