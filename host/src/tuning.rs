@@ -78,7 +78,7 @@ impl Task {
     pub fn most_runs(&self) -> Result<usize> {
         let drive = Drive::of(self, &[])?;
         let each = spread::tuned_on(&self.spread, self.budget.seed).len();
-        let finalists = (FINALISTS + 1) * (each + drive::NEIGHBOURS);
+        let finalists = (FINALISTS + 1) * (each + trial::NEIGHBOURS);
         let of_suspect = obstacle::budget(&self.budget).runs(each) + each + self.draws;
         let suspects = match self.budget.generations {
             0 => 0,
@@ -115,14 +115,8 @@ impl Found {
     /// On how many of the fresh draws the goal is met.
     #[must_use]
     pub fn met(&self, goal: &Goal) -> Proportion {
-        met(&self.fresh, goal)
+        goal.met_in(&self.fresh)
     }
-}
-
-/// On how many runs the goal is met.
-#[must_use]
-pub fn met(all: &[Performance], goal: &Goal) -> Proportion {
-    Proportion { met: all.iter().filter(|one| one.meets(goal)).count(), of: all.len() }
 }
 
 /// What came out.
@@ -172,7 +166,7 @@ pub fn tune(task: &Task, mut progress: impl FnMut(Progress)) -> Result<Tuned> {
     let finalists = &outcome.population[..outcome.population.len().min(FINALISTS)];
     let finalists: Vec<Option<&[f64]>> =
         std::iter::once(None).chain(finalists.iter().map(|shares| Some(shares.as_slice()))).collect();
-    meter.begin(Stage::Finalists, finalists.len() * (tuned_on.len() + drive::NEIGHBOURS));
+    meter.begin(Stage::Finalists, finalists.len() * (tuned_on.len() + trial::NEIGHBOURS));
     let mut finalists: Vec<Found> =
         finalists.iter().map(|shares| drive.finalist(*shares, &tuned_on, &mut meter)).collect();
     let best = (0..finalists.len())

@@ -3,13 +3,9 @@
 use anyhow::Result;
 
 use super::search::{Budget, Outcome, search};
-use super::trial::Trial;
+use super::trial::{NEIGHBOURS, Trial};
 use super::{Found, Performance, Space, Task, Variant, held};
-use crate::ensemble::Spacing;
 use crate::parallel;
-
-/// Runs of the file's rig and its neighbours.
-pub(super) const NEIGHBOURS: usize = 8;
 
 /// What a tuning is at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -172,9 +168,4 @@ struct Cost {
     /// Which variant put it above its limit.
     given_up_at: Option<usize>,
     runs: usize,
-}
-
-/// The neighbours that a finalist is checked with.
-pub(super) fn spacing() -> Spacing {
-    Spacing { runs: NEIGHBOURS, ..Spacing::default() }
 }

@@ -13,6 +13,7 @@
 //! its error at the end is the allowed one. What it overshoots too far costs 0.2 s a percent, a limit cycle
 //! 0.5 s and half its swing, and what may be one 0.5 s and half of what it covers in its last quarter. A run that trips costs more than all of that.
 
+use super::Proportion;
 use crate::evaluation::{Doubt, LimitCycle, Move};
 
 /// What is asked of a step.
@@ -26,6 +27,14 @@ pub struct Goal {
     pub overshoot_percent: f64,
     /// How long it has, there as well as back, s.
     pub time_s: f64,
+}
+
+impl Goal {
+    /// In how many of these trials it is met.
+    #[must_use]
+    pub fn met_in(&self, trials: &[Performance]) -> Proportion {
+        Proportion { met: trials.iter().filter(|trial| trial.meets(self)).count(), of: trials.len() }
+    }
 }
 
 /// A step that is within the distance only later than this part of its time has not settled: it passes by.

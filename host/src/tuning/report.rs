@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::trial::Trial;
-use super::{Found, Goal, Proportion, Space, Task, Tuned, met};
+use super::{Found, Goal, Proportion, Space, Task, Tuned};
 use crate::page::Page;
 use crate::rig_text;
 
@@ -66,7 +66,7 @@ pub fn verdict(task: &Task, tuned: &Tuned) -> String {
         };
         return format!("{fresh}, {why}.");
     }
-    let seen = met(&tuned.after.tuned_on, goal);
+    let seen = goal.met_in(&tuned.after.tuned_on);
     format!(
         "{fresh} (in brackets 95 % intervals), and in {} of {} trials that the gains were tuned on. With the gains of the file it is met in {} of the same fresh draws.",
         seen.met,
@@ -77,7 +77,7 @@ pub fn verdict(task: &Task, tuned: &Tuned) -> String {
 
 /// Whether the rig of the file meets the goal, and its neighbours with it.
 fn nominal(task: &Task, tuned: &Tuned) -> String {
-    let seen = met(&tuned.after.neighbours, &task.goal);
+    let seen = task.goal.met_in(&tuned.after.neighbours);
     let how = match seen.met {
         0 => "does not meet it, nor does any of its neighbours".to_owned(),
         all if all == seen.of => format!("meets it, and so do its {} neighbours", seen.of - 1),

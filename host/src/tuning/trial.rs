@@ -5,15 +5,17 @@ use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 
-use super::drive::spacing;
 use super::goal::{Goal, Performance};
 use super::{Task, Variant};
-use crate::ensemble::run_ensemble;
+use crate::ensemble::{Spacing, run_ensemble};
 use crate::evaluation::{Motion, Move, moves};
 use crate::rig_text;
 use crate::run_folder::StoredRun;
 use crate::transient::Transient;
 use crate::words::fault_name;
+
+/// Runs of the file's rig and its neighbours.
+pub(super) const NEIGHBOURS: usize = 8;
 
 /// Before the step the drive holds for so long, s.
 const HOLD_S: f64 = 0.1;
@@ -21,6 +23,11 @@ const HOLD_S: f64 = 0.1;
 /// What a rig's own test says of moves, rows and records: the step has its own.
 const SCHEDULE: [&str; 7] =
     ["moves", "targets", "repeat_every_s", "impulse", "trace_period_s", "decimation", "pre_trigger"];
+
+/// The neighbours that a finalist is checked with.
+fn spacing() -> Spacing {
+    Spacing { runs: NEIGHBOURS, ..Spacing::default() }
+}
 
 /// A rig with the step as its test.
 #[derive(Clone, Debug)]

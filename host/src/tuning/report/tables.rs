@@ -4,7 +4,7 @@ use crate::evaluation::LimitCycle;
 use crate::page::Table;
 use crate::range::stated;
 use crate::tuning::trial::Trial;
-use crate::tuning::{Found, Goal, Obstacle, Performance, Tuned, Variant, met};
+use crate::tuning::{Found, Goal, Obstacle, Performance, Tuned, Variant};
 
 /// Columns of what gains do on many rigs.
 const ON_MANY: [&str; 9] = [
@@ -24,7 +24,7 @@ fn on_many(found: &Found, goal: &Goal) -> Vec<String> {
     let all = &found.fresh;
     let count = |is: &dyn Fn(&Performance) -> bool| all.iter().filter(|one| is(one)).count().to_string();
     let [low, high] = found.met(goal).interval().map(|end| 100.0 * end);
-    let seen = met(&found.tuned_on, goal);
+    let seen = goal.met_in(&found.tuned_on);
     let mut times: Vec<f64> = all.iter().filter_map(|one| one.settling_s).collect();
     times.sort_by(f64::total_cmp);
     let settling = match times.last() {
@@ -81,7 +81,7 @@ pub fn obstacles(all: &[Obstacle], goal: &Goal) -> Table {
 pub fn neighbours(tuned: &Tuned, goal: &Goal) -> Table {
     let row = |name: &str, found: &Found| {
         let runs = &found.neighbours;
-        let seen = met(runs, goal);
+        let seen = goal.met_in(runs);
         let of = |of: &dyn Fn(&Performance) -> Option<f64>| runs.iter().map(of).collect::<Vec<_>>();
         let cycles = runs.iter().map(|one| one.limit_cycle).reduce(LimitCycle::or_worse);
         vec![
