@@ -30,6 +30,7 @@ mod assumed;
 pub mod causes;
 mod derivatives;
 pub mod figures;
+mod found;
 pub mod least_squares;
 pub mod level;
 pub mod limits;
@@ -51,11 +52,12 @@ use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::{Accuracy, Rig};
 
 use causes::{Explanation, Traces};
+use found::Found;
 use level::Incline;
 use model::Model;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
-use search::{Ended, Found};
+use search::Ended;
 use spectrum::Spectrum;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.

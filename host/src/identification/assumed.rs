@@ -8,11 +8,11 @@ use std::ops::Range;
 use anyhow::{Result, anyhow};
 use nalgebra::{DMatrix, DVector};
 
+use super::found::Found;
 use super::level::{self, Incline, LEVELLED};
 use super::model::Model;
 use super::parameter::Parameter;
 use super::posterior::{NORMAL_95, Posterior, RESTS, inverse};
-use super::search::Found;
 use super::spectrum::Transform;
 use super::{Estimate, Given, Share, Unseen};
 

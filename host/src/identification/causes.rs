@@ -16,14 +16,15 @@
 
 mod fit;
 mod list;
+mod significance;
 
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::Rig;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use super::found::Found;
 use super::model::Model;
-use super::search::Found;
 use fit::Fit;
+use significance::{chance, noise};
 
 /// Effects that are fitted, the most promising first, and of these how many to the end at most while none leaves noise
 /// alone.
@@ -267,29 +268,6 @@ fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effe
     };
     let possible = gain > 0.0 && part.abs() < LARGEST && effect.rig(model, part).is_some();
     possible.then_some(Trial { effect, gain, part })
-}
-
-/// Variance of what is left along one direction, and the independent residuals that tell it.
-fn noise(model: &Model, found: &Found) -> (f64, f64) {
-    let residuals = &found.minimum.residuals;
-    let (mut squares, mut products) = (0.0, 0.0);
-    for block in model.blocks() {
-        let of = &residuals.as_slice()[block.rows];
-        squares += of.iter().map(|r| r * r).sum::<f64>();
-        products += of.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
-    }
-    let rho = (products / squares).clamp(0.0, 0.999);
-    let worth = (1.0 + rho) / (1.0 - rho);
-    let freedom = found.rows().saturating_sub(model.unknowns()).max(1) as f64;
-    (worth * squares / freedom, freedom / worth)
-}
-
-/// How often F is above `ratio` by chance.
-fn chance(ratio: f64, freedom: f64) -> f64 {
-    match FisherSnedecor::new(1.0, freedom.max(1.0)) {
-        Ok(f) if ratio > 0.0 && ratio.is_finite() => f.sf(ratio),
-        _ => 1.0,
-    }
 }
 
 impl Effect {

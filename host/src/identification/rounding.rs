@@ -13,14 +13,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use anyhow::Result;
 use nalgebra::DVector;
 
-use super::least_squares::Minimum;
-use super::limits::step_within;
 use super::model::{Block, Model};
 use super::recording::CHANNELS;
-use super::search::{Found, found_at};
 
 /// Noise that is tried, counts.
 const TRIED: [f64; 5] = [0.0, 0.05, 0.1, 0.2, 0.3];
@@ -41,40 +37,6 @@ pub(super) struct Judged {
     pub residuals: DVector<f64>,
     /// Of which channels rounding is known.
     pub rounded: [bool; CHANNELS.len()],
-}
-
-/// Steps without rounding at most, and the least part of the sum of squares that one gains.
-const STEPS: usize = 15;
-const GAIN: f64 = 1e-3;
-
-/// A fit that goes on without the rounding that the model knows.
-///
-/// # Errors
-/// When the sensitivities are too far apart.
-pub(super) fn refined(model: &Model, found: Found) -> Result<Found> {
-    let mut best = found;
-    for _ in 0..STEPS {
-        if !best.judged.rounded.contains(&true) {
-            break;
-        }
-        let Some(minimum) = step(model, &best) else { break };
-        let next = found_at(model, minimum)?;
-        if next.judged.residuals.norm_squared() > (1.0 - GAIN) * best.judged.residuals.norm_squared() {
-            break;
-        }
-        best = next;
-    }
-    Ok(best)
-}
-
-/// Where a step without rounding leads.
-fn step(model: &Model, found: &Found) -> Option<Minimum> {
-    let Minimum { u, jacobian, .. } = &found.minimum;
-    let (normal, gradient) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(&found.judged.residuals));
-    let step = step_within(&normal, &gradient, &model.limits(), u)?;
-    let u: Vec<f64> = u.iter().zip(&step).map(|(u, d)| u + d).collect();
-    let residuals = model.residuals_at(&u)?;
-    Some(Minimum { u, residuals, ..found.minimum.clone() })
 }
 
 /// What rounding adds to a reading of `counts` with some noise, in the mean, counts.

@@ -8,12 +8,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::causes::{self, Explanation};
+use super::found::{Found, found_at, refined};
 use super::least_squares::{Minimum, minimise};
-use super::model::{Model, first_noise, noise_at_rest, rest};
-use super::posterior::inverse;
-use super::recording::CHANNELS;
-use super::rounding::{self, Judged};
-use super::spectrum::{AtRest, Spectrum, Transform, at_rest};
+use super::model::{Model, first_noise};
 
 /// Shares of each transient that the fit takes one after the other.
 const STAGES: [f64; 3] = [0.35, 0.65, 1.0];
@@ -36,36 +33,6 @@ const AWAY: [f64; 3] = [1.0, 2.0, 4.0];
 
 /// There is a jump where a point's sum of squares is by so much below what the derivatives promise.
 const BELOW: f64 = 25.0;
-
-/// A minimum, and what its residuals are.
-pub(super) struct Found {
-    /// The minimum.
-    pub minimum: Minimum,
-    /// What remains, by frequency, without the rounding that the model knows.
-    pub spectrum: Spectrum,
-    /// The same with all rounding: what moves the estimates.
-    pub moving: Spectrum,
-    /// The residuals of `spectrum`.
-    pub judged: Judged,
-    /// Covariance of the errors that noise makes.
-    by_noise: DMatrix<f64>,
-    /// (J' J + L)^-1, with L the inverse variances of the priors.
-    inverse: DMatrix<f64>,
-}
-
-impl Found {
-    /// Standard error of an unknown of `model`, of noise as correlated as the residuals are and of the priors, in u.
-    pub fn error(&self, model: &Model, unknown: usize) -> f64 {
-        let of_prior = |i: usize| (self.inverse[(unknown, i)] / model.prior(i)).powi(2);
-        let by_priors: f64 = (0..self.inverse.ncols()).map(of_prior).sum();
-        (self.by_noise[(unknown, unknown)] + by_priors).max(0.0).sqrt()
-    }
-
-    /// Residuals of the data; those of the priors come after them.
-    pub fn rows(&self) -> usize {
-        self.minimum.residuals.len() - self.minimum.u.len()
-    }
-}
 
 /// Why the model cannot follow the recordings at a point.
 pub(super) fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
@@ -220,36 +187,5 @@ fn with_its_noise(model: &mut Model, mut found: Found, progress: &mut dyn FnMut(
 
 fn found(model: &Model, u: &[f64], progress: &mut dyn FnMut(&str)) -> Result<Found> {
     let minimum = minimise(model, u, true, progress).ok_or_else(|| cannot_follow(model, u))?;
-    rounding::refined(model, found_at(model, minimum)?)
-}
-
-/// A minimum, and what its residuals are.
-///
-/// # Errors
-/// When the sensitivities are too far apart.
-pub(super) fn found_at(model: &Model, minimum: Minimum) -> Result<Found> {
-    let blocks = model.blocks();
-    let rows = blocks.last().map_or(0, |block| block.rows.end);
-    let jacobian = minimum.jacobian.rows(0, rows).into_owned();
-    let priors = DVector::from_fn(minimum.u.len(), |i, _| model.prior(i));
-    let covariance = inverse(&jacobian.tr_mul(&jacobian), &priors).ok_or_else(|| {
-        anyhow!("the sensitivities of the model to its parameters are too far apart to be worked with")
-    })?;
-    let transform = Transform::of(&blocks, &minimum.residuals, &jacobian);
-    let moving = transform.spectrum(&covariance, rests(model));
-    let by_noise = &covariance * transform.weighted(&moving) * &covariance;
-    let judged = rounding::judged(model, &minimum.residuals);
-    if !judged.rounded.contains(&true) {
-        let spectrum = moving.clone();
-        return Ok(Found { minimum, spectrum, moving, judged, by_noise, inverse: covariance });
-    }
-    let spectrum = Transform::of(&blocks, &judged.residuals, &jacobian).spectrum(&covariance, rests(model));
-    Ok(Found { minimum, spectrum, moving, judged, by_noise, inverse: covariance })
-}
-
-fn rests(model: &Model) -> [AtRest; CHANNELS.len()] {
-    std::array::from_fn(|channel| {
-        let noise = noise_at_rest(model.recordings, channel);
-        at_rest(model.noise[channel], noise, rest(model.recordings, channel).freedom)
-    })
+    refined(model, found_at(model, minimum)?)
 }

@@ -1,13 +1,13 @@
 //! An effect that a rig file lacks, fitted beside all parameters.
 
+use super::super::found::{Found, found_at, refined};
 use super::super::least_squares::{Minimum, Problem, minimise, minimise_by_secants};
 use super::super::level;
 use super::super::model::Model;
 use super::super::parameter::Parameter;
 use super::super::posterior::NORMAL_95;
-use super::super::rounding::refined;
-use super::super::search::{Found, found_at};
-use super::{Change, Effect, Explanation, Trial, chance, noise};
+use super::significance::{chance, noise};
+use super::{Change, Effect, Explanation, Trial};
 
 /// Parts of the size that an effect should have by its linear promise, at which its fit may begin.
 const PARTS: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
