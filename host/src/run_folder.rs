@@ -3,6 +3,9 @@
 //! They are one thing: they are replaced together (`replacement.rs`), run.json has the checksums of trace.csv and band.csv,
 //! and the page has the identity of its run, [`IDENTITY`].
 
+mod checksum;
+mod description;
+mod json_file;
 mod numbering;
 mod replacement;
 mod stored;
@@ -12,24 +15,22 @@ pub use crate::whole_file::{put, put_pieces};
 pub use numbering::{Existing, Numbered, refuse_other_rig};
 pub use stored::{StoredRun, is_trace, rig_of};
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
-use crc::{CRC_64_XZ, Crc};
-use pneudrive_controller::parameters::TABLE;
+use anyhow::{Result, bail};
+use pneudrive_sim::Rig;
 use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::{Fields, Value};
 use pneudrive_sim::trace::{COLUMNS, to_csv_with};
-use pneudrive_sim::{Decision, Rig};
-use serde_json::{Map, json};
+use serde_json::json;
 
 use crate::band::{self, Band};
 use crate::ensemble::Judged;
 use crate::page::{GENERATOR, Page};
 use crate::whole_file::is_device;
-use crate::words;
+use checksum::checksum;
+use description::describe;
+use json_file::read_json;
 use replacement::Replacement;
 
 /// The page's mark that tells of which run it is; run.json has the same under `identity`.
@@ -106,90 +107,6 @@ fn refuse_others(folder: &Path) -> Result<()> {
     refuse_foreign(&folder.join(TRACE), &COLUMNS.join(","))?;
     refuse_foreign(&folder.join(BAND), &band::header())?;
     refuse_foreign(&folder.join(PAGE), GENERATOR)
-}
-
-/// A checksum as run.json has it: CRC-64 (XZ), in hexadecimal digits.
-fn checksum(text: &str) -> String {
-    const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
-    format!("{:016x}", CRC.checksum(text.as_bytes()))
-}
-
-fn describe(rig: &Rig, judged: &Judged, moves: serde_json::Value, numbered: &Numbered) -> serde_json::Value {
-    let (run, accuracy) = (&judged.run, judged.accuracy);
-    let keys: Map<String, serde_json::Value> =
-        rig.entries().map(|(key, value)| (key.path.to_owned(), json_of(value))).collect();
-    let parameters = rig.parameters();
-    let controller: Map<String, serde_json::Value> = TABLE
-        .iter()
-        .filter(|parameter| parameter.len == 1)
-        .filter_map(|parameter| Some((parameter.name.to_owned(), json!(parameters.get(parameter.id)?))))
-        .collect();
-    let work = run.work;
-    json!({
-        "format": FORMAT,
-        "program": format!("pneudrive {}", env!("CARGO_PKG_VERSION")),
-        "rig": rig.name(),
-        "method": format!("{:?}", accuracy.method),
-        "tolerance": accuracy.tolerance,
-        "samples": run.observations.len(),
-        "rows": run.rows.len(),
-        "decided": judged.decision.is_decided(),
-        "undecided_from_s": judged.decision.undecided_from_s,
-        "closest_edge": closest_edge(&judged.decision),
-        "position_error_m": judged.decision.error_m,
-        "ensemble": judged.band.as_ref().map(|_| json!({
-            "runs": judged.spacing.runs,
-            "relative_change": judged.spacing.relative,
-            "tripped": judged.lost.tripped.iter().map(|fault| words::fault_name(*fault)).collect::<Vec<_>>(),
-            "not_simulated": judged.lost.failed,
-        })),
-        "moves": moves,
-        "fault": run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
-        "work": {
-            "steps": work.integrator.n_steps,
-            "rejected": work.integrator.n_rejected_steps,
-            "evaluations": work.integrator.n_rhs_evaluations,
-            "restarts": work.integrator.n_restarts,
-            "events": work.integrator.n_events,
-            "flow_solutions": work.network.solutions,
-            "flow_iterations": work.network.iterations,
-        },
-        "controller": controller,
-        "keys": keys,
-        "run": numbered.run,
-        "date": numbered.date,
-    })
-}
-
-fn closest_edge(decision: &Decision) -> Option<serde_json::Value> {
-    decision.closest_edge.map(|edge| json!({ "distance_m": edge.distance_m, "at_s": edge.at_s }))
-}
-
-fn json_of(value: &Value) -> serde_json::Value {
-    match value {
-        Value::Number(value) => json!(value),
-        Value::Integer(value) => json!(value),
-        Value::Switch(on) => json!(on),
-        Value::Word(word) => json!(word),
-        Value::Integers(values) => json!(values),
-        Value::Numbers(values) => json!(values),
-        Value::Moves(moves) => json!(moves),
-        Value::Events(events) => events.iter().map(json_of_event).collect(),
-    }
-}
-
-fn json_of_event(fields: &Fields) -> serde_json::Value {
-    fields.iter().map(|(name, value)| ((*name).to_owned(), json_of(value))).collect()
-}
-
-fn read_json(path: &Path) -> Result<serde_json::Value> {
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let value: serde_json::Value =
-        serde_json::from_str(&text).with_context(|| format!("{} is not JSON", path.display()))?;
-    if value["format"] != FORMAT {
-        bail!("{} is not a run of this program: its format is not {FORMAT:?}", path.display());
-    }
-    Ok(value)
 }
 
 #[cfg(test)]

@@ -10,8 +10,9 @@ use anyhow::{Context, Result, bail};
 use jiff::Timestamp;
 use pneudrive_sim::Rig;
 
+use super::RUN;
+use super::json_file::read_json;
 use super::replacement::settle;
-use super::{RUN, read_json};
 
 /// What becomes of a run of another rig in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

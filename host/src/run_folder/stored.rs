@@ -9,8 +9,10 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
 use pneudrive_sim::{Accuracy, Method, Rig, Run};
 
+use super::checksum::checksum;
+use super::json_file::read_json;
 use super::replacement::settle;
-use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS, checksum, read_json};
+use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS};
 use crate::band::Band;
 use crate::ensemble::{Judged, Spacing};
 use crate::rig_text;
