@@ -2,7 +2,8 @@
 
 use super::super::outcome::said;
 use super::super::{Finding, Outcome, Statement, Study};
-use super::{LONG_STEPS, LONG_STEPS_TIME, SAME_MM, drive, grows};
+use super::drives::{LONG_STEPS, LONG_STEPS_TIME, drive};
+use super::growth::{SAME_MM, grows};
 use crate::transient::{POSITION, PRESSURES};
 
 pub(super) const CONTINUOUS: Study = Study {

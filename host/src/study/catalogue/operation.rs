@@ -3,7 +3,8 @@
 use super::super::outcome::said;
 use super::super::steadiness::SEEN_MM;
 use super::super::{Finding, Outcome, Statement, Study, Variant};
-use super::{LONG_STEPS, LONG_STEPS_TIME, SAME_MM, THESIS, drive, grows};
+use super::drives::{LONG_STEPS, LONG_STEPS_TIME, THESIS, drive};
+use super::growth::{SAME_MM, grows};
 use crate::transient::{POSITION, SPOOL};
 
 pub(super) const SOFT_SPRING: Study = Study {

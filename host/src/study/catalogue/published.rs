@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use super::super::outcome::said;
 use super::super::{Finding, Statement, Study, Variant};
-use super::{SAME_MM, grows};
+use super::growth::{SAME_MM, grows};
 use crate::transient::{PRESSURES, SPOOL};
 
 pub(super) const LUT_STEPPER: Study = Study {
