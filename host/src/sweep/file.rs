@@ -13,6 +13,7 @@
 //! | `[constraints]` | a metric and `{ min = 0.0, max = 1.0 }`, either or both: of its size |
 
 mod fields;
+mod names;
 mod vary;
 
 use pneudrive_sim::rig::{Problem, Problems};
@@ -24,6 +25,7 @@ use super::metric::{FIGURES, Metric, Which};
 use super::{Axis, Bound, Objective, Source, Sweep};
 use crate::evaluation::TOLERANCE_MM;
 use fields::{Entry, Reader, count, known, nearest_of, number, only, text};
+use names::plain_name;
 
 const TOP: [&str; 10] = [
     "rig",
@@ -303,16 +305,6 @@ fn method(item: &Item) -> Result<bool, String> {
         "latin-hypercube" => Ok(true),
         "random" => Ok(false),
         other => Err(format!("must be \"latin-hypercube\" or \"random\", is \"{other}\"")),
-    }
-}
-
-/// A name that can stand in the header of a CSV file.
-fn plain_name(name: &str) -> Result<(), String> {
-    let fits = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
-    if !name.is_empty() && name.chars().all(fits) {
-        Ok(())
-    } else {
-        Err("a name has letters, digits, - and _ only".to_owned())
     }
 }
 

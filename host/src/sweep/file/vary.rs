@@ -18,7 +18,7 @@ use toml_edit::{Array, Item, TableLike, Value};
 
 use super::super::axis::{Axis, Distribution, Draw, Range};
 use super::fields::{count, nearest_of, number, only, pair, text};
-use super::plain_name;
+use super::names::plain_name;
 
 const FORM: &str = "must be a list of values, { from = 1.0, to = 4.0, steps = 7 }, { uniform = [low, high] } or { normal = [mean, deviation] }";
 const FIELDS: [&str; 8] = ["values", "from", "to", "steps", "spacing", "uniform", "normal", "scale"];

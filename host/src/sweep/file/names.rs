@@ -1,0 +1,11 @@
+//! Names of columns.
+
+/// A name that can stand in the header of a CSV file.
+pub(super) fn plain_name(name: &str) -> Result<(), String> {
+    let fits = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    if !name.is_empty() && name.chars().all(fits) {
+        Ok(())
+    } else {
+        Err("a name has letters, digits, - and _ only".to_owned())
+    }
+}
