@@ -14,6 +14,7 @@ pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch,
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pneudrive_sim::trace::{EXTRAS, Extra};
+use pneudrive_sim::{Accuracy, Method};
 
 use crate::ensemble::Spacing;
 use crate::exit;
@@ -107,6 +108,18 @@ pub struct Integration {
 fn tolerance(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if (1e-13..=1e-2).contains(&value) { Ok(value) } else { Err("must be between 1e-13 and 1e-2".to_owned()) }
+}
+
+impl Integration {
+    /// What the library takes.
+    #[must_use]
+    pub fn accuracy(&self, rig: &pneudrive_sim::Rig) -> Accuracy {
+        let method = match self.method {
+            MethodName::DormandPrince => Method::DormandPrince,
+            MethodName::Merson => Method::Merson,
+        };
+        Accuracy { method, tolerance: self.tolerance.unwrap_or(Accuracy::of(rig).tolerance) }
+    }
 }
 
 /// Names of the methods.

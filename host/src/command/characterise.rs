@@ -10,7 +10,7 @@ use pneudrive_sim::characteristics::{
 use pneudrive_sim::{IntegrationError, Rig};
 
 use super::eval::column;
-use super::load_choice;
+use super::rig_source::load_choice;
 use crate::cli::{ALL, Characterise};
 use crate::page::{Curve, Figure, GENERATOR, Page, Panel, Table};
 use crate::run_folder::{make_writable, put, refuse_foreign};

@@ -7,8 +7,9 @@ use pneudrive_sim::{Accuracy, Rig};
 
 use super::overlay::overlay;
 use super::record::record;
+use super::rig_source::load_rig;
 use super::run::run_test;
-use super::{load_rig, simulate};
+use super::simulate;
 use crate::cli::Demo;
 use crate::client::Client;
 use crate::ensemble::{Spacing, run_ensemble};

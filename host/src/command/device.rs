@@ -10,8 +10,8 @@ use pneudrive_protocol::{
     ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
 
+use super::firmware_notes::tell_of_boots;
 use super::interrupts::Interrupts;
-use super::tell_of_boots;
 use crate::cli::{Device, DeviceAction, Place};
 use crate::client::{Client, Commander};
 use crate::exit::Exit;

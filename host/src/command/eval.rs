@@ -7,7 +7,8 @@ use anyhow::{Error, Result, anyhow, bail};
 
 use pneudrive_sim::{Accuracy, Rig, Run};
 
-use super::{Progress, load_rig};
+use super::progress::Progress;
+use super::rig_source::load_rig;
 use crate::cli::{Eval, Stretch};
 use crate::ensemble::{Ensemble, Spacing, run_ensemble};
 use crate::evaluation::{Chambers, Motion, Move, moves, refuse_other_rig, remarks, table};

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use pneudrive_sim::{Accuracy, Rig};
 
-use super::{accuracy, load_choice, rig_text};
+use super::rig_source::{load_choice, rig_text};
 use crate::cli::Identify;
 use crate::exit::Exit;
 use crate::identification::figures::Figures;
@@ -42,7 +42,7 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     let (recordings, figures) = records(arguments, &rig)?;
     say!("{}\n{}", figures.heading, figures.to_text());
     make_writable(&arguments.out)?;
-    let accuracy = accuracy(&arguments.integration, &rig);
+    let accuracy = arguments.integration.accuracy(&rig);
     let found = identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"))?;
     let mut tables = report::tables(&found);
     for table in &tables {

@@ -3,7 +3,8 @@
 use anyhow::Result;
 
 use super::long_work::Pace;
-use super::{Progress, rig_text};
+use super::progress::Progress;
+use super::rig_source::rig_text;
 use crate::cli::Ladder;
 use crate::ladder::{climb, page, table};
 use crate::page::GENERATOR;

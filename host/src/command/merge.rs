@@ -6,8 +6,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use super::few;
 use super::sweep::{leave, make_place};
+use super::wording::few;
 use crate::cli::Merge;
 use crate::sweep::journal::{About, Journal, Kept, NAME};
 use crate::sweep::{Row, Sweep};

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::{Progress, tell_lacking};
+use super::firmware_notes::tell_lacking;
+use super::progress::Progress;
 use crate::cli::Record;
 use crate::client::{self, Client, RecordChanged, RecordHead};
 use crate::part_file::{self, PartFile};

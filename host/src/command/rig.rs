@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow};
 use pneudrive_sim::rig::{BUILTIN, explain};
 
-use super::{load_rig, rig_text};
+use super::rig_source::{load_rig, rig_text};
 use crate::cli::Rig as Arguments;
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {

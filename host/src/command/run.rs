@@ -12,9 +12,11 @@ use pneudrive_controller::parameters::id;
 use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
 use pneudrive_sim::Rig;
 
+use super::firmware_notes::{tell_lacking, tell_of_boots};
 use super::interrupts::Interrupts;
+use super::progress::Progress;
+use super::rig_source::load_rig;
 use super::streaming::Streaming;
-use super::{Progress, load_rig, tell_lacking, tell_of_boots};
 use crate::cli::Run;
 use crate::client::{Client, RigParameters};
 use crate::exit::Exit;

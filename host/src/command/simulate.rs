@@ -5,7 +5,8 @@ use std::time::Instant;
 use anyhow::Result;
 use pneudrive_sim::{Recording, Rig, Run, run_recorded};
 
-use super::{Progress, accuracy, load_choice, load_rig};
+use super::progress::Progress;
+use super::rig_source::{load_choice, load_rig};
 use crate::cli::Simulate;
 use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
 use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
@@ -29,7 +30,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
         (rig, origin) = (taken.rig, taken.notes);
     }
     run_folder::refuse_other_rig(&arguments.out, &rig, existing(arguments.overwrite))?;
-    let accuracy = accuracy(&arguments.integration, &rig);
+    let accuracy = arguments.integration.accuracy(&rig);
     let mut progress = Progress::new("simulating");
     let begin = Instant::now();
     let spacing = arguments.neighbours.spacing();

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use super::Progress;
+use super::progress::Progress;
 use crate::cli::{ALL, LIST, Study as Arguments};
 use crate::page::GENERATOR;
 use crate::run_folder::{make_writable, refuse_foreign};

@@ -10,7 +10,8 @@ use anyhow::{Context, Result, bail};
 use pneudrive_sim::rig::builtin;
 
 use super::long_work::{about, allow};
-use super::{Progress, rig_text};
+use super::progress::Progress;
+use super::rig_source::rig_text;
 use crate::cli;
 use crate::page::GENERATOR;
 use crate::parallel::processors;

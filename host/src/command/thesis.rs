@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 
-use super::Progress;
 use super::long_work::about;
+use super::progress::Progress;
 use crate::cli::Thesis as Arguments;
 use crate::exit::Exit;
 use crate::page::GENERATOR;

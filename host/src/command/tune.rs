@@ -6,7 +6,8 @@ use anyhow::Result;
 use pneudrive_sim::rig::find_key;
 
 use super::long_work::{about, allow};
-use super::{Progress, load_choice, rig_text};
+use super::progress::Progress;
+use super::rig_source::{load_choice, rig_text};
 use crate::cli::Tune;
 use crate::page::GENERATOR;
 use crate::parallel::processors;

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
 
-use super::load_choice;
+use super::rig_source::load_choice;
 use crate::cli::Virtual;
 use crate::client::token;
 use crate::output::{self, Stream};

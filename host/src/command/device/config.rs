@@ -9,7 +9,9 @@ use pneudrive_sim::Rig;
 
 use crate::cli::ConfigAction;
 use crate::client::Client;
-use crate::command::{few, rig_text, tell_lacking};
+use crate::command::firmware_notes::tell_lacking;
+use crate::command::rig_source::rig_text;
+use crate::command::wording::few;
 use crate::parameter_names::{Written, names_of};
 use crate::run_folder::put;
 

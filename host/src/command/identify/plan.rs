@@ -14,8 +14,8 @@ use pneudrive_sim::Rig;
 
 use crate::cli::RigChoice;
 use crate::client::Client;
-use crate::command::load_rig;
 use crate::command::record::record;
+use crate::command::rig_source::load_rig;
 use crate::command::run::run_test;
 use crate::identification::moves;
 use crate::identification::recording::Recording;

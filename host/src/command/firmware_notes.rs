@@ -1,0 +1,24 @@
+//! What is said of a firmware that lacks something.
+
+use super::wording::few;
+use crate::client::{Client, RigParameters};
+use crate::parameter_names::names_of;
+use crate::words;
+
+/// Says so where a rig does not tell its boots apart, before it is armed or moved.
+pub(super) fn tell_of_boots(client: &Client) {
+    if !client.names_its_boot() {
+        tell!("note: {}", words::no_boots(client.speaks(6)));
+    }
+}
+
+/// Says which parameters the rig's firmware does not have.
+pub(super) fn tell_lacking(parameters: &RigParameters) {
+    let names = names_of(&parameters.lacking_names());
+    if !names.is_empty() {
+        tell!(
+            "note: the rig's firmware is older than this program; it has no {}, and does as with their defaults",
+            few(&names)
+        );
+    }
+}
