@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 use pneudrive_sim::characteristics::CURVES;
 
-use super::{Neighbours, RigChoice, percent};
+use super::percent::percent;
+use super::{Neighbours, RigChoice};
 use crate::study::{STARTS, STUDIES};
 use crate::sweep::execution::Shard;
 use crate::sweep::metric::FIGURES;

@@ -1,0 +1,118 @@
+//! Arguments of the commands that talk to a rig.
+
+use std::num::NonZeroU16;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+/// The name of a port, brought into the form that `port::open` takes.
+fn port(text: &str) -> Result<String, String> {
+    let address = text.strip_prefix("tcp:").map(|address| address.trim_start_matches('/'));
+    match address {
+        Some(address) => match address.rsplit_once(':') {
+            Some((_, number)) if number.parse::<NonZeroU16>().is_ok() => Ok(format!("tcp://{address}")),
+            Some((_, number)) => Err(format!("{number:?} is not a port number, 1 to 65535")),
+            None => Err("the port number is missing; write tcp://HOST:PORT".to_owned()),
+        },
+        None if text.is_empty() || text == "pty:" => {
+            Err("the name is empty; write pty:PATH or a device".to_owned())
+        }
+        None => Ok(text.to_owned()),
+    }
+}
+
+/// The port of a rig.
+#[derive(Debug, Args)]
+pub struct PortChoice {
+    /// A device (/dev/ttyACM0, COM3), pty:PATH or tcp://HOST:PORT
+    #[arg(long, short, value_name = "PORT", value_parser = port)]
+    pub port: String,
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct Run {
+    /// The rig whose [test] to run: a built-in rig or a rig file
+    #[arg(value_name = "TEST")]
+    pub rig: String,
+    /// The port.
+    #[command(flatten)]
+    pub port: PortChoice,
+    /// Change a key of the test, such as test.duration_s=2; may be given again
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+    /// Also download the controller's parameters of the rig
+    #[arg(long)]
+    pub config: bool,
+    /// Let the test last this long instead, such as 90s, 20min, 8h or 3d
+    #[arg(long = "for", value_name = "TIME", value_parser = lasting, conflicts_with = "until_stopped")]
+    pub lasting: Option<Duration>,
+    /// Let the test run until Ctrl-C, which disarms the drive
+    #[arg(long)]
+    pub until_stopped: bool,
+    /// Write the run to this file while it is on, however long it is
+    #[arg(long, value_name = "FILE")]
+    pub stream: Option<PathBuf>,
+    /// Every how manyth sample is streamed
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "stream", value_parser = clap::value_parser!(u16).range(1..))]
+    pub every: u16,
+}
+
+/// A time such as 90s, 20min, 8h or 3d.
+fn lasting(text: &str) -> Result<Duration, String> {
+    let (number, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len()));
+    let seconds = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        "d" => 86_400.0,
+        _ => return Err("write a number and s, min, h or d, such as 90s or 8h".to_owned()),
+    };
+    let number: f64 = number.trim().parse().map_err(|_| format!("{number:?} is not a number"))?;
+    if number > 0.0 && number * seconds < 1e8 {
+        Ok(Duration::from_secs_f64(number * seconds))
+    } else {
+        Err("must be above 0 and below 3 years".to_owned())
+    }
+}
+
+/// Arguments of `record`.
+#[derive(Debug, Args)]
+pub struct Record {
+    /// The port.
+    #[command(flatten)]
+    pub port: PortChoice,
+    /// Where to put the file
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub dir: PathBuf,
+}
+
+/// Arguments of `monitor`.
+#[derive(Debug, Args)]
+pub struct Monitor {
+    /// The port.
+    #[command(flatten)]
+    pub port: PortChoice,
+    /// Also write the values to this file
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Figures as the rig sends them, in counts and samples, not in mm, kPa and s
+    #[arg(long)]
+    pub counts: bool,
+    /// Seconds from one value to the next
+    #[arg(long = "every", value_name = "S", default_value_t = 0.2, value_parser = interval)]
+    pub every_s: f64,
+    /// End after so many
+    #[arg(long, value_name = "N")]
+    pub count: Option<u32>,
+}
+
+fn interval(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.01..=3600.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("must be between 0.01 and 3600 seconds".to_owned())
+    }
+}
