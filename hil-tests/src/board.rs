@@ -15,7 +15,8 @@ use anyhow::{Context, Result, bail};
 use pneudrive::board_plant::BoardPlant;
 use pneudrive_sim::Rig;
 
-use crate::{Target, body, commission};
+use crate::service::commission;
+use crate::{Target, body};
 
 /// What is at the bench.
 pub struct Bench {

@@ -3,95 +3,27 @@
 pub mod axis;
 pub mod keeping;
 pub mod punctuality;
+mod run;
 pub mod soak;
 pub mod stream;
 
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use pneudrive::client::{Client, Record};
+use pneudrive::client::Client;
 use pneudrive::replay::{Replay, replay};
 use pneudrive::target::TargetFile;
-use pneudrive_controller::{Fault, Observation};
-use pneudrive_protocol::{Mode, RecordedSample};
-use pneudrive_sim::{Accuracy, Rig, run};
+use pneudrive_controller::Fault;
+use pneudrive_protocol::Mode;
+use pneudrive_sim::{Accuracy, Rig};
+
+pub use run::{assert_equal_in_every_integer, rig, run_and_record, start_run};
 
 use crate::Target;
+use run::{assert_is_the_simulation, run_on};
 
 /// Starts a rung whose plant has the true parameters of a rig, and its controller the nominal ones.
 pub type Start = fn(&Rig) -> Box<dyn Target>;
-
-/// A built-in rig with settings.
-///
-/// # Panics
-/// When there is no such rig, or the settings are none.
-#[must_use]
-pub fn rig(name: &str, settings: &[&str]) -> Rig {
-    let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");
-    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-    Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
-}
-
-/// Downloads, arms, starts and follows the rig's test, and pulls its record.
-///
-/// # Panics
-/// When the rung does not come to the end of the run.
-#[must_use]
-pub fn run_and_record(target: &dyn Target, rig: &Rig) -> Record {
-    let mut client = target.connect().expect("a rig that answers");
-    run_on(&mut client, rig);
-    let record = client.record(|_, _| {}).expect("a record");
-    client.disarm().expect("an answer");
-    record
-}
-
-fn run_on(client: &mut Client, rig: &Rig) {
-    start_run(client, rig);
-    assert_eq!(client.follow(&AtomicBool::new(false), |_| {}).expect("no fault").mode, Mode::Done);
-}
-
-/// Downloads, arms and starts the rig's test.
-///
-/// # Panics
-/// When the drive is not ready for it.
-pub fn start_run(client: &mut Client, rig: &Rig) {
-    client.download_test(rig).expect("a disarmed rig takes a test");
-    client.arm().expect("referenced");
-    client.start().expect("armed");
-}
-
-/// What the recorder stores of an observation.
-fn recorded(seen: &Observation) -> RecordedSample {
-    RecordedSample {
-        position: seen.position,
-        pressure_1: seen.pressure_1,
-        pressure_2: seen.pressure_2,
-        command: seen.command,
-        error: seen.error as i16,
-        spool: seen.spool,
-    }
-}
-
-/// The record of the rung is the simulation of the rig.
-///
-/// # Panics
-/// At the first sample that is different, with both sides.
-pub fn assert_equal_in_every_integer(target: &dyn Target, rig: &Rig) {
-    let what = format!("{}, {}", target.name(), rig.name());
-    let simulated = run(rig, Accuracy::of(rig)).expect("a transient").observations;
-    assert_is_the_simulation(&what, &run_and_record(target, rig), &simulated);
-    if let Some(cost) = target.cost() {
-        println!("{what}: {cost}");
-    }
-}
-
-fn assert_is_the_simulation(what: &str, record: &Record, simulated: &[Observation]) {
-    assert_eq!(record.samples.len(), simulated.len(), "{what}: samples");
-    for (k, (on_rig, seen)) in record.samples.iter().zip(simulated).enumerate() {
-        assert_eq!(*on_rig, recorded(seen), "{what}: sample {k} (left: recorded, right: simulated)");
-    }
-    assert!(simulated.iter().any(|seen| seen.command != 0), "a test that moves nothing proves nothing");
-}
 
 /// Steps of the servo-drives in closed loop.
 ///
@@ -142,7 +74,7 @@ pub fn a_fault_after_the_moves(start: Start) {
     }
     let tripped = (status.mode, status.fault);
     assert_eq!(tripped, (Mode::Fault, Fault::EncoderStep.code()), "{}", target.name());
-    let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
+    let simulated = pneudrive_sim::run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
     assert_is_the_simulation(target.name(), &record, &simulated);
 }
 

@@ -7,7 +7,8 @@ use anyhow::{Context, Result, anyhow};
 use pneudrive::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
-use crate::{Delayed, Supplied, Target, commission};
+use crate::service::commission;
+use crate::{Delayed, Supplied, Target};
 
 /// The firmware's image on an emulated Cortex-M4, its plant simulated in lock step.
 pub struct QemuTarget {

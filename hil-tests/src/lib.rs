@@ -21,6 +21,7 @@ pub mod linked;
 pub mod requests;
 #[cfg(unix)]
 pub mod rounding;
+mod service;
 #[cfg(unix)]
 pub mod shell;
 
@@ -33,6 +34,7 @@ use pneudrive_sim::Rig;
 
 #[cfg(unix)]
 pub use emulated::{QemuTarget, board_runner, image, program};
+pub use service::commission;
 
 /// A rung with a port to talk to.
 pub trait Target {
@@ -78,18 +80,6 @@ pub trait Supplied: Target {
 pub trait Delayed: Target {
     /// Sample k of each run comes so much later than it should, microseconds of the board's clock.
     fn delay_sample(&self, k: u64, late_us: u16);
-}
-
-/// Puts a rung into service as a new board is: the parameters of the rig downloaded, the axis referenced
-/// where it stands.
-///
-/// # Errors
-/// When the rung does not answer, or refuses.
-pub fn commission(target: &dyn Target, rig: &Rig) -> Result<()> {
-    let mut client = target.connect()?;
-    client.import_parameters(&rig.parameters())?;
-    let position = client.status()?.position;
-    client.reference(position)
 }
 
 /// The firmware's application natively, its plant simulated.

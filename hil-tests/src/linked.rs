@@ -17,7 +17,8 @@ use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Control, LockStep, Server};
 use pneudrive_sim::Rig;
 
-use crate::{Target, commission};
+use crate::Target;
+use crate::service::commission;
 
 /// The board, and the plant that waits at its second port.
 pub struct LinkedTarget {

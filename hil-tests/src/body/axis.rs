@@ -6,7 +6,8 @@ use pneudrive_controller::Fault;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::{Accuracy, Rig, run};
 
-use super::{Start, assert_equal_in_every_integer, rig, run_and_record, run_on};
+use super::Start;
+use super::run::{assert_equal_in_every_integer, rig, run_and_record, run_on};
 
 /// The tuned drive B with a fault of its plant.
 fn faulty(event: &str) -> Rig {

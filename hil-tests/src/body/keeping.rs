@@ -6,7 +6,7 @@ use pneudrive_controller::parameters::id;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::Rig;
 
-use super::{assert_equal_in_every_integer, rig};
+use super::run::{assert_equal_in_every_integer, rig};
 use crate::Supplied;
 #[cfg(unix)]
 use crate::shell::Shell;

@@ -7,7 +7,8 @@ use pneudrive_controller::Fault;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::Rig;
 
-use super::{Start, assert_equal_in_every_integer, rig, start_run};
+use super::Start;
+use super::run::{assert_equal_in_every_integer, rig, start_run};
 use crate::Delayed;
 
 /// Starts a rung that can be made late, as [`Start`].

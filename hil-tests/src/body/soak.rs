@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use pneudrive_controller::Observation;
 use pneudrive_sim::{Accuracy, Rig, run};
 
-use super::{assert_is_the_simulation, rig, run_and_record};
+use super::run::{assert_is_the_simulation, rig, run_and_record};
 use crate::Target;
 
 /// Length of a run, s: as much as the recorder holds at decimation 1.

@@ -5,7 +5,8 @@ use std::sync::atomic::AtomicBool;
 use pneudrive_protocol::StreamedSample;
 use pneudrive_sim::{Accuracy, run};
 
-use super::{Start, recorded, rig};
+use super::Start;
+use super::run::{recorded, rig};
 
 /// A run that the recorder has no room for: its stream is the simulation, and what is missing of it is
 /// counted.
