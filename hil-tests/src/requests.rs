@@ -28,49 +28,70 @@ pub fn measure() -> Result<Vec<Request>> {
     let learning = ["controller.learn_null_offset=true", "controller.tolerance_counts=200"];
     let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6", learning[0], learning[1]]);
     let target = QemuTarget::start(&rig)?;
+    fill_log(&target)?;
+    let _ = body::run_and_record(&target, &rig);
+    let mut client = target.connect()?;
+    client.download_test(&rig)?;
+    let mut meter = Meter { target: &target, client, requests: Vec::new() };
+    meter.ask_in_a_run()?;
+    meter.ask_after_the_run()?;
+    Ok(meter.requests)
+}
+
+fn fill_log(target: &QemuTarget) -> Result<()> {
     let mut client = target.connect()?;
     for _ in 0..FAULTS {
         client.arm()?;
         client.stop()?;
     }
     client.arm()?;
-    client.disarm()?;
-    drop(client);
-    let _ = body::run_and_record(&target, &rig);
-    let mut client = target.connect()?;
-    client.download_test(&rig)?;
-    let mut requests = Vec::new();
-    let mut ask = |name, request: &mut dyn FnMut(&mut Client) -> Result<()>| -> Result<()> {
+    client.disarm()
+}
+
+/// Asks a board, and keeps what that cost.
+struct Meter<'a> {
+    target: &'a QemuTarget,
+    client: Client,
+    requests: Vec<Request>,
+}
+
+impl Meter<'_> {
+    fn ask(&mut self, name: &'static str, request: impl FnOnce(&mut Client) -> Result<()>) -> Result<()> {
         // What was asked before is told with the outputs that follow it.
         let settle = || std::thread::sleep(Duration::from_millis(20));
         settle();
-        let _ = target.board().take_request_instructions();
-        request(&mut client)?;
+        let _ = self.target.board().take_request_instructions();
+        request(&mut self.client)?;
         settle();
-        requests.push((name, target.board().take_request_instructions()));
+        self.requests.push((name, self.target.board().take_request_instructions()));
         Ok(())
-    };
-    ask("arm", &mut Client::arm)?;
-    ask("start", &mut Client::start)?;
-    ask("status", &mut |client| client.status().map(drop))?;
-    ask("info", &mut |client| client.info().map(drop))?;
-    ask("config get", &mut |client| client.parameters().map(drop))?;
-    ask("config state", &mut |client| client.config_state().map(drop))?;
-    ask("motion", &mut |client| client.motion().map(drop))?;
-    ask("timing", &mut |client| client.timing().map(drop))?;
-    ask("faults, a full log", &mut |client| client.events().map(drop))?;
-    ask("follow to the end", &mut |client| client.follow(&false.into(), |_| {}).map(drop))?;
-    ask("record, a full recorder", &mut |client| client.record(|_, _| {}).map(drop))?;
-    let learned = |client: &mut Client| Ok::<_, anyhow::Error>(client.motion()?.learned_null_offset != 0);
-    ask("motion, after the run", &mut |client| {
-        ensure!(learned(client)?, "the run has learned no null offset for an arm to take over");
-        Ok(())
-    })?;
-    ask("arm, a null offset learned", &mut Client::arm)?;
-    ask("motion, armed again", &mut |client| {
-        ensure!(!learned(client)?, "the null offset that was learned was not taken over");
-        Ok(())
-    })?;
-    ask("stop", &mut Client::stop)?;
-    Ok(requests)
+    }
+
+    fn ask_in_a_run(&mut self) -> Result<()> {
+        self.ask("arm", Client::arm)?;
+        self.ask("start", Client::start)?;
+        self.ask("status", |client| client.status().map(drop))?;
+        self.ask("info", |client| client.info().map(drop))?;
+        self.ask("config get", |client| client.parameters().map(drop))?;
+        self.ask("config state", |client| client.config_state().map(drop))?;
+        self.ask("motion", |client| client.motion().map(drop))?;
+        self.ask("timing", |client| client.timing().map(drop))?;
+        self.ask("faults, a full log", |client| client.events().map(drop))?;
+        self.ask("follow to the end", |client| client.follow(&false.into(), |_| {}).map(drop))
+    }
+
+    fn ask_after_the_run(&mut self) -> Result<()> {
+        self.ask("record, a full recorder", |client| client.record(|_, _| {}).map(drop))?;
+        let learned = |client: &mut Client| Ok::<_, anyhow::Error>(client.motion()?.learned_null_offset != 0);
+        self.ask("motion, after the run", |client| {
+            ensure!(learned(client)?, "the run has learned no null offset for an arm to take over");
+            Ok(())
+        })?;
+        self.ask("arm, a null offset learned", Client::arm)?;
+        self.ask("motion, armed again", |client| {
+            ensure!(!learned(client)?, "the null offset that was learned was not taken over");
+            Ok(())
+        })?;
+        self.ask("stop", Client::stop)
+    }
 }
