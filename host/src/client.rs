@@ -345,15 +345,7 @@ impl Client {
                     .inspect_err(|_| {
                         let _ = self.stop();
                     })?,
-                Mode::Fault => {
-                    return Err(Exit::Tripped.error(format!(
-                        "{} tripped {}: {} ({}); `pneudrive device arm` leaves the fault",
-                        self.name,
-                        self.place_in_run(status.index),
-                        words::fault_code_name(status.fault),
-                        words::fault_meaning(status.fault)
-                    )));
-                }
+                Mode::Fault => return Err(self.tripped(&status)),
                 Mode::Done => return Ok(status),
                 Mode::Disarmed | Mode::Armed => bail!(
                     "{}: the run did not come to its end; the rig was reset, or someone else disarmed it",
@@ -361,5 +353,15 @@ impl Client {
                 ),
             }
         }
+    }
+
+    fn tripped(&self, status: &Status) -> anyhow::Error {
+        Exit::Tripped.error(format!(
+            "{} tripped {}: {} ({}); `pneudrive device arm` leaves the fault",
+            self.name,
+            self.place_in_run(status.index),
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ))
     }
 }

@@ -12,8 +12,9 @@ use super::run::run_test;
 use super::simulate;
 use crate::cli::Demo;
 use crate::client::Client;
-use crate::ensemble::{Spacing, run_ensemble};
+use crate::ensemble::{Judged, Spacing, run_ensemble};
 use crate::evaluation::to_json;
+use crate::page::Page;
 use crate::report;
 use crate::run_folder::{self, StoredRun, make_writable};
 use crate::target::TargetFile;
@@ -62,9 +63,24 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     }
 
     say!("5. both on the same graphs\n");
+    let page = page(arguments, &model, &judged, (&target_path, &target))?;
+    let moves = to_json(&ensemble.measured);
+    run_folder::write(&arguments.out, &model, &judged, moves, Some(&page), existing)?;
+    say!("open {} in a browser", arguments.out.join("report.html").display());
+    Ok(())
+}
+
+/// The record and the simulation on the same graphs.
+fn page(
+    arguments: &Demo,
+    model: &Rig,
+    judged: &Judged,
+    (target_path, target): (&Path, &TargetFile),
+) -> Result<Page> {
+    let percent = 100.0 * arguments.spread;
     let name = target_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let simulated = Transient::of_run("simulated", &StoredRun::of_judged(&model, &judged));
-    let transients = [Transient::of_target(&name, &target)?, simulated];
+    let simulated = Transient::of_run("simulated", &StoredRun::of_judged(model, judged));
+    let transients = [Transient::of_target(&name, target)?, simulated];
     let tables = overlay(&transients)?;
     let notes = vec![
         format!(
@@ -74,9 +90,5 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
         "A deviation is the simulation less the record.".to_owned(),
     ];
     let title = format!("{}: {name} and the simulation", model.name());
-    let page = report::page(&title, notes, &transients, tables);
-    let moves = to_json(&ensemble.measured);
-    run_folder::write(&arguments.out, &model, &judged, moves, Some(&page), existing)?;
-    say!("open {} in a browser", arguments.out.join("report.html").display());
-    Ok(())
+    Ok(report::page(&title, notes, &transients, tables))
 }

@@ -109,21 +109,7 @@ pub(super) fn run_test(
     if let Some((path, _)) = streaming {
         Streaming::check(client, path)?;
     }
-    let status = client.status()?;
-    match status.mode {
-        Mode::Running => {
-            return Err(Exit::Refused
-                .error("a run is on already; wait for its end, or stop it (`pneudrive device stop`)"));
-        }
-        Mode::Fault => {
-            return Err(Exit::Refused.error(format!(
-                "the rig is in the fault {}: {}; make sure that it is safe, then leave the fault with `pneudrive device arm`",
-                words::fault_code_name(status.fault),
-                words::fault_meaning(status.fault)
-            )));
-        }
-        _ => {}
-    }
+    refuse_unready(&client.status()?)?;
     warn_of_other_hosts(client)?;
     tell_of_boots(client);
     client.disarm()?;
@@ -136,10 +122,9 @@ pub(super) fn run_test(
     client.prepare(rig, last_sample, with_parameters.then(|| rig.parameters()).as_ref())?;
     let parameters = client.parameters()?;
     tell_lacking(&parameters);
-    let mut stream = match streaming {
-        Some((path, every)) => Some(Streaming::begin(client, rig.name(), &parameters, path, every)?),
-        None => None,
-    };
+    let mut stream = streaming
+        .map(|(path, every)| Streaming::begin(client, rig.name(), &parameters, path, every))
+        .transpose()?;
     let interrupts = Interrupts::watch();
     client.arm()?;
     let ready = wait_for_null(client, rig, &interrupts)
@@ -149,6 +134,33 @@ pub(super) fn run_test(
         stream.map_or(Ok(()), |stream| stream.end(client))?;
         return Err(error);
     }
+    let followed = follow(client, last_sample, stream.as_mut(), &interrupts);
+    // The file is ended first, whatever became of the run.
+    let ended = stream.map_or(Ok(()), |stream| stream.end(client));
+    interrupts.explain(followed).and(ended)
+}
+
+/// Refuses a rig that is in a run already, or in a fault.
+fn refuse_unready(status: &Status) -> Result<()> {
+    match status.mode {
+        Mode::Running => Err(Exit::Refused
+            .error("a run is on already; wait for its end, or stop it (`pneudrive device stop`)")),
+        Mode::Fault => Err(Exit::Refused.error(format!(
+            "the rig is in the fault {}: {}; make sure that it is safe, then leave the fault with `pneudrive device arm`",
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Follows a run to its end with a progress bar, and streams it, if it is to be streamed.
+fn follow(
+    client: &mut Client,
+    last_sample: u32,
+    stream: Option<&mut Streaming>,
+    interrupts: &Interrupts,
+) -> Result<Mode> {
     let mut progress = match last_sample {
         UNTIL_STOPPED => Progress::endless("running", "Ctrl-C ends the run"),
         _ => Progress::new("running"),
@@ -157,16 +169,14 @@ pub(super) fn run_test(
         progress.at(u64::from(status.index), u64::from(status.duration_samples));
         interrupts.look();
     };
-    let followed = match &mut stream {
+    let followed = match stream {
         None => client.follow(interrupts.seen(), progressed).map(|status| status.mode),
         Some(stream) => client
             .follow_streamed(interrupts.seen(), progressed, |row| stream.take(row))
             .map(|(status, _)| status.mode),
     };
     progress.done();
-    // The file is ended first, whatever became of the run.
-    let ended = stream.map_or(Ok(()), |stream| stream.end(client));
-    interrupts.explain(followed).and(ended)
+    followed
 }
 
 /// Says how long the drive holds without a host.

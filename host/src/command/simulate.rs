@@ -12,7 +12,7 @@ use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
 use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
 use crate::exit::Exit;
 use crate::page::{Page, Table};
-use crate::recorded_test::taken_from;
+use crate::recorded_test::{Taken, taken_from};
 use crate::report;
 use crate::run_folder::{self, Existing, StoredRun, make_writable};
 use crate::transient::Transient;
@@ -20,15 +20,7 @@ use crate::words;
 
 pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     make_writable(&arguments.out)?;
-    let mut rig = load_choice(&arguments.rig)?;
-    if let Some(test) = &arguments.test {
-        rig = rig.with_test_of(&load_rig(test, &[])?)?;
-    }
-    let mut origin = Vec::new();
-    if let Some(from) = &arguments.from {
-        let taken = taken_from(from, &rig)?;
-        (rig, origin) = (taken.rig, taken.notes);
-    }
+    let Taken { rig, notes: origin } = rig_of(arguments)?;
     run_folder::refuse_other_rig(&arguments.out, &rig, existing(arguments.overwrite))?;
     let accuracy = arguments.integration.accuracy(&rig);
     let mut progress = Progress::new("simulating");
@@ -65,6 +57,18 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let report = page.map_or("", |_| ", report.html");
     say!("{}: trace.csv,{band} run.json{report}; run {number}", arguments.out.display());
     if arguments.strict { strictly(&judged) } else { Ok(()) }
+}
+
+/// The rig with the test that it is to be put to, and where that comes from.
+fn rig_of(arguments: &Simulate) -> Result<Taken> {
+    let mut rig = load_choice(&arguments.rig)?;
+    if let Some(test) = &arguments.test {
+        rig = rig.with_test_of(&load_rig(test, &[])?)?;
+    }
+    match &arguments.from {
+        Some(from) => taken_from(from, &rig),
+        None => Ok(Taken { rig, notes: Vec::new() }),
+    }
 }
 
 /// What becomes of another rig's run, by `--overwrite`.

@@ -18,24 +18,10 @@ use crate::run_folder::put;
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {
         ConfigAction::Get { name: None } => {
-            let parameters = read(client)?;
-            for written in Written::all() {
-                let (value, meaning) = (written.all_text(&parameters), written.parameter.meaning);
-                say!("{:<40} {value:>12} {:<14} {meaning}", written.name, written.unit());
-            }
+            say_all(&read(client)?);
             Ok(())
         }
-        ConfigAction::Get { name: Some(name) } => {
-            let parameters = read(client)?;
-            if let Some(list) = Written::named(name).filter(|written| written.parameter.len > 1) {
-                say!("{} = {}", list.name, list.all_text(&parameters));
-                return Ok(());
-            }
-            let (written, entry) = parameter_of(name)?;
-            let value = parameters.get(written.parameter.id + entry).unwrap_or(0);
-            say!("{}", line(&written, entry, value));
-            Ok(())
-        }
+        ConfigAction::Get { name: Some(name) } => say_one(name, &read(client)?),
         ConfigAction::Set { name, value } => {
             let (written, entry) = parameter_of(name)?;
             let value = written.value(value)?;
@@ -48,24 +34,44 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
             say!("{}: the controller's parameters", file.display());
             Ok(())
         }
-        ConfigAction::Import { from } => {
-            let (name, Named { parameters, unnamed }) = importable(from)?;
-            if !unnamed.is_empty() {
-                tell!("note: {from} does not name {}; they are as by default", few(&names_of(&unnamed)));
-            }
-            let left_out = client.import_parameters(&parameters)?;
-            if !left_out.is_empty() {
-                tell!("note: its firmware has no {}; they are as by default", few(&names_of(&left_out)));
-            }
-            say!("took over the controller's parameters of {name}");
-            Ok(())
-        }
+        ConfigAction::Import { from } => import(client, from),
         ConfigAction::Save => {
             client.save_parameters()?;
             say!("stored; the next reset takes them up");
             Ok(())
         }
     }
+}
+
+fn say_all(parameters: &Parameters) {
+    for written in Written::all() {
+        let (value, meaning) = (written.all_text(parameters), written.parameter.meaning);
+        say!("{:<40} {value:>12} {:<14} {meaning}", written.name, written.unit());
+    }
+}
+
+fn say_one(name: &str, parameters: &Parameters) -> Result<()> {
+    if let Some(list) = Written::named(name).filter(|written| written.parameter.len > 1) {
+        say!("{} = {}", list.name, list.all_text(parameters));
+        return Ok(());
+    }
+    let (written, entry) = parameter_of(name)?;
+    let value = parameters.get(written.parameter.id + entry).unwrap_or(0);
+    say!("{}", line(&written, entry, value));
+    Ok(())
+}
+
+fn import(client: &mut Client, from: &str) -> Result<()> {
+    let (name, Named { parameters, unnamed }) = importable(from)?;
+    if !unnamed.is_empty() {
+        tell!("note: {from} does not name {}; they are as by default", few(&names_of(&unnamed)));
+    }
+    let left_out = client.import_parameters(&parameters)?;
+    if !left_out.is_empty() {
+        tell!("note: its firmware has no {}; they are as by default", few(&names_of(&left_out)));
+    }
+    say!("took over the controller's parameters of {name}");
+    Ok(())
 }
 
 /// The parameters of the rig; says which ones its firmware does not have.
