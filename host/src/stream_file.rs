@@ -181,19 +181,23 @@ pub(crate) fn samples<'a>(
                 bail!("line {}: {stated} samples should be before it, and {} are", number + 1, samples.len());
             }
         } else if !line.starts_with("# ") {
-            let sample = sample_of(number, line).map_err(|error| too_late(line).unwrap_or(error))?;
-            if let Some((before, _)) = samples.last().filter(|(before, _)| *before >= sample.0) {
-                bail!("line {}: sample {} comes after sample {before}", number + 1, sample.0);
-            }
-            if samples.len() == MOST_SAMPLES {
-                bail!(
-                    "it has more than {MOST_SAMPLES} samples; cut it in parts, or stream every Nth with --every"
-                );
-            }
-            samples.push(sample);
+            add_sample(number, line, &mut samples)?;
         }
     }
     Ok((samples, false))
+}
+
+/// Adds the sample of a line, whose number counts from 0, to those before it.
+fn add_sample(number: usize, line: &str, samples: &mut Vec<(i32, RecordedSample)>) -> Result<()> {
+    let sample = sample_of(number, line).map_err(|error| too_late(line).unwrap_or(error))?;
+    if let Some((before, _)) = samples.last().filter(|(before, _)| *before >= sample.0) {
+        bail!("line {}: sample {} comes after sample {before}", number + 1, sample.0);
+    }
+    if samples.len() == MOST_SAMPLES {
+        bail!("it has more than {MOST_SAMPLES} samples; cut it in parts, or stream every Nth with --every");
+    }
+    samples.push(sample);
+    Ok(())
 }
 
 fn check_crc(stated: &str, actual: u32) -> Result<()> {

@@ -131,40 +131,45 @@ pub(crate) fn fault_meaning(code: u8) -> &'static str {
     }
 }
 
+/// Why the rig refused what it takes at another time, by the code of its refusal, and what to do.
+fn not_now(of: u8) -> String {
+    match Refusal::from_code(of) {
+        Some(Refusal::NotArmed) => {
+            "the drive is not armed; arm it first (`pneudrive device arm`)".to_owned()
+        }
+        Some(Refusal::Running) => {
+            "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
+        }
+        Some(Refusal::NotReferenced) => {
+            "the axis is not referenced, so closed loop is refused (`pneudrive device reference COUNTS`, or `pneudrive device home`)"
+                .to_owned()
+        }
+        Some(Refusal::NotDisarmed) => {
+            "the drive is enabled; disarm it first (`pneudrive device disarm`)".to_owned()
+        }
+        Some(Refusal::ValveNotAtNull) => {
+            "the spool is still on its way to mid-travel; try again in a moment".to_owned()
+        }
+        Some(Refusal::BeyondEnd) => {
+            "a setpoint lies beyond a software end position (end_min_counts, end_max_counts)".to_owned()
+        }
+        Some(Refusal::NoConfiguration) => {
+            "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
+        }
+        Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
+        None if of == code::TOKEN => {
+            "it asks for a token; set PNEUDRIVE_TOKEN to the one that the rig was started with".to_owned()
+        }
+        None if of == code::OTHER_TEST => "the test is that of another program; run again".to_owned(),
+        None if of == code::OWNED => "another host commands the drive".to_owned(),
+        None => format!("refused for a reason that this version does not know (code {of})"),
+    }
+}
+
 /// Why the rig refused, and what to do.
 pub(crate) fn refusal(refused: &Refused<'_>) -> String {
     match refused {
-        Refused::NotNow(refusal) => match Refusal::from_code(*refusal) {
-            Some(Refusal::NotArmed) => {
-                "the drive is not armed; arm it first (`pneudrive device arm`)".to_owned()
-            }
-            Some(Refusal::Running) => {
-                "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
-            }
-            Some(Refusal::NotReferenced) => {
-                "the axis is not referenced, so closed loop is refused (`pneudrive device reference COUNTS`, or `pneudrive device home`)"
-                    .to_owned()
-            }
-            Some(Refusal::NotDisarmed) => {
-                "the drive is enabled; disarm it first (`pneudrive device disarm`)".to_owned()
-            }
-            Some(Refusal::ValveNotAtNull) => {
-                "the spool is still on its way to mid-travel; try again in a moment".to_owned()
-            }
-            Some(Refusal::BeyondEnd) => {
-                "a setpoint lies beyond a software end position (end_min_counts, end_max_counts)".to_owned()
-            }
-            Some(Refusal::NoConfiguration) => {
-                "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
-            }
-            Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
-            None if *refusal == code::TOKEN => {
-                "it asks for a token; set PNEUDRIVE_TOKEN to the one that the rig was started with".to_owned()
-            }
-            None if *refusal == code::OTHER_TEST => "the test is that of another program; run again".to_owned(),
-            None if *refusal == code::OWNED => "another host commands the drive".to_owned(),
-            None => format!("refused for a reason that this version does not know (code {refusal})"),
-        },
+        Refused::NotNow(of) => not_now(*of),
         Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
         Refused::OutOfRange { id, value } => out_of_range(*id, *value),
         Refused::Inconsistent { advice } => {

@@ -18,6 +18,10 @@ use crate::ensemble::{Judged, Spacing};
 use crate::rig_text;
 use crate::window::{WHOLE_WINDOW, whole_window};
 
+/// The key of the encoder's scale, and what that must be.
+const SCALE: &str = "encoder.mm_per_count";
+const MORE_THAN_0: &str = "it must be a number, more than 0";
+
 /// A run as it was written: its description and the columns of its trace.
 #[derive(Clone, Debug)]
 pub struct StoredRun {
@@ -98,48 +102,21 @@ impl StoredRun {
             bail!("{} is no run folder: it has no run.json", folder.display());
         }
         let description = read_json(&json_path)?;
-        let rig = description["rig"].as_str().unwrap_or("run").to_owned();
-        let wrong = |key: &str, must: &str| {
-            anyhow!("{}: {key} is {}; {must}", json_path.display(), description["keys"][key])
-        };
-        let scale = "encoder.mm_per_count";
-        let mm_per_count = description["keys"][scale]
-            .as_f64()
-            .filter(|mm| *mm > 0.0)
-            .ok_or_else(|| wrong(scale, "it must be a number, more than 0"))?;
-        let trace_path = folder.join(TRACE);
-        let text = read_text(&trace_path)?;
-        let (extras, columns) = columns_of(&text).with_context(|| trace_path.display().to_string())?;
-        let open_loop = description["keys"]["controller.loop"] == OPEN;
-        let window = |key: &str| {
-            let samples = description["keys"][key].as_f64().and_then(whole_window);
-            samples.ok_or_else(|| wrong(key, WHOLE_WINDOW))
-        };
+        let mm_per_count =
+            of_key(&json_path, &description, SCALE, |mm| (mm > 0.0).then_some(mm), MORE_THAN_0)?;
+        let text = read_text(&folder.join(TRACE))?;
+        let (extras, columns) =
+            columns_of(&text).with_context(|| folder.join(TRACE).display().to_string())?;
+        let window = |key: &str| of_key(&json_path, &description, key, whole_window, WHOLE_WINDOW);
         let windows = [window(WINDOWS[0].path)?, window(WINDOWS[1].path)?];
-        if columns[0].is_empty() {
-            bail!("{} has no samples", folder.display());
-        }
-        // Runs of older programs do not tell.
-        if let Some(rows) = description["rows"].as_u64().filter(|rows| *rows != columns[0].len() as u64) {
-            bail!(
-                "{} has {} of the {rows} rows of its run: it was cut",
-                trace_path.display(),
-                columns[0].len()
-            );
-        }
+        check_rows(folder, &description, columns[0].len())?;
         check(folder, &description, TRACE, &text)?;
-        let band = match description["ensemble"].is_null() {
-            true => None,
-            false => read_band(folder, &description)?,
-        };
-        if band.as_ref().is_some_and(|band| band.time_s != columns[0]) {
-            bail!("{}: band.csv and trace.csv are of two runs", folder.display());
-        }
+        let band = read_band(folder, &description, &columns[0])?;
         Ok(StoredRun {
-            rig,
+            rig: description["rig"].as_str().unwrap_or("run").to_owned(),
             numbered: Numbered::of(&description),
             mm_per_count,
-            open_loop,
+            open_loop: description["keys"]["controller.loop"] == OPEN,
             windows,
             band,
             spacing: spacing_of(&description),
@@ -203,14 +180,45 @@ fn read_text(path: &Path) -> Result<String> {
     fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
 }
 
-/// The band of a run; None of one whose program left none.
-fn read_band(folder: &Path, description: &serde_json::Value) -> Result<Option<Band>> {
+/// The band of a run whose trace has these times; None of one without neighbours, or whose program left none.
+fn read_band(folder: &Path, description: &serde_json::Value, time_s: &[f64]) -> Result<Option<Band>> {
     let path = folder.join(BAND);
-    if description[CHECKSUMS][BAND].is_null() && !path.exists() {
+    let is_there = !description[CHECKSUMS][BAND].is_null() || path.exists();
+    if description["ensemble"].is_null() || !is_there {
         return Ok(None);
     }
     check(folder, description, BAND, &read_text(&path)?)?;
-    Band::read(&path).map(Some)
+    let band = Band::read(&path)?;
+    if band.time_s != time_s {
+        bail!("{}: band.csv and trace.csv are of two runs", folder.display());
+    }
+    Ok(Some(band))
+}
+
+/// Whether a trace has the rows of its run; those of older programs do not tell.
+fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Result<()> {
+    if rows == 0 {
+        bail!("{} has no samples", folder.display());
+    }
+    match description["rows"].as_u64() {
+        Some(told) if told != rows as u64 => {
+            bail!("{} has {rows} of the {told} rows of its run: it was cut", folder.join(TRACE).display())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The value of a key, if `read` takes it; else what it must be.
+fn of_key<T>(
+    json_path: &Path,
+    description: &serde_json::Value,
+    key: &str,
+    read: impl FnOnce(f64) -> Option<T>,
+    must: &str,
+) -> Result<T> {
+    let value = &description["keys"][key];
+    let wrong = || anyhow!("{}: {key} is {value}; {must}", json_path.display());
+    value.as_f64().and_then(read).ok_or_else(wrong)
 }
 
 /// Whether a file is the one that run.json tells of; older programs do not tell.
