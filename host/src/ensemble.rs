@@ -151,14 +151,7 @@ pub fn run_ensemble_on<T: Send>(
     let nominal = run_watched(rig, accuracy, |done, _| progress(u64::from(done), all))
         .with_context(|| format!("{} cannot be simulated", rig.name()))?;
     let band = Mutex::new(Band::of(&nominal));
-    let mut lost = Lost::default();
-    let mut jobs = vec![Job::Nominal, Job::Decision];
-    for neighbour in neighbours(rig, spacing) {
-        match neighbour {
-            Ok(neighbour) => jobs.push(Job::Neighbour(neighbour)),
-            Err(problems) => lost.failed.push(problems.to_string().replace('\n', "; ")),
-        }
-    }
+    let (jobs, failed) = jobs(rig, spacing);
     let draw = Accuracy { tolerance: Accuracy::of_draw(rig).tolerance.max(accuracy.tolerance), ..accuracy };
     let carry_out = |job: &Job| match job {
         Job::Nominal => Done::Measured(measure(rig, &nominal), None),
@@ -172,22 +165,51 @@ pub fn run_ensemble_on<T: Send>(
         },
     };
     let done = parallel::map(&jobs, threads, carry_out, |done| progress(samples * (done as u64).max(1), all));
-    let (mut measured, mut decision) = (Vec::with_capacity(spacing.runs), Decision::UNKNOWN);
-    for one in done {
-        match one {
-            Done::Measured(figures, fault) => {
-                measured.push(figures);
-                lost.tripped.extend(fault);
-            }
-            Done::Decided(found) => decision = found,
-            Done::Failed(why) => lost.failed.push(why),
-        }
-    }
+    let Gathered { measured, decision, lost } = Gathered::of(done, failed);
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
     Ok(Ensemble {
         nominal: Judged { run: nominal, accuracy, decision, band, spacing, lost, columns: Vec::new() },
         measured,
     })
+}
+
+/// What there is to do of a rig and its neighbours, and why some of these are no rigs.
+fn jobs(rig: &Rig, spacing: Spacing) -> (Vec<Job>, Vec<String>) {
+    let (mut jobs, mut failed) = (vec![Job::Nominal, Job::Decision], Vec::new());
+    for neighbour in neighbours(rig, spacing) {
+        match neighbour {
+            Ok(neighbour) => jobs.push(Job::Neighbour(neighbour)),
+            Err(problems) => failed.push(problems.to_string().replace('\n', "; ")),
+        }
+    }
+    (jobs, failed)
+}
+
+/// What came of all jobs.
+struct Gathered<T> {
+    measured: Vec<T>,
+    decision: Decision,
+    lost: Lost,
+}
+
+impl<T> Gathered<T> {
+    /// In the order of the jobs; `failed` tells why some neighbours are no rigs.
+    fn of(done: Vec<Done<T>>, failed: Vec<String>) -> Gathered<T> {
+        let lost = Lost { tripped: Vec::new(), failed };
+        let mut all =
+            Gathered { measured: Vec::with_capacity(done.len()), decision: Decision::UNKNOWN, lost };
+        for one in done {
+            match one {
+                Done::Measured(figures, fault) => {
+                    all.measured.push(figures);
+                    all.lost.tripped.extend(fault);
+                }
+                Done::Decided(found) => all.decision = found,
+                Done::Failed(why) => all.lost.failed.push(why),
+            }
+        }
+        all
+    }
 }
 
 #[cfg(test)]

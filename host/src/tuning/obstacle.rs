@@ -68,59 +68,69 @@ pub struct Obstacle {
 /// What could be in the way on a rig.
 #[must_use]
 pub fn suspects(rig: &Rig) -> Vec<Suspect> {
-    let solenoid = rig.get(&keys::operator::MODEL) == operator::Model::Solenoid;
-    let set = |key: &str, value: f64| format!("{key}={value:?}");
-    let times = |key: &str, factor: f64| set(key, factor * rig.number_at(key).unwrap_or(0.0));
+    [of_operator(rig), of_valve(rig), of_load(rig), of_sampling(rig)].concat()
+}
+
+fn suspect(what: &'static str, settings: Vec<String>) -> Suspect {
+    Suspect { what, settings }
+}
+
+fn set(key: &str, value: f64) -> String {
+    format!("{key}={value:?}")
+}
+
+/// A key with a multiple of its value in the rig.
+fn times(rig: &Rig, key: &str, factor: f64) -> String {
+    set(key, factor * rig.number_at(key).unwrap_or(0.0))
+}
+
+fn of_operator(rig: &Rig) -> Vec<Suspect> {
     let mut all = Vec::new();
-    let mut add = |applies: bool, what, settings: Vec<String>| {
-        if applies {
-            all.push(Suspect { what, settings });
-        }
-    };
-    add(
-        solenoid && rig.get(&keys::solenoid::STATIC_FRICTION_N) > 0.0,
-        "no friction on the spool",
-        vec![set("operator.coulomb_friction_n", 0.0), set("operator.static_friction_n", 0.0)],
-    );
-    add(
-        solenoid && rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) > 0.0,
-        "no magnetic hysteresis in the operator",
-        vec![set("operator.hysteresis_percent", 0.0)],
-    );
-    add(
-        solenoid,
-        "an operator twice as fast",
-        vec![times("operator.spool_mass_kg", 0.25), times("operator.damping_n_s_per_m", 0.5)],
-    );
-    add(
-        rig.get(&keys::operator::MODEL) == operator::Model::Stepper,
-        "steps of the spool a quarter as long",
-        {
-            vec![
-                times("operator.mm_per_step", 0.25),
-                format!("operator.max_steps={}", 4 * rig.get(&keys::stepper::MAX_STEPS)),
-            ]
-        },
-    );
-    add(
-        rig.get(&keys::valve::UNDERLAP_MM) > 0.0,
-        "a valve without overlap",
-        vec![set("valve.underlap_mm", 0.0)],
-    );
-    add(
-        true,
-        "static friction of the load no larger than its Coulomb friction",
-        vec![
-            set("load.static_extend_n", rig.get(&keys::friction::COULOMB_EXTEND_N)),
-            set("load.static_retract_n", rig.get(&keys::friction::COULOMB_RETRACT_N)),
-        ],
-    );
-    add(true, "no dry friction of the load", FRICTION[..4].iter().rev().map(|key| set(key, 0.0)).collect());
-    add(true, "an encoder four times as fine", vec![times("encoder.mm_per_count", 0.25)]);
-    add(
-        true,
-        "four times as many samples",
-        vec![times("controller.delay_s", 0.25), times("controller.period_s", 0.25)],
-    );
+    let model = rig.get(&keys::operator::MODEL);
+    let solenoid = model == operator::Model::Solenoid;
+    if solenoid && rig.get(&keys::solenoid::STATIC_FRICTION_N) > 0.0 {
+        let friction = ["operator.coulomb_friction_n", "operator.static_friction_n"];
+        all.push(suspect("no friction on the spool", friction.map(|key| set(key, 0.0)).to_vec()));
+    }
+    if solenoid && rig.get(&keys::hysteresis::HYSTERESIS_PERCENT) > 0.0 {
+        let hysteresis = set("operator.hysteresis_percent", 0.0);
+        all.push(suspect("no magnetic hysteresis in the operator", vec![hysteresis]));
+    }
+    if solenoid {
+        let [mass, damping] = [("operator.spool_mass_kg", 0.25), ("operator.damping_n_s_per_m", 0.5)]
+            .map(|(key, factor)| times(rig, key, factor));
+        all.push(suspect("an operator twice as fast", vec![mass, damping]));
+    }
+    if model == operator::Model::Stepper {
+        let length = times(rig, "operator.mm_per_step", 0.25);
+        let steps = format!("operator.max_steps={}", 4 * rig.get(&keys::stepper::MAX_STEPS));
+        all.push(suspect("steps of the spool a quarter as long", vec![length, steps]));
+    }
     all
+}
+
+fn of_valve(rig: &Rig) -> Vec<Suspect> {
+    let overlaps = rig.get(&keys::valve::UNDERLAP_MM) > 0.0;
+    let without = || suspect("a valve without overlap", vec![set("valve.underlap_mm", 0.0)]);
+    overlaps.then(without).into_iter().collect()
+}
+
+fn of_load(rig: &Rig) -> Vec<Suspect> {
+    let no_stiction = vec![
+        set("load.static_extend_n", rig.get(&keys::friction::COULOMB_EXTEND_N)),
+        set("load.static_retract_n", rig.get(&keys::friction::COULOMB_RETRACT_N)),
+    ];
+    let no_friction = FRICTION[..4].iter().rev().map(|key| set(key, 0.0)).collect();
+    vec![
+        suspect("static friction of the load no larger than its Coulomb friction", no_stiction),
+        suspect("no dry friction of the load", no_friction),
+    ]
+}
+
+fn of_sampling(rig: &Rig) -> Vec<Suspect> {
+    let periods = ["controller.delay_s", "controller.period_s"].map(|key| times(rig, key, 0.25));
+    vec![
+        suspect("an encoder four times as fine", vec![times(rig, "encoder.mm_per_count", 0.25)]),
+        suspect("four times as many samples", periods.to_vec()),
+    ]
 }

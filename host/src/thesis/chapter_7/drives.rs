@@ -166,20 +166,24 @@ fn lags() -> Result<Measured> {
             },
             _ => Reading::shows(key, turned < without, text, "a row each 1.3 ms"),
         });
-        let time = column(&run, |row| row.time);
-        let kpa = |values: &[f64]| values.iter().map(|pa| 1e-3 * pa).collect::<Vec<f64>>();
-        measured.charts.push(Chart {
-            title: format!("a lag of {key}"),
-            across: "time, s",
-            up: "pressure, kPa",
-            lines: vec![
-                Line::new("P_1v, at the valve", &time, &kpa(&port)),
-                Line::new("P_1, in the chamber", &time, &kpa(&chamber)),
-            ],
-            ..Chart::default()
-        });
+        measured.charts.push(lag_chart(key, &column(&run, |row| row.time), [&port, &chamber]));
     }
     Ok(measured)
+}
+
+/// The pressures at the valve and in the chamber, Pa, over time.
+fn lag_chart(lag: &str, time: &[f64], [port, chamber]: [&[f64]; 2]) -> Chart {
+    let kpa = |values: &[f64]| values.iter().map(|pa| 1e-3 * pa).collect::<Vec<f64>>();
+    Chart {
+        title: format!("a lag of {lag}"),
+        across: "time, s",
+        up: "pressure, kPa",
+        lines: vec![
+            Line::new("P_1v, at the valve", time, &kpa(port)),
+            Line::new("P_1, in the chamber", time, &kpa(chamber)),
+        ],
+        ..Chart::default()
+    }
 }
 
 /// Servo-drive A as its file has it.
