@@ -1,10 +1,10 @@
 //! What a fit has found, for a terminal, a page, a program and the next simulation.
 
 mod judged;
+mod numbers;
 
 use anyhow::Result;
 use pneudrive_sim::follow::Reading;
-use serde_json::{Value, json};
 use toml_edit::{DocumentMut, value};
 
 use super::causes::Explanation;
@@ -14,7 +14,9 @@ use super::recording::{CHANNELS, Channel, Recording, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Panel, Table};
 use crate::rig_text;
-use judged::{Intervals, channels_not_judged, not_judged, rounded, rounded_channels, suspicious};
+use judged::{Intervals, not_judged, rounded, suspicious};
+
+pub use numbers::to_json;
 
 /// First line of a fitted rig file: such a file may be written anew.
 pub const FITTED_MARK: &str = "# Fitted by pneudrive identify";
@@ -268,79 +270,6 @@ fn residual_panel(
     let rest = taken.iter().map(|&k| channel.measured[k] - channel.counts(reading(&after[k], c))).collect();
     let curve = Curve { look: Look::Points, ..Curve::new(&format!("{name} residual"), time, rest) };
     Panel::new(&format!("{name} residual, counts"), vec![curve])
-}
-
-/// The numbers, for a program.
-#[must_use]
-pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
-    let shares = |shares: &[Share]| -> Vec<Value> {
-        shares.iter().map(|share| json!({ "key": share.path, "part": share.part })).collect()
-    };
-    let given = |given: &Given| {
-        let known = given.known.iter().map(|(path, by)| json!({ "key": path, "changes_by": by }));
-        json!({
-            "known": known.collect::<Vec<_>>(), "standard_error": given.standard_error,
-            "interval_95": found.fits.then_some(given.interval), "interval": given.interval,
-        })
-    };
-    let intervals = Intervals::of(found);
-    let estimate = |e: &Estimate| {
-        json!({
-            "key": e.parameter.key.path, "unit": e.parameter.key.unit(), "file": e.parameter.start,
-            "estimate": e.value, "standard_error": e.standard_error,
-            "interval_95": found.fits.then_some(e.interval),
-            "interval_widened": (intervals == Intervals::Widened).then_some(e.interval),
-            "interval": e.interval, "interval_is": intervals.word(),
-            "part_of_assumptions": e.assumed, "rests_on": shares(&e.rests_on),
-            "given": e.given.as_ref().map(given),
-        })
-    };
-    let unseen = found.unseen.iter().map(|unseen| {
-        json!({
-            "key": unseen.parameter.key.path, "file": unseen.parameter.start, "kept": unseen.value,
-            "confused_with": shares(&unseen.confused_with), "taken": unseen.value,
-            "over_prior": unseen.over_prior,
-        })
-    });
-    let assumed = found.assumed.iter().map(|parameter| {
-        json!({ "key": parameter.key.path, "file": parameter.start, "within": parameter.assumed_within() })
-    });
-    let causes = found.causes.iter().map(|cause| {
-        json!({
-            "effect": cause.effect.name, "settings": cause.setting, "explained": cause.explained,
-            "chance": cause.chance, "significant": cause.is_significant(), "as_good_as_best": cause.as_good_as_best,
-            "value": cause.value.map(|(value, _)| value),
-            "standard_error": cause.value.map(|(_, error)| error),
-        })
-    });
-    let channels = CHANNELS.iter().zip(&found.channels).filter_map(|((name, _), fit)| {
-        let fit = fit.as_ref()?;
-        Some(json!({
-            "channel": name, "samples": fit.samples, "rms_before_counts": fit.before,
-            "rms_after_counts": fit.after, "noise_counts": fit.noise,
-            "correlation_of_neighbours": fit.correlation,
-        }))
-    });
-    json!({
-        "format": FORMAT,
-        "rig": found.rig.name(),
-        "transients": recordings.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(),
-        "converged": found.converged,
-        "fits": found.fits,
-        "judged": found.spectrum.is_judged(),
-        "channels_not_judged": channels_not_judged(found),
-        "channels_rounded": rounded_channels(found),
-        "incline_suggested_deg": found.incline.map(|incline| incline.degrees),
-        "at_limits": found.at_limits,
-        "far_from_file": found.far_off,
-        "runs": found.runs,
-        "parameters": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
-        "unseen": unseen.collect::<Vec<_>>(),
-        "causes": causes.collect::<Vec<_>>(),
-        "assumed": assumed.collect::<Vec<_>>(),
-        "channels": channels.collect::<Vec<_>>(),
-        "correlation": found.correlation.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>()).collect::<Vec<_>>(),
-    })
 }
 
 /// The rig file with settings and estimates in it, each estimate with its interval as a comment.

@@ -107,18 +107,8 @@ impl fmt::Display for Coverage {
             "| parameter | standard error, median | 95 % intervals that hold it | misses, standard errors | rest on assumptions |"
         )?;
         writeln!(f, "|---|---|---|---|---|")?;
-        let mut line = |name: &str, error: String, misses: &[Miss]| {
-            let rest = misses.iter().filter(|miss| miss.rests_on_assumptions).count();
-            writeln!(
-                f,
-                "| {name} | {error} | {:.1} % of {} | {:.2} | {rest} |",
-                100.0 * held(misses),
-                misses.len(),
-                spread(misses)
-            )
-        };
         for (key, misses) in &self.parameters {
-            line(key, median(misses), misses)?;
+            line(f, key, &median(misses), misses)?;
         }
         for (name, misses) in [
             ("pooled", self.pooled()),
@@ -127,19 +117,29 @@ impl fmt::Display for Coverage {
             ("not explained, widened by the misfit", self.widened.clone()),
         ] {
             if !misses.is_empty() {
-                line(name, String::new(), &misses)?;
+                line(f, name, "", &misses)?;
             }
         }
         if !self.widened.is_empty() {
-            writeln!(f)?;
-            writeln!(
-                f,
-                "{:.1} % of all intervals hold what was hidden or are of a model that is said not to explain the data; of {} such models the cause is named in {}.",
-                100.0 * self.held_or_refused(),
-                self.refused,
-                self.named
-            )?;
+            self.say_refused(f)?;
         }
+        self.say_trials(f)
+    }
+}
+
+impl Coverage {
+    fn say_refused(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f)?;
+        writeln!(
+            f,
+            "{:.1} % of all intervals hold what was hidden or are of a model that is said not to explain the data; of {} such models the cause is named in {}.",
+            100.0 * self.held_or_refused(),
+            self.refused,
+            self.named
+        )
+    }
+
+    fn say_trials(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let trials = f64::from(self.trials);
         writeln!(f)?;
         writeln!(
@@ -152,6 +152,18 @@ impl fmt::Display for Coverage {
             self.seconds / trials
         )
     }
+}
+
+/// A line of the table.
+fn line(f: &mut fmt::Formatter<'_>, name: &str, error: &str, misses: &[Miss]) -> fmt::Result {
+    let rest = misses.iter().filter(|miss| miss.rests_on_assumptions).count();
+    writeln!(
+        f,
+        "| {name} | {error} | {:.1} % of {} | {:.2} | {rest} |",
+        100.0 * held(misses),
+        misses.len(),
+        spread(misses)
+    )
 }
 
 fn median(misses: &[Miss]) -> String {

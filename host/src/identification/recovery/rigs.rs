@@ -66,47 +66,65 @@ pub fn any_rig(seed: u64) -> Hidden {
         draw.of(&[25.0, 32.0, 40.0, 50.0, 63.0]),
         draw.of(&[0.1, 0.2, 0.3, 0.5]),
     );
-    let mut model = String::new();
-    let mut put = |key: &str, value: f64| {
-        let _ = writeln!(model, "{key} = {value}");
-    };
     // Of servo-drive B's bore.
     let size: f64 = bore / 50.0;
-    put("actuator.bore_m", 1e-3 * bore);
-    put("actuator.stroke_m", stroke);
-    put("actuator.rod_diameter_m", if rod == "rodless" { 0.0 } else { 1e-3 * bore * draw.within(0.3, 0.5) });
-    for chamber in ["actuator.residual_volume_1_m3", "actuator.residual_volume_2_m3"] {
-        put(chamber, 2e-5 * size.powi(2) * draw.within(0.6, 1.6));
-    }
-    put("load.mass_kg", 1.6 * size.powi(2) * draw.within(0.5, 3.0));
-    put("load.viscous_n_s_per_m", 30.0 * size.powi(2) * draw.within(0.6, 1.8));
-    for (way, stiction) in [("extend", 60.0), ("retract", 50.0)] {
-        let stiction = stiction * size.powi(2) * draw.within(0.5, 1.3);
-        put(&format!("load.static_{way}_n"), stiction);
-        put(&format!("load.coulomb_{way}_n"), stiction * draw.within(0.3, 0.7));
-    }
-    put("supply.pressure_pa", draw.within(5e5, 8e5));
-    put("valve.sleeve_diameter_mm", 10.0 * size);
-    put("valve.spool_diameter_mm", 10.0 * size - 0.02);
-    put("valve.spool_rod_diameter_mm", 6.0 * size);
-    put("valve.port_diameter_mm", 3.3 * size);
-    put("tubing.reference_flow_kg_s", 4.65e-3 * size.powi(2));
+    let mut text = Text::default();
+    text.put("actuator.bore_m", 1e-3 * bore);
+    text.put("actuator.stroke_m", stroke);
+    let rod_m = if rod == "rodless" { 0.0 } else { 1e-3 * bore * draw.within(0.3, 0.5) };
+    text.put("actuator.rod_diameter_m", rod_m);
+    text.put_load(size, &mut draw);
+    text.put_valve(size, draw.within(5e5, 8e5));
     let pulse = draw.of(&[0.005, 0.01, 0.01205, 0.02]);
-    put("encoder.mm_per_count", pulse);
+    text.put("encoder.mm_per_count", pulse);
     let dither = if bore < 40.0 { draw.of(&[0.0, 0.05, 0.1]) } else { draw.of(&[0.0, 0.1, 0.2, 0.26]) };
-    put("operator.dither_mm", dither);
+    text.put("operator.dither_mm", dither);
     let position = stroke * draw.within(0.48, 0.52);
-    put("test.position_m", position);
+    text.put("test.position_m", position);
     // The way back of a plan, in closed loop: slow, and damped.
     let middle = (1e3 * position / pulse) as i32;
     let actuator = if rod == "asymmetric" { "asymmetric" } else { "symmetric" };
-    let _ = write!(
-        model,
-        "test.moves = [[0.0, {middle}]]\ntest.duration_s = 0.2\noperator.model = \"{operator}\"\nactuator.model = \"{actuator}\"\ncontroller.gain_profile = [512, 256, 128]\ncontroller.velocity_gain = 300\n"
+    let model = format!(
+        "{}test.moves = [[0.0, {middle}]]\ntest.duration_s = 0.2\noperator.model = \"{operator}\"\nactuator.model = \"{actuator}\"\ncontroller.gain_profile = [512, 256, 128]\ncontroller.velocity_gain = 300\n",
+        text.0
     );
     let real = format!("{model}{}", draw.rest());
     let name = format!("{operator}, {rod}, {bore} mm, {:.0} mm, dither {dither} mm", 1e3 * stroke);
     Hidden { name, model, real, lacks: None, quiet: false, seed }
+}
+
+/// The text of a rig file in the making; sizes are over those of servo-drive B.
+#[derive(Default)]
+struct Text(String);
+
+impl Text {
+    fn put(&mut self, key: &str, value: f64) {
+        let _ = writeln!(self.0, "{key} = {value}");
+    }
+
+    /// Residual volumes, mass and friction.
+    fn put_load(&mut self, size: f64, draw: &mut Draw) {
+        for chamber in ["actuator.residual_volume_1_m3", "actuator.residual_volume_2_m3"] {
+            self.put(chamber, 2e-5 * size.powi(2) * draw.within(0.6, 1.6));
+        }
+        self.put("load.mass_kg", 1.6 * size.powi(2) * draw.within(0.5, 3.0));
+        self.put("load.viscous_n_s_per_m", 30.0 * size.powi(2) * draw.within(0.6, 1.8));
+        for (way, stiction) in [("extend", 60.0), ("retract", 50.0)] {
+            let stiction = stiction * size.powi(2) * draw.within(0.5, 1.3);
+            self.put(&format!("load.static_{way}_n"), stiction);
+            self.put(&format!("load.coulomb_{way}_n"), stiction * draw.within(0.3, 0.7));
+        }
+    }
+
+    /// The supply, the valve and its tubes.
+    fn put_valve(&mut self, size: f64, supply_pa: f64) {
+        self.put("supply.pressure_pa", supply_pa);
+        self.put("valve.sleeve_diameter_mm", 10.0 * size);
+        self.put("valve.spool_diameter_mm", 10.0 * size - 0.02);
+        self.put("valve.spool_rod_diameter_mm", 6.0 * size);
+        self.put("valve.port_diameter_mm", 3.3 * size);
+        self.put("tubing.reference_flow_kg_s", 4.65e-3 * size.powi(2));
+    }
 }
 
 /// The same as [`shipped_rig`] or [`any_rig`], its values written out instead of drawn by the virtual rig: that has no
