@@ -80,138 +80,7 @@ fn a_negative_number_is_judged_as_a_number() {
 }
 
 #[test]
-fn rig_check_names_file_line_and_key() {
-    let folder = folder();
-    for (name, text, expected) in [
-        (
-            "key.toml",
-            "[load]\nmass_kgs = 2\n",
-            "! error: key.toml:2: load.mass_kgs: unknown key; did you mean mass_kg?\n= 1",
-        ),
-        (
-            "unit.toml",
-            "\n[actuator]\nbore_mm = 50\n",
-            "! error: unit.toml:3: actuator.bore_mm: wrong unit: this key is bore_m, so give it in m instead of mm\n= 1",
-        ),
-        (
-            "negative.toml",
-            "[actuator]\nbore_m = -0.05\n",
-            "! error: negative.toml:2: actuator.bore_m: must be between 0.001 m and 2 m, is -0.05\n= 1",
-        ),
-        (
-            "bracket.toml",
-            "[test]\nmoves = [[0.0, 8192]\n",
-            "! error: bracket.toml:2: test.moves: a bracket is opened here and not closed\n= 1",
-        ),
-        (
-            "good.toml",
-            "[operator]\nmax_steps = 3\n",
-            "good.toml: operator.max_steps is not used by the chosen model\ngood.toml: a valid rig (rig)\n= 0",
-        ),
-    ] {
-        fs::write(folder.path().join(name), text).expect("written");
-        assert_eq!(transcript(folder.path(), &format!("rig check {name}")), expected);
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn a_rig_without_an_end_is_refused() {
-    let said = transcript(folder().path(), "rig check /dev/zero");
-    assert!(said.contains("cannot read /dev/zero: it is longer than 1048576 bytes"), "{said}");
-}
-
-#[test]
-fn rig_list_show_and_explain_tell_what_there_is() {
-    let folder = folder();
-    let list = ok(folder.path(), "rig list");
-    assert!(list.contains("servo-b ") && list.contains("servo-b-tuned"), "{list}");
-    let shown = ok(folder.path(), "rig show servo-b");
-    fs::write(folder.path().join("copy.toml"), &shown).expect("written");
-    assert!(ok(folder.path(), "rig check copy.toml").contains("a valid rig (servo-b)"));
-    assert_eq!(
-        transcript(folder.path(), "rig explain load.mass_kg"),
-        "load.mass_kg\n  Moving mass.\n  unit       kg\n  range      0.001 to 100000\n  default    1.6\n  thesis     C(17)\n= 0"
-    );
-    let number = ok(folder.path(), "rig explain C(46)");
-    assert!(
-        number.starts_with(
-            "C(46): Static friction (extending) (N), 70.0 in the thesis\nload.static_extend_n\n"
-        ),
-        "{number}"
-    );
-    assert!(
-        ok(folder.path(), "rig explain L(14)")
-            .contains("no key     not defined: Appendix VII alone names the mode")
-    );
-    assert_eq!(ok(folder.path(), "rig explain C").lines().count(), 69);
-    assert_eq!(ok(folder.path(), "rig explain L").lines().count(), 22);
-    assert!(transcript(folder.path(), "rig explain nonsense").ends_with("= 1"));
-    assert!(
-        transcript(folder.path(), "rig show nonsense").contains("built in: servo-a, servo-a-tuned, servo-b,")
-    );
-}
-
-#[test]
-fn simulate_leaves_a_trace_with_the_fixed_columns_a_row_a_sample() {
-    let folder = folder();
-    ok(folder.path(), "simulate servo-b --set test.duration_s=0.1 --out run");
-    exists(&folder.path().join("run"), &["trace.csv", "run.json", "report.html"]);
-    let trace = fs::read_to_string(folder.path().join("run/trace.csv")).expect("written");
-    let lines: Vec<&str> = trace.lines().collect();
-    assert_eq!(
-        lines[0],
-        "time_s,setpoint_counts,position_counts,error_counts,command_counts,position_m,velocity_m_s,\
-         acceleration_m_s2,pressure_1_pa,pressure_2_pa,temperature_1_k,temperature_2_k,spool_mm,\
-         spool_command_mm,mass_flow_1_kg_s,mass_flow_2_kg_s,actuator_force_n,friction_n"
-    );
-    assert_eq!(lines.len(), 1 + 77, "samples 0 to 76 lie within 0.1 s");
-    assert!(lines[1].starts_with("0,8192,8192,0,0,0.098719625,0,0,325325,"), "{}", lines[1]);
-    assert!(lines[2].starts_with("0.0013,"), "{}", lines[2]);
-    assert!(trace.ends_with('\n') && !trace.contains('\r'));
-    let description = fs::read_to_string(folder.path().join("run/run.json")).expect("written");
-    assert!(description.contains("\"format\": \"pneudrive-run 1\""), "{description}");
-}
-
-#[test]
-fn simulate_without_its_report_leaves_the_same_trace() {
-    let folder = folder();
-    let run = "simulate servo-b --set test.duration_s=0.05";
-    ok(folder.path(), &format!("{run} --out with"));
-    ok(folder.path(), &format!("{run} --out without --no-report"));
-    assert!(!folder.path().join("without/report.html").exists());
-    let [with, without] = ["with", "without"].map(|run| fs::read(folder.path().join(run).join("trace.csv")));
-    assert_eq!(with.expect("written"), without.expect("written"));
-}
-
-#[test]
-fn simulate_takes_the_test_of_another_file_and_rows_at_a_period() {
-    let folder = folder();
-    let test =
-        "[test]\nmoves = [[0.0, 9000]]\nduration_s = 0.05\ntrace_period_s = 0.001\n[load]\nmass_kg = 99\n";
-    fs::write(folder.path().join("step.toml"), test).expect("written");
-    ok(folder.path(), "simulate servo-b --test step.toml --out run --method merson --tolerance 1e-8");
-    let trace = fs::read_to_string(folder.path().join("run/trace.csv")).expect("written");
-    assert_eq!(trace.lines().count(), 1 + 51);
-    assert!(trace.lines().nth(1).expect("a row").starts_with("0,9000,8192,808,"), "{trace}");
-    let description = fs::read_to_string(folder.path().join("run/run.json")).expect("written");
-    assert!(description.contains("\"load.mass_kg\": 1.6"), "only [test] is taken");
-}
-
-#[test]
-fn a_foreign_run_json_is_not_overwritten() {
-    let folder = folder();
-    fs::write(folder.path().join("run.json"), "{\"mine\": true}").expect("written");
-    let said = transcript(folder.path(), "simulate servo-b --set test.duration_s=0.01 --out .");
-    assert!(
-        said.contains("is not of this program; choose another folder") && said.ends_with("= 1"),
-        "{said}"
-    );
-    assert_eq!(fs::read_to_string(folder.path().join("run.json")).expect("there"), "{\"mine\": true}");
-}
-
-#[test]
-fn a_rig_is_armed_run_recorded_and_overlaid_from_the_command_line() {
+fn a_rig_is_armed_stopped_and_configured_from_the_command_line() {
     let folder = folder();
     let rig = virtual_rig("servo-b-tuned");
     let port = rig.port();
@@ -238,7 +107,13 @@ fn a_rig_is_armed_run_recorded_and_overlaid_from_the_command_line() {
     assert!(device("config get nonsense").contains("there is no parameter nonsense"));
     assert!(device("config get gain_profile[256]").contains("gain_profile has the entries 0 to 255"));
     assert!(device("config import servo-b-tuned").starts_with("took over"));
+}
 
+#[test]
+fn a_test_is_run_recorded_and_overlaid_from_the_command_line() {
+    let folder = folder();
+    let rig = virtual_rig("servo-b-tuned");
+    let port = rig.port();
     let run = "servo-b-tuned --set test.duration_s=0.4";
     let said = transcript(folder.path(), &format!("run {run} --port {port}"));
     assert!(said.contains("servo-b-tuned: done\nthe drive holds its last setpoint"), "{said}");
@@ -261,13 +136,19 @@ fn with_command(text: &str, k: usize, command: i16) -> String {
     file.to_text()
 }
 
-#[test]
-fn a_record_is_replayed_and_the_sample_where_it_parts_is_shown() {
+/// A folder with the record of a run, TARGET01.DAT.
+fn recorded() -> tempfile::TempDir {
     let folder = folder();
     let rig = virtual_rig("servo-b-tuned");
     let run = "servo-b-tuned --set test.duration_s=0.4";
     ok(folder.path(), &format!("run {run} --port {}", rig.port()));
     ok(folder.path(), &format!("record --port {}", rig.port()));
+    folder
+}
+
+#[test]
+fn a_record_is_replayed_and_the_sample_where_it_parts_is_shown() {
+    let folder = recorded();
     assert_eq!(
         transcript(folder.path(), "replay TARGET01.DAT"),
         "TARGET01.DAT: 308 samples, every command as recorded\n\
@@ -290,6 +171,12 @@ fn a_record_is_replayed_and_the_sample_where_it_parts_is_shown() {
      253        8547  1326  1334     2048   7837   3765     2048   7837
 ! error: other.dat: sample 250: command 77 recorded, 2048 replayed (1 of 308 samples differ)\n= 7"
     );
+}
+
+#[test]
+fn a_record_that_cannot_be_replayed_is_refused_and_an_unknown_parameter_named() {
+    let folder = recorded();
+    let text = fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("written");
     fs::write(folder.path().join("damaged.dat"), text.replace("\n1,", "\n1,1")).expect("written");
     let said = transcript(folder.path(), "replay damaged.dat");
     assert!(said.starts_with("! error: damaged.dat: it is damaged, cut or changed: the CRC is"), "{said}");
@@ -433,16 +320,6 @@ fn a_trace_that_was_cut_at_the_end_of_a_line_is_refused() {
     std::fs::write(&path, part).expect("written");
     let said = transcript(folder.path(), "eval out");
     assert!(said.contains("trace.csv has 499 of the 2385 rows of its run: it was cut"), "{said}");
-}
-
-/// Once the page of another run stayed beside the new trace.
-#[test]
-fn a_run_without_a_page_takes_the_page_of_the_run_before_away() {
-    let folder = folder();
-    ok(folder.path(), "simulate servo-a --out out");
-    assert!(folder.path().join("out/report.html").exists());
-    ok(folder.path(), "simulate servo-c --out out --no-report --overwrite");
-    assert!(!folder.path().join("out/report.html").exists());
 }
 
 /// Once a rig file that was cut by a full disk came with exit code 0.

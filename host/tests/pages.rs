@@ -56,41 +56,48 @@ fn open(browser: &str, profile: &Path, page: &Path) -> Seen {
     }
 }
 
+/// What leaves the pages.
+const COMMANDS: [&str; 10] = [
+    "simulate servo-b-tuned --set test.duration_s=0.5 --out run",
+    "eval run --out eval.html",
+    "overlay run run --out overlay.html",
+    "spectrum run position --out spectrum.html",
+    "characterise servo-b flow-gain --out .",
+    "characterise servo-b pressure-drop --out .",
+    "characterise servo-b frequency-response --out .",
+    "study impulse --starts 2 --out .",
+    "ladder servo-a --set test.duration_s=0.2 --out .",
+    "tune servo-a --settled 2 --overshoot 20 --population 2 --generations 2 --load 0% --friction 0% --out .",
+];
+
+/// Pages with their graphs and curves.
+///
+/// 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once, of two drives, too. The neighbours
+/// of a run shade six of them between two edges each. The tuning keeps the gains of the file, and no draw meets its
+/// goal: the steps are one curve on two graphs, with the two bounds; those that settle and those that do not are two
+/// on the third; then come the profile, four of the file's rig, and the search.
+const PAGES: [(&str, usize, usize); 10] = [
+    ("run/report.html", 5, 7 + 12),
+    ("eval.html", 7, 9 + 12),
+    ("overlay.html", 5, 13 + 24),
+    ("spectrum.html", 1, 1),
+    ("flow-gain.html", 2, 10),
+    ("frequency-response.html", 2, 4),
+    ("pressure-drop.html", 1, 3),
+    ("impulse.html", 5, 13),
+    ("ladder.html", 4, 31),
+    ("tune.html", 8, 12),
+];
+
 #[test]
 fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
     let browser = chromium();
     let folder = folder();
     let profile = tempfile::tempdir().expect("a folder");
-    for arguments in [
-        "simulate servo-b-tuned --set test.duration_s=0.5 --out run",
-        "eval run --out eval.html",
-        "overlay run run --out overlay.html",
-        "spectrum run position --out spectrum.html",
-        "characterise servo-b flow-gain --out .",
-        "characterise servo-b pressure-drop --out .",
-        "characterise servo-b frequency-response --out .",
-        "study impulse --starts 2 --out .",
-        "ladder servo-a --set test.duration_s=0.2 --out .",
-        "tune servo-a --settled 2 --overshoot 20 --population 2 --generations 2 --load 0% --friction 0% --out .",
-    ] {
+    for arguments in COMMANDS {
         ok(folder.path(), arguments);
     }
-    // 7 channels of a transient are 7 curves on 5 graphs; the setpoint is drawn once, of two drives, too. The neighbours
-    // of a run shade six of them between two edges each. The tuning keeps the gains of the file, and no draw meets its
-    // goal: the steps are one curve on two graphs, with the two bounds; those that settle and those that do not are two
-    // on the third; then come the profile, four of the file's rig, and the search.
-    for (name, graphs, curves) in [
-        ("run/report.html", 5, 7 + 12),
-        ("eval.html", 7, 9 + 12),
-        ("overlay.html", 5, 13 + 24),
-        ("spectrum.html", 1, 1),
-        ("flow-gain.html", 2, 10),
-        ("frequency-response.html", 2, 4),
-        ("pressure-drop.html", 1, 3),
-        ("impulse.html", 5, 13),
-        ("ladder.html", 4, 31),
-        ("tune.html", 8, 12),
-    ] {
+    for (name, graphs, curves) in PAGES {
         let seen = open(browser, profile.path(), &folder.path().join(name));
         assert!(seen.console.is_empty(), "{name}: {:?}", seen.console);
         assert!(seen.requests.is_empty(), "{name}: {:?}", seen.requests);

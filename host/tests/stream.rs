@@ -189,7 +189,18 @@ fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
     assert_eq!(positions(&streamed), positions(&recorded));
     let said_of_both = said("overlay TARGET01.DAT run.txt");
     assert!(said_of_both.ends_with("= 0") && said_of_both.contains("deviation of run.txt"), "{said_of_both}");
+}
 
+#[test]
+fn a_streamed_run_with_a_gap_is_read_beside_the_gap_and_a_long_one_in_parts() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let said = |arguments: &str| transcript(folder.path(), arguments);
+    let port = rig.port();
+    ok(
+        folder.path(),
+        &format!("run servo-b-tuned --config --set test.duration_s=0.4 --port {port} --stream run.txt"),
+    );
+    ok(folder.path(), &format!("record --port {port}"));
     let text = fs::read_to_string(folder.path().join("run.txt")).expect("written");
     let at = text.find("\n100,").expect("a sample") + 1;
     let line = text[at..].find('\n').expect("an end") + 1;

@@ -120,9 +120,9 @@ mod tests {
         Some(Air { litres, least: litres, most: litres })
     }
 
-    /// A hold, a step that settles and one back that does not.
-    fn moves() -> [Move; 3] {
-        let step = Move {
+    /// A step that settles.
+    fn step() -> Move {
+        Move {
             number: 1,
             is_cut: false,
             start_s: 0.3,
@@ -138,7 +138,12 @@ mod tests {
             limit_cycle: LimitCycle::None { below_mm: 0.03, for_s: 0.5 },
             top_speed_mm_s: 500.0,
             air: air(1.0),
-        };
+        }
+    }
+
+    /// A hold, a step that settles and one back that does not.
+    fn moves() -> [Move; 3] {
+        let step = step();
         let undecided = LimitCycle::Undecided(Doubt::JustStopped);
         let hold = Move {
             from_mm: 0.001,

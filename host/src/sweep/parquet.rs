@@ -158,14 +158,25 @@ mod tests {
 
     const SWEEP: &str = "rig = \"servo-b\"\n[vary]\nload.mass_kg = [1.5, 1.7]\nvalve.model = [\"flow-node\", \"single-restriction\"]\n[metrics]\nsettling = \"settling_s\"\n";
 
-    #[test]
-    fn a_result_reads_back_with_its_types_its_gaps_and_in_every_bit() {
+    fn sweep() -> Sweep {
         let rig = |name: &str| {
             let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig").to_owned();
             Ok(Source { name: name.to_owned(), text })
         };
         let source = Source { name: "s.toml".to_owned(), text: SWEEP.to_owned() };
-        let sweep = Sweep::read(source, rig).unwrap_or_else(|problems| panic!("{problems}"));
+        Sweep::read(source, rig).unwrap_or_else(|problems| panic!("{problems}"))
+    }
+
+    /// The fields of a point's row.
+    fn expected(point: i64, mass: f64, valve: &str, metric: Field, fault: &str) -> Vec<Field> {
+        let words = |text: &str| Field::Str(text.to_owned());
+        let decided = Field::Bool(point == 0);
+        vec![Field::Long(point), Field::Double(mass), words(valve), metric, decided, words(fault), words("")]
+    }
+
+    #[test]
+    fn a_result_reads_back_with_its_types_its_gaps_and_in_every_bit() {
+        let sweep = sweep();
         let row = |point: usize, metric, fault: &str| Row {
             point,
             levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
@@ -184,19 +195,6 @@ mod tests {
             .expect("rows")
             .map(|row| row.expect("a row").into_columns().into_iter().map(|(_, field)| field).collect())
             .collect();
-        let words = |text: &str| Field::Str(text.to_owned());
-        let expected = |point, mass, valve: &str, metric, fault: &str| {
-            let decided = Field::Bool(point == 0);
-            vec![
-                Field::Long(point),
-                Field::Double(mass),
-                words(valve),
-                metric,
-                decided,
-                words(fault),
-                words(""),
-            ]
-        };
         assert_eq!(
             read,
             [

@@ -97,6 +97,17 @@ fn what_is_wrong_with_a_key_that_varies_is_named_by_line_and_key() {
         ("valve.model = [\"flow\"]", "valve.model: must be one of"),
         ("controller.velocity_gain = [1.5]", "controller.velocity_gain: must be a whole number"),
         ("test.moves = [1]", "test.moves: cannot be varied"),
+    ] {
+        let said = said(line, with);
+        assert!(said.contains(says), "{with}: {said}");
+        assert!(said.starts_with("s.toml:3: vary."), "{with}: {said}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_factor_or_with_two_keys_is_named_by_line_and_key() {
+    let line = "load.mass_kg = [1, 2]";
+    for (with, says) in [
         ("f = { values = [1], scale = [\"load.mass\"] }", "f: load.mass: the rig has no such key"),
         ("f = { values = [1], scale = [] }", "f: scale must be a list of keys of the rig"),
         (
@@ -121,7 +132,7 @@ fn what_is_wrong_with_a_key_that_varies_is_named_by_line_and_key() {
 }
 
 #[test]
-fn what_is_wrong_with_draws_metrics_and_goals_is_named_by_line_and_key() {
+fn what_is_wrong_with_metrics_and_goals_is_named_by_line_and_key() {
     let end = "air = \"air_l\"\n";
     for (with, says) in [
         ("air = \"air_m\"\n", "s.toml:5: metrics.air: there is no figure \"air_m\"; did you mean air_l?"),
@@ -152,6 +163,15 @@ fn what_is_wrong_with_draws_metrics_and_goals_is_named_by_line_and_key() {
             "air = \"air_l\"\n[constraints]\near = { min = 2 }\n",
             "s.toml:7: constraints.ear: there is no metric",
         ),
+    ] {
+        assert!(said(end, with).contains(says), "{with}: {}", said(end, with));
+    }
+}
+
+#[test]
+fn what_is_wrong_with_draws_is_named_by_line_and_key() {
+    let end = "air = \"air_l\"\n";
+    for (with, says) in [
         ("air = \"air_l\"\n[draw]\ncount = 3\n", "s.toml:6: draw: no key has a distribution"),
         ("air = \"air_l\"\n[draw]\nseed = 3\n", "s.toml:6: draw.count: say how many draws"),
         ("air = \"air_l\"\n[draw]\ncount = 0\n", "s.toml:7: draw.count: must be a whole number from 1"),
