@@ -25,6 +25,32 @@ macro_rules! tell {
     };
 }
 
+/// Tells the notes of this project's crates, which they leave to the log.
+struct Notes;
+
+impl log::Log for Notes {
+    fn enabled(&self, about: &log::Metadata<'_>) -> bool {
+        about.target().starts_with("pneudrive")
+    }
+
+    fn log(&self, note: &log::Record<'_>) {
+        if self.enabled(note.metadata()) {
+            tell!("note: {}", note.args());
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+/// Has notes told from now on.
+pub fn tell_notes() {
+    static NOTES: Notes = Notes;
+    // Whoever uses this crate as a library may have a log already: the notes go there.
+    if log::set_logger(&NOTES).is_ok() {
+        log::set_max_level(log::LevelFilter::Info);
+    }
+}
+
 /// Where a line goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stream {

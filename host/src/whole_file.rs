@@ -104,7 +104,7 @@ fn remove_leftovers(folder: &Path, prefix: &str) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let Some(number) = number(&entry.file_name().to_string_lossy()) else { continue };
         if !may_run(number, &entry.path()) && fs::remove_file(entry.path()).is_ok() {
-            tell!("note: removed {}, which an interrupted program had left", entry.path().display());
+            log::info!("removed {}, which an interrupted program had left", entry.path().display());
         }
     }
 }

@@ -40,7 +40,7 @@ impl Numbered {
     pub(super) fn next(folder: &Path, rig: &Rig, existing: Existing) -> Result<Numbered> {
         // What a killed program has left counts as the last run.
         if let Some(said) = settle(folder)? {
-            tell!("note: {said}");
+            log::info!("{said}");
         }
         refuse_other_rig(folder, rig, existing)?;
         let before = last_run(folder).and_then(|run| run["run"].as_u64()).unwrap_or(0);

@@ -41,7 +41,7 @@ impl<'a> Replacement<'a> {
         let staged = folder.join(format!("{NEXT}-{}", std::process::id()));
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         if let Some(said) = settle(folder)? {
-            tell!("note: {said}");
+            log::info!("{said}");
         }
         remove(&staged)?;
         fs::create_dir(&staged)

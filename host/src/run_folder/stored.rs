@@ -95,7 +95,7 @@ impl StoredRun {
     /// With the file and line of what is wrong.
     pub fn read(folder: &Path) -> Result<StoredRun> {
         if let Some(said) = settle(folder)? {
-            tell!("note: {said}");
+            log::info!("{said}");
         }
         let json_path = folder.join(RUN);
         if !json_path.exists() {

@@ -49,7 +49,7 @@ impl TargetFile {
         Ok(TargetFile::read_text(text)?.0)
     }
 
-    /// Reads a file. What its CRC does not cover is told on standard error.
+    /// Reads a file. What its CRC does not cover is told to the log.
     ///
     /// # Errors
     /// With the file and the line of what is wrong.
@@ -60,7 +60,7 @@ impl TargetFile {
         };
         let (file, covered) = TargetFile::read_text(&text).with_context(|| path.display().to_string())?;
         if let Some(note) = covered.note() {
-            tell!("note: {}: {note}", path.display());
+            log::info!("{}: {note}", path.display());
         }
         Ok(file)
     }
