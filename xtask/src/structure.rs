@@ -18,13 +18,14 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 9] = [
+const CRATES: [&str; 10] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
     "firmware/app",
     "sim/solver",
     "sim",
+    "host/records",
     "host",
     "hil-tests",
     "xtask",

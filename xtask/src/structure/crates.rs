@@ -9,7 +9,7 @@ use toml_edit::{DocumentMut, Item};
 const LAYERS: [&[(&str, &str)]; 6] = [
     &[("pneudrive-controller", "shared/controller"), ("pneudrive-solver", "sim/solver")],
     &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
-    &[("pneudrive-app", "firmware/app")],
+    &[("pneudrive-app", "firmware/app"), ("pneudrive-records", "host/records")],
     &[("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"), ("pneudrive", "host")],
     &[("xtask", "xtask"), ("pneudrive-protocol-model", "shared/protocol/model")],
     &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],

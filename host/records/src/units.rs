@@ -6,7 +6,7 @@ use crate::rig_info::RigParameters;
 
 /// What the raw numbers of a device mean; None where nobody knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Units {
+pub struct Units {
     mm_per_count: Option<f64>,
     period_s: Option<f64>,
     /// Per raw count, and at 0.

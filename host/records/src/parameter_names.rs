@@ -70,7 +70,7 @@ const KEYS: &[(u16, &str, Form)] = &[
 ];
 
 /// Keys of a rig file that a parameter comes of together with others.
-pub(crate) const OF_SEVERAL: [&str; 12] = [
+pub const OF_SEVERAL: [&str; 12] = [
     "actuator.stroke_m",
     "controller.learn_null_offset",
     "controller.learning_gain",
@@ -87,7 +87,7 @@ pub(crate) const OF_SEVERAL: [&str; 12] = [
 
 /// A parameter as it is written.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Written {
+pub struct Written {
     /// Its line in the table.
     pub parameter: &'static Parameter,
     /// The key of a rig file, or the device's own name.
@@ -181,27 +181,27 @@ impl Written {
 }
 
 /// The name of the parameter with an id.
-pub(crate) fn name_of(id: u16) -> &'static str {
+pub fn name_of(id: u16) -> &'static str {
     Written::of(id).map_or("?", |written| written.name)
 }
 
 /// Names of parameters of the device as a person knows them.
-pub(crate) fn names_of(own: &[&'static str]) -> Vec<&'static str> {
+pub fn names_of(own: &[&'static str]) -> Vec<&'static str> {
     own.iter().map(|name| by_name(name).map_or(*name, |parameter| name_of(parameter.id))).collect()
 }
 
 /// Whether a key of a rig file, or a part of its value, becomes a parameter of the controller.
-pub(crate) fn is_parameter(key: &str) -> bool {
+pub fn is_parameter(key: &str) -> bool {
     OF_SEVERAL.contains(&key) || KEYS.iter().any(|(_, name, _)| *name == key)
 }
 
 /// The whole number of a text, as the device holds one.
-pub(crate) fn whole_number(text: &str) -> Result<i32, String> {
+pub fn whole_number(text: &str) -> Result<i32, String> {
     text.parse().map_err(|_| format!("{text:?} is not a whole number of up to 32 bits"))
 }
 
 /// The value of a parameter; equal entries at the end of a list are said once, as in a rig file.
-pub(crate) fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
+pub fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
     let values: Vec<i32> = (first..first + len).filter_map(|id| parameters.get(id)).collect();
     let last = values.last().copied().unwrap_or(0);
     let repeated = values.iter().rev().take_while(|&&value| value == last).count();

@@ -38,7 +38,7 @@ pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
 }
 
 /// Whether something stands there that is neither a file nor a folder.
-pub(crate) fn is_device(path: &Path) -> bool {
+pub fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
@@ -52,7 +52,7 @@ fn replace(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
 }
 
 /// The folder that a file is in.
-pub(crate) fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
@@ -111,7 +111,7 @@ fn remove_leftovers(folder: &Path, prefix: &str) {
 
 /// Whether the program with this number, which has staged something, may still be running. Where that cannot be told,
 /// what is less than an hour old counts as of one that runs.
-pub(crate) fn may_run(number: u32, staged: &Path) -> bool {
+pub fn may_run(number: u32, staged: &Path) -> bool {
     if cfg!(target_os = "linux") {
         return Path::new(&format!("/proc/{number}")).exists();
     }
@@ -120,7 +120,7 @@ pub(crate) fn may_run(number: u32, staged: &Path) -> bool {
 }
 
 /// Brings the names in a folder to the disk, where the system can.
-pub(crate) fn sync_folder(folder: &Path) {
+pub fn sync_folder(folder: &Path) {
     if cfg!(unix) {
         let _ = File::open(folder).and_then(|file| file.sync_all());
     }
@@ -131,7 +131,7 @@ pub(crate) fn sync_folder(folder: &Path) {
 ///
 /// # Errors
 /// When something else stands there, or it cannot be opened.
-pub(crate) fn open_to_add(path: &Path) -> io::Result<File> {
+pub fn open_to_add(path: &Path) -> io::Result<File> {
     let mut options = File::options();
     options.read(true).append(true).create(true);
     #[cfg(unix)]

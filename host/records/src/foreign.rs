@@ -3,17 +3,17 @@
 use pneudrive_protocol::MAX_TEXT;
 
 /// Longest name, bytes: one that always fits its message.
-pub(crate) const NAME: usize = MAX_TEXT;
+pub const NAME: usize = MAX_TEXT;
 
 /// Longest sentence, bytes.
-pub(crate) const SENTENCE: usize = 256;
+pub const SENTENCE: usize = 256;
 
 /// What a text that is cut ends with.
 const CUT: &str = "...";
 
 /// A text of a device with its control and formatting characters escaped (`\n`, `\u{1b}`), cut to `longest` bytes. A
 /// text that is clean stays as it is, so cleaning twice changes nothing.
-pub(crate) fn cleaned(text: &str, longest: usize) -> String {
+pub fn cleaned(text: &str, longest: usize) -> String {
     let mut clean = String::new();
     for character in text.chars() {
         if is_plain(character) {

@@ -1,0 +1,28 @@
+//! What a rig says and has recorded, as files and as text: no port, no thread.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`rig_info`], [`record`] | what a rig says of itself, and the transient that it has recorded |
+//! | [`target`] | TARGETxx.DAT: read, write, number |
+//! | [`stream_file`] | a run as it is streamed to disk |
+//! | [`parameter_names`] | names and values of parameters as a person writes them |
+//! | [`units`] | figures of a device in mm, kPa and s |
+//! | [`window`] | windows of the controller's estimator |
+//! | [`foreign`] | texts of a device, made fit for a terminal and a file |
+//! | [`whole_file`], [`own_file`] | files that are there whole or not at all, and which may be replaced |
+//!
+//! Nothing is printed: notes go to the log.
+
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod foreign;
+pub mod own_file;
+pub mod parameter_names;
+pub mod record;
+mod record_text;
+pub mod rig_info;
+pub mod stream_file;
+pub mod target;
+pub mod units;
+pub mod whole_file;
+pub mod window;
