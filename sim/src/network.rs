@@ -41,15 +41,14 @@ mod of_rig;
 mod predictor;
 mod rest;
 mod restriction;
+mod solve;
 
 use crate::component::air::Station;
 use crate::component::gas::Gas;
 use crate::component::tubing::{FarEnd, Tube};
 use crate::component::valve::flow_law::FlowLaw;
-use crate::component::valve::{Conductances, Valve};
 use crate::number::{Number, Pair};
 use following::Following;
-use mixing::mean_of_inflows;
 pub use node::Node;
 pub(crate) use nodes::{Nodes, Surroundings};
 use predictor::Predictor;
@@ -112,7 +111,7 @@ pub struct Network {
     short_step: f64,
     /// Whether flows are solved to rounding instead.
     tight: bool,
-    /// Solutions that were not found, and those found since, until these are [`CALM`].
+    /// Solutions that were not found, and those found since, until there are enough of these in a row.
     failures: u32,
     found: u32,
     /// Work done so far.
@@ -134,21 +133,6 @@ pub struct NetworkWork {
 
 /// Allowed error of a flow, kg/s, unless told otherwise.
 const FLOW_ERROR: f64 = 1e-15;
-
-/// After so many failures, with a step ten times shorter each time, the solution that was followed has
-/// come to its end: with upstream Mach numbers a land that is wider than its port has none below M = 1
-/// for large coefficients of discharge. Another one is searched for, and the flows jump to it.
-const MAX_FAILURES: u32 = 3;
-
-/// The temperature of what goes back through the supply tube depends on the flows and they a little on it.
-const MAX_RETURNING_PASSES: u32 = 20;
-
-/// Relative change of that temperature that is none: of the flow, half of it.
-const SAME_TEMPERATURE: f64 = 1e-9;
-
-/// So many solutions in a row that were found, of ten steps, make good for failures before them. Two steps would not
-/// do: they are ever shorter in front of the place where a solution ends.
-const CALM: u32 = 60;
 
 impl Network {
     /// A network at rest between a supply and an exhaust. `port_area` (m^2) makes flows approach
@@ -302,121 +286,6 @@ impl Network {
     /// tube makes of the supply, where the rest has come to the known pressure.
     pub(crate) fn let_supply_follow(&mut self, source: Station, tube: Tube, part: f64) {
         self.following = (part > 0.0).then_some(Following { source, tube, part });
-    }
-
-    /// The flows through a valve with its spool at a place (m) into two chambers.
-    pub fn flows(
-        &mut self,
-        valve: &Valve,
-        spool: f64,
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) -> [Node; 2] {
-        let conductances = valve.conductances(&self.gas, spool);
-        self.solve(&conductances, chambers, ports)
-    }
-
-    /// The flows for the open areas, chambers and port directions of this instant.
-    pub(crate) fn solve(
-        &mut self,
-        valve: &Conductances<Pair>,
-        chambers: &[Station; 2],
-        ports: &[PortFlow; 2],
-    ) -> [Node; 2] {
-        self.solve_among(&Surroundings::new(*valve, Station::both(chambers), ports)).each()
-    }
-
-    /// The nodes among what surrounds them.
-    #[inline]
-    fn solve_among(&mut self, around: &Surroundings) -> Nodes {
-        if self.supply_tube.feels_temperature() {
-            self.solve_returning(around)
-        } else {
-            self.solve_once(around)
-        }
-    }
-
-    /// The same where air that goes back through the supply tube is felt there: it has the temperature of the nodes.
-    #[inline(never)]
-    fn solve_returning(&mut self, around: &Surroundings) -> Nodes {
-        let mut nodes = self.solve_once(around);
-        for _ in 0..MAX_RETURNING_PASSES {
-            let returning = self.returning_temperature(&nodes);
-            if (returning - self.returning).abs() <= SAME_TEMPERATURE * self.returning {
-                break;
-            }
-            self.returning = returning;
-            nodes = self.solve_once(around);
-        }
-        nodes
-    }
-
-    /// Stagnation temperature of the air that the nodes give back to the supply tube, K.
-    pub(crate) fn returning_temperature(&self, nodes: &Nodes) -> f64 {
-        if nodes.supply.reduce_add() >= 0.0 {
-            return self.returning;
-        }
-        let each = nodes.each().map(|node| (-node.supply_flow, node.temperature));
-        mean_of_inflows(&each).unwrap_or(self.returning)
-    }
-
-    /// The nodes with a temperature given of what goes back through the supply tube.
-    fn solve_once(&mut self, around: &Surroundings) -> Nodes {
-        self.work.solutions += 1;
-        if !around.are_in_order() {
-            return Nodes::NOT_NUMBERS;
-        }
-        // Of air that is at rest in front of each restriction there is one solution, wherever it is begun from.
-        let has_start = self.started || self.mach == 0.0;
-        if !(has_start && self.by_newton(around)) {
-            (self.failures, self.found) = (self.failures + 1, 0);
-            // A trial step too large may lead to where there is no solution, or leave no numbers: it is
-            // told so, and the last solution is not spoilt by it.
-            let lost = !self.far && self.failures < MAX_FAILURES;
-            if lost || !self.by_search(around) {
-                return Nodes::NOT_NUMBERS;
-            }
-        }
-        self.started = true;
-        self.far = false;
-        self.found += 1;
-        if self.found >= CALM {
-            self.failures = 0;
-        }
-        let carried = match around.valve.port {
-            Some(_) => self.nodes.temperature,
-            None => self.carried(),
-        };
-        Nodes { carried, ..self.nodes }
-    }
-
-    /// The solution that air at rest comes to as it begins to move. Where it cannot be followed there: nested
-    /// brackets, sharpened by Newton's method; false where they find nothing.
-    fn by_search(&mut self, around: &Surroundings) -> bool {
-        let last = self.nodes;
-        if self.continue_from_rest(around) {
-            return true;
-        }
-        self.work.bracketed += 1;
-        let rests = self.by_brackets(around);
-        // What the brackets found is the answer where Newton's method fails again.
-        let found = self.by_newton(around) || (rests && self.nodes.are_finite());
-        if !found {
-            self.nodes = last;
-        }
-        found
-    }
-
-    /// What ports without a node before them take: the air from the land that feeds each.
-    fn carried(&self) -> Pair {
-        Pair::new(self.nodes.each().map(|node| self.carried_by(&node)))
-    }
-
-    /// The same at one of them, K.
-    fn carried_by(&self, node: &Node) -> f64 {
-        let from_lands =
-            [(node.supply_flow, self.supply.temperature), (node.exhaust_flow, self.exhaust.temperature)];
-        mean_of_inflows(&from_lands).unwrap_or(node.temperature)
     }
 }
 

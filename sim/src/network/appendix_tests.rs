@@ -2,6 +2,7 @@
 //! sections 1 and 3 where those correct them.
 
 use super::restriction::Place;
+use super::mixing::mean_of_inflows;
 use super::*;
 use crate::component::valve::{Valve, thesis_valve};
 
