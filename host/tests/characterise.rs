@@ -60,7 +60,10 @@ fn a_curve_that_a_rig_has_not_is_refused_and_left_out_of_all() {
         ("burrows pressure-drop", "burrows has no pressure-drop: it has no tubes"),
         ("servo-b leakage", "servo-b has no leakage: its piston does not leak"),
         ("servo-b flow-force", "servo-b has no flow-force: its flow does not push the spool"),
-        ("servo-b drift", "servo-b has no drift: its null does not move: valve.null_drift_mm_per_h is 0"),
+        (
+            "servo-b drift",
+            "servo-b has no drift: its null does not move (valve.null_drift_mm_per_h = 0); state",
+        ),
         ("bang-bang hysteresis", "bang-bang has no hysteresis: an on-off operator has three places"),
     ] {
         let said = transcript(folder.path(), &format!("characterise {arguments} --out out"));
