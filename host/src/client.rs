@@ -28,6 +28,7 @@ use crate::foreign::{NAME, cleaned};
 use crate::port::{self, Link};
 use crate::words;
 use advance::Advance;
+use answer::refusal;
 use answer::unexpected;
 
 /// How long an answer may take before the request is sent again.
@@ -155,9 +156,7 @@ impl Client {
     fn ask<T>(&mut self, body: RequestBody<'_>, take: impl Fn(&ReplyBody<'_>) -> Result<T>) -> Result<T> {
         let name = self.name.clone();
         self.ask_for_any(body, |reply| match reply {
-            ReplyBody::Refused(refused) => {
-                Err(Exit::Refused.error(format!("{name}: {}", words::refusal(refused))))
-            }
+            ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             body => take(body),
         })
     }

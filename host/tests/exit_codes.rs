@@ -109,6 +109,19 @@ fn a_rig_that_refuses_ends_with_5() {
 }
 
 #[test]
+fn what_the_state_of_the_rig_does_not_allow_ends_with_5() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |action: &str| code(folder.path(), &format!("device --port {} {action}", rig.port()));
+    let record = || code(folder.path(), &format!("record --port {}", rig.port()));
+    assert_eq!(device("home"), 5, "it is disarmed");
+    assert_eq!(record(), 5, "nothing has been recorded");
+    assert_eq!(device("config export all.txt"), 0);
+    assert_eq!(device("arm"), 0);
+    assert_eq!(device("config import all.txt"), 5, "it is armed");
+    assert_eq!(record(), 5, "a run has yet to come");
+}
+
+#[test]
 fn a_drive_that_another_program_commands_ends_with_5() {
     let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
     let mut owner = pneudrive::client::Client::connect(rig.port()).expect("a rig");

@@ -1,12 +1,19 @@
-//! Answers that do not fit.
+//! Answers that refuse, or do not fit.
 
 use anyhow::anyhow;
-use pneudrive_protocol::ReplyBody;
+use pneudrive_protocol::{Refused, ReplyBody};
 
+use crate::exit::Exit;
 use crate::foreign::{SENTENCE, cleaned};
+use crate::words;
 
 /// What is wrong with an answer to another request than the one that was sent.
 pub(super) fn unexpected(reply: &ReplyBody<'_>) -> anyhow::Error {
     let reply = cleaned(&format!("{reply:?}"), SENTENCE);
     anyhow!("the rig gave an answer that does not fit the request: {reply}")
+}
+
+/// A rig's refusal, as this program ends with it.
+pub(super) fn refusal(rig: &str, refused: &Refused<'_>) -> anyhow::Error {
+    Exit::Refused.error(format!("{rig}: {}", words::refusal(refused)))
 }

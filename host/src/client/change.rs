@@ -1,7 +1,7 @@
 //! Parameters and a test that a rig takes together or not at all (version 5 of the protocol), and the start that names
 //! them. An older rig takes them request by request.
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
@@ -9,9 +9,9 @@ use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, fr
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
-use super::answer::unexpected;
+use super::answer::{refusal, unexpected};
 use super::{Client, RigParameters};
-use crate::words;
+use crate::exit::Exit;
 
 /// How often a change is begun anew when the rig has lost a part of it.
 const TRIES: u32 = 3;
@@ -128,7 +128,7 @@ impl Client {
         self.ask_for_any(body, |reply| match reply {
             ReplyBody::Done => Ok(true),
             ReplyBody::Refused(Refused::ChangeNotWhole) => Ok(false),
-            ReplyBody::Refused(refused) => Err(anyhow!("{name}: {}", words::refusal(refused))),
+            ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             other => Err(unexpected(other)),
         })
     }
@@ -179,7 +179,8 @@ impl Client {
             _ => self.parameters()?,
         };
         if !are_the_same_but_for_what_was_learned(expected, &now) {
-            bail!("{}: another program has changed its parameters; run again", self.name);
+            return Err(Exit::Refused
+                .error(format!("{}: another program has changed its parameters; run again", self.name)));
         }
         Ok(())
     }

@@ -5,11 +5,10 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
 
-use super::answer::unexpected;
+use super::answer::{refusal, unexpected};
 use super::change::Change;
 use super::{Client, RigParameters};
 use crate::parameter_names::{Written, name_of};
-use crate::words;
 
 /// How often parameters are read when they change meanwhile.
 const TRIES: u32 = 3;
@@ -66,7 +65,7 @@ impl Client {
                 }
                 Err(unknown) if at < unknown && unknown < until => until = unknown,
                 Err(unknown) => {
-                    bail!("{}: {}", self.name, words::refusal(&Refused::UnknownParameter { id: unknown }))
+                    return Err(refusal(&self.name, &Refused::UnknownParameter { id: unknown }));
                 }
             }
         }
@@ -82,7 +81,7 @@ impl Client {
                 Ok(Ok(values.iter().collect()))
             }
             ReplyBody::Refused(Refused::UnknownParameter { id }) => Ok(Err(*id)),
-            ReplyBody::Refused(refused) => Err(anyhow!("{name}: {}", words::refusal(refused))),
+            ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             other => Err(unexpected(other)),
         })
     }

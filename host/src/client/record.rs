@@ -2,16 +2,16 @@
 
 use std::time::Duration;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use pneudrive_protocol::{
     CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody,
 };
 
-use super::answer::unexpected;
+use super::answer::{refusal, unexpected};
 use super::{ANSWER_WAIT, Client, PATIENCE};
 use crate::download::Download;
+use crate::exit::Exit;
 use crate::record::{Record, RecordHead};
-use crate::words;
 
 /// How long a rig may take to form the CRC of a record that it is asked for.
 const DIGESTING: Duration = Duration::from_secs(5);
@@ -157,13 +157,14 @@ impl Client {
             (head, complete) = self.ask_record_info()?;
         }
         if !complete {
-            match self.status()?.mode {
-                Mode::Armed => bail!("{} is armed: it has no record until a run has made one", self.name),
-                _ => bail!("{} is still recording; wait for the end of the run", self.name),
-            }
+            let why = match self.status()?.mode {
+                Mode::Armed => "is armed: it has no record until a run has made one",
+                _ => "is still recording; wait for the end of the run",
+            };
+            return Err(Exit::Refused.error(format!("{} {why}", self.name)));
         }
         if head.samples == 0 {
-            bail!("{}: {}", self.name, words::refusal(&Refused::NoRecord));
+            return Err(refusal(&self.name, &Refused::NoRecord));
         }
         head.check(self.record_capacity as usize).with_context(|| self.name.clone())?;
         Ok(head)
@@ -186,7 +187,7 @@ fn answer(reply: &Reply<'_>, base: u16, chunks: usize, rig: &str) -> Option<Answ
         }
         ReplyBody::Refused(refused) if usize::from(chunk) < chunks => Some(Err(match refused {
             Refused::OtherRecord | Refused::NoRecord | Refused::RecordRange { .. } => RecordChanged.into(),
-            other => anyhow!("{rig}: {}", words::refusal(&other)),
+            other => refusal(rig, &other),
         })),
         _ => None,
     }

@@ -1,14 +1,13 @@
 //! What version 2 of the protocol has added: homing, the moves, stored configuration, fault log.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use pneudrive_controller::Refusal;
 use pneudrive_protocol::{
     ConfigState, Event, MAX_EVENTS, Mode, Motion, Refused, ReplyBody, RequestBody, Spread,
 };
 
 use super::Client;
-use super::answer::unexpected;
-use crate::words;
+use super::answer::{refusal, unexpected};
 
 impl Client {
     /// Homes the axis; [`Client::motion`] tells when it is done.
@@ -20,7 +19,7 @@ impl Client {
         // An older firmware would trip.
         if self.status()?.mode == Mode::Disarmed {
             let not_armed = Refused::NotNow(Refusal::NotArmed.code());
-            bail!("{}: {}", self.name, words::refusal(&not_armed));
+            return Err(refusal(&self.name, &not_armed));
         }
         self.take_over()?;
         self.ask_done(RequestBody::Home)

@@ -1,8 +1,8 @@
 //! The network's restrictions and nodes against the thesis's equations as printed, with EQUATIONS
 //! sections 1 and 3 where those correct them.
 
-use super::restriction::Place;
 use super::mixing::mean_of_inflows;
+use super::restriction::Place;
 use super::*;
 use crate::component::valve::{Valve, thesis_valve};
 
