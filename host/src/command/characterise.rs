@@ -88,8 +88,8 @@ fn cell(text: &str) -> String {
 
 fn table(found: &Characteristic) -> Table {
     let row = |figure: &Measured| {
-        let [value, within] = digits(figure.reading);
-        vec![figure.name.clone(), value, within, figure.unit.to_owned()]
+        let [value, within, unit] = digits(figure, found.across);
+        vec![figure.name.clone(), value, within, unit.to_owned()]
     };
     Table {
         heading: "figures".to_owned(),
@@ -98,19 +98,24 @@ fn table(found: &Characteristic) -> Table {
     }
 }
 
-/// A figure and to within what it is known, both to the digits that are known.
-fn digits(reading: Reading) -> [String; 2] {
-    match reading {
-        Reading::Computed(value) => [significant(value, 4), String::new()],
+/// A figure and to within what it is known, both to the digits that are known, and their unit. Of one that is not found, where
+/// on the axis `across` it was looked for.
+fn digits(figure: &Measured, across: &str) -> [String; 3] {
+    let unit = figure.unit.to_owned();
+    match figure.reading {
+        Reading::Computed(value) => [significant(value, 4), String::new(), unit],
         Reading::Read { value, within } => {
             let decimals = (-within.max(1e-9).log10().floor()).max(0.0) as usize;
             // A value that rounds to zero has no sign.
-            let unit = 10_f64.powi(decimals as i32);
-            let rounded = (value * unit).round() / unit + 0.0;
-            [format!("{rounded:.decimals$}"), format!("{within:.decimals$}")]
+            let scale = 10_f64.powi(decimals as i32);
+            let rounded = (value * scale).round() / scale + 0.0;
+            [format!("{rounded:.decimals$}"), format!("{within:.decimals$}"), unit]
         }
         Reading::NotBetween([from, to]) => {
-            [format!("not within {} to {}", significant(from, 3), significant(to, 3)), String::new()]
+            let (name, unit) = across.split_once(", ").unwrap_or((across, ""));
+            let sought =
+                format!("not seen, {name} {} to {} {unit}", significant(from, 3), significant(to, 3));
+            [sought.trim_end().to_owned(), String::new(), String::new()]
         }
     }
 }
@@ -161,13 +166,19 @@ mod tests {
 
     #[test]
     fn a_figure_has_the_digits_that_are_known() {
-        let read = |value, within| digits(Reading::Read { value, within });
-        assert_eq!(read(181.7658, 0.9), ["181.8", "0.9"]);
-        assert_eq!(read(268.1, 1.3), ["268", "1"]);
-        assert_eq!(read(-0.000_01, 0.000_5), ["0.0000", "0.0005"], "no sign of its own");
-        assert_eq!(digits(Reading::Computed(23.245_61)), ["23.25", ""]);
-        assert_eq!(digits(Reading::Computed(0.0)), ["0.000", ""]);
-        assert_eq!(digits(Reading::NotBetween([2.0, 498.0])), ["not within 2.00 to 498", ""]);
+        let of = |reading| digits(&Measured { name: String::new(), reading, unit: "N" }, "time, s");
+        let read = |value, within| of(Reading::Read { value, within });
+        assert_eq!(read(181.7658, 0.9), ["181.8", "0.9", "N"]);
+        assert_eq!(read(268.1, 1.3), ["268", "1", "N"]);
+        assert_eq!(read(-0.000_01, 0.000_5), ["0.0000", "0.0005", "N"], "no sign of its own");
+        assert_eq!(of(Reading::Computed(23.245_61)), ["23.25", "", "N"]);
+        assert_eq!(of(Reading::Computed(0.0)), ["0.000", "", "N"]);
         assert_eq!(significant(1234.567, 4), "1235");
+    }
+
+    #[test]
+    fn a_figure_that_is_not_found_tells_where_it_was_looked_for_in_the_unit_of_the_axis() {
+        let force = Measured { name: String::new(), reading: Reading::NotBetween([9.912, 11.26]), unit: "N" };
+        assert_eq!(digits(&force, "time, s"), ["not seen, time 9.91 to 11.3 s", "", ""]);
     }
 }
