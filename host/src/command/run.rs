@@ -250,6 +250,18 @@ fn said(id: u16, value: i32) -> String {
     Written::of(id).map_or_else(String::new, |written| format!("{} = {}", written.name, written.text(value)))
 }
 
+/// A parameter and its values on the rig and in the file.
+fn in_both(id: u16, on_rig: i32, in_file: i32) -> String {
+    Written::of(id).map_or_else(String::new, |written| {
+        format!(
+            "{} is {} on the rig, {} in the file",
+            written.name,
+            written.text(on_rig),
+            written.text(in_file)
+        )
+    })
+}
+
 /// Says which parameters of the rig are not those of the file: the run is the rig's, not the file's.
 /// With another loop or period the moves would mean something else: that is refused.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
@@ -267,11 +279,11 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
         .iter()
         .zip(file.iter())
         .filter(|((_, on_rig), (_, in_file))| on_rig != in_file)
-        .map(|((id, on_rig), (_, in_file))| format!("{} there and {}", said(id, on_rig), said(id, in_file)))
+        .map(|((id, on_rig), (_, in_file))| in_both(id, on_rig, in_file))
         .collect();
     if let Some(first) = differences.first() {
         let others = differences.len() - 1;
-        let more = if others == 0 { String::new() } else { format!(" and {others} more") };
+        let more = if others == 0 { String::new() } else { format!("; {others} more differ") };
         tell!(
             "note: the rig's parameters differ from {name} ({first}{more}); --config downloads those of the file"
         );
