@@ -53,6 +53,7 @@ fn rig_list_show_and_explain_tell_what_there_is() {
     let folder = folder();
     let list = ok(folder.path(), "rig list");
     assert!(list.contains("servo-b ") && list.contains("servo-b-tuned"), "{list}");
+    assert_eq!(list.lines().find(|line| !line.ends_with('.')), None, "each rig has a whole sentence");
     let shown = ok(folder.path(), "rig show servo-b");
     fs::write(folder.path().join("copy.toml"), &shown).expect("written");
     assert!(ok(folder.path(), "rig check copy.toml").contains("a valid rig (servo-b)"));
