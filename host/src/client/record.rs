@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use pneudrive_protocol::{
     CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody,
 };
