@@ -30,6 +30,8 @@ pub struct Configuration {
     saves: u32,
     saved_hash: Option<u32>,
     ignored: u16,
+    /// What was learned since is to be stored once the drive rests.
+    learned: bool,
 }
 
 impl Configuration {
@@ -62,7 +64,29 @@ impl Configuration {
     pub fn replace(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
         self.config = Config::new(&parameters)?;
         self.parameters = parameters;
+        self.learned = false;
         Ok(())
+    }
+
+    /// Takes parameters that the drive has learned. Where those before them were stored, these will be, too
+    /// ([`Configuration::save_learned`]).
+    ///
+    /// # Errors
+    /// When they do not go together; nothing is changed then.
+    pub fn learn(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
+        let learned = self.learned || self.is_saved();
+        self.replace(parameters)?;
+        self.learned = learned;
+        Ok(())
+    }
+
+    /// Stores what was learned since the last save, if anything. It is tried once: what cannot be stored is learned
+    /// again after the next reset.
+    ///
+    /// # Errors
+    /// As for [`Configuration::save`].
+    pub fn save_learned(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
+        if core::mem::take(&mut self.learned) { self.save(store) } else { Ok(()) }
     }
 
     /// Stores the parameters for the next reset.
@@ -72,6 +96,7 @@ impl Configuration {
     pub fn save(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
         self.saves = store.save(&self.parameters)?;
         self.saved_hash = Some(self.hash());
+        self.learned = false;
         self.source = Source::Stored;
         self.ignored = 0;
         Ok(())

@@ -65,17 +65,23 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// What waits for idle time: settles the timing, and stores what was logged once the drive is disarmed. The
-    /// board calls it from where the port is served.
+    /// What waits for idle time: settles the timing, and stores what was logged and learned once the drive rests.
+    /// The board calls it from where the port is served.
     ///
     /// # Errors
     /// When the flash does not take it.
     pub fn tidy_up(&mut self, board: &mut impl Board) -> Result<(), NotStored> {
         self.settle_timing();
-        if self.state.supervisor.drives() || self.spool_walks() {
+        if !self.flash_may_be_written() {
             return Ok(());
         }
+        self.configuration.save_learned(board.store())?;
         board.store().flush()
+    }
+
+    /// Whether the drive is disabled and a stepper's spool at mid-travel. Writing flash stalls the processor.
+    fn flash_may_be_written(&self) -> bool {
+        !self.state.supervisor.drives() && !self.spool_walks()
     }
 
     /// Whether the spool of a stepper is on its way to mid-travel: its translator is enabled until then, and

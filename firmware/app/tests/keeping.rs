@@ -202,3 +202,64 @@ fn what_was_learned_of_the_null_is_kept_at_the_next_arming() {
     assert_eq!(drive.get(id::NULL_OFFSET_COUNTS), 7);
     assert_eq!(drive.power_cycle().get(id::NULL_OFFSET_COUNTS), 7);
 }
+
+/// A drive with a stepper that has learned an offset of 7 steps, holds its last setpoint and has its spool open.
+fn stepper_that_has_learned() -> Drive {
+    let mut drive = Drive::on(RamFlash::default());
+    drive.control.set_referenced().expect("disarmed");
+    drive.set(id::STEPPER, 1);
+    drive.set(id::SCALE, 1);
+    drive.set(id::LEARNING_GAIN, 1);
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    drive.control.set_test(pneudrive_app::control::Test::new("learn", 9, 1, 0)).expect("disarmed");
+    drive.control.push_move(Move { at_sample: 0, target: 107 }).expect("room");
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(11);
+    assert_eq!(drive.mode(), Mode::Done);
+    assert_ne!(drive.control.state().spool_location().steps(), 0);
+    drive
+}
+
+/// It was stored at once, and the erase kept the spool open for 400 ms without a pulse.
+#[test]
+fn a_stepper_that_is_armed_with_its_spool_open_stores_what_it_has_learned_once_it_rests() {
+    let mut drive = stepper_that_has_learned();
+    drive.control.disarm();
+    let before = format!("{:?}", drive.board.store.flash());
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.tidy_up(&mut drive.board).expect("waits");
+    drive.control.disarm();
+    drive.control.tidy_up(&mut drive.board).expect("waits");
+    assert_eq!(drive.get(id::NULL_OFFSET_COUNTS), 7, "in force all the same");
+    assert_eq!(format!("{:?}", drive.board.store.flash()), before, "the spool is open");
+    drive.samples(30);
+    assert_eq!(drive.control.state().spool_location().steps(), 0);
+    drive.control.tidy_up(&mut drive.board).expect("stored");
+    assert_eq!(drive.power_cycle().get(id::NULL_OFFSET_COUNTS), 7);
+}
+
+/// Once it was not stored at all, neither then nor after any later run.
+#[test]
+fn what_was_learned_before_a_drive_was_armed_again_without_being_disarmed_is_stored_once_it_rests() {
+    let mut drive = stepper_that_has_learned();
+    let before = format!("{:?}", drive.board.store.flash());
+    drive.control.arm(&mut drive.board).expect("it holds");
+    drive.samples(30);
+    drive.control.tidy_up(&mut drive.board).expect("waits");
+    assert_eq!(format!("{:?}", drive.board.store.flash()), before, "the drive is enabled");
+    drive.control.disarm();
+    drive.control.tidy_up(&mut drive.board).expect("stored");
+    assert_eq!(drive.power_cycle().get(id::NULL_OFFSET_COUNTS), 7);
+}
+
+#[test]
+fn parameters_that_were_set_but_not_saved_are_not_stored_with_what_was_learned() {
+    let mut drive = stepper_that_has_learned();
+    drive.control.arm(&mut drive.board).expect("it holds");
+    drive.control.disarm();
+    drive.set(id::VELOCITY_GAIN, 2000);
+    drive.samples(30);
+    drive.control.tidy_up(&mut drive.board).expect("nothing to store");
+    assert_eq!(drive.power_cycle().get(id::VELOCITY_GAIN), 1);
+}

@@ -15,7 +15,8 @@ use crate::timing::Clock;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
     /// Enables the drive with the valve at null, and empties the recorder; whoever asks without a session owns it.
-    /// What the last run has learned of the valve's null becomes part of the parameters, and of those that are stored.
+    /// What the last run has learned of the valve's null becomes part of the parameters, and of those that are stored:
+    /// at once if the drive rests, else after it has come to rest ([`Control::tidy_up`]).
     ///
     /// # Errors
     /// The supervisor's refusal, and that of a drive whose stored configuration is lost.
@@ -53,13 +54,12 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         let mut changed = self.parameters().clone();
         let old = changed.get(id::NULL_OFFSET_COUNTS).unwrap_or(0);
         let new = old.saturating_add(learned).clamp(-largest, largest);
-        let was_saved = self.configuration.is_saved();
-        if changed.set(id::NULL_OFFSET_COUNTS, new).is_ok() && self.configuration.replace(changed).is_ok() {
+        if changed.set(id::NULL_OFFSET_COUNTS, new).is_ok() && self.configuration.learn(changed).is_ok() {
             self.state.forget_null_offset();
         }
-        if was_saved && !self.state.supervisor.drives() {
-            // What cannot be stored is learned again after the next reset.
-            let _ = self.configuration.save(board.store());
+        if self.flash_may_be_written() {
+            // A flash that refuses does not keep the drive from arming.
+            let _ = self.configuration.save_learned(board.store());
         }
     }
 
