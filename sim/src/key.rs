@@ -1,6 +1,6 @@
 //! A key of a rig file: what it takes, what holds without it, what it means, and the Rust type of its value.
 //!
-//! Each component lists its own keys with [`keys!`]; [`crate::rig`] collects the lists. Units stand in the key's name
+//! Each component lists its own keys with `keys!`; [`crate::rig`] collects the lists. Units stand in the key's name
 //! ([`unit()`]); equations get values in the unit of the name, or SI.
 
 use std::marker::PhantomData;

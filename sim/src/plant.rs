@@ -133,15 +133,20 @@ impl Plant {
     ///
     /// # Errors
     /// When the integration cannot go on to the last channel.
+    #[inline]
     pub fn reading(&mut self) -> Result<Reading, IntegrationError> {
         let now = self.sample_time_of(self.k);
         if self.k == 0 && self.start_us > 0 {
             self.run_to(now)?;
         }
         let at_once = self.reading_at(now);
-        if self.channel_skew_us == 0 {
-            return Ok(at_once);
-        }
+        if self.channel_skew_us == 0 { Ok(at_once) } else { self.read_in_turn(at_once) }
+    }
+
+    /// The same where the converter reads the channels in turn.
+    #[cold]
+    #[inline(never)]
+    fn read_in_turn(&self, at_once: Reading) -> Result<Reading, IntegrationError> {
         // A copy goes ahead, so that reading changes nothing here.
         let mut ahead = self.clone();
         let [second, third] = [1, 2].map(|channel| ahead.read_channel(channel));
@@ -159,6 +164,7 @@ impl Plant {
         Ok(self.reading_at(t))
     }
 
+    #[inline]
     fn reading_at(&mut self, t: f64) -> Reading {
         let x = self.integrator.state(t);
         Reading {

@@ -154,6 +154,7 @@ impl Drive {
     }
 
     /// What the controller makes of a sample: what is recorded of it, and its command.
+    #[inline]
     fn control(&mut self, reading: &Reading) -> (Observation, Command) {
         let taken = self.plant.sample_of(reading);
         sample(&self.config, &self.sequence, &mut self.state, &taken);
@@ -171,6 +172,7 @@ impl Drive {
     }
 
     /// Gives the plant the command of the present sample, and tells what it was.
+    #[inline]
     fn output(&mut self, seen: &Observation, command: Command) -> Command {
         let command = match &mut self.bug {
             Some(bug) => bug.output(seen, command),
@@ -184,6 +186,7 @@ impl Drive {
 
     /// Gives a continuous controller its target where it changes, and tells its command, rounded to counts;
     /// None for a sampled one.
+    #[inline]
     fn continuous(&mut self, setpoint: i32) -> Option<i16> {
         self.plant.continuous_command()?;
         if self.target != Some(setpoint) {
