@@ -20,7 +20,7 @@ pub trait Store {
     fn load(&mut self) -> Load;
 
     /// The number of this boot: another one for each, whatever ended the one before.
-    /// [`ANY_BOOT`](pneudrive_protocol::ANY_BOOT): what is kept cannot tell.
+    /// [`ANY_BOOT`]: what is kept cannot tell.
     fn boot(&self) -> u32;
 
     /// Stores the configuration; how often that was done, wrapping.
