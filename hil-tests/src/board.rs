@@ -12,7 +12,7 @@
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, bail};
-use pneudrive::board_plant::BoardPlant;
+use pneudrive_rigs::board_plant::BoardPlant;
 use pneudrive_sim::Rig;
 
 use crate::service::commission;

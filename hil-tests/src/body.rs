@@ -10,11 +10,11 @@ pub mod stream;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use pneudrive::client::Client;
-use pneudrive::replay::{Replay, replay};
-use pneudrive::target::TargetFile;
+use pneudrive_analysis::replay::{Replay, replay};
 use pneudrive_controller::Fault;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
+use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig};
 
 pub use run::{assert_equal_in_every_integer, rig, run_and_record, start_run};

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use anyhow::Result;
-use pneudrive::emulated_board::{Figures, Spread};
+use pneudrive_rigs::emulated_board::{Figures, Spread};
 use pneudrive_sim::Rig;
 
 use crate::{QemuTarget, body};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, anyhow};
-use pneudrive::emulated_board::EmulatedBoard;
+use pneudrive_rigs::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
 use crate::service::commission;

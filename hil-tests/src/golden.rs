@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use crc::{CRC_64_XZ, Crc};
-use pneudrive::target::TargetFile;
+use pneudrive_records::target::TargetFile;
 use pneudrive_sim::rig::BUILTIN;
 use pneudrive_sim::trace::to_csv;
 use pneudrive_sim::{Accuracy, Rig, run};

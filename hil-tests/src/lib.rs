@@ -26,10 +26,10 @@ mod service;
 pub mod shell;
 
 use anyhow::Result;
-use pneudrive::client::Client;
-use pneudrive::kept_flash::KeptFlash;
-use pneudrive::punctuality::LateSample;
-use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_link::client::Client;
+use pneudrive_rigs::kept_flash::KeptFlash;
+use pneudrive_rigs::punctuality::LateSample;
+use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 #[cfg(unix)]

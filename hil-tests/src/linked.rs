@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use pneudrive::board_plant::BoardPlant;
 use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::lock_step::Stopwatch;
 use pneudrive_app::plant_link::{Line, PlantLink};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Control, LockStep, Server};
+use pneudrive_rigs::board_plant::BoardPlant;
 use pneudrive_sim::Rig;
 
 use crate::Target;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
-use pneudrive::client::Client;
+use pneudrive_link::client::Client;
 
 use crate::{QemuTarget, Target, body};
 

@@ -4,10 +4,10 @@
 
 use std::path::Path;
 
-use pneudrive::emulated_board::EmulatedBoard;
 use pneudrive_controller::Fault;
 use pneudrive_hil_tests::{QemuTarget, Supplied, Target, body};
 use pneudrive_protocol::Mode;
+use pneudrive_rigs::emulated_board::EmulatedBoard;
 use pneudrive_sim::Rig;
 
 fn started(rig: &Rig) -> QemuTarget {

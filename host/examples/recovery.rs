@@ -8,13 +8,17 @@
 //! Each rig is served and identified by the program itself, as a user does it. The tables of docs/identification.md are its
 //! output.
 
+#[path = "../tests/hidden_rigs/mod.rs"]
+mod hidden_rigs;
+
 use std::env;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
-use pneudrive::identification::recovery::{
-    Coverage, Hidden, any_rig, lacking_rig, quiet_lacking_rig, quiet_rig, shipped_rig,
-};
+
+use hidden_rigs::Hidden;
+use hidden_rigs::coverage::Coverage;
+use hidden_rigs::rigs::{any_rig, lacking_rig, quiet_lacking_rig, quiet_rig, shipped_rig};
 
 /// The program, which cargo builds into the folder above that of its examples.
 fn program() -> Result<PathBuf> {

@@ -9,14 +9,14 @@ mod transients;
 
 use std::path::PathBuf;
 
+use clap::{Args, Parser, Subcommand};
+use pneudrive_sim::trace::{EXTRAS, Extra};
+
 pub use choices::{Integration, MethodName, Neighbours, RigChoice};
 pub use device::{ConfigAction, Device, DeviceAction, Place};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
 pub use link::{Monitor, PortChoice, Record, Run};
 pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
-
-use clap::{Args, Parser, Subcommand};
-use pneudrive_sim::trace::{EXTRAS, Extra};
 
 use crate::exit;
 use percent::percent;

@@ -6,6 +6,7 @@ use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
 use anyhow::Error;
+use pneudrive_link::failure::Failure;
 
 /// A kind of end. Its number is the exit code, and never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,11 +85,26 @@ impl Exit {
     /// How an error ends the program: as it says itself or, by what the system says, as its kind does.
     #[must_use]
     pub fn after(error: &Error) -> Exit {
-        let of = |cause: &(dyn StdError + 'static)| match cause.downcast_ref::<Ending>() {
-            Some(ending) => Some(ending.exit),
-            None => cause.downcast_ref::<io::Error>().and_then(|error| of_kind(error.kind())),
-        };
-        error.chain().find_map(of).unwrap_or(Exit::Failed)
+        error.chain().find_map(Exit::of_cause).unwrap_or(Exit::Failed)
+    }
+
+    /// What one cause in the chain of an error says.
+    fn of_cause(cause: &(dyn StdError + 'static)) -> Option<Exit> {
+        let ending = cause.downcast_ref::<Ending>().map(|ending| ending.exit);
+        let of_link = || Failure::of_cause(cause).map(Exit::from);
+        let of_system = || cause.downcast_ref::<io::Error>().and_then(|error| of_kind(error.kind()));
+        ending.or_else(of_link).or_else(of_system)
+    }
+}
+
+impl From<Failure> for Exit {
+    fn from(failure: Failure) -> Exit {
+        match failure {
+            Failure::NoAnswer => Exit::NoAnswer,
+            Failure::Refused => Exit::Refused,
+            Failure::Tripped => Exit::Tripped,
+            Failure::Interrupted => Exit::Interrupted,
+        }
     }
 }
 
@@ -144,6 +160,15 @@ mod tests {
         let error = Err::<(), _>(error).context("run").context("demo").expect_err("an error");
         assert_eq!(Exit::after(&error), Exit::Tripped);
         assert_eq!(format!("{error:#}"), "demo: run: it tripped: the cause");
+    }
+
+    #[test]
+    fn a_failure_of_the_link_ends_as_its_kind_does() {
+        let after = |failure: Failure| Exit::after(&failure.error("a rig").context("run"));
+        assert_eq!(after(Failure::NoAnswer), Exit::NoAnswer);
+        assert_eq!(after(Failure::Refused), Exit::Refused);
+        assert_eq!(after(Failure::Tripped), Exit::Tripped);
+        assert_eq!(after(Failure::Interrupted), Exit::Interrupted);
     }
 
     #[test]

@@ -2,18 +2,19 @@
 
 mod program;
 
-use pneudrive_sim::keys;
 use std::path::Path;
 
-use pneudrive::evaluation::{Air, Chambers, Motion, moves, moves_of_run};
-use pneudrive::run_folder::StoredRun;
-use pneudrive::transient::{POSITION, PRESSURES, Transient};
+use pneudrive_analysis::evaluation::{Air, Chambers, Motion, moves, moves_of_run};
+use pneudrive_analysis::transient::{POSITION, PRESSURES, Transient};
+use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::component::sensors::Sensors;
+use pneudrive_sim::keys;
 use pneudrive_sim::rig::builtin;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
-use program::{folder, ok, virtual_rig_of};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use program::{folder, ok, virtual_rig_of};
 
 /// The built-in rigs with a closed loop.
 const CLOSED: [&str; 9] = [

@@ -5,6 +5,7 @@ mod program;
 use std::fs;
 
 use pneudrive_sim::characteristics::CURVES;
+
 use program::{exists, folder, ok, transcript};
 
 /// Rows of a CSV file below its header: graph, curve, x, value.

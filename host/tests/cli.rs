@@ -5,7 +5,7 @@ mod program;
 use std::fs;
 use std::process::Command;
 
-use pneudrive::target::TargetFile;
+use pneudrive_records::target::TargetFile;
 
 use program::{exists, folder, ok, transcript, unhurried_rig, virtual_rig, with_line};
 

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use pneudrive::exit::{EXITS, help};
 use pneudrive_sim::Rig;
+
 use program::{folder, ok, pneudrive, transcript, unhurried_rig, virtual_rig, virtual_rig_of};
 
 fn code(folder: &Path, arguments: &str) -> i32 {
@@ -124,7 +125,7 @@ fn what_the_state_of_the_rig_does_not_allow_ends_with_5() {
 #[test]
 fn a_drive_that_another_program_commands_ends_with_5() {
     let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
-    let mut owner = pneudrive::client::Client::connect(rig.port()).expect("a rig");
+    let mut owner = pneudrive_link::client::Client::connect(rig.port()).expect("a rig");
     owner.arm().expect("armed");
     let said = transcript(folder.path(), &format!("device --port {} disarm", rig.port()));
     assert!(said.contains("commands the drive") && said.ends_with("= 5"), "{said}");

@@ -5,8 +5,8 @@ mod program;
 
 use std::path::PathBuf;
 
-use pneudrive::replay::replay;
-use pneudrive::target::TargetFile;
+use pneudrive_analysis::replay::replay;
+use pneudrive_records::target::TargetFile;
 
 /// File, samples, index of the first, parameters in its header.
 const FILES: [(&str, usize, i32, usize); 4] = [

@@ -5,8 +5,9 @@ mod program;
 use std::fs;
 use std::path::Path;
 
-use program::{folder, ok, transcript, virtual_rig};
 use serde_json::Value;
+
+use program::{folder, ok, transcript, virtual_rig};
 
 fn run_json(folder: &Path, run: &str) -> Value {
     let text = fs::read_to_string(folder.join(run).join("run.json")).expect("written");

@@ -11,9 +11,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use pneudrive_records::target::TargetFile;
+
 use hostile_rig::HostileRig;
 use hostile_rig::lies::{self, Told};
-use pneudrive::target::TargetFile;
 use program::{folder, ok, virtual_rig};
 
 /// A command may not take longer.

@@ -2,12 +2,13 @@
 
 mod program;
 
-use pneudrive_sim::keys;
 use std::fs;
 use std::path::Path;
 
-use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
+
 use program::{exists, folder, ok, transcript, with_line};
 
 /// An open loop with two strokes, without dither: half a second.

@@ -4,6 +4,7 @@
 //! Fifty kills each, or as many as `PNEUDRIVE_KILLS` says (`cargo xtask soak-link`).
 
 mod program;
+#[path = "../link/tests/simulated_link/mod.rs"]
 mod simulated_link;
 
 use std::collections::BTreeSet;
@@ -15,10 +16,10 @@ use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 
-use pneudrive::client::Client;
 use pneudrive::command::record::record;
-use pneudrive::target::TargetFile;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::RecordedSample;
+use pneudrive_records::target::TargetFile;
 
 use program::{folder, ok, transcript, virtual_rig};
 use simulated_link::{Random, SimulatedRig, any_samples, cases};

@@ -8,8 +8,9 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use pneudrive::target::TargetFile;
+use pneudrive_records::target::TargetFile;
 use pneudrive_sim::Rig;
+
 use program::{folder, ok, transcript};
 
 /// Fifty samples of a drive that stands still.

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use pneudrive::virtual_rig::Background;
+use pneudrive_rigs::virtual_rig::Background;
 
 use program::{folder, ok, transcript, unhurried_rig, virtual_rig};
 

@@ -1,6 +1,7 @@
 //! What serial ports are known for: each ends in an error that says what happened, or does no harm.
 
 mod program;
+#[path = "../link/tests/simulated_link/mod.rs"]
 mod simulated_link;
 
 use std::io::{self, Read, Write};
@@ -9,8 +10,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use pneudrive::client::{Client, Pieces};
-use pneudrive::port::Wire;
+use pneudrive_link::client::{Client, Pieces};
+use pneudrive_link::port::Wire;
+
 use simulated_link::{Random, SimulatedRig, any_samples};
 
 /// What a client says of a port that is read so.
@@ -107,8 +109,8 @@ fn a_board_that_is_reset_by_the_opening_of_its_port_is_waited_for() {
 
 #[cfg(unix)]
 mod pty {
-    use pneudrive::port;
-    use pneudrive::virtual_rig::Background;
+    use pneudrive_link::port;
+    use pneudrive_rigs::virtual_rig::Background;
 
     use super::program::{folder, transcript, virtual_rig_at};
     use super::*;

@@ -1,20 +1,22 @@
 //! An identification finds what a virtual rig hides, as exactly as it says; docs/identification.md has a hundred rigs.
 
+mod hidden_rigs;
 mod program;
 
-use pneudrive_sim::keys;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use pneudrive::identification::figures::Figures;
-use pneudrive::identification::parameter::{Parameter, usual};
-use pneudrive::identification::recording::Recording;
-use pneudrive::identification::recovery::{
-    Coverage, Hidden, any_rig, held, lacking_rig, shipped_rig, spread,
-};
-use pneudrive::identification::{Identification, identify};
-use pneudrive::target::TargetFile;
+use pneudrive_analysis::identification::figures::Figures;
+use pneudrive_analysis::identification::parameter::{Parameter, usual};
+use pneudrive_analysis::identification::recording::Recording;
+use pneudrive_analysis::identification::{Identification, identify};
+use pneudrive_records::target::TargetFile;
+use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
+
+use hidden_rigs::Hidden;
+use hidden_rigs::coverage::{Coverage, held, spread};
+use hidden_rigs::rigs::{any_rig, lacking_rig, shipped_rig};
 use program::folder;
 
 fn pneudrive() -> &'static Path {

@@ -3,6 +3,7 @@
 //! Sixty kills, or as many as `PNEUDRIVE_KILLS` says.
 
 mod program;
+#[path = "../link/tests/simulated_link/mod.rs"]
 mod simulated_link;
 
 use std::collections::BTreeMap;
@@ -11,7 +12,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use pneudrive::run_folder::{IDENTITY, StoredRun};
+use pneudrive_records::run_folder::{IDENTITY, StoredRun};
 
 use program::{folder, ok, pneudrive};
 use simulated_link::{Random, cases};

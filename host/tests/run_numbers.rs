@@ -6,8 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use program::{folder, ok, transcript};
 use serde_json::Value;
+
+use program::{folder, ok, transcript};
 
 const SHORT: &str = "--set test.duration_s=0.05 --ensemble 1 --no-report";
 

@@ -1,16 +1,18 @@
 //! A run that is streamed: over a good line every sample is there, over a bad one each that is not is counted.
 
 mod program;
+#[path = "../link/tests/simulated_link/mod.rs"]
 mod simulated_link;
 
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pneudrive::client::Client;
 use pneudrive_app::recorder::CAPACITY;
 use pneudrive_controller::Fault;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, StreamedSample, UNTIL_STOPPED};
 use pneudrive_sim::Rig;
+
 use simulated_link::{Faults, Random, SimulatedRig};
 
 use program::{folder, ok, transcript, virtual_rig};

@@ -5,8 +5,9 @@ mod program;
 
 use std::fs;
 
-use pneudrive::study::Verdict::{self, Agrees, Depends, Differs, Open};
-use pneudrive::study::{STARTS, STUDIES, Studied, index, page, run};
+use pneudrive_analysis::study::Verdict::{self, Agrees, Depends, Differs, Open};
+use pneudrive_analysis::study::{STARTS, STUDIES, Studied, index, page, run};
+
 use program::{exists, folder, ok, transcript};
 
 /// What the model shows, as docs/thesis.md and README have it. A change of the model that changes a

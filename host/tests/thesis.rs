@@ -5,8 +5,9 @@ mod program;
 use std::fs;
 use std::path::Path;
 
-use pneudrive::study::STARTS;
-use pneudrive::thesis::{Exhibit, Experiment, exhibits, golden, run};
+use pneudrive_analysis::study::STARTS;
+use pneudrive_analysis::thesis::{Exhibit, Experiment, exhibits, golden, run};
+
 use program::{exists, folder, ok, transcript};
 
 const GOLDEN: &str = include_str!("thesis.toml");

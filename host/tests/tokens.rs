@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use pneudrive::virtual_rig::{Background, Door, Pace, Token, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Background, Door, Pace, Token, VirtualRig};
 use pneudrive_sim::Rig;
 
 const SECRET: &str = "correct horse battery staple";

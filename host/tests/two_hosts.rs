@@ -4,6 +4,7 @@
 //! (`cargo xtask soak-link`).
 
 mod program;
+#[path = "../link/tests/simulated_link/mod.rs"]
 mod simulated_link;
 
 use std::io::Write;
@@ -12,10 +13,11 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use pneudrive::client::{Client, Record};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Parameters};
+use pneudrive_link::client::Client;
 use pneudrive_protocol::{MAX_FRAME, Mode, Request, RequestBody, encode};
+use pneudrive_records::record::Record;
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
 
@@ -194,7 +196,7 @@ fn never_reads(port: &str) -> TcpStream {
         let begun = Instant::now();
         while begun.elapsed() < Duration::from_secs(60) {
             match asks.write(&many) {
-                Err(error) if !pneudrive::port::is_wait(&error) => break,
+                Err(error) if !pneudrive_link::port::is_wait(&error) => break,
                 _ => {}
             }
         }

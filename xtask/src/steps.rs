@@ -70,7 +70,9 @@ fn test_without_groups(tally: &mut Tally) {
     tally.check("image for the emulator", firmware::check_emulated);
     tests(tally, "tests", &["test", "--workspace", "--no-fail-fast"]);
     tally.check("results of sweeps as Parquet", || {
-        run(&mut in_root(&["test", "--package", "pneudrive", "--features", "parquet", "--lib", "parquet"]))
+        let packages = ["--package", "pneudrive", "--package", "pneudrive-analysis"];
+        let arguments = ["--features", "pneudrive/parquet", "--lib", "parquet"];
+        run(&mut in_root(&[&["test"], &packages[..], &arguments].concat()))
     });
     tally.check("instructions of the simulator", instructions::check);
     tally.check("no_std crates for the boards", || {
@@ -194,7 +196,8 @@ fn example(name: &str, arguments: &[&str]) -> Result<()> {
 /// The tests of the link, as often as CI has no time for; they print what came of it.
 pub fn soak_link(tally: &mut Tally) {
     let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream", "--test", "two_hosts"];
-    let arguments = [&["test", "--package", "pneudrive"], &tests[..], &["--", "--nocapture"]].concat();
+    let packages = ["test", "--package", "pneudrive", "--package", "pneudrive-link"];
+    let arguments = [&packages[..], &tests, &["--", "--nocapture"]].concat();
     tally.check("soak of the link", || {
         let mut command = in_root(&arguments);
         command.env("PNEUDRIVE_DOWNLOADS", "100000").env("PNEUDRIVE_KILLS", "1000");

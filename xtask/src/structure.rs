@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 13] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
@@ -26,6 +26,9 @@ const CRATES: [&str; 10] = [
     "sim/solver",
     "sim",
     "host/records",
+    "host/link",
+    "host/rigs",
+    "host/analysis",
     "host",
     "hil-tests",
     "xtask",

@@ -7,11 +7,11 @@ mod checks;
 mod drive;
 mod requests;
 
-use pneudrive::target::TargetFile;
 use pneudrive_controller::Config;
 use pneudrive_protocol::{
     Accumulator, MAX_FRAME, MAX_MESSAGE, Message, decode_reply, decode_request, encode, frame,
 };
+use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Plant, Rig};
 
 pub use drive::{Step, requests};

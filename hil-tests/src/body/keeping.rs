@@ -1,8 +1,8 @@
 //! What a drive keeps when its power goes.
 
-use pneudrive::client::Client;
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::Rig;
 

@@ -2,9 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pneudrive::client::{Client, Record};
 use pneudrive_controller::Observation;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, RecordedSample};
+use pneudrive_records::record::Record;
 use pneudrive_sim::{Accuracy, Rig, run};
 
 use crate::Target;

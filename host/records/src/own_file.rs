@@ -8,6 +8,9 @@ use anyhow::{Context, Result, bail};
 
 use crate::whole_file::is_device;
 
+/// Marks a page as ours, so that writing it again replaces nothing else.
+pub const GENERATOR: &str = "<meta name=\"generator\" content=\"pneudrive\">";
+
 /// Makes a folder if it is not there, and makes sure that it can be written to, before long work.
 ///
 /// # Errors

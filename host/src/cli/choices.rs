@@ -1,9 +1,8 @@
 //! Arguments that several commands have: which rig, how it is integrated, with which neighbours.
 
 use clap::{Args, ValueEnum};
+use pneudrive_records::judged::Spacing;
 use pneudrive_sim::{Accuracy, Method, Rig};
-
-use crate::ensemble::Spacing;
 
 /// Which rig, and what to change in it.
 #[derive(Debug, Args)]

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use pneudrive_records::parameter_names::whole_number;
 
 use super::PortChoice;
-use crate::parameter_names::whole_number;
 
 /// Arguments of `device`.
 #[derive(Debug, Args)]

@@ -4,13 +4,13 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::Args;
+use pneudrive_analysis::study::{STARTS, STUDIES};
+use pneudrive_analysis::sweep::execution::Shard;
+use pneudrive_analysis::sweep::metric::FIGURES;
 use pneudrive_sim::characteristics::CURVES;
 
 use super::percent::percent;
 use super::{Neighbours, RigChoice};
-use crate::study::{STARTS, STUDIES};
-use crate::sweep::execution::Shard;
-use crate::sweep::metric::FIGURES;
 
 /// Arguments of `characterise`.
 #[derive(Debug, Args)]

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use pneudrive_analysis::evaluation::TOLERANCE_MM;
 
 use super::{Integration, RigChoice};
-use crate::evaluation::TOLERANCE_MM;
 
 /// A stretch of time.
 #[derive(Debug, Args)]

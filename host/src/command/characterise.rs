@@ -4,6 +4,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, anyhow, bail};
+use pneudrive_analysis::page::{Curve, Figure, Page, Panel, Table};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::whole_file::put;
 use pneudrive_sim::characteristics::{
     CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
 };
@@ -12,8 +15,6 @@ use pneudrive_sim::{IntegrationError, Rig};
 use super::eval::column;
 use super::rig_source::load_choice;
 use crate::cli::{ALL, Characterise};
-use crate::page::{Curve, Figure, GENERATOR, Page, Panel, Table};
-use crate::run_folder::{make_writable, put, refuse_foreign};
 
 /// Begins every CSV file of this command, so that writing it again replaces nothing else.
 const CSV_MARK: &str = "graph,curve,";

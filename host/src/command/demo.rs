@@ -3,6 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use pneudrive_analysis::ensemble::run_ensemble;
+use pneudrive_analysis::evaluation::to_json;
+use pneudrive_analysis::page::Page;
+use pneudrive_analysis::report;
+use pneudrive_analysis::transient::Transient;
+use pneudrive_link::client::Client;
+use pneudrive_records::judged::{Judged, Spacing};
+use pneudrive_records::own_file::make_writable;
+use pneudrive_records::run_folder::{self, StoredRun};
+use pneudrive_records::target::TargetFile;
+use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::overlay::overlay;
@@ -11,15 +22,6 @@ use super::rig_source::load_rig;
 use super::run::run_test;
 use super::simulate;
 use crate::cli::Demo;
-use crate::client::Client;
-use crate::ensemble::{Judged, Spacing, run_ensemble};
-use crate::evaluation::to_json;
-use crate::page::Page;
-use crate::report;
-use crate::run_folder::{self, StoredRun, make_writable};
-use crate::target::TargetFile;
-use crate::transient::Transient;
-use crate::virtual_rig::{Background, Door, Pace, VirtualRig};
 
 /// Runs the test of `model` on the rig at `port` and records it.
 fn on_the_rig(port: &str, model: &Rig, out: &Path) -> Result<(PathBuf, TargetFile)> {
@@ -65,7 +67,8 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     say!("5. both on the same graphs\n");
     let page = page(arguments, &model, &judged, (&target_path, &target))?;
     let moves = to_json(&ensemble.measured);
-    run_folder::write(&arguments.out, &model, &judged, moves, Some(&page), existing)?;
+    let pieces = |mark: &str| page.pieces(mark, None);
+    run_folder::write(&arguments.out, &model, &judged, moves, Some(&pieces), existing)?;
     say!("open {} in a browser", arguments.out.join("report.html").display());
     Ok(())
 }

@@ -6,17 +6,17 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
+use pneudrive_link::client::{Client, Commander};
 use pneudrive_protocol::{
     ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
+use pneudrive_records::units::Units;
+use pneudrive_records::words;
 
 use super::firmware_notes::tell_of_boots;
 use super::interrupts::Interrupts;
 use crate::cli::{Device, DeviceAction, Place};
-use crate::client::{Client, Commander};
 use crate::exit::Exit;
-use crate::units::Units;
-use crate::words;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
     let mut client = Client::connect(&arguments.port.port)?;

@@ -4,19 +4,21 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Error, Result, anyhow, bail};
-
+use pneudrive_analysis::ensemble::{Ensemble, run_ensemble};
+use pneudrive_analysis::evaluation::{Chambers, Motion, Move, moves, refuse_other_rig, remarks, table};
+use pneudrive_analysis::page::{Curve, Figure, Page, Panel};
+use pneudrive_analysis::report;
+use pneudrive_analysis::transient::{CHANNELS, Transient};
+use pneudrive_records::judged::Spacing;
+use pneudrive_records::own_file::{GENERATOR, refuse_foreign};
+use pneudrive_records::run_folder::{StoredRun, is_trace, rig_of};
+use pneudrive_records::whole_file::put;
+use pneudrive_records::words;
 use pneudrive_sim::{Accuracy, Rig, Run};
 
 use super::progress::Progress;
 use super::rig_source::load_rig;
 use crate::cli::{Eval, Stretch};
-use crate::ensemble::{Ensemble, Spacing, run_ensemble};
-use crate::evaluation::{Chambers, Motion, Move, moves, refuse_other_rig, remarks, table};
-use crate::page::{Curve, Figure, GENERATOR, Page, Panel};
-use crate::report;
-use crate::run_folder::{StoredRun, is_trace, put, refuse_foreign, rig_of};
-use crate::transient::{CHANNELS, Transient};
-use crate::words;
 
 /// Names of the columns behind the channels in a CSV file.
 const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];

@@ -1,9 +1,11 @@
 //! What is said of a firmware that lacks something.
 
+use pneudrive_link::client::Client;
+use pneudrive_records::parameter_names::names_of;
+use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::words;
+
 use super::wording::few;
-use crate::client::{Client, RigParameters};
-use crate::parameter_names::names_of;
-use crate::words;
 
 /// Says so where a rig does not tell its boots apart, before it is armed or moved.
 pub(super) fn tell_of_boots(client: &Client) {

@@ -1,6 +1,6 @@
 //! `pneudrive identify`.
 
-mod plan;
+mod bench;
 mod simple;
 
 use std::fs;
@@ -8,18 +8,20 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use pneudrive_analysis::identification::figures::Figures;
+use pneudrive_analysis::identification::parameter::{Parameter, usual};
+use pneudrive_analysis::identification::plan::Recorded;
+use pneudrive_analysis::identification::recording::Recording;
+use pneudrive_analysis::identification::{Identification, identify, report};
+use pneudrive_analysis::page::{Page, Table};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::target::TargetFile;
+use pneudrive_records::whole_file::put;
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::rig_source::{load_choice, rig_text};
 use crate::cli::Identify;
 use crate::exit::Exit;
-use crate::identification::figures::Figures;
-use crate::identification::parameter::{Parameter, usual};
-use crate::identification::recording::Recording;
-use crate::identification::{Identification, identify, report};
-use crate::page::{GENERATOR, Page, Table};
-use crate::run_folder::{make_writable, put, refuse_foreign};
-use crate::target::TargetFile;
 
 /// Names of the files in the folder.
 const FITTED: &str = "fitted.toml";
@@ -92,10 +94,10 @@ fn write_fitted(arguments: &Identify, found: &Identification) -> Result<Option<P
 fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Table)> {
     let recorded = if let Some(port) = &arguments.plan {
         make_writable(&arguments.out)?;
-        plan::execute(&arguments.rig, port, &arguments.out)?
+        bench::execute(&arguments.rig, port, &arguments.out)?
     } else {
         let all = arguments.targets.iter().map(|path| recording(path, rig)).collect::<Result<Vec<_>>>()?;
-        plan::Recorded { fitted: all.clone(), all }
+        Recorded { fitted: all.clone(), all }
     };
     let figures = Figures::of(rig, &recorded.all).table(rig);
     Ok((recorded.fitted, figures))

@@ -1,14 +1,13 @@
 //! `pneudrive ladder`.
 
 use anyhow::Result;
+use pneudrive_analysis::ladder::{climb, page, table};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
 
 use super::long_work::Pace;
 use super::progress::Progress;
 use super::rig_source::rig_text;
 use crate::cli::Ladder;
-use crate::ladder::{climb, page, table};
-use crate::page::GENERATOR;
-use crate::run_folder::{make_writable, refuse_foreign};
 
 pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     let place = arguments.out.join("ladder.html");

@@ -5,12 +5,12 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use pneudrive_analysis::sweep::journal::{About, Journal, Kept, NAME};
+use pneudrive_analysis::sweep::{Row, Sweep};
 
 use super::sweep::{leave, make_place};
 use super::wording::few;
 use crate::cli::Merge;
-use crate::sweep::journal::{About, Journal, Kept, NAME};
-use crate::sweep::{Row, Sweep};
 
 pub(super) fn execute(arguments: &Merge) -> Result<()> {
     let shards: Vec<(&Path, Kept, About)> =

@@ -6,13 +6,13 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
+use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, Status};
+use pneudrive_records::units::Units;
+use pneudrive_records::words;
 
 use crate::cli::Monitor;
-use crate::client::Client;
 use crate::output::{self, Stream};
-use crate::units::Units;
-use crate::words;
 
 /// Header of the file.
 const COLUMNS: &str = "time_s,mode,index,setpoint_counts,position_counts,error_counts,command_counts,pressure_1_raw,pressure_2_raw,spool_raw,recorded,damaged_frames\n";

@@ -1,15 +1,15 @@
 //! `pneudrive overlay`.
 
 use anyhow::{Context, Result, bail};
+use pneudrive_analysis::alignment::{best_shift, first_move};
+use pneudrive_analysis::deviation::{deviations, table};
+use pneudrive_analysis::page::Table;
+use pneudrive_analysis::report;
+use pneudrive_analysis::transient::Transient;
+use pneudrive_records::own_file::{GENERATOR, refuse_foreign};
 
 use super::eval::{goes_on_a_page, missing, stretch};
-use crate::alignment::{best_shift, first_move};
 use crate::cli::{Align, Overlay};
-use crate::deviation::{deviations, table};
-use crate::page::{GENERATOR, Table};
-use crate::report;
-use crate::run_folder::refuse_foreign;
-use crate::transient::Transient;
 
 pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     refuse_foreign(&arguments.out, GENERATOR)?;

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use pneudrive_link::client::{self, Client, RecordChanged};
+use pneudrive_link::part_file::{self, PartFile};
+use pneudrive_records::own_file::make_writable;
+use pneudrive_records::record::RecordHead;
+use pneudrive_records::target::TargetFile;
 
 use super::firmware_notes::tell_lacking;
 use super::progress::Progress;
 use crate::cli::Record;
-use crate::client::{self, Client, RecordChanged, RecordHead};
-use crate::part_file::{self, PartFile};
-use crate::run_folder::make_writable;
-use crate::target::TargetFile;
 
 pub(super) fn execute(arguments: &Record) -> Result<()> {
     make_writable(&arguments.dir)?;
@@ -55,7 +56,7 @@ fn download(
     head: &RecordHead,
     part: &mut PartFile,
     pieces: client::Pieces,
-) -> Result<client::Record> {
+) -> Result<pneudrive_records::record::Record> {
     let mut done = pieces.samples();
     let mut progress = Progress::new("recording");
     progress.begin_at(done as u64, head.samples as u64);

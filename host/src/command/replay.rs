@@ -1,12 +1,12 @@
 //! `pneudrive replay`.
 
 use anyhow::{Context, Result};
+use pneudrive_analysis::replay::{Difference, Replay, What, replay};
+use pneudrive_records::target::TargetFile;
+use pneudrive_records::words;
 
 use crate::cli::Replay as Arguments;
 use crate::exit::Exit;
-use crate::replay::{Difference, Replay, What, replay};
-use crate::target::TargetFile;
-use crate::words;
 
 /// Samples shown before and after the first different one.
 const AROUND: usize = 3;

@@ -1,16 +1,20 @@
 //! `pneudrive run`.
 
-use pneudrive_sim::component::controller;
-use pneudrive_sim::component::operator;
-use pneudrive_sim::keys;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
+use pneudrive_records::parameter_names::{Written, is_parameter};
+use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::words;
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller;
+use pneudrive_sim::component::operator;
+use pneudrive_sim::keys;
 
 use super::firmware_notes::{tell_lacking, tell_of_boots};
 use super::interrupts::Interrupts;
@@ -18,10 +22,7 @@ use super::progress::Progress;
 use super::rig_source::load_rig;
 use super::streaming::Streaming;
 use crate::cli::Run;
-use crate::client::{Client, RigParameters};
 use crate::exit::Exit;
-use crate::parameter_names::{Written, is_parameter};
-use crate::words;
 
 /// How long a stepper's spool may take to mid-travel; a start then says why it is refused.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);

@@ -3,20 +3,22 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use pneudrive_analysis::ensemble::{Ensemble, run_ensemble};
+use pneudrive_analysis::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
+use pneudrive_analysis::page::{Page, Table};
+use pneudrive_analysis::recorded_test::{Taken, taken_from};
+use pneudrive_analysis::report;
+use pneudrive_analysis::transient::Transient;
+use pneudrive_records::judged::{Judged, Spacing};
+use pneudrive_records::own_file::make_writable;
+use pneudrive_records::run_folder::{self, Existing, PageOf, StoredRun};
+use pneudrive_records::words;
 use pneudrive_sim::{Recording, Rig, Run, run_recorded};
 
 use super::progress::Progress;
 use super::rig_source::{load_choice, load_rig};
 use crate::cli::Simulate;
-use crate::ensemble::{Ensemble, Judged, Spacing, run_ensemble};
-use crate::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table, to_json};
 use crate::exit::Exit;
-use crate::page::{Page, Table};
-use crate::recorded_test::{Taken, taken_from};
-use crate::report;
-use crate::run_folder::{self, Existing, StoredRun, make_writable};
-use crate::transient::Transient;
-use crate::words;
 
 pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     make_writable(&arguments.out)?;
@@ -41,12 +43,13 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let remarks = remarks(&moves);
     notes.extend(remarks.iter().cloned());
     let page = (!arguments.no_report).then(|| page(&rig, &judged, notes.clone(), table.clone()));
+    let pieces = page.as_ref().map(|page| |mark: &str| page.pieces(mark, None));
     let number = run_folder::write(
         &arguments.out,
         &rig,
         &judged,
         to_json(&moves),
-        page.as_ref(),
+        pieces.as_ref().map(|pieces| pieces as PageOf<'_>),
         existing(arguments.overwrite),
     )?;
     say!("{}, in {:.1} ms", notes[0], 1e3 * took.as_secs_f64());

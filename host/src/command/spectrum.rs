@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
+use pneudrive_analysis::evaluation::Motion;
+use pneudrive_analysis::page::{Curve, Figure, Page, Panel, Table};
+use pneudrive_analysis::spectrum::{Spectrum, Window, bipolar_12_bit};
+use pneudrive_analysis::transient::{COMMAND, ERROR, POSITION, PRESSURES, SPOOL, Transient};
+use pneudrive_records::own_file::{GENERATOR, refuse_foreign};
+use pneudrive_records::whole_file::put;
 
 use super::eval::stretch;
 use crate::cli::{Channel, Spectrum as Arguments, Window as WindowName};
-use crate::evaluation::Motion;
-use crate::page::{Curve, Figure, GENERATOR, Page, Panel, Table};
-use crate::run_folder::{put, refuse_foreign};
-use crate::spectrum::{Spectrum, Window, bipolar_12_bit};
-use crate::transient::{COMMAND, ERROR, POSITION, PRESSURES, SPOOL, Transient};
 
 /// Peaks in a table.
 const PEAKS: usize = 10;
@@ -77,7 +78,7 @@ fn values(transient: &Transient, channel: Channel) -> (&'static str, &'static st
 }
 
 fn table(samples: &Samples, spectrum: &Spectrum) -> Table {
-    let row = |peak: &crate::spectrum::Peak| {
+    let row = |peak: &pneudrive_analysis::spectrum::Peak| {
         vec![format!("{:.2}", peak.frequency), format!("{:.5}", peak.amplitude)]
     };
     Table {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
+use pneudrive_link::client::Client;
 use pneudrive_protocol::StreamedSample;
-
-use crate::client::{Client, RigParameters};
-use crate::stream_file::StreamFile;
+use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::stream_file::StreamFile;
 
 /// A run on its way to a file.
 pub(super) struct Streaming {

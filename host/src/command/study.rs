@@ -1,12 +1,11 @@
 //! `pneudrive study`.
 
 use anyhow::Result;
+use pneudrive_analysis::study::{Finding, STUDIES, Studied, Study, index, page, run, statements, summary};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
 
 use super::progress::Progress;
 use crate::cli::{ALL, LIST, Study as Arguments};
-use crate::page::GENERATOR;
-use crate::run_folder::{make_writable, refuse_foreign};
-use crate::study::{Finding, STUDIES, Studied, Study, index, page, run, statements, summary};
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.name == LIST {

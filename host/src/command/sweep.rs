@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use pneudrive_analysis::parallel::processors;
+use pneudrive_analysis::sweep::execution::{execute as run_shard, run_points, todo};
+use pneudrive_analysis::sweep::journal::{Journal, NAME};
+use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, report};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::builtin;
 
 use super::long_work::{about, allow};
 use super::progress::Progress;
 use super::rig_source::rig_text;
 use crate::cli;
-use crate::page::GENERATOR;
-use crate::parallel::processors;
-use crate::run_folder::{make_writable, put, refuse_foreign};
-use crate::sweep::execution::{execute as run_shard, run_points, todo};
-use crate::sweep::journal::{Journal, NAME};
-use crate::sweep::{HEADER_END, Row, Source, Sweep, report};
 
 pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     let sweep = read(arguments)?;
@@ -116,7 +116,7 @@ pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Re
     let lines = std::iter::once(sweep.header()).chain(rows.iter().map(|row| row.to_csv(sweep)));
     put(&out.join("sweep.csv"), &lines.map(|line| line + "\n").collect::<String>())?;
     #[cfg(feature = "parquet")]
-    put(&out.join("sweep.parquet"), &crate::sweep::parquet::file(sweep, &rows)?)?;
+    put(&out.join("sweep.parquet"), &pneudrive_analysis::sweep::parquet::file(sweep, &rows)?)?;
     report::page(sweep, &rows).write(&out.join("sweep.html"))?;
     say!("{}", report::count(sweep, &rows));
     let best = report::best(sweep, &rows);

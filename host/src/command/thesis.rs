@@ -1,14 +1,14 @@
 //! `pneudrive thesis`.
 
 use anyhow::Result;
+use pneudrive_analysis::thesis::{Exhibit, exhibits, golden, html, lasts, run, said, within};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::whole_file::put;
 
 use super::long_work::about;
 use super::progress::Progress;
 use crate::cli::Thesis as Arguments;
 use crate::exit::Exit;
-use crate::page::GENERATOR;
-use crate::run_folder::{make_writable, put, refuse_foreign};
-use crate::thesis::{Exhibit, exhibits, golden, html, lasts, run, said, within};
 
 /// Names of the files.
 const PAGE: &str = "thesis.html";

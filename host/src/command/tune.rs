@@ -3,17 +3,17 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use pneudrive_analysis::parallel::processors;
+use pneudrive_analysis::tuning::search::Budget;
+use pneudrive_analysis::tuning::{Goal, Relative, Stage, Task, report, tune};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::find_key;
 
 use super::long_work::{about, allow};
 use super::progress::Progress;
 use super::rig_source::{load_choice, rig_text};
 use crate::cli::Tune;
-use crate::page::GENERATOR;
-use crate::parallel::processors;
-use crate::run_folder::{make_writable, put, refuse_foreign};
-use crate::tuning::search::Budget;
-use crate::tuning::{Goal, Relative, Stage, Task, report, tune};
 
 pub(super) fn execute(arguments: &Tune) -> Result<()> {
     let (page, rig) = (arguments.out.join("tune.html"), arguments.out.join("tuned.toml"));

@@ -1,15 +1,15 @@
 //! `pneudrive virtual`.
 
-use pneudrive_sim::keys;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
+use pneudrive_link::client::token;
+use pneudrive_rigs::virtual_rig::{Door, Pace, Token, VirtualRig};
+use pneudrive_sim::keys;
 
 use super::rig_source::load_choice;
 use crate::cli::Virtual;
-use crate::client::token;
 use crate::output::{self, Stream};
-use crate::virtual_rig::{Door, Pace, Token, VirtualRig};
 
 pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     let nominal = load_choice(&arguments.rig)?;

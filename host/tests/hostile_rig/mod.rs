@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use pneudrive::virtual_rig::Background;
 use pneudrive_protocol::{
     Accumulator, InSession, MAX_FRAME, Reply, ReplyBody, RequestBody, decode_reply, encode,
 };
+use pneudrive_rigs::virtual_rig::Background;
 
 /// What becomes of a reply of the rig.
 pub enum Says {

@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use pneudrive::target::TargetFile;
-use pneudrive::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_records::target::TargetFile;
+use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 /// Runs `pneudrive` in a folder with arguments as typed.

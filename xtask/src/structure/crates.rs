@@ -6,12 +6,18 @@ use anyhow::{Context, Result};
 use toml_edit::{DocumentMut, Item};
 
 /// The crates, from the lowest layer up, with their folders. Those of one layer do not know each other.
-const LAYERS: [&[(&str, &str)]; 6] = [
+const LAYERS: [&[(&str, &str)]; 8] = [
     &[("pneudrive-controller", "shared/controller"), ("pneudrive-solver", "sim/solver")],
     &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
     &[("pneudrive-app", "firmware/app"), ("pneudrive-records", "host/records")],
-    &[("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"), ("pneudrive", "host")],
-    &[("xtask", "xtask"), ("pneudrive-protocol-model", "shared/protocol/model")],
+    &[
+        ("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"),
+        ("pneudrive-link", "host/link"),
+        ("pneudrive-analysis", "host/analysis"),
+    ],
+    &[("pneudrive-rigs", "host/rigs"), ("pneudrive-protocol-model", "shared/protocol/model")],
+    &[("pneudrive", "host")],
+    &[("xtask", "xtask")],
     &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],
 ];
 

@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, by_name};
+use pneudrive_link::client::Client;
+use pneudrive_records::parameter_names::{Written, names_of};
+use pneudrive_records::whole_file::put;
 use pneudrive_sim::Rig;
 
 use crate::cli::ConfigAction;
-use crate::client::Client;
 use crate::command::firmware_notes::tell_lacking;
 use crate::command::rig_source::rig_text;
 use crate::command::wording::few;
-use crate::parameter_names::{Written, names_of};
-use crate::run_folder::put;
 
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {
@@ -230,7 +230,8 @@ mod tests {
         parameters.set(id::HOLD_MS, 1500).expect("in range");
         parameters.set(id::LAW, 3).expect("in range");
         let line = |parameter: &pneudrive_controller::parameters::Parameter| {
-            let value = crate::parameter_names::parameter_text(&parameters, parameter.id, parameter.len);
+            let value =
+                pneudrive_records::parameter_names::parameter_text(&parameters, parameter.id, parameter.len);
             format!("{} = {value}\n", parameter.name)
         };
         let lines: String = TABLE.iter().map(line).collect();

@@ -1,16 +1,15 @@
 //! The identifications that need no model of the drive: `identify --tubing`, `identify --timer`.
 
-use pneudrive_sim::keys;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use pneudrive_analysis::identification::figures::Figure;
+use pneudrive_analysis::identification::regression::Line;
+use pneudrive_analysis::identification::tubing::drop_slope;
+use pneudrive_analysis::page::Table;
+use pneudrive_records::target::TargetFile;
 use pneudrive_sim::Rig;
-
-use crate::identification::figures::Figure;
-use crate::identification::regression::Line;
-use crate::identification::tubing::drop_slope;
-use crate::page::Table;
-use crate::target::TargetFile;
+use pneudrive_sim::keys;
 
 /// The regression line of a measured pressure drop (thesis 7.1.4).
 pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {

@@ -16,11 +16,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use pneudrive::client::{Client, Pieces, Record};
-use pneudrive::port::Link;
 use pneudrive_app::Server;
 use pneudrive_controller::parameters::id;
+use pneudrive_link::client::{Client, Pieces};
+use pneudrive_link::port::Link;
 use pneudrive_protocol::{InBoot, RequestBody};
+use pneudrive_records::record::Record;
 use pneudrive_sim::Rig as RigFile;
 
 use crate::line::message;

@@ -1,0 +1,150 @@
+//! What a transient tells about its moves (the thesis's EVAL.PR, and the figures a machine builder asks for).
+//!
+//! A move begins where the setpoint changes, or, in open loop, the command; it ends where the next one
+//! begins, or with the transient. With `x0` the position at its beginning, `r` the setpoint and `h = r - x0`:
+//!
+//! | figure | is | there is none |
+//! |---|---|---|
+//! | rise time | from 10 % to 90 % of `h`, for the first time each | of a way of less than 10 counts |
+//! | overshoot | how far the position goes beyond `r`, in the direction of `h` | of a way of less than 2.5 counts, and while the drive still goes on |
+//! | settling time | from the beginning until the position stays within the tolerance of `r` | if it is not there throughout the last quarter of the move |
+//! | steady error | mean of `r - x` over the move's last quarter, or over the cycles of a limit cycle | while the drive still moves |
+//! | limit cycle | swing from peak to peak and frequency ([`LimitCycle`]) | says so itself |
+//! | top speed | largest of the velocities, as the controller estimates them | |
+//! | air | what flows into the chambers (`evaluation/air.rs`) | without flows and cylinder |
+
+mod air;
+mod figures;
+mod limit_cycle;
+mod motion;
+mod noise;
+mod other_rig;
+mod stretch;
+mod swings;
+mod table;
+
+pub use air::{Air, Chambers};
+pub use figures::to_json;
+pub use limit_cycle::{Doubt, LimitCycle, Oscillation};
+pub use motion::Motion;
+pub use other_rig::refuse_other_rig;
+pub use table::{remarks, table};
+
+use pneudrive_records::run_folder::StoredRun;
+use pneudrive_sim::{Rig, Run};
+
+use crate::transient::Transient;
+use stretch::Stretch;
+
+/// A move and what was measured of it. What the transient does not show is None.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Move {
+    /// 1 for the first move of the test.
+    pub number: usize,
+    /// Whether the transient begins in the midst of it: then only its end is known.
+    pub is_cut: bool,
+    /// When it begins, or the transient if it is cut, s.
+    pub start_s: f64,
+    /// Where the drive is then, mm.
+    pub from_mm: f64,
+    /// Where it should go, mm; None in open loop.
+    pub to_mm: Option<f64>,
+    /// Where it is when the move ends, mm.
+    pub end_mm: f64,
+    /// Rise time, s.
+    pub rise_s: Option<f64>,
+    /// Overshoot, mm.
+    pub overshoot_mm: Option<f64>,
+    /// Settling time, s.
+    pub settling_s: Option<f64>,
+    /// Steady error, mm.
+    pub steady_error_mm: Option<f64>,
+    /// Mean of the setpoint less the position over the last quarter, mm, whether the drive stands there or moves;
+    /// None in open loop.
+    pub mean_error_mm: Option<f64>,
+    /// From the lowest to the highest position in the last quarter, mm, whatever the drive does there.
+    pub range_mm: f64,
+    /// Whether it ends in a limit cycle.
+    pub limit_cycle: LimitCycle,
+    /// Top speed, mm/s.
+    pub top_speed_mm_s: f64,
+    /// Air that was let into the chambers; None where neither flows nor chambers are known.
+    pub air: Option<Air>,
+}
+
+impl Move {
+    /// Without the figures that are of its beginning.
+    fn without_its_beginning(self) -> Move {
+        Move { is_cut: true, rise_s: None, overshoot_mm: None, settling_s: None, air: None, ..self }
+    }
+
+    /// A figure that takes the beginning of the move; None of one that is cut.
+    fn of_whole(&self, figure: f64) -> Option<f64> {
+        (!self.is_cut).then_some(figure)
+    }
+}
+
+/// The moves of a transient, in their order. Of a part of a longer transient, the move in whose midst it begins has
+/// only the figures of its end.
+///
+/// `tolerance_mm` is the distance from the setpoint that counts as there; `motion` has the velocities at the
+/// transient's instants; `chambers` tell the air of a record, and of both whether the dither hides it. Without them the
+/// rows of a run are taken to follow its dither.
+#[must_use]
+pub fn moves(
+    transient: &Transient,
+    motion: &Motion,
+    chambers: Option<&Chambers>,
+    tolerance_mm: f64,
+) -> Vec<Move> {
+    let begins = transient.beginnings();
+    let ends = begins.iter().skip(1).copied().chain([transient.time.len()]);
+    let course = air::Course::of(transient, chambers);
+    let air = |stretch: &Stretch| course.as_ref()?.between(stretch.begin, stretch.end);
+    let first = transient.cut.moves_before + usize::from(!transient.cut.at_start);
+    (first..)
+        .zip(begins.iter().zip(ends))
+        .map(|(number, (&begin, end))| {
+            let stretch = Stretch { transient, begin, end };
+            let one = Move { number, air: air(&stretch), ..measured(&stretch, motion, tolerance_mm) };
+            if number > transient.cut.moves_before { one } else { one.without_its_beginning() }
+        })
+        .collect()
+}
+
+/// The moves of a simulated run; `tolerance_mm` as in [`moves`].
+#[must_use]
+pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
+    let transient = Transient::of_run(rig.name(), &StoredRun::of(rig, run));
+    moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm)
+}
+
+/// A move has settled within this distance of its setpoint, mm, unless a user says otherwise.
+pub const TOLERANCE_MM: f64 = 0.05;
+
+fn measured(stretch: &Stretch, motion: &Motion, tolerance_mm: f64) -> Move {
+    let position = stretch.position();
+    let to = stretch.setpoint();
+    let limit_cycle = stretch.limit_cycle();
+    let speeds = &motion.velocity_mm_s[stretch.begin..stretch.end];
+    Move {
+        number: 0,
+        is_cut: false,
+        start_s: stretch.time()[0],
+        from_mm: position[0],
+        to_mm: to,
+        end_mm: position[position.len() - 1],
+        rise_s: to.and_then(|to| stretch.rise(to)),
+        overshoot_mm: to.and_then(|to| stretch.overshoot(to, &limit_cycle)),
+        settling_s: to.and_then(|to| stretch.settling(to, tolerance_mm)),
+        steady_error_mm: to.and_then(|to| stretch.steady_error(to, &limit_cycle)),
+        mean_error_mm: to.map(|to| stretch.mean_error(to)),
+        range_mm: stretch.range(),
+        limit_cycle,
+        top_speed_mm_s: speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max),
+        air: None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

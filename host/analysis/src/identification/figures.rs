@@ -1,0 +1,265 @@
+//! What records tell without a model of the air: the simpler tests of thesis 7.1.
+//!
+//! ```text
+//! F = P_1 A_1 - P_2 A_2 - P_e A_R2 + F_const - k y     measured force on the load (6.25, 6.31)
+//! F at the last sample before it moves                 stiction                   (7.1.3.1)
+//! F = M a + K_C v + F_c,ext [v > 0] - F_c,ret [v < 0]  least squares while it slips
+//! ```
+//!
+//! Speed and acceleration are differences of positions over `REACH` samples to either side, the force a mean over
+//! the same ones. The hysteresis is how far apart the spool stands at the same command on the way up and on the way
+//! down, as in 7.1.2.1.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+use pneudrive_sim::Rig;
+use pneudrive_sim::component::actuator;
+use pneudrive_sim::component::actuator::Actuator;
+use pneudrive_sim::keys;
+
+use super::recording::Recording;
+use crate::page::Table;
+
+/// Samples to either side of which a difference is formed.
+const REACH: usize = 6;
+
+/// Speed from which the load is taken to slip, m/s.
+const SLIPS: f64 = 0.02;
+
+/// Samples at rest before a breakaway counts.
+const REST: usize = 16;
+
+/// Fewest commands that the spool has passed both ways.
+const FEWEST_COMMANDS: usize = 5;
+
+/// Counts by which a drive that moves has left its place.
+const MOVED: f64 = 2.0;
+
+/// A value with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figure {
+    /// In the unit of its name.
+    pub value: f64,
+    /// Likewise.
+    pub error: f64,
+}
+
+/// The figures; None where records do not show one. By direction: extension, retraction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// N.
+    pub stiction: [Option<Figure>; 2],
+    /// N.
+    pub coulomb: [Option<Figure>; 2],
+    /// N s/m.
+    pub viscous: Option<Figure>,
+    /// kg.
+    pub mass: Option<Figure>,
+    /// m/s.
+    pub top_speed: [Option<f64>; 2],
+    /// m/s^2.
+    pub top_acceleration: [Option<f64>; 2],
+    /// Width of the spool's loop, mm.
+    pub hysteresis_mm: Option<f64>,
+}
+
+/// A load that moves.
+struct Instant {
+    speed: f64,
+    acceleration: f64,
+    force: f64,
+}
+
+impl Figures {
+    /// As a table, beside the keys of the rig file that they belong to.
+    #[must_use]
+    pub fn table(&self, rig: &Rig) -> Table {
+        let [extend, retract] = ["extend", "retract"];
+        let mut rows = Vec::new();
+        let mut row = |name: &str, unit: &str, figure: Option<Figure>, key: Option<&str>| {
+            let Some(Figure { value, error }) = figure else { return };
+            // Two digits of the error, and as many decimals of the value.
+            let decimals =
+                if error > 0.0 { (1.0 - error.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
+            let value = format!("{value:.decimals$}");
+            let error = if error > 0.0 { format!("{error:.decimals$}") } else { String::new() };
+            let file =
+                key.and_then(|key| Some(format!("{key} = {}", rig.number_at(key)?))).unwrap_or_default();
+            rows.push(vec![format!("{name}, {unit}"), value, error, file]);
+        };
+        let plain = |value: Option<f64>| value.map(|value| Figure { value, error: 0.0 });
+        for (i, way) in [extend, retract].into_iter().enumerate() {
+            let key = |kind: &str| format!("load.{kind}_{way}_n");
+            row(&format!("stiction, {way}"), "N", self.stiction[i], Some(&key("static")));
+            row(&format!("dry friction while it slips, {way}"), "N", self.coulomb[i], Some(&key("coulomb")));
+        }
+        row("viscous friction", "N s/m", self.viscous, Some("load.viscous_n_s_per_m"));
+        row("mass", "kg", self.mass, Some("load.mass_kg"));
+        for (i, way) in [extend, retract].into_iter().enumerate() {
+            row(&format!("top speed, {way}"), "m/s", plain(self.top_speed[i]), None);
+            row(&format!("top acceleration, {way}"), "m/s^2", plain(self.top_acceleration[i]), None);
+        }
+        row("width of the spool's loop", "mm", plain(self.hysteresis_mm), None);
+        Table {
+            heading: "read off the records, without a model of the air".to_owned(),
+            columns: ["figure", "measured", "standard error", "file"].map(str::to_owned).to_vec(),
+            rows,
+        }
+    }
+
+    /// Of all records together.
+    #[must_use]
+    pub fn of(rig: &Rig, recordings: &[Recording]) -> Figures {
+        let moving: Vec<Instant> = recordings.iter().flat_map(|recording| instants(rig, recording)).collect();
+        let breakaways: Vec<(f64, Figure)> =
+            recordings.iter().flat_map(|recording| breakaways(rig, recording)).collect();
+        let most = |of: &dyn Fn(&Instant) -> f64, sign: f64| {
+            let largest = moving.iter().map(|instant| sign * of(instant)).fold(f64::MIN, f64::max);
+            (largest > 0.0).then_some(largest)
+        };
+        let both = |of: &dyn Fn(&Instant) -> f64| [most(of, 1.0), most(of, -1.0)];
+        let mut figures = Figures {
+            // The record that tells it best: the force rises slowest.
+            stiction: [1.0, -1.0].map(|sign| {
+                let of_direction = breakaways.iter().filter(|(direction, _)| *direction == sign);
+                let best = of_direction.min_by(|(_, a), (_, b)| a.error.total_cmp(&b.error));
+                best.map(|(_, figure)| *figure)
+            }),
+            top_speed: both(&|instant| instant.speed),
+            top_acceleration: both(&|instant| instant.acceleration),
+            hysteresis_mm: hysteresis_mm(recordings),
+            ..Figures::default()
+        };
+        figures.balance(&moving);
+        figures
+    }
+
+    /// The force balance of a load that slips.
+    fn balance(&mut self, moving: &[Instant]) {
+        let slipping: Vec<&Instant> = moving.iter().filter(|instant| instant.speed.abs() > SLIPS).collect();
+        let seen = [1.0, -1.0].map(|sign| slipping.iter().any(|instant| instant.speed * sign > 0.0));
+        let columns = 2 + seen.iter().filter(|&&seen| seen).count();
+        if slipping.len() < 10 * columns || columns == 2 {
+            return;
+        }
+        let matrix = DMatrix::from_fn(slipping.len(), columns, |row, column| {
+            let Instant { speed, acceleration, .. } = slipping[row];
+            match column {
+                0 => *acceleration,
+                1 => *speed,
+                2 if seen[0] => f64::from(*speed > 0.0),
+                _ => -f64::from(*speed < 0.0),
+            }
+        });
+        let forces = DVector::from_iterator(slipping.len(), slipping.iter().map(|instant| instant.force));
+        let Some(inverse) = matrix.tr_mul(&matrix).try_inverse() else { return };
+        let found = &inverse * matrix.tr_mul(&forces);
+        let left = (&forces - &matrix * &found).norm_squared();
+        // Neighbours share their samples: each tells as much as a part of one.
+        let shared = (2 * REACH) as f64;
+        let variance = shared * left / (slipping.len() - columns) as f64;
+        let figure = |i: usize| Figure { value: found[i], error: (variance * inverse[(i, i)]).sqrt() };
+        (self.mass, self.viscous) = (Some(figure(0)), Some(figure(1)));
+        self.coulomb = [seen[0].then(|| figure(2)), seen[1].then(|| figure(columns - 1))];
+    }
+}
+
+/// The force on the load at a sample, N.
+fn force(rig: &Rig, recording: &Recording, k: usize) -> f64 {
+    let rod = if rig.get(&keys::actuator::MODEL) == actuator::Model::Asymmetric {
+        rig.get(&keys::actuator::ROD_DIAMETER_M)
+    } else {
+        0.0
+    };
+    let [area_1, area_2, rod_area] = Actuator::areas(rig.get(&keys::actuator::BORE_M), rod);
+    let si = |c: usize| {
+        recording.channels[c].offset + recording.channels[c].measured[k] * recording.channels[c].scale
+    };
+    si(1) * area_1 - si(2) * area_2 - rig.get(&keys::exhaust::PRESSURE_PA) * rod_area
+        + rig.get(&keys::load::CONSTANT_FORCE_N)
+        - rig.get(&keys::load::SPRING_N_PER_M) * si(0)
+}
+
+fn period(recording: &Recording) -> f64 {
+    1e-6 * recording.timing.period_us as f64
+}
+
+/// The samples at which the drive moves all the time.
+fn instants(rig: &Rig, recording: &Recording) -> Vec<Instant> {
+    let position = &recording.channels[0];
+    let y = |k: usize| position.measured[k] * position.scale;
+    let reach = REACH as f64 * period(recording);
+    let moves = |k: usize| {
+        let step = |i: usize| position.measured[i + 1] - position.measured[i];
+        let (first, last) = (step(k - REACH), step(k + REACH - 1));
+        first * last > 0.0
+    };
+    let last = position.measured.len().saturating_sub(REACH);
+    let at = |k: usize| {
+        let around = k - REACH..=k + REACH;
+        let weight = |i: usize| (REACH + 1 - i.abs_diff(k)) as f64;
+        let (sum, weights) = around.fold((0.0, 0.0), |(sum, weights), i| {
+            (sum + weight(i) * force(rig, recording, i), weights + weight(i))
+        });
+        Instant {
+            speed: (y(k + REACH) - y(k - REACH)) / (2.0 * reach),
+            acceleration: (y(k + REACH) - 2.0 * y(k) + y(k - REACH)) / (reach * reach),
+            force: sum / weights,
+        }
+    };
+    (REACH..last).filter(|&k| moves(k)).map(at).collect()
+}
+
+/// Each breakaway from a rest: its direction, and the size of the force before it; its error is how far the force
+/// changed in a sample then.
+fn breakaways(rig: &Rig, recording: &Recording) -> Vec<(f64, Figure)> {
+    let counts = &recording.channels[0].measured;
+    let mut found = Vec::new();
+    let mut rest = 0;
+    for k in 1..counts.len() {
+        let left = counts[k] - counts[rest];
+        if left.abs() < MOVED {
+            continue;
+        }
+        // It stood until the last sample with the count of the rest.
+        let until = (rest..k).rev().find(|&i| counts[i] == counts[rest]).unwrap_or(rest);
+        if until - rest >= REST {
+            let [before, at] = [until - 1, until].map(|i| force(rig, recording, i));
+            let sign = left.signum();
+            found.push((sign, Figure { value: sign * at, error: (at - before).abs() }));
+        }
+        rest = k;
+    }
+    found
+}
+
+/// The mean distance between the spool's ways up and down, over the commands that both have passed.
+fn hysteresis_mm(recordings: &[Recording]) -> Option<f64> {
+    let mut ways: [BTreeMap<i16, (f64, u32)>; 2] = Default::default();
+    for recording in recordings {
+        let spool = &recording.channels[3];
+        if spool.taken.is_empty() {
+            continue;
+        }
+        let mut way = None;
+        for k in 1..recording.commands.len() {
+            let change = recording.commands[k].counts - recording.commands[k - 1].counts;
+            if change != 0 {
+                // What stood just before the next step has settled.
+                if let Some::<usize>(way) = way {
+                    let place: &mut (f64, u32) =
+                        ways[way].entry(recording.commands[k - 1].counts).or_default();
+                    place.0 += 1e3 * (spool.offset + spool.scale * spool.measured[k]);
+                    place.1 += 1;
+                }
+                way = Some(usize::from(change < 0));
+            }
+        }
+    }
+    let [up, down] = &ways;
+    let mean = |(sum, n): &(f64, u32)| sum / f64::from(*n);
+    let both: Vec<f64> =
+        up.iter().filter_map(|(counts, place)| Some(mean(down.get(counts)?) - mean(place))).collect();
+    (both.len() >= FEWEST_COMMANDS).then(|| both.iter().sum::<f64>() / both.len() as f64)
+}

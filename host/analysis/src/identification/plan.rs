@@ -1,0 +1,212 @@
+//! The tests that a fit needs, run on a rig.
+//!
+//! First the movement test, which ends the plan where the drive does not go the way that the valve says; then the
+//! static test (stiction, hysteresis), the dynamic one (top speed and acceleration), and those that are fitted. Before
+//! each of these the drive goes back to where the plan began, in closed loop.
+
+use anyhow::{Context, Result, bail};
+use pneudrive_protocol::RecordedSample;
+use pneudrive_records::target::TargetFile;
+use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
+
+use super::moves;
+use super::recording::Recording;
+
+/// A rig that tests can be run on.
+pub trait Bench {
+    /// Runs a test to its end, in the loop that its rig file has.
+    ///
+    /// # Errors
+    /// When the rig refuses it, trips, or stops answering.
+    fn run(&mut self, test: &Rig) -> Result<()>;
+
+    /// The transient of the last test, and the file that keeps it; `name` says which test it was.
+    ///
+    /// # Errors
+    /// When the rig has none, stops answering, or the file cannot be written.
+    fn record(&mut self, name: &str) -> Result<(String, TargetFile)>;
+}
+
+/// Time to go back to where the plan began, s.
+const RETURN_S: f64 = 1.5;
+
+/// A movement test that goes less far shows nothing, counts.
+const MOVED: i32 = 40;
+const UNMOVED: i32 = -MOVED;
+
+/// Change of P_1 - P_2 that is a push, counts: far above noise.
+const PUSH: i32 = 30;
+
+/// What a plan has recorded.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// What is fitted.
+    pub fitted: Vec<Recording>,
+    /// All records.
+    pub all: Vec<Recording>,
+}
+
+impl Recorded {
+    /// Takes in a record that figures are read off; one that does not serve is passed over.
+    fn read_off(&mut self, recording: Result<Recording>) {
+        match recording {
+            Ok(recording) => self.all.push(recording),
+            Err(error) => log::info!("nothing is read off a record: {error:#}"),
+        }
+    }
+}
+
+/// Runs the tests on a rig whose piston stands at `count`; the rig file with either loop has the values that they are
+/// made from. Notes go to the log.
+///
+/// # Errors
+/// When a test cannot be run or recorded, or the drive does not go the way that the valve says.
+pub fn run(bench: &mut impl Bench, closed: &Rig, open: &Rig, count: i32) -> Result<Recorded> {
+    Plan { bench, closed, open, count }.run()
+}
+
+struct Plan<'a, B> {
+    bench: &'a mut B,
+    /// The rig file with either loop.
+    closed: &'a Rig,
+    open: &'a Rig,
+    /// Where it began.
+    count: i32,
+}
+
+impl<B: Bench> Plan<'_, B> {
+    fn run(mut self) -> Result<Recorded> {
+        let position = (f64::from(self.count) + 0.5) * 1e-3 * self.open.get(&keys::encoder::MM_PER_COUNT);
+        let open = self.open;
+        let test = |test: moves::Test| Ok((test.0, moves::test(open, position, test)?));
+        let movement = test(moves::MOVEMENT)?;
+        let ramp = moves::ramp(open, position)?;
+        if ramp.is_none() {
+            log::info!("there is no static test; the drive would go too far while the valve opens slowly");
+        }
+        let mut read_off: Vec<(&str, Rig)> = ramp.map(|ramp| ("static", ramp)).into_iter().collect();
+        read_off.push(test(moves::DYNAMIC)?);
+        let fitted = moves::FITTED.map(test).into_iter().collect::<Result<Vec<_>>>()?;
+        // In closed loop a drive with swapped tubes would run away, so there is no way back before this.
+        let (name, file) = self.record(&movement)?;
+        check_movement(&file.samples).with_context(|| name.clone())?;
+        let mut recorded = Recorded { fitted: Vec::new(), all: Vec::new() };
+        recorded.read_off(Recording::of(&name, &file, &movement.1));
+        for test in &read_off {
+            let (name, file) = self.record_from_the_start(test)?;
+            recorded.read_off(Recording::of(&name, &file, &test.1));
+        }
+        for test in &fitted {
+            let (name, file) = self.record_from_the_start(test)?;
+            recorded.fitted.push(Recording::of(&name, &file, &test.1)?);
+        }
+        recorded.all.extend(recorded.fitted.iter().cloned());
+        Ok(recorded)
+    }
+
+    /// Goes back to where the plan began, runs a test and records it.
+    fn record_from_the_start(&mut self, test: &(&str, Rig)) -> Result<(String, TargetFile)> {
+        let way_back = self.way_back()?;
+        self.bench.run(&way_back)?;
+        self.record(test)
+    }
+
+    /// Runs a test and records it: the name for messages, and the file.
+    fn record(&mut self, (name, test): &(&str, Rig)) -> Result<(String, TargetFile)> {
+        self.bench.run(test)?;
+        let (path, file) = self.bench.record(name)?;
+        Ok((format!("{path}, {name}"), file))
+    }
+
+    fn way_back(&self) -> Result<Rig> {
+        let settings = [format!("test.moves=[[0.0, {}]]", self.count), format!("test.duration_s={RETURN_S}")];
+        Ok(self.closed.with_test(&settings)?)
+    }
+}
+
+/// Whether the drive has gone the way that the valve says, and pressure 1 has pushed it.
+fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
+    let (Some((_, first)), Some((_, last))) = (samples.first(), samples.last()) else {
+        bail!("nothing was recorded");
+    };
+    let way = last.position - first.position;
+    let push = first_push(samples, first.command);
+    match (way, push) {
+        (MOVED.., 1..) => Ok(()),
+        (MOVED.., 0) => {
+            log::info!(
+                "the pressures swing too much before the movement test to tell whether their sensors are swapped"
+            );
+            Ok(())
+        }
+        (..=UNMOVED, 0) => bail!(
+            "the drive retracts by {} counts under a command to extend, and the pressures swing too much before to tell why: exchange the tubes of the valve's ports, or change encoder.polarity, and begin again",
+            -way
+        ),
+        (..=UNMOVED, ..=-1) => bail!(
+            "the drive retracts by {} counts under a command to extend, and chamber 2 is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; exchange them and begin again",
+            -way
+        ),
+        (..=UNMOVED, 1..) => bail!(
+            "the encoder counts down by {} while chamber 1 pushes the drive out; change encoder.polarity and begin again",
+            -way
+        ),
+        (MOVED.., ..=-1) => bail!(
+            "the drive extends by {way} counts while the pressure of chamber 2 rises: the pressure sensors are swapped; exchange them and begin again"
+        ),
+        _ => bail!(
+            "the drive moves by {way} counts under a wide open valve; look for the supply of air, what gates the amplifier, a stuck spool, the encoder"
+        ),
+    }
+}
+
+/// The change of P_1 - P_2, counts, by which pressures first leave what they were before the first command: that moves the
+/// drive, and what comes later is the motion's own.
+fn first_push(samples: &[(i32, RecordedSample)], resting: i16) -> i32 {
+    let over =
+        |(_, sample): &(i32, RecordedSample)| i32::from(sample.pressure_1) - i32::from(sample.pressure_2);
+    let rest = samples.iter().take_while(|(_, sample)| sample.command == resting).count();
+    let mean = samples[..rest].iter().map(over).sum::<i32>() / rest.max(1) as i32;
+    // Under a dither, and where a drive creeps, pressures do not stand still before either.
+    let restless = samples[..rest].iter().map(|sample| (over(sample) - mean).abs()).max().unwrap_or(0);
+    let mut pushes = samples[rest..].iter().map(|sample| over(sample) - mean);
+    pushes.find(|push| push.abs() >= PUSH + 2 * restless).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(way: i32, push: i16) -> String {
+        // Before the command pressures swing by 35 counts, as under a dither.
+        verdict_under(way, push, 35)
+    }
+
+    fn verdict_under(way: i32, push: i16, swing: i16) -> String {
+        let sample = |k: i32| RecordedSample {
+            position: 8000 + way * k.max(0) / 20,
+            pressure_1: 1500 + push * k.max(0) as i16 + if k < 0 { swing * (k % 2) as i16 } else { 0 },
+            pressure_2: 1500,
+            command: if k < 0 { 0 } else { 960 },
+            ..RecordedSample::default()
+        };
+        let samples: Vec<(i32, RecordedSample)> = (-20..=20).map(|k| (k + 20, sample(k))).collect();
+        check_movement(&samples).map_or_else(|error| error.to_string(), |()| "right".to_owned())
+    }
+
+    #[test]
+    fn each_way_of_going_wrong_has_its_cause() {
+        assert_eq!(verdict(900, 20), "right");
+        assert!(verdict(-900, -20).contains("tubes of the valve's ports are swapped"));
+        assert!(verdict(-900, 20).contains("encoder.polarity"));
+        assert!(verdict(900, -20).contains("sensors are swapped"));
+        assert!(verdict(3, 20).contains("supply of air"));
+    }
+
+    #[test]
+    fn a_drive_that_moves_is_not_said_to_stand_because_its_pressures_swing() {
+        assert_eq!(verdict_under(900, 5, 400), "right");
+        assert!(verdict_under(-900, 5, 400).contains("swing too much"));
+    }
+}

@@ -1,0 +1,372 @@
+//! A TARGET file as a fit takes it: the commands, and what counts of each channel.
+
+use anyhow::{Context, Result, bail};
+use pneudrive_controller::Command;
+use pneudrive_controller::parameters::id;
+use pneudrive_protocol::RecordedSample;
+use pneudrive_records::target::TargetFile;
+use pneudrive_sim::component::operator;
+use pneudrive_sim::follow::{Reading, Timing, follow};
+use pneudrive_sim::keys;
+use pneudrive_sim::{Accuracy, Rig};
+
+use crate::replay::parameters::Header;
+use crate::replay::samples;
+
+/// What is compared, and in what unit it is shown.
+pub const CHANNELS: [(&str, &str); 4] =
+    [("position", "mm"), ("pressure 1", "kPa"), ("pressure 2", "kPa"), ("spool", "mm")];
+
+/// The keys of an initial state.
+const KEYS_OF_START: [&str; 3] = ["test.position_m", "test.pressure_1_pa", "test.pressure_2_pa"];
+
+/// A measured period may be off by this part: more is no drift of a clock.
+const MOST_OFF: f64 = 0.5;
+
+/// Variance up to which a converter is taken to have no noise of its own, squares of a count.
+const ROUNDING_ALONE: f64 = 0.15;
+
+/// Quantities of an initial state.
+pub const STARTS: usize = KEYS_OF_START.len();
+
+/// Fewest samples at rest under an unchanged command that a record begins with.
+pub(super) const FEWEST_AT_REST: usize = 16;
+
+/// Samples to either side over which the speed of a drive is formed. That of a spool is formed over one: it stops
+/// at once.
+const REACH: usize = 8;
+
+/// The golden ratio less 1.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
+/// Fewest samples of a record.
+pub(super) const FEWEST_OF_A_RECORD: usize = 50;
+
+/// A channel in counts.
+#[derive(Clone, Debug, Default)]
+pub struct Channel {
+    /// What was read at each sample.
+    pub measured: Vec<f64>,
+    /// The samples that count, in order.
+    pub taken: Vec<usize>,
+    /// SI at 0 counts, with what rounding takes off in the mean.
+    pub offset: f64,
+    /// SI per count.
+    pub scale: f64,
+    /// What the rest at its beginning tells of the noise.
+    pub rest: Rest,
+}
+
+/// Scatter around a straight line, counts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rest {
+    /// Sum of the squares.
+    pub squares: f64,
+    /// Samples less the two numbers of the line.
+    pub freedom: f64,
+}
+
+/// A record.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Where it comes from.
+    pub name: String,
+    /// When its samples were taken and its commands driven.
+    pub timing: Timing,
+    /// Command by command.
+    pub commands: Vec<Command>,
+    /// In the order of [`CHANNELS`].
+    pub channels: [Channel; CHANNELS.len()],
+    /// Position, m, and pressures, Pa, of the first sample.
+    pub start: [f64; STARTS],
+}
+
+impl Rest {
+    /// Of readings at equal distances: around a straight line, or of a spool and pressures that follow a dither, in
+    /// their sixth differences, in which white noise has 924 times its variance and a slow swing none.
+    fn of(readings: &[f64], dithered: bool) -> Rest {
+        if dithered { Rest::of_differences(readings) } else { Rest::of_line(readings) }
+    }
+
+    fn of_line(readings: &[f64]) -> Rest {
+        let n = readings.len() as f64;
+        let mean = readings.iter().sum::<f64>() / n;
+        let from_middle = |k: usize| k as f64 - 0.5 * (n - 1.0);
+        let steepness = readings.iter().enumerate().map(|(k, y)| from_middle(k) * y).sum::<f64>()
+            / (n * (n * n - 1.0) / 12.0);
+        let off = |(k, y): (usize, &f64)| (y - mean - steepness * from_middle(k)).powi(2);
+        Rest { squares: readings.iter().enumerate().map(off).sum(), freedom: n - 2.0 }
+    }
+
+    fn of_differences(readings: &[f64]) -> Rest {
+        const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+        const VARIANCE: f64 = 924.0;
+        // Neighbouring differences share readings: 924^2 over the sum of their squared correlations.
+        const INDEPENDENT: f64 = VARIANCE * VARIANCE / 2_704_156.0;
+        let difference = |seven: &[f64]| seven.iter().zip(SIXTH).map(|(y, weight)| y * weight).sum::<f64>();
+        let differences = readings.windows(SIXTH.len()).map(difference);
+        let squares = differences.map(|difference| difference * difference / VARIANCE).sum::<f64>();
+        let n = readings.len().saturating_sub(SIXTH.len() - 1) as f64;
+        Rest { squares: INDEPENDENT * squares, freedom: INDEPENDENT * n }
+    }
+
+    /// Whether there is no noise but that of rounding: then readings at rest repeat one error.
+    fn is_rounding(&self) -> bool {
+        self.squares < ROUNDING_ALONE * self.freedom
+    }
+}
+
+impl Channel {
+    /// What the model's reading would be in counts.
+    #[must_use]
+    pub fn counts(&self, si: f64) -> f64 {
+        (si - self.offset) / self.scale
+    }
+}
+
+/// The reading of a channel, SI.
+#[must_use]
+pub fn reading(of: &Reading, channel: usize) -> f64 {
+    match channel {
+        0 => of.position,
+        1 | 2 => of.pressures[channel - 1],
+        _ => of.spool,
+    }
+}
+
+impl Recording {
+    /// The record of a file, for the model `rig`.
+    ///
+    /// # Errors
+    /// When it is not whole, not of decimation 1, too short, or of another kind of drive.
+    pub fn of(name: &str, file: &TargetFile, rig: &Rig) -> Result<Recording> {
+        Recording::read(name, file, rig).with_context(|| format!("{name} cannot be fitted"))
+    }
+
+    fn read(name: &str, file: &TargetFile, rig: &Rig) -> Result<Recording> {
+        let recorded = samples(file)?;
+        let header = Header::of(file)?.parameters;
+        let parameter = |id: u16| header.get(id).unwrap_or(0);
+        let stepper = parameter(id::STEPPER) != 0;
+        if stepper != (rig.get(&keys::operator::MODEL) == operator::Model::Stepper) {
+            bail!("it and the rig file do not have the same drive stage (operator.model)");
+        }
+        if recorded.len() < FEWEST_OF_A_RECORD {
+            bail!("it has {} samples; a fit needs at least {FEWEST_OF_A_RECORD}", recorded.len());
+        }
+        let rest = samples_at_rest(&recorded)?;
+        let converters = Converters {
+            full_scale: f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1),
+            rest,
+            dithered: rig.get(&keys::operator::MODEL).is_solenoid()
+                && rig.get(&keys::dither::DITHER_MM) > 0.0,
+        };
+        let mut channels = converters.channels(file, &recorded)?;
+        if stepper {
+            // SPLLOC: what was asked for, not what was measured.
+            channels[3].taken.clear();
+        }
+        let timing = timing(file.period_us()?, parameter(id::PERIOD_US), parameter(id::DELAY_US))?;
+        let commands = recorded.iter().map(|sample| command(sample, stepper)).collect();
+        let start = [0, 1, 2].map(|c| channels[c].offset + channels[c].measured[0] * channels[c].scale);
+        Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
+    }
+
+    /// What the sensors of `rig` would read under the first `samples` commands, from an initial state that is
+    /// `off` the one that was measured, in counts.
+    ///
+    /// # Errors
+    /// When the rig is not valid in that state, or cannot be integrated.
+    pub fn follow(
+        &self,
+        rig: &Rig,
+        accuracy: Accuracy,
+        off: [f64; STARTS],
+        samples: usize,
+    ) -> Result<Vec<Reading>> {
+        let start = |i: usize| (KEYS_OF_START[i], self.start[i] + off[i] * self.channels[i].scale);
+        let started = rig.with_numbers(&[0, 1, 2].map(start))?;
+        Ok(follow(&started, accuracy, self.timing, &self.commands[..samples])?)
+    }
+}
+
+/// How many samples a record begins with before the drive moves or is told to.
+fn samples_at_rest(recorded: &[RecordedSample]) -> Result<usize> {
+    let first = (recorded[0].position, recorded[0].command);
+    let rest = recorded.iter().take_while(|sample| (sample.position, sample.command) == first).count();
+    if rest < FEWEST_AT_REST {
+        bail!(
+            "it begins with {rest} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from"
+        );
+    }
+    Ok(rest)
+}
+
+/// A measured period, and the period and delay that were asked for, us.
+fn timing(measured: f64, asked: i32, delay: i32) -> Result<Timing> {
+    if (measured / f64::from(asked)).ln().abs() > MOST_OFF {
+        bail!("its header has a measured period of {measured} us, and {asked} us was asked for");
+    }
+    let timing = Timing { period_us: measured.round() as u64, delay_us: u64::try_from(delay)? };
+    if timing.period_us <= timing.delay_us {
+        bail!("its header has a period of {} us and a delay of {delay} us", timing.period_us);
+    }
+    Ok(timing)
+}
+
+/// The converters of a record.
+struct Converters {
+    full_scale: f64,
+    /// Samples at rest.
+    rest: usize,
+    dithered: bool,
+}
+
+impl Converters {
+    fn channels(&self, file: &TargetFile, recorded: &[RecordedSample]) -> Result<[Channel; CHANNELS.len()]> {
+        let pressure = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
+        let spool = [1e-3 * file.number("spool_offset_mm")?, 1e-3 * file.positive("spool_scale_mm")?];
+        let counts = |of: fn(&RecordedSample) -> i32| -> Vec<f64> {
+            recorded.iter().map(|sample| f64::from(of(sample))).collect()
+        };
+        Ok([
+            encoder(counts(|sample| sample.position), 1e-3 * file.positive("mm_per_count")?),
+            self.channel(counts(|sample| sample.pressure_1.into()), pressure),
+            self.channel(counts(|sample| sample.pressure_2.into()), pressure),
+            self.channel(counts(|sample| sample.spool.into()), spool),
+        ])
+    }
+
+    fn channel(&self, measured: Vec<f64>, [offset, scale]: [f64; 2]) -> Channel {
+        // What stands at an end of the converter is not known.
+        let within = |k: &usize| measured[*k] > 0.0 && measured[*k] < self.full_scale;
+        let rest = Rest::of(&measured[..self.rest], self.dithered);
+        let all = if rest.is_rounding() { independent(&measured, 1) } else { (0..measured.len()).collect() };
+        let taken = all.into_iter().filter(within).collect();
+        Channel { taken, rest, measured, offset, scale }
+    }
+}
+
+/// SPLLOC is noted before the pulse of the sample's output.
+fn command(sample: &RecordedSample, stepper: bool) -> Command {
+    let step = if stepper { (sample.command - sample.spool).signum() as i8 } else { 0 };
+    Command { counts: sample.command, step, drive_enable: true }
+}
+
+fn encoder(measured: Vec<f64>, pulse: f64) -> Channel {
+    Channel {
+        taken: independent(&measured, REACH),
+        rest: Rest::default(),
+        measured,
+        // The middle of what a count stands for.
+        offset: 0.5 * pulse,
+        scale: pulse,
+    }
+}
+
+/// Samples whose rounding has nothing to do with one another: the drive has moved on by one to two counts
+/// since the last one. How far it moved is told by a mean speed, and the distance differs from sample to
+/// sample; if a change of the count itself chose the sample, a slow drive would always stand just behind an
+/// edge. A rest gives one sample, in its middle; a drive that is about to break away, and has a speed by what comes
+/// next, is still at that rest.
+fn independent(counts: &[f64], reach: usize) -> Vec<usize> {
+    let speed = |k: usize| {
+        let (from, to) = (k.saturating_sub(reach), (k + reach).min(counts.len() - 1));
+        (counts[to] - counts[from]).abs() / (to - from).max(1) as f64
+    };
+    let (mut moved, mut distance, mut rest) = (0.0, first_distance(counts), 0);
+    let mut taken: Vec<usize> = Vec::new();
+    let take = |taken: &mut Vec<usize>, k: usize| {
+        let stands = |last: &usize| counts[*last..=k].iter().all(|count| *count == counts[k]);
+        if !taken.last().is_some_and(stands) {
+            taken.push(k);
+        }
+    };
+    for k in 0..counts.len() {
+        let speed = speed(k);
+        if speed > 0.0 {
+            if rest > 2 * reach {
+                take(&mut taken, k - rest / 2);
+            }
+            rest = 0;
+            moved += speed;
+        } else {
+            rest += 1;
+        }
+        if moved >= distance {
+            take(&mut taken, k);
+            moved = 0.0;
+            // The fractions of the golden ratio's multiples fill the range from 1 to 2 evenly.
+            distance = 1.0 + (distance + GOLDEN) % 1.0;
+        }
+    }
+    if rest > 2 * reach {
+        take(&mut taken, counts.len() - rest / 2 - 1);
+    }
+    taken
+}
+
+/// Where records of the same start begin with other distances: else the rounding of their first samples is the same, and
+/// no number of records averages it away.
+fn first_distance(counts: &[f64]) -> f64 {
+    let way: f64 = counts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+    1.0 + (GOLDEN * (way + counts.len() as f64)) % 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean and variance of the rounding at the samples that are taken.
+    fn rounding(path: impl Fn(usize) -> f64) -> (f64, f64, usize) {
+        let positions: Vec<f64> = (0..4000).map(path).collect();
+        let counts: Vec<f64> = positions.iter().map(|position| position.floor()).collect();
+        let errors: Vec<f64> =
+            independent(&counts, REACH).iter().map(|&k| counts[k] + 0.5 - positions[k]).collect();
+        let n = errors.len() as f64;
+        let mean = errors.iter().sum::<f64>() / n;
+        (mean, errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / n, errors.len())
+    }
+
+    #[test]
+    fn a_drive_that_creeps_is_not_always_seen_at_the_edge_of_a_count() {
+        let (mean, variance, samples) = rounding(|k| 0.3 + 0.0731 * k as f64);
+        assert!(samples > 150, "{samples}");
+        assert!(mean.abs() < 0.06, "{mean}");
+        assert!((variance * 12.0 - 1.0).abs() < 0.2, "{variance}");
+    }
+
+    #[test]
+    fn of_a_fast_drive_every_sample_counts() {
+        let (mean, variance, samples) = rounding(|k| 3.307 * k as f64);
+        assert!(samples > 3900 && mean.abs() < 0.02 && (variance * 12.0 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_noise_of_a_rest_is_found_on_a_slope_and_under_a_dither() {
+        // Even noise of a variance of 1 from multiples of the golden ratio.
+        let noise = |k: usize| ((k * k) as f64 * 0.618_033_988_749_895).fract() * 12f64.sqrt();
+        let sloping: Vec<f64> = (0..4000).map(|k| 0.3 * k as f64 + noise(k)).collect();
+        let dithered: Vec<f64> =
+            sloping.iter().enumerate().map(|(k, y)| y + 100.0 * (0.2 * k as f64).sin()).collect();
+        for rest in [Rest::of(&sloping, false), Rest::of(&dithered, true)] {
+            let variance = rest.squares / rest.freedom;
+            assert!((variance - 1.0).abs() < 0.1, "{variance}");
+        }
+    }
+
+    #[test]
+    fn a_rest_counts_once() {
+        let (_, _, samples) = rounding(|k| if k < 2000 { 5.3 } else { 7.9 });
+        assert_eq!(samples, 2);
+    }
+
+    /// As a cylinder does: 13 mm within 20 samples.
+    #[test]
+    fn a_rest_counts_once_even_where_a_fast_start_follows() {
+        let position = |k: usize| 12448.13 + 2.7 * (k as f64 - 49.5).max(0.0).powi(2);
+        let counts: Vec<f64> = (0..70).map(|k| position(k).floor()).collect();
+        let at_rest = independent(&counts, REACH).iter().filter(|&&k| k < 50).count();
+        assert_eq!(at_rest, 1);
+    }
+}

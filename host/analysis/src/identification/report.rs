@@ -1,0 +1,302 @@
+//! What a fit has found, for a terminal, a page, a program and the next simulation.
+
+mod judged;
+mod numbers;
+
+use anyhow::Result;
+use pneudrive_records::rig_text;
+use pneudrive_sim::follow::Reading;
+use toml_edit::{DocumentMut, value};
+
+use super::causes::Explanation;
+use super::parameter::Parameter;
+use super::posterior::NORMAL_95;
+use super::recording::{CHANNELS, Channel, Recording, reading};
+use super::{Estimate, Given, Identification, Share, UNSEEN};
+use crate::page::{Curve, Figure, Look, Panel, Table};
+use judged::{Intervals, not_judged, rounded, suspicious};
+
+pub use numbers::to_json;
+
+/// First line of a fitted rig file: such a file may be written anew.
+pub const FITTED_MARK: &str = "# Fitted by pneudrive identify";
+
+/// Format of the file of numbers.
+pub const FORMAT: &str = "pneudrive-identification 1";
+
+/// Samples between two points of a curve at least: a page of a long record stays small.
+const POINTS: usize = 4000;
+
+/// Four significant digits more than the standard error has meaning.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    format!("{rounded}")
+}
+
+/// All tables of a fit.
+#[must_use]
+pub fn tables(found: &Identification) -> Vec<Table> {
+    let tables =
+        [parameters(found), dependent(found), channels(found), causes(found), unseen(found), assumed(found)];
+    let filled = tables.into_iter().filter(|table| !table.rows.is_empty());
+    filled.chain([correlation(found)]).collect()
+}
+
+fn table(heading: &str, columns: &[&str], rows: Vec<Vec<String>>) -> Table {
+    Table { heading: heading.to_owned(), columns: columns.iter().map(ToString::to_string).collect(), rows }
+}
+
+/// Parameter by parameter.
+#[must_use]
+pub fn parameters(found: &Identification) -> Table {
+    let row = |estimate: &Estimate| {
+        vec![
+            estimate.parameter.key.path.to_owned(),
+            digits(estimate.parameter.start),
+            digits(estimate.value),
+            format!("{:.2e}", estimate.standard_error),
+            range(estimate.interval),
+            paths(&estimate.rests_on),
+        ]
+    };
+    let columns =
+        ["parameter", "file", "estimate", "standard error", Intervals::of(found).heading(), "rests on"];
+    table("parameters", &columns, found.estimates.iter().map(row).collect())
+}
+
+/// What parameters would be if those that they rest on were known.
+#[must_use]
+pub fn dependent(found: &Identification) -> Table {
+    let row = |estimate: &Estimate| {
+        let Given { known, interval, .. } = estimate.given.as_ref()?;
+        let rig = |path: &str| digits(found.rig.number_at(path).unwrap_or(f64::NAN));
+        let exact: Vec<String> = known.iter().map(|(path, _)| format!("{path} = {}", rig(path))).collect();
+        let by: Vec<String> = known.iter().map(|(path, by)| format!("{by:+.4} per {}", unit(path))).collect();
+        Some(vec![estimate.parameter.key.path.to_owned(), exact.join(", "), range(*interval), by.join(", ")])
+    };
+    let then = if found.fits { "95 % interval then" } else { "interval then" };
+    let columns = ["parameter", "were it exact that", then, "and it changes by"];
+    table("parameters that rest on others", &columns, found.estimates.iter().filter_map(row).collect())
+}
+
+/// What is assumed of the values that intervals rest on, or that are not seen.
+#[must_use]
+pub fn assumed(found: &Identification) -> Table {
+    let needed = |parameter: &&Parameter| {
+        let path = parameter.key.path;
+        let unseen = found.unseen.iter().any(|unseen| unseen.parameter.key.path == path);
+        unseen || found.estimates.iter().flat_map(|e| &e.rests_on).any(|share| share.path == path)
+    };
+    let fitted = found.estimates.iter().map(|e| &e.parameter);
+    let all = fitted.chain(found.unseen.iter().map(|u| &u.parameter)).chain(&found.assumed);
+    let row = |parameter: &Parameter| {
+        vec![parameter.key.path.to_owned(), digits(parameter.start), parameter.assumed_within()]
+    };
+    let columns = ["value", "file", "assumed within, one standard deviation"];
+    table("assumed", &columns, all.filter(needed).map(row).collect())
+}
+
+fn range([low, high]: [f64; 2]) -> String {
+    format!("{} to {}", digits(low), digits(high))
+}
+
+fn paths(shares: &[Share]) -> String {
+    let paths: Vec<&str> = shares.iter().map(|share| share.path).collect();
+    if paths.is_empty() { "the data".to_owned() } else { paths.join(", ") }
+}
+
+/// The unit of a key, or "1".
+fn unit(path: &str) -> &'static str {
+    pneudrive_sim::rig::find_key(path).map(|key| key.unit()).filter(|unit| !unit.is_empty()).unwrap_or("1")
+}
+
+/// Channel by channel, in counts.
+#[must_use]
+pub fn channels(found: &Identification) -> Table {
+    let rows = CHANNELS.iter().zip(&found.channels).filter_map(|((name, _), fit)| {
+        let fit = fit.as_ref()?;
+        Some(vec![
+            (*name).to_owned(),
+            fit.samples.to_string(),
+            format!("{:.2}", fit.before),
+            format!("{:.3}", fit.after),
+            format!("{:.3}", fit.noise),
+            format!("{:+.3}", fit.correlation),
+        ])
+    });
+    let columns = ["channel", "samples", "before", "after", "noise", "correlation of neighbours"];
+    table("root mean square of the residuals, counts", &columns, rows.collect())
+}
+
+/// What would explain the residuals.
+#[must_use]
+pub fn causes(found: &Identification) -> Table {
+    let rows = found.causes.iter().map(|cause| {
+        let value = cause.value.map_or_else(
+            || cause.setting.clone(),
+            |(_, error)| format!("{} +- {:.1e}", cause.setting, NORMAL_95 * error),
+        );
+        vec![
+            cause.effect.name.to_owned(),
+            format!("{:.0} %", 100.0 * cause.explained),
+            verdict(cause).to_owned(),
+            value,
+            cause.effect.measure.to_owned(),
+        ]
+    });
+    let columns = ["effect", "explains", "is that sure", "as it was found", "how to measure it"];
+    table("what would explain the residuals, one effect at a time", &columns, rows.collect())
+}
+
+fn verdict(cause: &Explanation) -> &'static str {
+    match (cause.is_significant(), cause.as_good_as_best) {
+        (true, true) => "as well as any",
+        (true, false) => "another one does better",
+        (false, _) => "no: chance does as much",
+    }
+}
+
+/// What is not seen, and why.
+#[must_use]
+pub fn unseen(found: &Identification) -> Table {
+    let rows = found.unseen.iter().map(|unseen| {
+        let others = match unseen.confused_with.as_slice() {
+            [] if unseen.over_prior == 1.0 => "no sample depends on it".to_owned(),
+            [] => "nothing: the samples hardly depend on it".to_owned(),
+            others => paths(others),
+        };
+        vec![
+            unseen.parameter.key.path.to_owned(),
+            digits(unseen.parameter.start),
+            digits(unseen.value),
+            others,
+        ]
+    });
+    let columns = ["cannot be seen in these data", "file", "taken", "confused with"];
+    table("unseen", &columns, rows.collect())
+}
+
+fn correlation(found: &Identification) -> Table {
+    let paths: Vec<&str> = found.estimates.iter().map(|estimate| estimate.parameter.key.path).collect();
+    let name = |path: &str| path.split_once('.').map_or(path, |(_, name)| name).to_owned();
+    let columns = std::iter::once(String::new()).chain(paths.iter().map(|path| name(path))).collect();
+    let row = |(i, path): (usize, &&str)| {
+        let cells = (0..paths.len()).map(|j| format!("{:+.2}", found.correlation[(i, j)]));
+        std::iter::once(name(path)).chain(cells).collect()
+    };
+    let rows = paths.iter().enumerate().map(row).collect();
+    Table { heading: "correlation of the estimates' errors".to_owned(), columns, rows }
+}
+
+/// What has to be known before the numbers are used.
+#[must_use]
+pub fn notes(found: &Identification) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !found.converged {
+        notes.push("The search did not converge: the estimates are where it ended, and their intervals mean little. Look at the residuals; other starting values or other transients may help.".to_owned());
+    }
+    notes.extend(not_judged(found));
+    if Intervals::of(found) == Intervals::Widened {
+        notes.push("More remains than noise: the model does not explain these data, or another minimum does it better. No interval is one of 95 %: each is widened by what an error of the model, as large as the residuals that remain, can do to the estimate. An error that the estimates have taken up is not in it.".to_owned());
+    }
+    if let Some(best) = found.causes.first().filter(|cause| cause.is_significant()) {
+        notes.push(format!(
+            "Of the effects that the rig file does not have, {} would explain most: {:.0} % of the misfit. Measure it as its table says; with `--set {}` the same records are fitted again.",
+            best.effect.name,
+            100.0 * best.explained,
+            best.setting.replace(' ', " --set ")
+        ));
+    }
+    notes.extend(rounded(found));
+    notes.extend(suspicious(found));
+    if found.estimates.iter().any(|estimate| !estimate.rests_on.is_empty()) {
+        notes.push("Some intervals rest less on the data than on what is assumed of other values: the table of these tells what each would be, were they exact. Measure those, write them into the rig file, and leave them out of the fit.".to_owned());
+    }
+    if !found.unseen.is_empty() {
+        notes.push(format!(
+            "What cannot be seen is as uncertain as the file's value, or nearly so: its standard error is above {:.0} % of what is assumed.",
+            100.0 * UNSEEN
+        ));
+    }
+    notes
+}
+
+/// A record with the model before and after the fit, and what remains.
+#[must_use]
+pub fn figure(recording: &Recording, before: &[Reading], after: &[Reading]) -> Figure {
+    let period = 1e-6 * recording.timing.period_us as f64;
+    let every = recording.commands.len().div_ceil(POINTS).max(1);
+    let shown: Vec<usize> = (0..recording.commands.len()).step_by(every).collect();
+    let time: Vec<f64> = shown.iter().map(|&k| k as f64 * period).collect();
+    let mut panels = Vec::new();
+    let mut residuals = Vec::new();
+    for (c, (name, unit)) in CHANNELS.iter().enumerate() {
+        let channel = &recording.channels[c];
+        if channel.taken.is_empty() {
+            continue;
+        }
+        let curve = |name: &str, look, of: &dyn Fn(usize) -> f64| Curve {
+            look,
+            ..Curve::new(name, time.clone(), shown.iter().map(|&k| of(k)).collect())
+        };
+        let si = |counts: f64| {
+            (channel.offset + counts * channel.scale) * if c == 1 || c == 2 { 1e-3 } else { 1e3 }
+        };
+        let model = |of: &[Reading], k: usize| channel.counts(reading(&of[k], c));
+        panels.push(Panel::new(
+            &format!("{name}, {unit}"),
+            vec![
+                curve(&format!("{name} measured"), Look::Steps, &|k| si(channel.measured[k])),
+                curve("before the fit", Look::Dashed, &|k| si(model(before, k))),
+                curve("after the fit", Look::Line, &|k| si(model(after, k))),
+            ],
+        ));
+        residuals.push(residual_panel(channel, c, name, after, period, every));
+    }
+    panels.extend(residuals);
+    Figure { heading: recording.name.clone(), ..Figure::over_time(panels) }
+}
+
+fn residual_panel(
+    channel: &Channel,
+    c: usize,
+    name: &str,
+    after: &[Reading],
+    period: f64,
+    every: usize,
+) -> Panel {
+    let taken: Vec<usize> = channel.taken.iter().copied().step_by(every).collect();
+    let time = taken.iter().map(|&k| k as f64 * period).collect();
+    let rest = taken.iter().map(|&k| channel.measured[k] - channel.counts(reading(&after[k], c))).collect();
+    let curve = Curve { look: Look::Points, ..Curve::new(&format!("{name} residual"), time, rest) };
+    Panel::new(&format!("{name} residual, counts"), vec![curve])
+}
+
+/// The rig file with settings and estimates in it, each estimate with its interval as a comment.
+///
+/// # Errors
+/// When the text is no TOML.
+pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result<String> {
+    let mut document: DocumentMut = rig_text::with_settings(text, settings, "set by hand")?.parse()?;
+    let mut set = |parameter: &Parameter, number: f64, comment: String| {
+        let mut number = value(number);
+        if let Some(number) = number.as_value_mut() {
+            number.decor_mut().set_suffix(format!("  # {comment}; was {}", digits(parameter.start)));
+        }
+        rig_text::put(&mut document, parameter.key.path, number);
+    };
+    for estimate in &found.estimates {
+        let rests = if estimate.rests_on.is_empty() {
+            String::new()
+        } else {
+            format!(", resting on {}", paths(&estimate.rests_on))
+        };
+        let comment =
+            format!("identified, {}: {}{rests}", Intervals::of(found).heading(), range(estimate.interval));
+        set(&estimate.parameter, estimate.value, comment);
+    }
+    for unseen in found.unseen.iter().filter(|unseen| unseen.value != unseen.parameter.start) {
+        set(&unseen.parameter, unseen.value, "not seen in the data".to_owned());
+    }
+    Ok(format!("{FITTED_MARK}\n{document}"))
+}

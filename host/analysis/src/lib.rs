@@ -1,0 +1,40 @@
+//! What transients tell, as a library: no command line and no port, and nothing is printed.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
+//! | [`alignment`] | two transients on one time |
+//! | [`evaluation`] | what a transient tells about its moves |
+//! | [`ensemble`], [`range`] | a run with its neighbours, and figures as ranges over them |
+//! | [`recorded_test`] | the test that a record was made with, for a simulation of it |
+//! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
+//! | [`spectrum`] | which frequencies a channel holds |
+//! | [`identification`] | parameters of a rig from its transients, with their uncertainties |
+//! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
+//! | [`tuning`] | gains for a step, at the worst of all rigs within a spread |
+//! | [`ladder`] | what each model of a component costs, and what it changes |
+//! | [`study`] | the thesis's application studies: what it says, and what the model shows |
+//! | [`thesis`] | the numbers of the thesis that the model can be held against, on one page |
+//! | [`parallel`] | the same for each of many, on several threads |
+//! | [`page`], [`report`] | notes, tables and graphs in one file; the page of transients |
+
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod alignment;
+pub mod deviation;
+pub mod ensemble;
+pub mod evaluation;
+pub mod identification;
+pub mod ladder;
+pub mod page;
+pub mod parallel;
+pub mod range;
+pub mod recorded_test;
+pub mod replay;
+pub mod report;
+pub mod spectrum;
+pub mod study;
+pub mod sweep;
+pub mod thesis;
+pub mod transient;
+pub mod tuning;

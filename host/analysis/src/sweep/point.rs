@@ -1,0 +1,150 @@
+//! One point of a sweep: its run, and its row in the result.
+
+use std::any::Any;
+use std::num::NonZeroUsize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use pneudrive_records::judged::Spacing;
+use pneudrive_records::words::fault_name;
+use pneudrive_sim::{Rig, Run, run};
+
+use super::{Metric, Sweep};
+use crate::ensemble::{Ensemble, run_ensemble_on};
+use crate::evaluation::{Move, moves_of_run};
+use crate::range::Range;
+
+/// A line of the result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Number of the point, from 0.
+    pub point: usize,
+    /// Level of each axis.
+    pub levels: Vec<String>,
+    /// Value of each metric, if there is one.
+    pub metrics: Vec<Option<f64>>,
+    /// Least and most of each metric over an ensemble, if every run has a value; empty without an ensemble.
+    pub ends: Vec<Option<[f64; 2]>>,
+    /// Whether the point is decided; None of a draw, and of one without a run.
+    pub decided: Option<bool>,
+    /// Name of the fault that ended the run, or "".
+    pub fault: String,
+    /// Why there is no run, or "".
+    pub failure: String,
+}
+
+impl Row {
+    /// As a line of CSV, without its end. Numbers are written so that they read back in every bit.
+    #[must_use]
+    pub fn to_csv(&self, sweep: &Sweep) -> String {
+        let number = |value: f64| format!("{value:?}");
+        let one = |value: &Option<f64>| value.map_or_else(String::new, number);
+        let two = |ends: &Option<[f64; 2]>| ends.map_or_else(Default::default, |ends| ends.map(number));
+        let decided = (!sweep.is_drawn()).then(|| self.decided.map_or("", |yes| if yes { YES } else { NO }));
+        let plain = !self.failure.contains([',', '"']);
+        let failure =
+            if plain { self.failure.clone() } else { format!("\"{}\"", self.failure.replace('"', "\"\"")) };
+        let cells = self.levels.iter().cloned().chain(self.metrics.iter().map(one));
+        let cells = cells.chain(self.ends.iter().flat_map(two)).chain(decided.map(str::to_owned));
+        let cells = cells.chain([self.fault.clone(), failure]);
+        cells.fold(self.point.to_string(), |line, cell| line + "," + &cell)
+    }
+
+    /// A line of a sweep's result; None if it is none.
+    #[must_use]
+    pub fn of_csv(sweep: &Sweep, line: &str) -> Option<Row> {
+        let count = sweep.axes.len() + sweep.figure_columns().len();
+        let cells: Vec<&str> = line.splitn(count + 3, ',').collect();
+        let [point, values @ .., fault, failure] = cells.as_slice() else { return None };
+        let (levels, figures) = values.split_at_checked(sweep.axes.len())?;
+        let (metrics, figures) = figures.split_at_checked(sweep.metrics.len())?;
+        let (ends, decided) = figures.split_at_checked(figures.len() - usize::from(!sweep.is_drawn()))?;
+        let one = |cell: &str| if cell.is_empty() { Some(None) } else { cell.parse().ok().map(Some) };
+        let two =
+            |cells: &[&str]| Some(one(cells[0])?.zip(one(cells[1])?).map(|(least, most)| [least, most]));
+        let quoted = failure.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+        Some(Row {
+            point: point.parse().ok().filter(|point| *point < sweep.points())?,
+            levels: levels.iter().map(|level| (*level).to_owned()).collect(),
+            metrics: metrics.iter().map(|cell| one(cell)).collect::<Option<_>>()?,
+            ends: ends.chunks_exact(2).map(two).collect::<Option<_>>()?,
+            decided: decided.first().filter(|cell| !cell.is_empty()).map(|cell| *cell == YES),
+            fault: (*fault).to_owned(),
+            failure: quoted.map_or_else(|| (*failure).to_owned(), |text| text.replace("\"\"", "\"")),
+        })
+    }
+
+    /// The row of a point that has no run.
+    fn failed(sweep: &Sweep, point: usize, failure: &str) -> Row {
+        Row {
+            point,
+            levels: sweep.levels(point).into_iter().map(str::to_owned).collect(),
+            metrics: vec![None; sweep.metrics.len()],
+            ends: vec![None; if sweep.ensemble > 1 { sweep.metrics.len() } else { 0 }],
+            decided: None,
+            fault: String::new(),
+            failure: failure.replace('\n', "; "),
+        }
+    }
+}
+
+/// A point that is decided, in the result.
+const YES: &str = "yes";
+
+/// And one that is not.
+const NO: &str = "no";
+
+/// Runs a point. Whatever goes wrong stands in its row.
+#[must_use]
+pub fn run_point(sweep: &Sweep, point: usize) -> Row {
+    let found =
+        catch_unwind(AssertUnwindSafe(|| measured(sweep, point))).unwrap_or_else(|panic| Err(told(&*panic)));
+    found.unwrap_or_else(|failure| Row::failed(sweep, point, &failure))
+}
+
+fn measured(sweep: &Sweep, point: usize) -> Result<Row, String> {
+    let source = &sweep.rig_source;
+    let rig = Rig::read_with(&source.name, &source.text, &sweep.settings_of(point));
+    let rig = rig.map_err(|problems| problems.to_string())?;
+    if sweep.is_drawn() {
+        let run = run(&rig, sweep.accuracy_for(&rig)).map_err(|error| error.to_string())?;
+        return row(sweep, point, &run, &[moves_of_run(&rig, &run, sweep.settled_mm)]);
+    }
+    let spacing = Spacing { runs: sweep.ensemble, ..Spacing::default() };
+    let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, sweep.settled_mm);
+    // The points go side by side already.
+    let (one, accuracy) = (NonZeroUsize::MIN, sweep.accuracy_for(&rig));
+    let ensemble = run_ensemble_on(one, &rig, accuracy, spacing, measure, |_, _| {});
+    let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
+    let row = row(sweep, point, &nominal.run, &measured)?;
+    let of_neighbour =
+        nominal.lost.tripped.first().map(|fault| format!("{} of a neighbour", fault_name(*fault)));
+    Ok(Row {
+        decided: Some(nominal.decision.is_decided()),
+        fault: if row.fault.is_empty() { of_neighbour.unwrap_or_default() } else { row.fault },
+        failure: nominal.lost.failed.first().map_or_else(String::new, |why| format!("a neighbour: {why}")),
+        ..row
+    })
+}
+
+/// The row of a run; `moves` has its own, and then those of its neighbours.
+fn row(sweep: &Sweep, point: usize, run: &Run, moves: &[Vec<Move>]) -> Result<Row, String> {
+    let over_runs = |metric: &Metric| -> Result<Range, String> {
+        let values = moves.iter().map(|moves| metric.value(moves, sweep.settled_mm));
+        Ok(Range::of(&values.collect::<Result<Vec<_>, _>>()?))
+    };
+    let ranges: Vec<Range> = sweep.metrics.iter().map(over_runs).collect::<Result<_, _>>()?;
+    let ends = ranges.iter().map(|range| range.ends.filter(|_| range.lacking == 0));
+    Ok(Row {
+        metrics: ranges.iter().map(|range| range.value).collect(),
+        ends: if sweep.ensemble > 1 { ends.collect() } else { Vec::new() },
+        fault: run.fault.map_or("", |(fault, _)| fault_name(fault)).to_owned(),
+        ..Row::failed(sweep, point, "")
+    })
+}
+
+/// What a run that broke down has said.
+fn told(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    format!("the simulator broke down: {}", text.unwrap_or("it does not say why"))
+}

@@ -1,0 +1,172 @@
+//! What a tuning says: the page, its sentences, and the rig file.
+
+pub mod figures;
+pub mod tables;
+
+use std::path::Path;
+
+use anyhow::Result;
+use pneudrive_records::rig_text;
+
+use super::trial::Trial;
+use super::{Found, Goal, Proportion, Space, Task, Tuned};
+use crate::page::Page;
+
+/// Writes the page: the fresh draws first.
+///
+/// # Errors
+/// When the step cannot be simulated any more, or the page cannot be written.
+pub fn write_page(task: &Task, tuned: &Tuned, path: &Path) -> Result<()> {
+    let trial = Trial::of(task, &[])?;
+    let goal = &task.goal;
+    let mut tables = vec![tables::judged(tuned, goal), tables::neighbours(tuned, goal)];
+    if !tuned.obstacles.is_empty() {
+        tables.push(tables::obstacles(&tuned.obstacles, goal));
+    }
+    if tuned.is_changed() {
+        tables.extend([tables::gains(&trial, tuned), tables::places(tuned)]);
+    }
+    tables.push(tables::draws(&trial, tuned, goal));
+    let profile = figures::profile(&trial, tuned);
+    let search = (!tuned.progress.is_empty()).then(|| figures::search(tuned));
+    let page = Page {
+        title: format!("{}: gains for a step of {} mm", trial.rig.name(), goal.step_mm),
+        notes: notes(task, tuned).into_iter().chain([asked(task, &trial, tuned)]).collect(),
+        tables,
+        figures: [
+            Some(figures::places(&trial, tuned, goal)),
+            profile,
+            Some(figures::step(&trial, tuned)),
+            search,
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+    };
+    page.write_led_by(path, &figures::draws(task, &trial, tuned))
+}
+
+/// The verdict, and what must be known of it: a sentence or a few each.
+#[must_use]
+pub fn notes(task: &Task, tuned: &Tuned) -> Vec<String> {
+    let reason = reason(task, tuned);
+    [verdict(task, tuned), nominal(task, tuned)].into_iter().chain(reason).chain(limits(tuned)).collect()
+}
+
+/// How often the goal is met in fresh draws, and in what the gains were tuned on.
+#[must_use]
+pub fn verdict(task: &Task, tuned: &Tuned) -> String {
+    let goal = &task.goal;
+    let fresh = format!("The goal is met in {} of the fresh draws", tuned.after.met(goal));
+    if !tuned.is_changed() {
+        let why = if task.budget.generations == 0 {
+            "with the gains of the file, which were judged as they are"
+        } else {
+            "with the gains of the file; the search found none that are better on what it tuned on"
+        };
+        return format!("{fresh}, {why}.");
+    }
+    let seen = goal.met_in(&tuned.after.tuned_on);
+    format!(
+        "{fresh} (in brackets 95 % intervals), and in {} of {} trials that the gains were tuned on. With the gains of the file it is met in {} of the same fresh draws.",
+        seen.met,
+        seen.of,
+        tuned.before.met(goal)
+    )
+}
+
+/// Whether the rig of the file meets the goal, and its neighbours with it.
+fn nominal(task: &Task, tuned: &Tuned) -> String {
+    let seen = task.goal.met_in(&tuned.after.neighbours);
+    let how = match seen.met {
+        0 => "does not meet it, nor does any of its neighbours".to_owned(),
+        all if all == seen.of => format!("meets it, and so do its {} neighbours", seen.of - 1),
+        some => format!(
+            "is not decided: it and its neighbours, which differ by next to nothing, meet it in {some} of {} runs",
+            seen.of
+        ),
+    };
+    format!("The rig of the file, in mid-stroke, {how}.")
+}
+
+/// What is in the way, if the goal is not met everywhere: of meeting it, or else of settling at all.
+fn reason(task: &Task, tuned: &Tuned) -> Option<String> {
+    let met = |found: &Found| found.met(&task.goal);
+    let settled = |found: &Found| {
+        let met = found.fresh.iter().filter(|one| one.settling_s.is_some()).count();
+        Proportion { met, of: found.fresh.len() }
+    };
+    if tuned.obstacles.is_empty() {
+        return None;
+    }
+    let better =
+        remover(tuned, &met).map(|(what, count)| format!("With {what}, it is met in {count} of them."));
+    let better = better.or_else(|| {
+        let (what, count) = remover(tuned, &settled)?;
+        let own = settled(&tuned.after);
+        Some(format!("With {what}, the drive settles in {count} of them, instead of in {own}."))
+    });
+    let none = "No single imperfection that was taken away changes that by more than chance may.";
+    Some(better.unwrap_or_else(|| none.to_owned()))
+}
+
+/// The imperfections without which most draws are as they should be, and how many, if that is beyond chance: if the
+/// interval does not overlap that of the rig as it is.
+fn remover(tuned: &Tuned, count: &dyn Fn(&Found) -> Proportion) -> Option<(String, Proportion)> {
+    let most = tuned.obstacles.iter().map(|one| count(&one.found)).max_by_key(|count| count.met)?;
+    let with = tuned.obstacles.iter().filter(|one| count(&one.found) == most).map(|one| one.suspect.what);
+    let is_more = most.interval()[0] > count(&tuned.after).interval()[1];
+    is_more.then(|| (with.collect::<Vec<_>>().join("; or with "), most))
+}
+
+/// What lies at an end of what was searched: there may be something better beyond it.
+fn limits(tuned: &Tuned) -> Option<String> {
+    let places = tuned.after.places.iter().filter(|place| place.at_limit).map(|place| {
+        let [value, low, high] = [place.value, place.range[0], place.range[1]].map(tables::digits);
+        format!("{} {value} {} (searched from {low} to {high})", place.what, place.unit)
+    });
+    let saturated = Space::saturated(&tuned.after.settings).into_iter();
+    let saturated = saturated.map(|key| format!("{key} at 65535, the largest that the controller takes"));
+    let all: Vec<String> = places.chain(saturated).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "At the limit of what was searched, so that there may be better beyond it: {}.",
+            all.join("; ")
+        )
+    })
+}
+
+/// What was asked for.
+fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
+    let Goal { step_mm, settled_mm, overshoot_percent, time_s } = task.goal;
+    let percent = |what: &str, by: f64| format!("{what} \u{b1}{:.0} %", 100.0 * by);
+    let [low, high] = trial.way_mm();
+    let held = match task.held.as_slice() {
+        [] => String::new(),
+        held => format!(" Held: {}.", held.join(", ")),
+    };
+    format!(
+        "Asked for: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: the share of its time that a step takes to settle if it meets the goal, and from 1 to 2 if it does not, the more the further it is from it. They are judged on {} other draws, which the search has not seen.{held} {} runs, seed {}.",
+        percent("load", task.spread.load),
+        percent("friction", task.spread.friction),
+        percent("supply", task.spread.supply),
+        tuned.tuned_on.len(),
+        tuned.fresh.len(),
+        tuned.runs,
+        task.budget.seed,
+    )
+}
+
+/// The rig file with what was set and found, and in its first line where it comes from.
+///
+/// # Errors
+/// When the text is no TOML.
+pub fn rig_file(task: &Task, tuned: &Tuned) -> Result<String> {
+    let typed: Vec<String> = task.settings.iter().chain(&task.held).cloned().collect();
+    let text = rig_text::with_settings(&task.source.1, &typed, "set for pneudrive tune")?;
+    let text = rig_text::with_settings(&text, &tuned.after.settings, "found by pneudrive tune")?;
+    Ok(format!("{MARK}: {}\n{text}", verdict(task, tuned)))
+}
+
+/// First line of a rig file that was written here.
+pub const MARK: &str = "# Written by pneudrive tune";

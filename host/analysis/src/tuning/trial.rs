@@ -1,0 +1,217 @@
+//! The step on a rig: from somewhere on the stroke in either direction, and back.
+
+use anyhow::{Result, bail};
+use pneudrive_records::judged::Spacing;
+use pneudrive_records::rig_text;
+use pneudrive_records::run_folder::StoredRun;
+use pneudrive_records::words::fault_name;
+use pneudrive_sim::keys;
+use pneudrive_sim::rig::Problems;
+use pneudrive_sim::{Accuracy, Rig, Run, run};
+
+use super::goal::{Goal, Performance};
+use super::{Task, Variant};
+use crate::ensemble::run_ensemble;
+use crate::evaluation::{Motion, Move, moves};
+use crate::transient::Transient;
+
+/// Runs of the file's rig and its neighbours.
+pub(super) const NEIGHBOURS: usize = 8;
+
+/// Before the step the drive holds for so long, s.
+const HOLD_S: f64 = 0.1;
+
+/// What a rig's own test says of moves, rows and records: the step has its own.
+const SCHEDULE: [&str; 7] =
+    ["moves", "targets", "repeat_every_s", "impulse", "trace_period_s", "decimation", "pre_trigger"];
+
+/// The neighbours that a finalist is checked with.
+fn spacing() -> Spacing {
+    Spacing { runs: NEIGHBOURS, ..Spacing::default() }
+}
+
+/// A rig with the step as its test.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The rig of the file, with the step about the middle of its way.
+    pub rig: Rig,
+    /// Its file without a schedule, and what is set in it.
+    source: (String, String),
+    settings: Vec<String>,
+    goal: Goal,
+    way: Way,
+}
+
+/// Where a step may lie, and how far it goes, counts; and how long it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Way {
+    low: i64,
+    high: i64,
+    step: i64,
+    mm_per_count: f64,
+    /// How long the drive has, there as well as back.
+    time_s: f64,
+}
+
+impl Trial {
+    /// The step of a task; `more` keys are set.
+    ///
+    /// # Errors
+    /// When the step does not fit between the ends, or a key is wrong.
+    pub fn of(task: &Task, more: &[String]) -> Result<Trial> {
+        let is_schedule = |setting: &String| {
+            let key = setting.split('=').next().unwrap_or_default().trim();
+            SCHEDULE.iter().any(|name| key.strip_prefix("test.") == Some(name))
+        };
+        let typed = || task.settings.iter().chain(&task.held).chain(more);
+        let settings: Vec<String> = typed().filter(|setting| !is_schedule(setting)).cloned().collect();
+        // The lines of the file as it is are those that a message must name.
+        let (name, text) = &task.source;
+        let as_it_is = Rig::read_with(name, text, &typed().cloned().collect::<Vec<_>>());
+        let without = |problems| as_it_is.clone().err().unwrap_or(problems);
+        let source =
+            (name.clone(), rig_text::without(text, "test", &SCHEDULE).unwrap_or_else(|_| text.clone()));
+        let bare = with_moves(&source, &unlimited(&settings), "test.moves=[[0.0, 0]]").map_err(without)?;
+        let way = Way::of(&bare, task)?;
+        let trial = Trial { rig: bare, source, settings, goal: task.goal, way };
+        let rig = trial.rig_of(&[], &Variant::NOMINAL)?;
+        Ok(Trial { rig, ..trial })
+    }
+
+    /// The step with these gains on a variant of the rig.
+    #[must_use]
+    pub fn run(&self, gains: &[String], variant: &Variant) -> Performance {
+        self.transient(gains, variant).map_or_else(Performance::failed, |(_, moves)| self.performance(&moves))
+    }
+
+    /// The same: its transient, and its moves.
+    ///
+    /// # Errors
+    /// Why it did not come to its end.
+    pub fn transient(&self, gains: &[String], variant: &Variant) -> Result<(Transient, Vec<Move>), String> {
+        let rig = self.rig_of(gains, variant).map_err(|problems| problems.to_string())?;
+        let run = run(&rig, Accuracy::of_draw(&rig)).map_err(|error| error.to_string())?;
+        self.measured(&rig, &run)
+    }
+
+    /// The step on the rig of the file and on its neighbours, the rig of the file first.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub fn neighbours(&self, gains: &[String]) -> Result<Vec<Performance>> {
+        let rig = self.rig_of(gains, &Variant::NOMINAL)?;
+        let measure = |rig: &Rig, run: &Run| {
+            self.measured(rig, run).map_or_else(Performance::failed, |(_, moves)| self.performance(&moves))
+        };
+        let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing(), measure, |_, _| {})?;
+        let failed = ensemble.nominal.lost.failed.into_iter().map(Performance::failed);
+        Ok(ensemble.measured.into_iter().chain(failed).collect())
+    }
+
+    /// The rig of the file with these gains.
+    ///
+    /// # Errors
+    /// When a gain is out of its range.
+    pub fn with(&self, gains: &[String]) -> Result<Rig, Problems> {
+        self.rig_of(gains, &Variant::NOMINAL)
+    }
+
+    /// What a step there and back has shown.
+    #[must_use]
+    pub fn performance(&self, moves: &[Move]) -> Performance {
+        let steps: Vec<&Move> = moves.iter().skip(1).collect();
+        Performance::of(&steps, self.goal.step_mm, self.goal.time_s)
+    }
+
+    /// From where to where the step of a variant goes, mm.
+    #[must_use]
+    pub fn ends_mm(&self, variant: &Variant) -> [f64; 2] {
+        self.way.setpoints(variant).map(|counts| counts as f64 * self.way.mm_per_count)
+    }
+
+    /// Between which positions every step lies, mm.
+    #[must_use]
+    pub fn way_mm(&self) -> [f64; 2] {
+        [self.way.low, self.way.high].map(|counts| counts as f64 * self.way.mm_per_count)
+    }
+
+    fn measured(&self, rig: &Rig, run: &Run) -> Result<(Transient, Vec<Move>), String> {
+        if let Some((fault, k)) = run.fault {
+            return Err(format!("{} at sample {k}", fault_name(fault)));
+        }
+        let transient = Transient::of_run("", &StoredRun::of(rig, run));
+        let moves = moves(&transient, &Motion::of(&transient), None, self.goal.settled_mm);
+        Ok((transient, moves))
+    }
+
+    fn rig_of(&self, gains: &[String], variant: &Variant) -> Result<Rig, Problems> {
+        let own = variant.settings(&self.rig).into_iter().chain(self.way.step(variant));
+        let settings: Vec<String> = self.settings.iter().chain(gains).cloned().chain(own).collect();
+        with_moves(&self.source, &settings, &self.way.moves(variant))
+    }
+}
+
+/// The rig of a source with settings and moves, which are timed: none waits for an arrival.
+fn with_moves((name, text): &(String, String), settings: &[String], moves: &str) -> Result<Rig, Problems> {
+    let timed = [moves.to_owned(), "controller.exit_on_dead_band=false".to_owned()];
+    let settings: Vec<String> = settings.iter().cloned().chain(timed).collect();
+    Rig::read_with(name, text, &settings)
+}
+
+/// Settings with which a rig is valid whatever its software ends are: an open loop has no setpoints.
+fn unlimited(settings: &[String]) -> Vec<String> {
+    settings.iter().cloned().chain(["controller.loop=open".to_owned()]).collect()
+}
+
+impl Way {
+    /// Between the positions that are typed and the software ends; from the ends of the stroke a step keeps the
+    /// distance that it may overshoot by, or settle within.
+    fn of(rig: &Rig, task: &Task) -> Result<Way> {
+        let (mm, goal) = (rig.get(&keys::encoder::MM_PER_COUNT), &task.goal);
+        let clear_mm = goal.settled_mm.max(goal.step_mm * goal.overshoot_percent / 100.0);
+        let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
+        let [lowest, highest] = task.between_mm;
+        let ends = [lowest, rig.get(&keys::safety::END_MIN_MM)].into_iter().flatten();
+        let low_mm = ends.fold(clear_mm, f64::max);
+        let ends = [highest, rig.get(&keys::safety::END_MAX_MM)].into_iter().flatten();
+        let high_mm = ends.fold(stroke_mm - clear_mm, f64::min);
+        let way = Way {
+            low: (low_mm / mm).ceil() as i64,
+            high: (high_mm / mm).floor() as i64,
+            step: (goal.step_mm / mm).round() as i64,
+            mm_per_count: mm,
+            time_s: goal.time_s,
+        };
+        if way.step > way.high - way.low {
+            bail!(
+                "a step of {} mm does not fit between {low_mm:.1} and {high_mm:.1} mm of the stroke of {stroke_mm:.0} mm; make it shorter (--step), or the way longer (--lowest, --highest, safety.end_min_mm, safety.end_max_mm)",
+                goal.step_mm
+            );
+        }
+        Ok(way)
+    }
+
+    /// The setpoints before and after the step of a variant, counts.
+    fn setpoints(&self, variant: &Variant) -> [i64; 2] {
+        let free = (self.high - self.low - self.step) as f64;
+        let low = self.low + (variant.place * free).round() as i64;
+        let ends = [low, low + self.step];
+        if variant.extends { ends } else { [ends[1], ends[0]] }
+    }
+
+    fn moves(&self, variant: &Variant) -> String {
+        let [from, to] = self.setpoints(variant);
+        let (there, back) = (HOLD_S, HOLD_S + self.time_s);
+        format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]")
+    }
+
+    /// The rest of the test, as `key=value`: it starts half a count beside its first setpoint, since a start on the
+    /// edge of a count is ill-defined.
+    fn step(&self, variant: &Variant) -> [String; 2] {
+        let [from, _] = self.setpoints(variant);
+        [
+            format!("test.duration_s={:?}", HOLD_S + 2.0 * self.time_s),
+            format!("test.position_m={:?}", (from as f64 + 0.5) * self.mm_per_count / 1e3),
+        ]
+    }
+}

@@ -1,0 +1,365 @@
+//! Requests to a rig, each asked again until it is answered.
+
+mod advance;
+mod answer;
+mod change;
+mod owner;
+mod parameters;
+mod record;
+mod stream;
+mod version_2;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, SystemTime};
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_protocol::{
+    ANY_BOOT, Accumulator, CURRENT_VERSION, InBoot, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply,
+    ReplyBody, Request, RequestBody, Status, decode_reply, encode_and_know, frame,
+};
+use pneudrive_records::foreign::{NAME, cleaned};
+use pneudrive_records::rig_info::{Info, RigParameters};
+use pneudrive_records::words;
+
+pub use owner::Commander;
+pub use record::{Pieces, RecordChanged};
+
+use crate::failure::Failure;
+use crate::port::{self, Link};
+use advance::Advance;
+use answer::refusal;
+use answer::unexpected;
+
+/// How long an answer may take before the request is sent again.
+/// Several fit into the silence of the host that trips a running move.
+const ANSWER_WAIT: Duration = Duration::from_millis(100);
+
+/// How often a request is sent.
+const ATTEMPTS: u32 = 15;
+
+/// Requests that are known again if the line brings them back: more than are on their way at once.
+const SAID: usize = 32;
+
+/// How long a rig may say nothing of use.
+const PATIENCE: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
+
+/// The token of this program, from the environment variable `PNEUDRIVE_TOKEN`; None where it is empty or not set.
+///
+/// # Errors
+/// When it is no text.
+pub fn token() -> Result<Option<String>> {
+    match std::env::var("PNEUDRIVE_TOKEN") {
+        Ok(token) => Ok(Some(token).filter(|token| !token.is_empty())),
+        Err(std::env::VarError::NotPresent) => Ok(None),
+        Err(error) => Err(error).context("PNEUDRIVE_TOKEN"),
+    }
+}
+
+/// A connection to a rig.
+pub struct Client {
+    link: Box<dyn Link>,
+    name: String,
+    accumulator: Accumulator,
+    /// Bytes that came and were not looked at yet.
+    heard: std::vec::IntoIter<u8>,
+    sequence: u16,
+    /// Tells its requests from those of other hosts.
+    session: u32,
+    /// The boot of the rig that its requests are meant for.
+    boot: u32,
+    /// Whether it has armed the drive, or taken it over.
+    commands: bool,
+    /// The test that it has downloaded, as a start names it.
+    test_crc32: Option<u32>,
+    /// The parameters that it has read, and their fingerprint on the rig.
+    known: Option<(u32, RigParameters)>,
+    /// The parameters that the test which it has downloaded is to run with, if it knows them.
+    meant: Option<RigParameters>,
+    /// The newest version that the rig speaks.
+    version: u16,
+    /// Samples that the rig has room for, as it says.
+    record_capacity: u32,
+    /// Last sample of the test that it has downloaded.
+    last_sample: Option<u32>,
+    repeats: u32,
+    said: Recent<SAID>,
+    unasked: stream::Unasked,
+}
+
+impl Client {
+    /// Opens a port and makes sure that a rig answers there.
+    ///
+    /// # Errors
+    /// When the port cannot be opened, nobody answers, or the versions do not fit.
+    pub fn connect(name: &str) -> Result<Client> {
+        let opened = port::open(name).map_err(|error| Failure::NoAnswer.of(error))?;
+        Client::over(opened, name)
+    }
+
+    /// Talks over an open link; `name` is for messages.
+    ///
+    /// # Errors
+    /// When nobody answers, or the versions do not fit.
+    pub fn over(link: Box<dyn Link>, name: &str) -> Result<Client> {
+        // Not where the last program began, lest its last reply be taken for ours.
+        let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        let begin = std::process::id() as u16 ^ (clock.subsec_nanos() >> 8) as u16;
+        Client::in_session(link, name, owner::any_session(), begin)
+    }
+
+    /// The same in a session that is given, with requests numbered from behind `sequence`: a run of the client that can
+    /// be repeated.
+    ///
+    /// # Errors
+    /// As for [`Client::over`].
+    pub fn in_session(link: Box<dyn Link>, name: &str, session: u32, sequence: u16) -> Result<Client> {
+        let mut client = Client {
+            link,
+            name: name.to_owned(),
+            accumulator: Accumulator::new(),
+            heard: Vec::new().into_iter(),
+            sequence,
+            session,
+            boot: ANY_BOOT,
+            commands: false,
+            test_crc32: None,
+            known: None,
+            meant: None,
+            version: MIN_VERSION,
+            record_capacity: 0,
+            last_sample: None,
+            repeats: 0,
+            said: Recent::default(),
+            unasked: stream::Unasked::default(),
+        };
+        // Ends whatever an earlier program left half said.
+        client.link.write(&[0]).with_context(|| format!("cannot write to {name}"))?;
+        if name.starts_with("tcp://")
+            && let Some(token) = token()?
+        {
+            client.say_token(&token)?;
+        }
+        let info = client.info()?;
+        (client.version, client.record_capacity) = (info.version, info.record_capacity);
+        client.boot = client.number_of_boot()?;
+        Ok(client)
+    }
+
+    /// Frames that came damaged, and requests that were sent again: what the link has cost so far.
+    #[must_use]
+    pub fn losses(&self) -> (u32, u32) {
+        (self.accumulator.damaged, self.repeats)
+    }
+
+    /// Sends a request until it is answered, and gives the answer to `take`, unless it is a refusal.
+    fn ask<T>(&mut self, body: RequestBody<'_>, take: impl Fn(&ReplyBody<'_>) -> Result<T>) -> Result<T> {
+        let name = self.name.clone();
+        self.ask_for_any(body, |reply| match reply {
+            ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
+            body => take(body),
+        })
+    }
+
+    /// Sends a request until it is answered, and gives the answer to `take`.
+    fn ask_for_any<T>(
+        &mut self,
+        body: RequestBody<'_>,
+        take: impl Fn(&ReplyBody<'_>) -> Result<T>,
+    ) -> Result<T> {
+        self.sequence = self.sequence.wrapping_add(1);
+        let sequence = self.sequence;
+        for attempt in 0..ATTEMPTS {
+            self.repeats += u32::from(attempt > 0);
+            self.send(Request { sequence, body })?;
+            let deadline = self.link.now() + ANSWER_WAIT;
+            let answer =
+                self.hear(deadline, |reply| (reply.sequence == sequence).then(|| take(&reply.body)))?;
+            if let Some(answer) = answer {
+                return answer;
+            }
+        }
+        Err(self.no_answer())
+    }
+
+    fn no_answer(&self) -> anyhow::Error {
+        Failure::NoAnswer.error(format!(
+            "no answer from {} within {:.1} s; is it a rig, powered and with this firmware, and does no other program talk to it?",
+            self.name,
+            PATIENCE.as_secs_f64()
+        ))
+    }
+
+    fn send(&mut self, request: Request<'_>) -> Result<()> {
+        let mut frame = [0; MAX_FRAME];
+        let asked = InSession { request, session: self.session };
+        let framed = match self.boot {
+            ANY_BOOT => encode_and_know(&asked, &mut frame),
+            boot => encode_and_know(&InBoot { asked, boot }, &mut frame),
+        };
+        let (frame, crc32) = framed.ok_or_else(|| anyhow!("a request is too long to send"))?;
+        self.said.add(crc32);
+        self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
+    }
+
+    /// Gives what the rig says to `take` until that has what it wants, or the time has come. Damaged frames
+    /// are passed over, and so is what the line brings back of our own; what comes unasked is set aside.
+    fn hear<T>(
+        &mut self,
+        deadline: Duration,
+        mut take: impl FnMut(&Reply<'_>) -> Option<T>,
+    ) -> Result<Option<T>> {
+        loop {
+            for byte in self.heard.by_ref() {
+                let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
+                if self.said.holds(frame::crc32(message)) {
+                    continue;
+                }
+                let Ok(reply) = decode_reply(message) else { continue };
+                if !self.unasked.takes(&reply)
+                    && let Some(taken) = take(&reply)
+                {
+                    return Ok(Some(taken));
+                }
+            }
+            if self.link.now() >= deadline {
+                return Ok(None);
+            }
+            let mut bytes = vec![0; 4096];
+            let count =
+                self.link.read(&mut bytes).with_context(|| format!("the link to {} broke", self.name))?;
+            bytes.truncate(count);
+            self.heard = bytes.into_iter();
+        }
+    }
+
+    /// A firmware of an older version does not know these requests: says so by name.
+    fn needs_version(&mut self, version: u16, what: &str) -> Result<()> {
+        if self.version < version {
+            let info = self.info()?;
+            bail!(
+                "{}: its firmware ({}) speaks version {} of the protocol and is too old for {what}, which needs version {version}; flash a newer one",
+                self.name,
+                info.firmware,
+                info.version
+            );
+        }
+        Ok(())
+    }
+
+    fn ask_done(&mut self, body: RequestBody<'_>) -> Result<()> {
+        self.ask(body, |reply| match reply {
+            ReplyBody::Done => Ok(()),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// Who the rig is.
+    ///
+    /// # Errors
+    /// When it does not answer, or speaks no version that this program knows.
+    pub fn info(&mut self) -> Result<Info> {
+        let name = self.name.clone();
+        self.ask(RequestBody::Info, |reply| match *reply {
+            ReplyBody::Info { min_version, version, firmware, build, board, record_capacity } => {
+                if version < MIN_VERSION || min_version > CURRENT_VERSION {
+                    bail!(
+                        "{name} speaks protocol versions {min_version} to {version}, this program {MIN_VERSION} to {CURRENT_VERSION}; update the older of the two"
+                    );
+                }
+                Ok(Info {
+                    version,
+                    firmware: cleaned(firmware, NAME),
+                    build: cleaned(build, NAME),
+                    board: cleaned(board, NAME),
+                    record_capacity,
+                })
+            }
+            ref other => Err(unexpected(other)),
+        })
+    }
+
+    /// How the rig is.
+    ///
+    /// # Errors
+    /// When it does not answer.
+    pub fn status(&mut self) -> Result<Status> {
+        self.ask(RequestBody::Status, |reply| match reply {
+            ReplyBody::Status(status) => Ok(*status),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// Stops at once.
+    ///
+    /// # Errors
+    /// When it is not answered.
+    pub fn stop(&mut self) -> Result<()> {
+        self.ask_done(RequestBody::Stop)
+    }
+
+    /// States that the axis stands at `position_counts` now.
+    ///
+    /// # Errors
+    /// When it is refused or not answered.
+    pub fn reference(&mut self, position_counts: i32) -> Result<()> {
+        self.ask_done(RequestBody::Reference { position_counts })
+    }
+
+    /// Follows a run to its end; `progress` is given the status now and then. Stops the rig once
+    /// `interrupted` is set; that is the end of a test that runs until it is stopped, and disarms it.
+    ///
+    /// # Errors
+    /// When the drive trips, the run is ended by someone else, its samples stand still or go on past its end, or the rig
+    /// stops answering.
+    pub fn follow(&mut self, interrupted: &AtomicBool, progress: impl FnMut(&Status)) -> Result<Status> {
+        self.follow_and(interrupted, progress, |_, _| {
+            std::thread::sleep(Duration::from_millis(20));
+            Ok(())
+        })
+    }
+
+    /// Follows a run and does something else between two looks at it.
+    fn follow_and(
+        &mut self,
+        interrupted: &AtomicBool,
+        mut progress: impl FnMut(&Status),
+        mut between: impl FnMut(&mut Client, &Status) -> Result<()>,
+    ) -> Result<Status> {
+        let mut last = None;
+        let mut advance = Advance::since(self.link.now());
+        loop {
+            if interrupted.load(Ordering::Relaxed) {
+                return self.end_early(last);
+            }
+            let status = self.status()?;
+            last = Some(status);
+            progress(&status);
+            match status.mode {
+                // Who cannot go on must not leave a cylinder that moves.
+                Mode::Running => advance
+                    .check(&status, self.last_sample, self.link.now())
+                    .with_context(|| self.name.clone())
+                    .and_then(|()| between(self, &status))
+                    .inspect_err(|_| {
+                        let _ = self.stop();
+                    })?,
+                Mode::Fault => return Err(self.tripped(&status)),
+                Mode::Done => return Ok(status),
+                Mode::Disarmed | Mode::Armed => bail!(
+                    "{}: the run did not come to its end; the rig was reset, or someone else disarmed it",
+                    self.name
+                ),
+            }
+        }
+    }
+
+    fn tripped(&self, status: &Status) -> anyhow::Error {
+        Failure::Tripped.error(format!(
+            "{} tripped {}: {} ({}); `pneudrive device arm` leaves the fault",
+            self.name,
+            self.place_in_run(status.index),
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ))
+    }
+}

@@ -1,0 +1,227 @@
+//! Parameters and a test that a rig takes together or not at all (version 5 of the protocol), and the start that names
+//! them. An older rig takes them request by request.
+
+use anyhow::{Result, bail};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::id;
+use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
+use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, frame};
+use pneudrive_records::rig_info::RigParameters;
+use pneudrive_sim::Rig;
+use pneudrive_sim::keys;
+
+use super::Client;
+use super::answer::{refusal, unexpected};
+use crate::failure::Failure;
+
+/// How often a change is begun anew when the rig has lost a part of it.
+const TRIES: u32 = 3;
+
+/// A change as it is sent.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Change(Vec<u8>);
+
+impl Change {
+    fn add(&mut self, entry: &Entry<'_>) {
+        let mut room = [0; PART_BYTES];
+        let bytes =
+            entry.write(&mut room).expect("names are short, and values no more than a message carries");
+        self.0.extend_from_slice(bytes);
+    }
+
+    /// Adds parameters of consecutive ids.
+    pub(super) fn add_parameters(&mut self, first_id: u16, values: &[i32]) {
+        for (block, values) in values.chunks(MAX_VALUES).enumerate() {
+            let mut room = [0; 4 * MAX_VALUES];
+            let values = Values::fill(&mut room, values.iter().copied()).expect("a block");
+            self.add(&Entry::Parameters { first_id: first_id + (block * MAX_VALUES) as u16, values });
+        }
+    }
+
+    /// Adds the test of a rig, which ends with this sample.
+    fn add_test(&mut self, rig: &Rig, last_sample: u32) {
+        let sequence = rig.sequence();
+        self.add(&Entry::Test {
+            name: short(rig.name()),
+            last_sample,
+            round: sequence.round(),
+            decimation: rig.get(&keys::test::DECIMATION) as u16,
+            pre_trigger: rig.get(&keys::test::PRE_TRIGGER) as u16,
+        });
+        for next in sequence.moves() {
+            self.add(&Entry::Move { at_sample: next.at_sample, target: next.target });
+        }
+    }
+}
+
+impl Client {
+    /// Downloads the test of a rig.
+    ///
+    /// # Errors
+    /// When it is refused, or the drive is not disarmed.
+    pub fn download_test(&mut self, rig: &Rig) -> Result<()> {
+        self.prepare(rig, rig.last_sample(), None).map(drop)
+    }
+
+    /// The same, but it ends with another sample (with [`UNTIL_STOPPED`](pneudrive_protocol::UNTIL_STOPPED), once it is stopped), and parameters are
+    /// downloaded with it. Tells the names of those that the firmware does not have, as
+    /// [`Client::import_parameters`] does.
+    ///
+    /// # Errors
+    /// When it is refused, the drive is not disarmed, or the firmware too old for such a test. Nothing is changed then;
+    /// firmware before version 5 may have taken a part.
+    pub fn prepare(
+        &mut self,
+        rig: &Rig,
+        last_sample: u32,
+        parameters: Option<&Parameters>,
+    ) -> Result<Vec<&'static str>> {
+        self.last_sample = Some(last_sample);
+        // Those of the rig as this program has seen them last, if the test comes alone.
+        self.meant = self.known.take().map(|(_, parameters)| parameters);
+        if self.version < 5 {
+            let lacking = parameters.map(|parameters| self.import_parameters(parameters)).transpose()?;
+            self.download_step_by_step(rig, last_sample)?;
+            return Ok(lacking.unwrap_or_default());
+        }
+        let mut change = Change::default();
+        let lacking = match parameters {
+            Some(parameters) => self.add_those_it_has(parameters, &mut change)?,
+            None => Vec::new(),
+        };
+        change.add_test(rig, last_sample);
+        self.take(&change)?;
+        if let Some(parameters) = parameters {
+            self.meant = Some(RigParameters { values: parameters.clone(), lacking: Vec::new() });
+        }
+        self.test_crc32 = Some(test_crc32(&change.0));
+        Ok(lacking)
+    }
+
+    /// Has the rig take a change, whole.
+    pub(super) fn take(&mut self, change: &Change) -> Result<()> {
+        self.known = None;
+        for _ in 0..TRIES {
+            if self.send_and_take(&change.0)? {
+                return Ok(());
+            }
+        }
+        bail!(
+            "{}: parts of a change were lost again and again; is another program using the port?",
+            self.name
+        )
+    }
+
+    /// False when the rig has lost a part.
+    fn send_and_take(&mut self, bytes: &[u8]) -> Result<bool> {
+        let crc32 = frame::crc32(bytes);
+        for (index, part) in bytes.chunks(PART_BYTES).enumerate() {
+            let first = (index * PART_BYTES) as u16;
+            if !self.done_or_not_whole(RequestBody::ChangePart { crc32, first, part })? {
+                return Ok(false);
+            }
+        }
+        self.done_or_not_whole(RequestBody::ChangeTake { crc32 })
+    }
+
+    fn done_or_not_whole(&mut self, body: RequestBody<'_>) -> Result<bool> {
+        let name = self.name.clone();
+        self.ask_for_any(body, |reply| match reply {
+            ReplyBody::Done => Ok(true),
+            ReplyBody::Refused(Refused::ChangeNotWhole) => Ok(false),
+            ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// As firmware before version 5 takes a test.
+    fn download_step_by_step(&mut self, rig: &Rig, last_sample: u32) -> Result<()> {
+        let duration_us = last_sample.checked_mul(rig.period_us().get());
+        let round = rig.sequence().round();
+        let spans = round > 0 || duration_us.is_none();
+        if spans {
+            self.needs_version(4, "a test that repeats its moves or lasts more than 71 minutes")?;
+        }
+        self.ask_done(RequestBody::TestBegin {
+            name: short(rig.name()),
+            duration_us: duration_us.unwrap_or(u32::MAX),
+            decimation: rig.get(&keys::test::DECIMATION) as u16,
+            pre_trigger: rig.get(&keys::test::PRE_TRIGGER) as u16,
+        })?;
+        for (time_s, target) in rig.moves() {
+            let time_us = (time_s * 1e6).round() as u32;
+            self.ask_done(RequestBody::TestMove { time_us, target: target as i32 })?;
+        }
+        if spans { self.ask_done(RequestBody::TestSpan { last_sample, round }) } else { Ok(()) }
+    }
+
+    /// Starts the test that this client has downloaded, with the parameters that it has downloaded with it or else those that
+    /// it had read before, and those that it has read since, if it has.
+    ///
+    /// # Errors
+    /// When it is refused or not answered; also when another program has changed test or parameters since.
+    pub fn start(&mut self) -> Result<()> {
+        let Some(test) = self.test_crc32.filter(|_| self.version >= 5) else {
+            return self.ask_done(RequestBody::Start);
+        };
+        // The drive is armed: its parameters stay what they are from here on.
+        let parameters = self.config_state()?.hash;
+        let read_since = self.known.take_if(|(hash, _)| *hash != parameters).map(|(_, read)| read);
+        for expected in [self.meant.take(), read_since].into_iter().flatten() {
+            self.refuse_others_parameters(&expected, parameters)?;
+        }
+        self.ask_done(RequestBody::StartTest { crc32: start_crc32(test, parameters) })
+    }
+
+    /// Refuses to start where the parameters in force, which have this fingerprint, are not those that are expected.
+    fn refuse_others_parameters(&mut self, expected: &RigParameters, hash: u32) -> Result<()> {
+        let now = match &self.known {
+            Some((known, read)) if *known == hash => read.clone(),
+            _ => self.parameters()?,
+        };
+        if !are_the_same_but_for_what_was_learned(expected, &now) {
+            return Err(Failure::Refused
+                .error(format!("{}: another program has changed its parameters; run again", self.name)));
+        }
+        Ok(())
+    }
+}
+
+/// Arming makes what the last run has learned of the valve's null a parameter.
+fn are_the_same_but_for_what_was_learned(before: &RigParameters, now: &RigParameters) -> bool {
+    let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && was.0 != id::NULL_OFFSET_COUNTS;
+    !before.values.iter().zip(now.values.iter()).any(differs)
+}
+
+/// A name short enough for every message.
+fn short(name: &str) -> &str {
+    let end = (0..=name.len().min(pneudrive_app::control::NAME_BYTES))
+        .rev()
+        .find(|&end| name.is_char_boundary(end));
+    &name[..end.unwrap_or(0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_controller::sequencer::MAX_MOVES;
+    use pneudrive_protocol::change::{Entries, MAX_CHANGE};
+
+    #[test]
+    fn all_parameters_and_the_longest_test_fit_in_a_change() {
+        let mut change = Change::default();
+        let ids: Vec<u16> = Parameters::default().iter().map(|(id, _)| id).collect();
+        for run in ids.chunk_by(|a, b| a + 1 == *b) {
+            change.add_parameters(run[0], &vec![i32::MIN; run.len()]);
+        }
+        let name = "n".repeat(pneudrive_app::control::NAME_BYTES);
+        let (last_sample, round) = (u32::MAX, u32::MAX);
+        let (decimation, pre_trigger) = (u16::MAX, u16::MAX);
+        change.add(&Entry::Test { name: &name, last_sample, round, decimation, pre_trigger });
+        for _ in 0..MAX_MOVES {
+            change.add(&Entry::Move { at_sample: u32::MAX, target: i32::MIN });
+        }
+        assert!(change.0.len() <= MAX_CHANGE, "{} of {MAX_CHANGE} bytes", change.0.len());
+        assert!(Entries::of(&change.0).all(|entry| entry.is_ok()));
+    }
+}

@@ -1,0 +1,146 @@
+//! Who commands the drive (version 5 of the protocol): the session that has armed it, while it is heard. And in which of
+//! its boots (version 6).
+
+use std::hash::{BuildHasher, RandomState};
+
+use anyhow::{Context, Result};
+use pneudrive_protocol::{ANY_BOOT, Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
+use pneudrive_records::foreign::{NAME, cleaned};
+use pneudrive_records::words;
+
+use super::Client;
+use super::answer::unexpected;
+use crate::failure::Failure;
+
+/// The host that commands a drive.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Commander {
+    /// Whether there is one.
+    pub presence: Presence,
+    /// Its session.
+    pub session: u32,
+    /// For how long nothing was heard of it, milliseconds; 0 where the rig has no clock for that.
+    pub silent_ms: u32,
+    /// What it calls itself; empty for a program of version 4 of the protocol or older.
+    pub host: String,
+}
+
+impl From<&Owner<'_>> for Commander {
+    fn from(owner: &Owner<'_>) -> Commander {
+        let Owner { presence, session, silent_ms, host } = *owner;
+        Commander { presence, session, silent_ms, host: cleaned(host, NAME) }
+    }
+}
+
+/// A number that no other host is likely to have.
+pub(super) fn any_session() -> u32 {
+    let drawn = RandomState::new().hash_one(std::process::id()) as u32;
+    if drawn == session::OLD_HOSTS { 1 } else { drawn }
+}
+
+/// What this program calls itself.
+fn host_name() -> String {
+    format!("pneudrive, process {}", std::process::id())
+}
+
+impl Client {
+    /// The number of the rig's boot, if its firmware tells one.
+    pub(super) fn number_of_boot(&mut self) -> Result<u32> {
+        if self.version < 6 {
+            return Ok(ANY_BOOT);
+        }
+        self.ask(RequestBody::Boot, |reply| match reply {
+            ReplyBody::Boot { number } => Ok(*number),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// Whether the firmware speaks this version of the protocol.
+    #[must_use]
+    pub fn speaks(&self, version: u16) -> bool {
+        self.version >= version
+    }
+
+    /// Whether its requests name the boot of the rig that they are meant for, so that no copy of one counts after a reset.
+    #[must_use]
+    pub fn names_its_boot(&self) -> bool {
+        self.boot != ANY_BOOT
+    }
+
+    /// Who commands the drive; None where the firmware is too old to know.
+    ///
+    /// # Errors
+    /// When the rig does not answer.
+    pub fn owner(&mut self) -> Result<Option<Commander>> {
+        if self.version < 5 {
+            return Ok(None);
+        }
+        self.ask(RequestBody::Owner, |reply| match reply {
+            ReplyBody::Owner(owner) => Ok(Some(owner.into())),
+            other => Err(unexpected(other)),
+        })
+    }
+
+    /// Enables the drive. This client commands it from now on, until it is disarmed or trips, or the client goes.
+    ///
+    /// # Errors
+    /// When it is refused, also because another host commands the drive, or not answered.
+    pub fn arm(&mut self) -> Result<()> {
+        if self.version < 5 {
+            return self.ask_done(RequestBody::Arm);
+        }
+        self.ask_done(RequestBody::ArmAs { host: &host_name() })?;
+        self.commands = true;
+        Ok(())
+    }
+
+    /// Commands a drive that another host has armed and left. One that nobody has armed stays as it is.
+    ///
+    /// # Errors
+    /// When another host commands it, or nobody answers.
+    pub fn take_over(&mut self) -> Result<()> {
+        match self.owner()? {
+            Some(owner) if owner.presence == Presence::There && owner.session != self.session => {
+                let owned = words::owned(owner.presence, &owner.host, owner.silent_ms);
+                Err(Failure::Refused.error(format!("{}: {owned}", self.name)))
+            }
+            Some(Commander { presence: Presence::Gone, .. }) => {
+                self.ask_done(RequestBody::TakeOver { host: &host_name() })?;
+                self.commands = true;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Says the token to a rig, which may ask for it, or be too old to.
+    pub(super) fn say_token(&mut self, token: &str) -> Result<()> {
+        let name = self.name.clone();
+        let said = self.ask_for_any(RequestBody::Token { token }, |reply| match reply {
+            ReplyBody::Done | ReplyBody::Refused(Refused::Unknown) => Ok(()),
+            other => Err(unexpected(other)),
+        });
+        said.with_context(|| format!("{name}: was it started with another PNEUDRIVE_TOKEN?"))
+    }
+
+    /// Disables the drive.
+    ///
+    /// # Errors
+    /// When another host commands it, or it is not answered.
+    pub fn disarm(&mut self) -> Result<()> {
+        self.ask_done(RequestBody::Disarm)?;
+        self.commands = false;
+        Ok(())
+    }
+}
+
+impl Drop for Client {
+    /// Tells the rig that its owner goes: the next program need not wait until that is noticed.
+    fn drop(&mut self) {
+        if self.commands {
+            self.sequence = self.sequence.wrapping_add(1);
+            // A link that is broken tells the rig as well, a moment later.
+            let _ = self.send(Request { sequence: self.sequence, body: RequestBody::Leave });
+        }
+    }
+}

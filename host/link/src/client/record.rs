@@ -1,0 +1,195 @@
+//! The record of a rig: what it holds, and its samples by a [`Download`].
+
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use pneudrive_protocol::{
+    CHUNK_SAMPLES, Mode, RecordCrc, RecordedSample, Refused, Reply, ReplyBody, Request, RequestBody,
+};
+use pneudrive_records::record::{Record, RecordHead};
+
+use super::answer::{refusal, unexpected};
+use super::{ANSWER_WAIT, Client, PATIENCE};
+
+use crate::download::Download;
+use crate::failure::Failure;
+
+/// How long a rig may take to form the CRC of a record that it is asked for.
+const DIGESTING: Duration = Duration::from_secs(5);
+
+/// The rig has another record now than when the download began.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("the record changed while it was read; record again")]
+pub struct RecordChanged;
+
+/// What is there of a record.
+#[derive(Clone, Debug)]
+pub struct Pieces {
+    /// Up to the last chunk that has come; zeros where one is missing.
+    bytes: Vec<u8>,
+    /// Bytes of all samples.
+    length: usize,
+    download: Download,
+}
+
+impl Pieces {
+    /// Nothing of a record of so many samples.
+    #[must_use]
+    pub fn none(samples: usize) -> Pieces {
+        Pieces {
+            bytes: Vec::new(),
+            length: samples * RecordedSample::BYTES,
+            download: Download::new(samples.div_ceil(CHUNK_SAMPLES)),
+        }
+    }
+
+    /// Takes a chunk, unless it is there already or is none of this record.
+    pub fn take(&mut self, first: usize, samples: &[u8]) -> bool {
+        let place = first.saturating_mul(RecordedSample::BYTES);
+        let whole = CHUNK_SAMPLES * RecordedSample::BYTES;
+        let end = place.saturating_add(whole).min(self.length);
+        let fits = first.is_multiple_of(CHUNK_SAMPLES) && end.checked_sub(place) == Some(samples.len());
+        if !fits || !self.download.arrived(first / CHUNK_SAMPLES) {
+            return false;
+        }
+        self.bytes.resize(self.bytes.len().max(end), 0);
+        self.bytes[place..end].copy_from_slice(samples);
+        true
+    }
+
+    /// Samples that are there, at least.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        (self.download.arrivals() * CHUNK_SAMPLES).min(self.length / RecordedSample::BYTES)
+    }
+
+    /// The record, if its CRC is that of the pieces.
+    fn join(self, head: &RecordHead) -> Result<Record, RecordChanged> {
+        let mut crc = RecordCrc::new();
+        crc.update(&self.bytes);
+        if crc.finish() != head.crc32 {
+            return Err(RecordChanged);
+        }
+        let samples = RecordedSample::read(&self.bytes).into_iter().flatten().collect();
+        Ok(Record { head: head.clone(), samples })
+    }
+}
+
+/// An answer to the request for a chunk.
+type Answer = Result<(usize, Vec<u8>)>;
+
+impl Client {
+    /// Pulls the recorded transient; `progress` is given samples done and samples in all.
+    ///
+    /// # Errors
+    /// When there is none yet, or what came is not what was recorded.
+    pub fn record(&mut self, mut progress: impl FnMut(usize, usize)) -> Result<Record> {
+        let head = self.record_head()?;
+        let mut done = 0;
+        self.download(&head, Pieces::none(head.samples), |_, samples| {
+            done += samples.len() / RecordedSample::BYTES;
+            progress(done, head.samples);
+            Ok(())
+        })
+    }
+
+    /// What is missing of a record; `keep` is given each chunk that comes: position of its first sample, and
+    /// their bytes.
+    ///
+    /// # Errors
+    /// [`RecordChanged`], or when the rig falls silent or the link breaks.
+    pub fn download(
+        &mut self,
+        head: &RecordHead,
+        mut pieces: Pieces,
+        mut keep: impl FnMut(usize, &[u8]) -> Result<()>,
+    ) -> Result<Record> {
+        // The request for a chunk is the same whenever it is sent: its number is that of the chunk.
+        let base = self.sequence.wrapping_add(1);
+        let chunks = head.samples.div_ceil(CHUNK_SAMPLES);
+        self.sequence = self.sequence.wrapping_add(chunks as u16);
+        let mut progress = self.link.now();
+        while !pieces.download.is_complete() {
+            while let Some(chunk) = pieces.download.ask() {
+                self.ask_for_chunk(head, base, chunk)?;
+            }
+            let deadline = self.link.now() + ANSWER_WAIT;
+            let rig = self.name.clone();
+            match self.hear(deadline, |reply| answer(reply, base, chunks, &rig))?.transpose()? {
+                Some((first, samples)) if pieces.take(first, &samples) => {
+                    keep(first, &samples)?;
+                    progress = self.link.now();
+                }
+                Some(_) => {}
+                None => pieces.download.fell_silent(),
+            }
+            if self.link.now() > progress + PATIENCE {
+                return Err(self.no_answer());
+            }
+        }
+        self.repeats += pieces.download.repeats() as u32;
+        Ok(pieces.join(head)?)
+    }
+
+    fn ask_for_chunk(&mut self, head: &RecordHead, base: u16, chunk: usize) -> Result<()> {
+        let first = chunk * CHUNK_SAMPLES;
+        let count = (head.samples - first).min(CHUNK_SAMPLES) as u8;
+        let first = first as u32;
+        // Older firmware has no name for a record: what it sends of another one, the CRC finds at the end.
+        let body = match self.version {
+            ..3 => RequestBody::RecordRead { first, count },
+            3.. => RequestBody::RecordChunk { crc32: head.crc32, first, count },
+        };
+        self.send(Request { sequence: base.wrapping_add(chunk as u16), body })
+    }
+
+    /// What the record holds, its CRC included.
+    ///
+    /// # Errors
+    /// When there is none yet.
+    pub fn record_head(&mut self) -> Result<RecordHead> {
+        let (mut head, mut complete) = self.ask_record_info()?;
+        // The rig forms the CRC of its record piece by piece.
+        let deadline = self.link.now() + DIGESTING;
+        while !complete && self.link.now() < deadline {
+            if matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
+                break;
+            }
+            (head, complete) = self.ask_record_info()?;
+        }
+        if !complete {
+            let why = match self.status()?.mode {
+                Mode::Armed => "is armed: it has no record until a run has made one",
+                _ => "is still recording; wait for the end of the run",
+            };
+            return Err(Failure::Refused.error(format!("{} {why}", self.name)));
+        }
+        if head.samples == 0 {
+            return Err(refusal(&self.name, &Refused::NoRecord));
+        }
+        head.check(self.record_capacity as usize).with_context(|| self.name.clone())?;
+        Ok(head)
+    }
+
+    fn ask_record_info(&mut self) -> Result<(RecordHead, bool)> {
+        self.ask(RequestBody::RecordInfo, |reply| match reply {
+            ReplyBody::RecordInfo(info) => Ok((info.into(), info.complete)),
+            other => Err(unexpected(other)),
+        })
+    }
+}
+
+/// What a reply says of a chunk: None for a reply to something else.
+fn answer(reply: &Reply<'_>, base: u16, chunks: usize, rig: &str) -> Option<Answer> {
+    let chunk = reply.sequence.wrapping_sub(base);
+    match reply.body {
+        ReplyBody::Chunk { first, samples } if (first as usize / CHUNK_SAMPLES) as u16 == chunk => {
+            Some(Ok((first as usize, samples.to_vec())))
+        }
+        ReplyBody::Refused(refused) if usize::from(chunk) < chunks => Some(Err(match refused {
+            Refused::OtherRecord | Refused::NoRecord | Refused::RecordRange { .. } => RecordChanged.into(),
+            other => refusal(rig, &other),
+        })),
+        _ => None,
+    }
+}

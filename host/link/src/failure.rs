@@ -1,0 +1,76 @@
+//! Why a request to a rig came to nothing: a kind that a program can tell apart, and the message for a person.
+
+use std::error::Error as StdError;
+use std::fmt::{self, Display, Formatter};
+
+use anyhow::Error;
+
+/// What keeps a request from its answer, or a run from its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// The port cannot be opened, or nobody answers there.
+    NoAnswer,
+    /// The rig refuses: its state does not allow it, or another host commands the drive.
+    Refused,
+    /// The drive has tripped.
+    Tripped,
+    /// The run was stopped because the caller asked for it.
+    Interrupted,
+}
+
+impl Failure {
+    /// An error of this kind.
+    pub fn error(self, message: impl Display) -> Error {
+        self.of(anyhow::anyhow!("{message}"))
+    }
+
+    /// The same error, marked as one of this kind.
+    #[must_use]
+    pub fn of(self, error: Error) -> Error {
+        Failed { failure: self, error }.into()
+    }
+
+    /// The kind of one cause in the chain of an error; None if the cause is not of this crate.
+    #[must_use]
+    pub fn of_cause(cause: &(dyn StdError + 'static)) -> Option<Failure> {
+        cause.downcast_ref::<Failed>().map(|failed| failed.failure)
+    }
+}
+
+/// An error that knows its kind; to a reader it is that error.
+#[derive(Debug)]
+struct Failed {
+    failure: Failure,
+    error: Error,
+}
+
+impl Display for Failed {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        Display::fmt(&self.error, f)
+    }
+}
+
+impl StdError for Failed {
+    fn source(&self) -> Option<&(dyn StdError + 'static)> {
+        self.error.source()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn an_error_keeps_its_kind_and_its_text_under_any_context() {
+        let error = Failure::Tripped.of(anyhow::anyhow!("the cause").context("it tripped"));
+        let error = Err::<(), _>(error).context("run").context("demo").expect_err("an error");
+        assert_eq!(error.chain().find_map(Failure::of_cause), Some(Failure::Tripped));
+        assert_eq!(format!("{error:#}"), "demo: run: it tripped: the cause");
+    }
+
+    #[test]
+    fn an_error_of_another_crate_has_no_kind() {
+        assert_eq!(anyhow::anyhow!("a file").chain().find_map(Failure::of_cause), None);
+    }
+}

@@ -1,0 +1,266 @@
+//! A run folder as it is read.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::keys;
+use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
+use pneudrive_sim::{Accuracy, Method, Rig, Run};
+
+use crate::judged::{Judged, Spacing};
+
+use super::checksum::checksum;
+use super::json_file::read_json;
+use super::replacement::settle;
+use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS};
+use crate::band::Band;
+use crate::rig_text;
+use crate::window::{WHOLE_WINDOW, whole_window};
+
+/// The key of the encoder's scale, and what that must be.
+const SCALE: &str = "encoder.mm_per_count";
+const MORE_THAN_0: &str = "it must be a number, more than 0";
+
+/// A run as it was written: its description and the columns of its trace.
+#[derive(Clone, Debug)]
+pub struct StoredRun {
+    /// What the rig is called.
+    pub rig: String,
+    /// Its number in its folder, and when it was written; None of a run of an older program, or one not written.
+    pub numbered: Option<Numbered>,
+    /// mm of stroke per encoder count.
+    pub mm_per_count: f64,
+    /// Whether its moves are commands.
+    pub open_loop: bool,
+    /// Windows of the controller's velocity and acceleration, samples.
+    pub windows: [u8; 2],
+    /// What it and its neighbours cover, if it has some.
+    pub band: Option<Band>,
+    /// How its neighbours were chosen; None of a run without neighbours.
+    pub spacing: Option<Spacing>,
+    /// How exactly it was integrated; None where this program does not know.
+    pub accuracy: Option<Accuracy>,
+    /// Columns that not every trace has.
+    pub extras: Vec<&'static Extra>,
+    /// Whether its trace is known to be the one that was written; those of older programs have no checksum.
+    pub has_checksum: bool,
+    columns: Vec<Vec<f64>>,
+}
+
+impl StoredRun {
+    /// A run that has not been written.
+    #[must_use]
+    pub fn of(rig: &Rig, run: &Run) -> StoredRun {
+        let mut columns = vec![Vec::with_capacity(run.rows.len()); COLUMNS.len()];
+        for row in &run.rows {
+            for (column, value) in columns.iter_mut().zip(row.values()) {
+                column.push(value);
+            }
+        }
+        StoredRun {
+            rig: rig.name().to_owned(),
+            numbered: None,
+            mm_per_count: rig.get(&keys::encoder::MM_PER_COUNT),
+            open_loop: rig.get(&keys::controller::LOOP) == Loop::Open,
+            windows: WINDOWS.map(|key| rig.get(key) as u8),
+            band: None,
+            spacing: None,
+            accuracy: None,
+            has_checksum: true,
+            extras: Vec::new(),
+            columns,
+        }
+    }
+
+    /// The same with its band and all of its columns.
+    #[must_use]
+    pub fn of_judged(rig: &Rig, judged: &Judged) -> StoredRun {
+        let run = StoredRun::of(rig, &judged.run);
+        let value = |extra: &Extra| judged.run.rows.iter().map(|row| extra.value(row)).collect();
+        let more: Vec<Vec<f64>> = judged.columns.iter().map(|extra| value(extra)).collect();
+        StoredRun {
+            extras: judged.columns.clone(),
+            columns: [run.columns, more].concat(),
+            band: judged.band.clone(),
+            spacing: judged.band.as_ref().map(|_| judged.spacing),
+            accuracy: Some(judged.accuracy),
+            ..run
+        }
+    }
+
+    /// Reads a run folder.
+    ///
+    /// # Errors
+    /// With the file and line of what is wrong.
+    pub fn read(folder: &Path) -> Result<StoredRun> {
+        if let Some(said) = settle(folder)? {
+            log::info!("{said}");
+        }
+        let json_path = folder.join(RUN);
+        if !json_path.exists() {
+            bail!("{} is no run folder: it has no run.json", folder.display());
+        }
+        let description = read_json(&json_path)?;
+        let mm_per_count =
+            of_key(&json_path, &description, SCALE, |mm| (mm > 0.0).then_some(mm), MORE_THAN_0)?;
+        let text = read_text(&folder.join(TRACE))?;
+        let (extras, columns) =
+            columns_of(&text).with_context(|| folder.join(TRACE).display().to_string())?;
+        let window = |key: &str| of_key(&json_path, &description, key, whole_window, WHOLE_WINDOW);
+        let windows = [window(WINDOWS[0].path)?, window(WINDOWS[1].path)?];
+        check_rows(folder, &description, columns[0].len())?;
+        check(folder, &description, TRACE, &text)?;
+        let band = read_band(folder, &description, &columns[0])?;
+        Ok(StoredRun {
+            rig: description["rig"].as_str().unwrap_or("run").to_owned(),
+            numbered: Numbered::of(&description),
+            mm_per_count,
+            open_loop: description["keys"]["controller.loop"] == OPEN,
+            windows,
+            band,
+            spacing: spacing_of(&description),
+            accuracy: accuracy_of(&description),
+            has_checksum: !description[CHECKSUMS][TRACE].is_null(),
+            extras,
+            columns,
+        })
+    }
+
+    /// A column of the trace by its name.
+    ///
+    /// # Panics
+    /// When there is no such column: a slip in the program.
+    #[must_use]
+    pub fn column(&self, name: &str) -> &[f64] {
+        let mut names = COLUMNS.into_iter().chain(self.extras.iter().map(|extra| extra.name));
+        let index = names.position(|column| column == name);
+        &self.columns[index.unwrap_or_else(|| panic!("trace.csv has no column {name}"))]
+    }
+}
+
+/// The rig of a run folder, with every value that it was run with.
+///
+/// # Errors
+/// When run.json cannot be read, or this program does not take its values any more.
+pub fn rig_of(folder: &Path) -> Result<Rig> {
+    let path = folder.join(RUN);
+    let description = read_json(&path)?;
+    let keys = description["keys"].as_object().with_context(|| format!("{} has no keys", path.display()))?;
+    let name = description["rig"].as_str().unwrap_or("run");
+    Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
+}
+
+/// Whether the trace of a run folder is that of a run, to the last digit, in the columns that every trace has.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn is_trace(folder: &Path, run: &Run) -> Result<bool> {
+    let text = read_text(&folder.join(TRACE))?;
+    let expected = to_csv(&run.rows);
+    let common = |line: &str| line.split(',').take(COLUMNS.len()).collect::<Vec<_>>().join(",");
+    Ok(text.lines().count() == expected.lines().count()
+        && text.lines().zip(expected.lines()).all(|(line, expected)| common(line) == expected))
+}
+
+fn spacing_of(description: &serde_json::Value) -> Option<Spacing> {
+    Some(Spacing {
+        runs: usize::try_from(description["ensemble"]["runs"].as_u64()?).ok()?,
+        relative: description["ensemble"]["relative_change"].as_f64()?,
+    })
+}
+
+fn accuracy_of(description: &serde_json::Value) -> Option<Accuracy> {
+    let methods = [Method::DormandPrince, Method::Merson];
+    let method = methods.into_iter().find(|method| description["method"] == format!("{method:?}"))?;
+    Some(Accuracy { method, tolerance: description["tolerance"].as_f64()? })
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// The band of a run whose trace has these times; None of one without neighbours, or whose program left none.
+fn read_band(folder: &Path, description: &serde_json::Value, time_s: &[f64]) -> Result<Option<Band>> {
+    let path = folder.join(BAND);
+    let is_there = !description[CHECKSUMS][BAND].is_null() || path.exists();
+    if description["ensemble"].is_null() || !is_there {
+        return Ok(None);
+    }
+    check(folder, description, BAND, &read_text(&path)?)?;
+    let band = Band::read(&path)?;
+    if band.time_s != time_s {
+        bail!("{}: band.csv and trace.csv are of two runs", folder.display());
+    }
+    Ok(Some(band))
+}
+
+/// Whether a trace has the rows of its run; those of older programs do not tell.
+fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Result<()> {
+    if rows == 0 {
+        bail!("{} has no samples", folder.display());
+    }
+    match description["rows"].as_u64() {
+        Some(told) if told != rows as u64 => {
+            bail!("{} has {rows} of the {told} rows of its run: it was cut", folder.join(TRACE).display())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The value of a key, if `read` takes it; else what it must be.
+fn of_key<T>(
+    json_path: &Path,
+    description: &serde_json::Value,
+    key: &str,
+    read: impl FnOnce(f64) -> Option<T>,
+    must: &str,
+) -> Result<T> {
+    let value = &description["keys"][key];
+    let wrong = || anyhow!("{}: {key} is {value}; {must}", json_path.display());
+    value.as_f64().and_then(read).ok_or_else(wrong)
+}
+
+/// Whether a file is the one that run.json tells of; older programs do not tell.
+fn check(folder: &Path, description: &serde_json::Value, name: &str, text: &str) -> Result<()> {
+    match description[CHECKSUMS][name].as_str() {
+        Some(told) if told != checksum(text) => bail!(
+            "{} is not the file that belongs to run.json: it was changed or damaged, or is of another run",
+            folder.join(name).display()
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// The columns that not every trace has, by the header of one.
+fn extras_of(header: &str) -> Result<Vec<&'static Extra>> {
+    let expected = || anyhow!("line 1: expected the header {}", COLUMNS.join(","));
+    let more = header.strip_prefix(&COLUMNS.join(",")).ok_or_else(expected)?;
+    let named = |name: &str| Extra::named(name).ok_or_else(|| anyhow!("line 1: there is no column {name}"));
+    match more.strip_prefix(',') {
+        Some(names) => names.split(',').map(named).collect(),
+        None if more.is_empty() => Ok(Vec::new()),
+        None => Err(expected()),
+    }
+}
+
+fn columns_of(text: &str) -> Result<(Vec<&'static Extra>, Vec<Vec<f64>>)> {
+    let mut lines = text.lines().enumerate();
+    let extras = extras_of(lines.next().map_or("", |(_, line)| line))?;
+    let width = COLUMNS.len() + extras.len();
+    let mut columns = vec![Vec::new(); width];
+    for (number, line) in lines {
+        let values: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
+        let whole = |values: &Vec<f64>| values.len() == width && values.iter().all(|v| v.is_finite());
+        let values = values.ok().filter(whole);
+        let values = values.ok_or_else(|| anyhow!("line {}: expected {width} numbers", number + 1))?;
+        if columns[0].last().is_some_and(|last| values[0] <= *last) {
+            bail!("line {}: its time is not after that of the line before", number + 1);
+        }
+        for (column, value) in columns.iter_mut().zip(values) {
+            column.push(value);
+        }
+    }
+    Ok((extras, columns))
+}

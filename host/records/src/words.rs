@@ -1,0 +1,266 @@
+//! What the codes of the controller mean to a person, and what to do.
+
+use std::cmp::Ordering;
+
+use pneudrive_controller::{Fault, Refusal};
+use pneudrive_protocol::{ANY_BOOT, CURRENT_VERSION, Presence, Refused, code};
+use pneudrive_sim::Decision;
+
+use crate::judged::Lost;
+
+use crate::foreign::{NAME, SENTENCE, cleaned};
+use crate::parameter_names::Written;
+
+/// The protocol version of a rig, and what comes of it if it is not that of this program.
+pub fn protocol(version: u16) -> String {
+    match version.cmp(&CURRENT_VERSION) {
+        Ordering::Equal => format!("version {version}"),
+        Ordering::Greater => {
+            format!(
+                "version {version}; this program is older and speaks {CURRENT_VERSION}: what is newer stays unused"
+            )
+        }
+        Ordering::Less => {
+            let lacks: [(u16, &str); 5] = [
+                (2, "homing, stored parameters, fault log"),
+                (3, "streams"),
+                (4, "tests that repeat or last for hours"),
+                (5, "rule that one host commands, changes that are taken whole"),
+                (6, "numbers of its boots"),
+            ];
+            let lacks: Vec<&str> =
+                lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
+            let lacks = lacks.join(", ");
+            format!(
+                "version {version}; this program speaks {CURRENT_VERSION}: the firmware is older and has no {lacks}; flash a newer one for that"
+            )
+        }
+    }
+}
+
+/// Whether a run is decided, and what that rests on.
+pub fn decision(decision: &Decision) -> String {
+    let error = length(decision.error_m);
+    let edge = decision.closest_edge.map(|edge| {
+        format!(
+            "; the closest sampled position to another count was {} away at {:.4} s",
+            length(edge.distance_m),
+            edge.at_s
+        )
+    });
+    let edge = edge.unwrap_or_default();
+    match decision.undecided_from_s {
+        None => format!("decided: positions are off by about {error}, as estimated{edge}"),
+        Some(_) if decision.error_m.is_infinite() => {
+            "undecided: no other tolerance runs to compare with; write another --tolerance".to_owned()
+        }
+        Some(since) => format!(
+            "undecided from {since:.4} s on: the exact transient may be another one there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may decide it"
+        ),
+    }
+}
+
+/// What went wrong with the neighbours of a run, if something did.
+pub fn lost(lost: &Lost) -> Option<String> {
+    let tripped = (!lost.tripped.is_empty()).then(|| {
+        let mut names: Vec<&str> = lost.tripped.iter().map(|fault| fault_name(*fault)).collect();
+        names.sort_unstable();
+        names.dedup();
+        format!("{} of them tripped: {}", lost.tripped.len(), names.join(", "))
+    });
+    let failed = lost.failed.first().map(|why| {
+        format!(
+            "{} of them cannot be simulated, and the ranges lack them; the first: {why}",
+            lost.failed.len()
+        )
+    });
+    let both: Vec<String> = tripped.into_iter().chain(failed).collect();
+    (!both.is_empty()).then(|| both.join("; "))
+}
+
+/// A small length in the unit that suits it.
+fn length(metres: f64) -> String {
+    match metres.abs() {
+        size if size >= 1e-3 => format!("{:.3} mm", 1e3 * metres),
+        size if size >= 1e-6 => format!("{:.2} um", 1e6 * metres),
+        size if size >= 1e-9 => format!("{:.1} nm", 1e9 * metres),
+        _ => format!("{:.2} nm", 1e9 * metres),
+    }
+}
+
+/// A fault's name.
+pub fn fault_name(fault: Fault) -> &'static str {
+    match fault {
+        Fault::Stop => "stop",
+        Fault::PositionOutside => "position-outside",
+        Fault::EncoderStep => "encoder-step",
+        Fault::LateSample => "late-sample",
+        Fault::HostSilent => "host-silent",
+        Fault::CommandWhileDisarmed => "command-while-disarmed",
+        Fault::SensorRange => "sensor-range",
+        Fault::NoMotion => "no-motion",
+        Fault::HomingFailed => "homing-failed",
+        Fault::BadConfiguration => "bad-configuration",
+        Fault::Watchdog => "watchdog",
+        Fault::Panic => "panic",
+    }
+}
+
+/// The name of a fault code, also of one that a later firmware has.
+pub fn fault_code_name(code: u8) -> String {
+    Fault::from_code(code).map_or_else(|| format!("fault {code}"), |fault| fault_name(fault).to_owned())
+}
+
+/// What a fault means.
+pub fn fault_meaning(code: u8) -> &'static str {
+    match Fault::from_code(code) {
+        Some(Fault::Stop) => "a stop was requested",
+        Some(Fault::PositionOutside) => "the position left the stroke by more than the margin",
+        Some(Fault::EncoderStep) => "the encoder moved further in one sample than the drive can",
+        Some(Fault::LateSample) => "a sample came too late",
+        Some(Fault::HostSilent) => "the host was silent for too long while a move or a homing run was on",
+        Some(Fault::CommandWhileDisarmed) => "a run was asked for while the drive was disarmed",
+        Some(Fault::SensorRange) => "a pressure sensor reads what no pressure is: it is open, or shorted",
+        Some(Fault::NoMotion) => {
+            "the valve is wide open and nothing moves: look for swapped tubes, the encoder, the spool, the supply"
+        }
+        Some(Fault::HomingFailed) => "the homing run found neither stop nor switch",
+        Some(Fault::BadConfiguration) => "the stored configuration is damaged; load one and save it",
+        Some(Fault::Watchdog) => "the watchdog has reset the board",
+        Some(Fault::Panic) => "the firmware broke down and has reset the board",
+        None => "a fault that this version does not know",
+    }
+}
+
+/// Why the rig refused what it takes at another time, by the code of its refusal, and what to do.
+fn not_now(of: u8) -> String {
+    match Refusal::from_code(of) {
+        Some(Refusal::NotArmed) => {
+            "the drive is not armed; arm it first (`pneudrive device arm`)".to_owned()
+        }
+        Some(Refusal::Running) => {
+            "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
+        }
+        Some(Refusal::NotReferenced) => {
+            "the axis is not referenced, so closed loop is refused (`pneudrive device reference COUNTS`, or `pneudrive device home`)"
+                .to_owned()
+        }
+        Some(Refusal::NotDisarmed) => {
+            "the drive is enabled; disarm it first (`pneudrive device disarm`)".to_owned()
+        }
+        Some(Refusal::ValveNotAtNull) => {
+            "the spool is still on its way to mid-travel; try again in a moment".to_owned()
+        }
+        Some(Refusal::BeyondEnd) => {
+            "a setpoint lies beyond a software end position (end_min_counts, end_max_counts)".to_owned()
+        }
+        Some(Refusal::NoConfiguration) => {
+            "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
+        }
+        Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
+        None if of == code::TOKEN => {
+            "it asks for a token; set PNEUDRIVE_TOKEN to the one that the rig was started with".to_owned()
+        }
+        None if of == code::OTHER_TEST => "the test is that of another program; run again".to_owned(),
+        None if of == code::OWNED => "another host commands the drive".to_owned(),
+        None => format!("refused for a reason that this version does not know (code {of})"),
+    }
+}
+
+/// Why the rig refused, and what to do.
+pub fn refusal(refused: &Refused<'_>) -> String {
+    match refused {
+        Refused::NotNow(of) => not_now(*of),
+        Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
+        Refused::OutOfRange { id, value } => out_of_range(*id, *value),
+        Refused::Inconsistent { advice } => {
+            format!("the parameters do not go together: {}", cleaned(advice, SENTENCE))
+        }
+        Refused::TestTooLong => "the test is too long".to_owned(),
+        Refused::MovesOutOfOrder => "the moves are not in order of time".to_owned(),
+        Refused::TooManyMoves => "the test has more moves than the firmware holds".to_owned(),
+        Refused::NoRecord => "nothing has been recorded; run a test first (`pneudrive run`)".to_owned(),
+        Refused::RecordRange { samples } => format!("the record has only {samples} samples"),
+        Refused::NotStored => "the board could not write its flash".to_owned(),
+        Refused::OtherRecord => "its record is another one by now; record again".to_owned(),
+        Refused::Owned(owner) => owned(owner.presence, owner.host, owner.silent_ms),
+        Refused::ChangeNotWhole => "a part of what was sent is missing; try again".to_owned(),
+        Refused::OtherTest => {
+            "another program has stated another test, or changed the parameters; run again".to_owned()
+        }
+        Refused::OtherBoot { number } => {
+            let now = match *number {
+                ANY_BOOT => "it no longer tells its boots apart".to_owned(),
+                number => format!("boot {number} now"),
+            };
+            format!(
+                "the rig was reset since this program connected ({now}), and takes nothing that was meant for before; run again"
+            )
+        }
+        Refused::Unknown => {
+            "the firmware does not know this request; it is older than this program".to_owned()
+        }
+    }
+}
+
+/// What is missing of a rig that does not tell its boots apart, by whether its firmware could.
+pub fn no_boots(firmware_could: bool) -> String {
+    let why = if firmware_could {
+        "its flash does not keep their number; look after the board"
+    } else {
+        "flash a firmware of version 6 of the protocol or newer"
+    };
+    format!(
+        "the rig does not tell its boots apart: a copy of a request that the link holds back over a reset can still arm and move the drive; {why}"
+    )
+}
+
+/// Who commands the drive, and what another host can do about it.
+pub fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
+    let host = commander(host);
+    match presence {
+        Presence::There => format!(
+            "{host} commands the drive and was heard {:.2} s ago; wait until it has ended, or stop the drive (`pneudrive device stop`)",
+            f64::from(silent_ms) / 1e3
+        ),
+        Presence::Gone => {
+            format!("{host} has armed the drive and gone; disarm it first (`pneudrive device disarm`)")
+        }
+        Presence::Nobody => "nobody commands the drive any more; try again".to_owned(),
+    }
+}
+
+/// A host by its name.
+pub fn commander(host: &str) -> String {
+    match host {
+        "" => "a program of version 4 of the protocol or older".to_owned(),
+        host => cleaned(host, NAME),
+    }
+}
+
+fn out_of_range(id: u16, value: i32) -> String {
+    match Written::of(id) {
+        Some(written) => {
+            format!("{} = {} is out of range: {}", written.name, written.text(value), written.range())
+        }
+        None => format!("parameter {id} = {value} is out of range"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rig_of_another_version_is_told_with_what_it_lacks() {
+        assert_eq!(protocol(6), "version 6");
+        assert!(protocol(5).contains("is older and has no numbers of its boots;"));
+        assert!(protocol(4).contains(
+            "is older and has no rule that one host commands, changes that are taken whole, numbers of its boots;"
+        ));
+        assert!(protocol(3).contains("has no tests that repeat or last for hours, rule that"));
+        assert!(protocol(2).contains("has no streams, tests that"));
+        assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
+        assert!(protocol(7).starts_with("version 7; this program is older and speaks 6:"));
+    }
+}

@@ -1,0 +1,26 @@
+//! Rigs that are not there: the firmware's application, or its image, on the simulated plant.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`virtual_rig`] | the firmware's application on the simulated plant |
+//! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
+//! | [`board_plant`] | the simulated plant of a real board, over its second serial port |
+//! | [`kept_flash`] | their flash, which outlives them |
+//! | [`punctuality`] | how they keep time |
+//!
+//! Nothing is printed: notes go to the log.
+
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+#[cfg(unix)]
+pub mod board_plant;
+#[cfg(unix)]
+pub mod emulated_board;
+pub mod kept_flash;
+mod noise;
+#[cfg(unix)]
+mod plant_server;
+pub mod punctuality;
+#[cfg(unix)]
+mod sample_cost;
+pub mod virtual_rig;

@@ -1,0 +1,375 @@
+//! The virtual rig: the firmware's application on the simulated plant, behind a port.
+//!
+//! It behaves as the board does, over the same protocol. After the moves of a run the drive holds
+//! and the plant lives on. In a disabled drive, and in an armed one, it stands frozen, first in the initial state of its
+//! test and then where it was left, unless it is live; a start resets it.
+//! Over TCP several programs may talk to it at once, so that a `stop` reaches it while a run is
+//! followed.
+
+mod caller;
+mod door;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
+use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::store::FlashStore;
+use pneudrive_app::{Board, Control};
+use pneudrive_controller::{Command, Config, Mode, Sample};
+use pneudrive_sim::component::controller;
+use pneudrive_sim::keys;
+use pneudrive_sim::positive_gain::SWITCHES;
+use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
+
+use crate::kept_flash::KeptFlash;
+use crate::noise::RunSeeds;
+use crate::punctuality::LateSample;
+
+use caller::Caller;
+pub use caller::Token;
+pub use door::Door;
+
+/// How a virtual rig runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace {
+    /// As fast as it goes, instead of in real time.
+    pub fast: bool,
+    /// The plant lives between runs.
+    pub live: bool,
+}
+
+/// Most samples between two looks at the port.
+const SAMPLES_AT_ONCE: u32 = 64;
+
+/// Most samples that are made up for after the computer was busy with something else.
+const MOST_BEHIND: u64 = 1000;
+
+/// Kind of board.
+const NAME: &str = "virtual rig";
+
+/// Bytes of the name of a board at most.
+const LONGEST_NAME: usize = 32;
+
+/// The board of a virtual rig.
+struct VirtualBoard {
+    rig: Rig,
+    seeds: RunSeeds,
+    /// Told the number of a run that begins.
+    on_run: Box<dyn FnMut(u64) + Send>,
+    name: String,
+    pace: Pace,
+    plant: Plant,
+    mode: Mode,
+    period_us: u64,
+    time_us: u64,
+    /// From the sample's instant to now.
+    since_sample_us: u64,
+    /// Samples of the run so far.
+    k: u64,
+    late: LateSample,
+    since: Instant,
+    failed: Option<IntegrationError>,
+    /// What it keeps.
+    store: FlashStore<KeptFlash, Box<Memory>>,
+}
+
+impl VirtualBoard {
+    fn new(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> VirtualBoard {
+        let plant = Plant::new(&rig, Accuracy::of(&rig), seed);
+        VirtualBoard {
+            period_us: u64::from(rig.period_us().get()),
+            name: name_of(&rig, seed),
+            rig,
+            seeds: RunSeeds::new(seed),
+            on_run: Box::new(|_| {}),
+            pace,
+            plant,
+            mode: Mode::Disarmed,
+            time_us: 0,
+            since_sample_us: 0,
+            k: 0,
+            late: LateSample::default(),
+            since: Instant::now(),
+            failed: None,
+            store: store_in(flash),
+        }
+    }
+
+    fn is_on_its_way(&self) -> bool {
+        matches!(self.mode, Mode::Running | Mode::Homing)
+    }
+
+    fn moves(&self) -> bool {
+        self.mode == Mode::Done || self.is_on_its_way() || self.pace.live
+    }
+
+    /// To the next sample instant; a frozen plant stays as it is.
+    fn next_sample(&mut self) {
+        if self.moves()
+            && let Err(error) = self.plant.next_sample()
+        {
+            self.failed = Some(error);
+        }
+        self.time_us += self.period_us;
+        self.k += 1;
+    }
+
+    /// How late the present sample is.
+    fn lateness_us(&self) -> u64 {
+        if self.is_on_its_way() { u64::from(self.late.lateness_of(self.k)) } else { 0 }
+    }
+}
+
+/// With the seed of the noise, if there is noise and the name has room for it.
+fn name_of(rig: &Rig, seed: u64) -> String {
+    let with_seed = format!("{NAME}, seed {seed}");
+    let told = rig.get(&keys::sensors::NOISE_COUNTS) > 0.0 && with_seed.len() <= LONGEST_NAME;
+    if told { with_seed } else { NAME.to_owned() }
+}
+
+/// What is in the flash, and memory that was without power.
+fn store_in(flash: KeptFlash) -> FlashStore<KeptFlash, Box<Memory>> {
+    let memory = Box::new([0; MEMORY_BYTES]);
+    let taken_up = FlashStore::take_up(flash, RamFlash::layout(), memory);
+    taken_up.expect("the layout is that of this flash").0
+}
+
+impl Board for VirtualBoard {
+    type Store = FlashStore<KeptFlash, Box<Memory>>;
+
+    fn store(&mut self) -> &mut Self::Store {
+        &mut self.store
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn build(&self) -> &'static str {
+        pneudrive_app::BUILD
+    }
+
+    fn read_sensors(&mut self, _: &Config) -> Sample {
+        // A rig that cannot be read stops at the end of this sample.
+        self.plant.sample().unwrap_or_else(|error| {
+            self.failed = Some(error);
+            Sample::default()
+        })
+    }
+
+    /// The amplifier of a disabled drive holds the valve at its null.
+    fn drive(&mut self, _: &Config, command: Command) {
+        if self.moves() {
+            self.plant.command(command);
+        }
+    }
+
+    fn now_us(&self) -> u64 {
+        self.time_us + self.since_sample_us + self.lateness_us()
+    }
+
+    fn host_clock_ms(&self) -> Option<u64> {
+        (!self.pace.fast).then(|| self.since.elapsed().as_millis() as u64)
+    }
+
+    /// The plant's clock is that of the configuration, which may not be the rig file's any more; a live
+    /// plant keeps its own.
+    fn run_begins(&mut self, config: &Config) {
+        self.mode = Mode::Running;
+        self.k = 0;
+        let seed = self.seeds.begin();
+        (self.on_run)(self.seeds.runs());
+        if !self.pace.live {
+            let timing = &config.timing;
+            self.period_us = u64::from(timing.period_us.get());
+            self.plant = Plant::new(&self.rig, Accuracy::of(&self.rig), seed)
+                .with_timing(self.period_us, u64::from(timing.delay_us.get()));
+        }
+    }
+
+    fn starts_referenced(&self) -> bool {
+        true
+    }
+}
+
+/// A virtual rig.
+pub struct VirtualRig {
+    control: Box<Control>,
+    board: VirtualBoard,
+}
+
+impl VirtualRig {
+    /// A rig with the true parameters of `rig`, powered on, its flash blank. `seed` fixes the sensor noise of all
+    /// its runs; each has its own.
+    ///
+    /// # Errors
+    /// For a rig with the simulator's own controller.
+    pub fn new(rig: Rig, seed: u64, pace: Pace) -> Result<VirtualRig> {
+        VirtualRig::with_flash(rig, seed, pace, KeptFlash::default())
+    }
+
+    /// The same with a flash that it has had before: what is stored there is in force.
+    ///
+    /// # Errors
+    /// For a rig with the simulator's own controller.
+    pub fn with_flash(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> Result<VirtualRig> {
+        if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
+            bail!(
+                "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
+            );
+        }
+        if let Some(switch) = SWITCHES.into_iter().find(|switch| rig.get(switch)) {
+            bail!("{} is the simulator's own; no firmware has this bug", switch.path);
+        }
+        let mut board = VirtualBoard::new(rig, seed, pace, flash);
+        let mut control = Box::<Control>::default();
+        control
+            .load_parameters(board.rig.parameters())
+            .map_err(|error| anyhow::anyhow!("{}", error.advice()))?;
+        if board.starts_referenced() {
+            control.set_referenced().map_err(|_| anyhow::anyhow!("a new rig is enabled"))?;
+        }
+        control.take_up(&mut board);
+        Ok(VirtualRig { control, board })
+    }
+
+    /// Has `tell` called with the number of each run as it begins, from 1 on.
+    pub fn on_run(&mut self, tell: impl FnMut(u64) + Send + 'static) {
+        self.board.on_run = Box::new(tell);
+    }
+
+    /// The sample of each run that comes late.
+    #[must_use]
+    pub fn late_sample(&self) -> &LateSample {
+        &self.board.late
+    }
+
+    /// Serves a port until `stop` is set, or the power is cut.
+    ///
+    /// # Errors
+    /// When the simulation cannot go on.
+    pub fn serve(&mut self, door: &mut Door, stop: &AtomicBool) -> Result<()> {
+        while !stop.load(Ordering::Relaxed) {
+            door.admit();
+            let heard = self.hear(&mut door.callers);
+            if self.board.store.flash().is_powered_off() {
+                return Ok(());
+            }
+            let sampled = self.catch_up(&mut door.callers)?;
+            let _ = self.control.tidy_up(&mut self.board);
+            if !heard && !sampled {
+                std::thread::sleep(Duration::from_micros(500));
+            }
+        }
+        Ok(())
+    }
+
+    /// Carries out what has come, and lets go of callers that have gone. Whether anything has come.
+    fn hear(&mut self, callers: &mut Vec<Caller>) -> bool {
+        let mut heard = false;
+        callers.retain_mut(|caller| {
+            let Ok(count) = caller.hear(&mut self.control, &mut self.board) else {
+                caller.server.host_goes(&mut self.control);
+                return false;
+            };
+            heard |= count > 0;
+            !self.board.store.flash().is_powered_off() && caller.speak().is_ok()
+        });
+        heard
+    }
+
+    /// Takes the samples that are due; whether there were any that moved the plant.
+    fn catch_up(&mut self, callers: &mut [Caller]) -> Result<bool> {
+        if self.board.pace.fast && callers.iter().any(|caller| caller.server.waits_for_host()) {
+            return Ok(false);
+        }
+        if self.board.pace.fast {
+            // Nobody waits for a drive that holds.
+            let moves = self.board.is_on_its_way() || self.board.pace.live;
+            for _ in 0..if moves { SAMPLES_AT_ONCE } else { 1 } {
+                self.tick(callers)?;
+            }
+            return Ok(moves);
+        }
+        let now_us = self.board.since.elapsed().as_micros() as u64;
+        let period = self.board.period_us;
+        if now_us > self.board.time_us + MOST_BEHIND * period {
+            // The computer slept: the rig's clock goes on from where it stands.
+            self.board.since += Duration::from_micros(now_us - self.board.time_us);
+        }
+        let due = self.board.time_us <= now_us;
+        // A few at a time: the port is looked at in between, also by a computer that is behind.
+        for _ in 0..SAMPLES_AT_ONCE {
+            if self.board.time_us > now_us {
+                break;
+            }
+            self.tick(callers)?;
+        }
+        Ok(due && self.board.moves())
+    }
+
+    /// One sample and its output, and a look at them for each caller.
+    fn tick(&mut self, callers: &mut [Caller]) -> Result<()> {
+        if !self.board.pace.live {
+            self.board.period_us = u64::from(self.control.config().timing.period_us.get());
+        }
+        self.control.on_sample(&mut self.board);
+        self.board.since_sample_us = u64::from(self.control.config().timing.delay_us.get());
+        self.control.on_output(&mut self.board);
+        self.board.since_sample_us = 0;
+        for caller in callers {
+            caller.server.attend(&mut self.control);
+        }
+        self.board.mode = self.control.state().supervisor.mode();
+        self.board.next_sample();
+        self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))
+    }
+}
+
+/// A virtual rig that serves its port on a thread of its own, until it is stopped or dropped.
+pub struct Background {
+    port: String,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<Result<()>>>,
+}
+
+impl Background {
+    /// Starts serving.
+    #[must_use]
+    pub fn start(mut rig: VirtualRig, mut door: Door) -> Background {
+        let port = door.port_name().to_owned();
+        let stop = Arc::new(AtomicBool::new(false));
+        let watched = Arc::clone(&stop);
+        let thread = std::thread::spawn(move || rig.serve(&mut door, &watched));
+        Background { port, stop, thread: Some(thread) }
+    }
+
+    /// The port's name for a client.
+    #[must_use]
+    pub fn port(&self) -> &str {
+        &self.port
+    }
+
+    /// Ends serving.
+    ///
+    /// # Errors
+    /// When the simulation could not go on.
+    pub fn stop(mut self) -> Result<()> {
+        self.stop.store(true, Ordering::Relaxed);
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) => bail!("the virtual rig broke down"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for Background {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}

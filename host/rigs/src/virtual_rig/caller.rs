@@ -1,0 +1,150 @@
+//! A program that talks to the rig: its link, what it has yet to take, and whether it has been let in.
+
+use std::convert::Infallible;
+use std::fmt;
+use std::io::{self, Read, Write};
+use std::sync::Arc;
+
+use anyhow::{Result, bail};
+use pneudrive_app::{Board, Control, Server};
+use pneudrive_link::port::{is_wait, read_some};
+use pneudrive_protocol::{
+    Accumulator, MAX_FRAME, MAX_TEXT, Refused, Reply, ReplyBody, RequestBody, code, decode_request, encode,
+};
+use subtle::ConstantTimeEq;
+
+/// Bytes to and from a caller.
+pub(super) trait Stream: Read + Write + Send {}
+
+impl<T: Read + Write + Send> Stream for T {}
+
+/// The most that a caller may leave untaken, bytes: a second of the serial line. What is more is lost, as on that line.
+const UNTAKEN: usize = 92_160;
+
+/// The fewest characters of a token.
+const LEAST_TOKEN: usize = 16;
+
+/// What programs and a rig at a network both know. It keeps out who does not know it, and travels in the clear.
+#[derive(Clone)]
+pub struct Token(Arc<str>);
+
+impl fmt::Debug for Token {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Token(..)")
+    }
+}
+
+impl Token {
+    /// A token of 16 to 64 bytes.
+    ///
+    /// # Errors
+    /// For a shorter or a longer one.
+    pub fn new(text: &str) -> Result<Token> {
+        if !(LEAST_TOKEN..=MAX_TEXT).contains(&text.len()) {
+            bail!("a token has {LEAST_TOKEN} to {MAX_TEXT} bytes, and this one {}", text.len());
+        }
+        Ok(Token(text.into()))
+    }
+
+    /// Whether another one is the same; takes the same time for all of the same length.
+    fn is(&self, other: &str) -> bool {
+        self.0.as_bytes().ct_eq(other.as_bytes()).into()
+    }
+}
+
+/// A caller, with a server of its own.
+pub(super) struct Caller {
+    port: Box<dyn Stream>,
+    pub(super) server: Server,
+    /// None once it has been let in.
+    gate: Option<(Token, Accumulator)>,
+    untaken: Vec<u8>,
+}
+
+impl Caller {
+    /// A caller that must first say the token, if there is one.
+    pub(super) fn new(port: impl Stream + 'static, token: Option<Token>) -> Caller {
+        let gate = token.map(|token| (token, Accumulator::new()));
+        Caller { port: Box::new(port), server: Server::default(), gate, untaken: Vec::new() }
+    }
+
+    /// Carries out what has come; how many bytes. An error when the caller has gone, or does not know the token.
+    pub(super) fn hear(&mut self, control: &mut Control, board: &mut impl Board) -> io::Result<usize> {
+        let mut bytes = [0; 1024];
+        let count = read_some(&mut *self.port, &mut bytes)?;
+        let (mut asks, mut replies) = (&bytes[..count], Vec::new());
+        while let (Some(_), Some((&byte, rest))) = (&self.gate, asks.split_first()) {
+            self.knock(byte, &mut replies)?;
+            asks = rest;
+        }
+        let Ok(()) = self.server.receive(asks, control, board, &mut replies);
+        self.leave_for_it(&replies);
+        Ok(count)
+    }
+
+    /// A byte of a caller that has not been let in.
+    fn knock(&mut self, byte: u8, replies: &mut Vec<u8>) -> io::Result<()> {
+        let Some((token, accumulator)) = &mut self.gate else { return Ok(()) };
+        let Some(Ok(message)) = accumulator.push(byte) else { return Ok(()) };
+        let Ok(request) = decode_request(message) else { return Ok(()) };
+        let knows = match request.body {
+            RequestBody::Token { token: said } if token.is(said) => true,
+            RequestBody::Token { .. } => return Err(io::ErrorKind::PermissionDenied.into()),
+            _ => false,
+        };
+        let body = if knows { ReplyBody::Done } else { ReplyBody::Refused(Refused::NotNow(code::TOKEN)) };
+        let mut frame = [0; MAX_FRAME];
+        replies.extend(encode(&Reply { sequence: request.sequence, body }, &mut frame).unwrap_or(&[]));
+        if knows {
+            self.gate = None;
+        }
+        Ok(())
+    }
+
+    /// Replies and rows for the caller, if it has taken enough of those before.
+    fn leave_for_it(&mut self, replies: &[u8]) {
+        if self.untaken.len() + replies.len() <= UNTAKEN {
+            self.untaken.extend_from_slice(replies);
+        }
+    }
+
+    /// All that is due unasked, and as much as the caller takes without being waited for.
+    pub(super) fn speak(&mut self) -> io::Result<()> {
+        let mut rows = Vec::new();
+        let mut said = None;
+        // Many samples may have been taken since the last look.
+        while said != Some(rows.len()) {
+            said = Some(rows.len());
+            let spoken: Result<(), Infallible> = self.server.speak(&mut rows);
+            let Ok(()) = spoken;
+        }
+        self.leave_for_it(&rows);
+        self.write()
+    }
+
+    fn write(&mut self) -> io::Result<()> {
+        while !self.untaken.is_empty() {
+            match self.port.write(&self.untaken) {
+                Ok(0) => break,
+                Ok(count) => drop(self.untaken.drain(..count)),
+                Err(error) if is_wait(&error) => break,
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_token_is_neither_short_nor_long_and_not_shown() {
+        assert!(Token::new(&"x".repeat(15)).is_err() && Token::new(&"x".repeat(65)).is_err());
+        let token = Token::new("a secret of some length").expect("long enough");
+        assert_eq!(format!("{token:?}"), "Token(..)");
+        assert!(token.is("a secret of some length"));
+        assert!(!token.is("a secret of some lengtH") && !token.is("a secret") && !token.is(""));
+    }
+}

@@ -1,0 +1,58 @@
+//! `pneudrive identify --plan`: the rig at a port as the bench of a plan.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use pneudrive_analysis::identification::plan::{self, Bench, Recorded};
+use pneudrive_controller::parameters::id;
+use pneudrive_link::client::Client;
+use pneudrive_records::target::TargetFile;
+use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::keys;
+
+use crate::cli::RigChoice;
+use crate::command::record::record;
+use crate::command::rig_source::load_rig;
+use crate::command::run::run_test;
+
+/// Runs the tests on the rig at a port and leaves their TARGET files in a folder.
+pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<Recorded> {
+    let [closed, open] = ["closed", "open"].map(|loop_| {
+        let with = format!("controller.loop={loop_}");
+        load_rig(&choice.rig, &[&choice.settings[..], &[with]].concat())
+    });
+    let (closed, open) = (closed?, open?);
+    let mut client = Client::connect(port)?;
+    let count = client.status()?.position;
+    client.disarm()?;
+    let open_loop = client.parameters()?.values.get(id::OPEN_LOOP).unwrap_or(0);
+    let recorded = plan::run(&mut AtPort { client: &mut client, folder }, &closed, &open, count);
+    // Whatever became of the tests, the rig is left as it was.
+    let left = client.disarm().and_then(|()| client.set_parameters(id::OPEN_LOOP, &[open_loop]));
+    let recorded = recorded?;
+    left.context("the tests are done, but the rig was not left as it was")?;
+    Ok(recorded)
+}
+
+/// A rig at a port, and the folder for its records.
+struct AtPort<'a> {
+    client: &'a mut Client,
+    folder: &'a Path,
+}
+
+impl Bench for AtPort<'_> {
+    fn run(&mut self, test: &Rig) -> Result<()> {
+        let open_loop = i32::from(test.get(&keys::controller::LOOP) == Loop::Open);
+        self.client.disarm()?;
+        self.client.set_parameters(id::OPEN_LOOP, &[open_loop])?;
+        run_test(self.client, test, test.last_sample(), false, None)
+    }
+
+    fn record(&mut self, name: &str) -> Result<(String, TargetFile)> {
+        let (path, file) = record(self.client, self.folder)?;
+        self.client.disarm()?;
+        say!("{}: {name}", path.display());
+        Ok((path.file_name().unwrap_or_default().to_string_lossy().into_owned(), file))
+    }
+}
