@@ -42,25 +42,28 @@ pub enum Exit {
 pub const EXITS: [(Exit, &str); 12] = [
     (
         Exit::Done,
-        "done; a simulated drive that trips, or a run that is not decided, is a result, too, unless `--strict` is given",
+        "done; a simulated drive that trips and a run that is not decided also count as done, unless `--strict` is given",
     ),
-    (Exit::Failed, "failed in a way that has no code of its own, such as a rig or a file with errors in it"),
-    (Exit::Usage, "wrong use: the command line is wrong, or lacks something"),
-    (Exit::NotThere, "there is no such rig, file or folder"),
+    (Exit::Failed, "failed for a reason without a code of its own, such as errors in a rig or a file"),
+    (Exit::Usage, "wrong usage: the command line is wrong or incomplete"),
+    (Exit::NotThere, "no such rig, file or folder"),
+    (Exit::NoAnswer, "no rig can be reached: the port cannot be opened, nothing answers, or the link broke"),
     (
-        Exit::NoAnswer,
-        "no rig can be reached: the port cannot be opened, nobody answers, or the link to it broke",
+        Exit::Refused,
+        "the rig refuses: its state does not allow the request, or another program commands the drive",
     ),
-    (Exit::Refused, "the rig refuses: its state does not allow it, or another program commands the drive"),
     (
         Exit::Tripped,
-        "the drive tripped during the run or the homing; with `simulate --strict` a simulated one",
+        "the drive tripped during the run or the homing run; with `simulate --strict`, also a simulated drive",
     ),
-    (Exit::NotBorneOut, "not fitted, not decidable from the data, or not the same when replayed"),
+    (
+        Exit::NotBorneOut,
+        "the model does not fit, the data cannot decide, or a replay differs from the record",
+    ),
     (Exit::Unwritten, "a file or the output cannot be written: the disk is full, or a limit is reached"),
     (Exit::Undecided, "with `simulate --strict`: the run is not decided"),
     (Exit::Interrupted, "stopped by Ctrl-C"),
-    (Exit::ReaderGone, "whoever read the output has gone, as in `pneudrive study list | head -1`"),
+    (Exit::ReaderGone, "the reader of the output has gone, as in `pneudrive study list | head -1`"),
 ];
 
 /// What `pneudrive --help` says behind the list of commands.
