@@ -37,6 +37,21 @@ pub fn closed_loop(start: Start) {
     }
 }
 
+/// A step of more than 32,767 counts: the recorder limits its error to 16 bits.
+///
+/// # Panics
+/// When the record is not the simulation, or the error stays within 16 bits.
+pub fn an_error_beyond_16_bits(start: Start) {
+    let settings = ["encoder.mm_per_count=0.001", "test.moves=[[0.0, 50000]]", "test.duration_s=0.3"];
+    let rig = rig("servo-b-tuned", &settings);
+    assert_equal_in_every_integer(&*start(&rig), &rig);
+    let simulated = pneudrive_sim::run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
+    assert!(
+        simulated.iter().any(|seen| seen.error < i32::from(i16::MIN)),
+        "an error of 16 bits proves nothing"
+    );
+}
+
 /// A first move that comes late: until then the drive holds the count of its first sample.
 ///
 /// # Panics

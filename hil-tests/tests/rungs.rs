@@ -42,6 +42,11 @@ fn the_record_of_the_virtual_rig_whose_controller_starts_late_is_the_simulation(
 }
 
 #[test]
+fn an_error_beyond_16_bits_is_limited_in_the_record_of_the_virtual_rig() {
+    body::an_error_beyond_16_bits(virtual_rig);
+}
+
+#[test]
 fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_virtual_rig() {
     body::a_late_first_move(virtual_rig);
 }

@@ -13,6 +13,15 @@ pub const CAPACITY: usize = 4389;
 /// Most samples from before the start.
 pub const MAX_PRE_TRIGGER: u16 = 2000;
 
+/// What is recorded, and streamed, of a sample: its six channels, the error limited to 16 bits.
+#[inline]
+#[must_use]
+pub fn recorded(seen: &Observation) -> RecordedSample {
+    let error = seen.error.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
+    let Observation { position, pressure_1, pressure_2, command, spool, .. } = *seen;
+    RecordedSample { position, pressure_1, pressure_2, command, error, spool }
+}
+
 type Stored = [u8; RecordedSample::BYTES];
 
 /// The buffer and where it stands.
@@ -120,16 +129,8 @@ impl Recorder {
     }
 
     fn put(&mut self, place: usize, seen: &Observation) {
-        let recorded = RecordedSample {
-            position: seen.position,
-            pressure_1: seen.pressure_1,
-            pressure_2: seen.pressure_2,
-            command: seen.command,
-            error: seen.error.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16,
-            spool: seen.spool,
-        };
         if let Some(slot) = self.samples.as_chunks_mut().0.get_mut(place) {
-            *slot = recorded.to_bytes();
+            *slot = recorded(seen).to_bytes();
         }
     }
 

@@ -6,7 +6,9 @@
 //! are held. Nothing goes out that was not granted, so a host that is gone is not talked to for long.
 
 use pneudrive_controller::Observation;
-use pneudrive_protocol::{MAX_ROWS, RecordedSample, ReplyBody, StreamedSample};
+use pneudrive_protocol::{MAX_ROWS, ReplyBody, StreamedSample};
+
+use crate::recorder::recorded;
 
 /// Rows that are held: a third of a second of every sample at 1.3 ms.
 const HELD: usize = 256;
@@ -46,13 +48,6 @@ impl Default for Stream {
     }
 }
 
-/// The six channels of the recorder.
-fn channels(seen: &Observation) -> RecordedSample {
-    let error = seen.error.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
-    let Observation { position, pressure_1, pressure_2, command, spool, .. } = *seen;
-    RecordedSample { position, pressure_1, pressure_2, command, error, spool }
-}
-
 impl Stream {
     /// Begins anew, under the number of the request that asks for it.
     pub fn begin(&mut self, name: u16, every: u16, batch: u8) {
@@ -74,7 +69,7 @@ impl Stream {
         }
         self.seen = index;
         if let Some(index) = index.filter(|index| index.is_multiple_of(self.every)) {
-            self.gather(StreamedSample { index, sample: channels(observation) });
+            self.gather(StreamedSample { index, sample: recorded(observation) });
         }
     }
 

@@ -2,9 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pneudrive_app::recorder::recorded;
 use pneudrive_controller::Observation;
 use pneudrive_link::client::Client;
-use pneudrive_protocol::{Mode, RecordedSample};
+use pneudrive_protocol::Mode;
 use pneudrive_records::record::Record;
 use pneudrive_sim::{Accuracy, Rig, run};
 
@@ -47,18 +48,6 @@ pub fn start_run(client: &mut Client, rig: &Rig) {
     client.download_test(rig).expect("a disarmed rig takes a test");
     client.arm().expect("referenced");
     client.start().expect("armed");
-}
-
-/// What the recorder stores of an observation.
-pub(super) fn recorded(seen: &Observation) -> RecordedSample {
-    RecordedSample {
-        position: seen.position,
-        pressure_1: seen.pressure_1,
-        pressure_2: seen.pressure_2,
-        command: seen.command,
-        error: seen.error as i16,
-        spool: seen.spool,
-    }
 }
 
 /// The record of the rung is the simulation of the rig.

@@ -2,11 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pneudrive_app::recorder::recorded;
 use pneudrive_protocol::StreamedSample;
 use pneudrive_sim::{Accuracy, run};
 
 use super::Start;
-use super::run::{recorded, rig};
+use super::run::rig;
 
 /// A run that the recorder has no room for: its stream is the simulation, and what is missing of it is
 /// counted.

@@ -23,6 +23,7 @@ pub mod parameters;
 
 use std::cmp::Reverse;
 
+use pneudrive_app::recorder::recorded;
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::law::Loop;
@@ -49,8 +50,8 @@ pub struct Output {
 
 impl Output {
     fn of(seen: &Observation) -> Output {
-        let error = seen.error.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
-        Output { running: seen.running, command: seen.command, error, spool: seen.spool }
+        let RecordedSample { command, error, spool, .. } = recorded(seen);
+        Output { running: seen.running, command, error, spool }
     }
 }
 

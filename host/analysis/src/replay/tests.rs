@@ -70,16 +70,7 @@ fn record_held(
         seen
     });
     let stored = stored.take_while(|seen| seen.running);
-    stored
-        .map(|seen| RecordedSample {
-            position: seen.position,
-            pressure_1: seen.pressure_1,
-            pressure_2: seen.pressure_2,
-            command: seen.command,
-            error: Output::of(&seen).error,
-            spool: seen.spool,
-        })
-        .collect()
+    stored.map(|seen| recorded(&seen)).collect()
 }
 
 /// Replays a run over these positions that was recorded with these parameters.

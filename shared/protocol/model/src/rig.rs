@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use pneudrive_app::fault_log::Event;
 use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::recorder::recorded;
 use pneudrive_app::storage::{ConfigStore, Load};
 use pneudrive_app::store::NotStored;
 use pneudrive_app::{Board, Control, Recorder, Store};
@@ -234,14 +235,7 @@ impl Rig {
         rig.control.on_output(&mut rig.board);
         let seen = rig.control.state().observation();
         if seen.running {
-            let sample = RecordedSample {
-                position: seen.position,
-                pressure_1: seen.pressure_1,
-                pressure_2: seen.pressure_2,
-                command: seen.command,
-                error: seen.error as i16,
-                spool: seen.spool,
-            };
+            let sample = recorded(seen);
             if let Some(run) = Arc::make_mut(&mut rig.runs).last_mut() {
                 run.samples.push(sample);
             }
