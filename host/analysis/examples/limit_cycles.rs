@@ -38,7 +38,7 @@ fn main() {
     }
     println!("{drives} of {count} drives that did not trip\n");
     println!(
-        "| record | told at rest: rests, swings, open | told to swing: rests, swings, open | not decidable |"
+        "| record | judged at rest: rests, swings, open | judged to swing: rests, swings, open | not decidable |"
     );
     println!("|---|---|---|---|");
     for (table, seconds) in told.iter().zip(RECORDS_S) {
