@@ -13,7 +13,7 @@ use clap::{Args, Parser, Subcommand};
 use pneudrive_sim::trace::{EXTRAS, Extra};
 
 pub use choices::{Integration, MethodName, Neighbours, RigChoice};
-pub use device::{ConfigAction, Device, DeviceAction, Place};
+pub use device::{ConfigAction, Device, DeviceAction, Place, ValveAction};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
 pub use link::{Monitor, PortChoice, Record, Run};
 pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};

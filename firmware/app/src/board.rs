@@ -1,5 +1,6 @@
 //! What the application needs of a board.
 
+use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::{Command, Config, Sample};
 
 use crate::store::Store;
@@ -40,5 +41,15 @@ pub trait Board {
     /// Whether the axis is referenced after a reset: a simulated one is.
     fn starts_referenced(&self) -> bool {
         false
+    }
+
+    /// Keeps where the spool of a stepper valve is, in memory that a reset leaves as it is. Called in the control
+    /// interrupt, before each pulse.
+    fn keep_spool(&mut self, _: SpoolLocation) {}
+
+    /// What was kept of the spool before the reset; None if nothing was, or it cannot be read. That of a simulated
+    /// valve is at mid-travel after a reset.
+    fn kept_spool(&self) -> Option<SpoolLocation> {
+        self.starts_referenced().then(SpoolLocation::default)
     }
 }

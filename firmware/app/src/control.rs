@@ -5,10 +5,10 @@ mod commands;
 mod host;
 mod test;
 mod transaction;
+mod valve;
 
 use core::borrow::BorrowMut;
 
-use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::{Config, Fault, Mode, Parameters, State, output, sample};
 use pneudrive_protocol::Spread;
 
@@ -39,6 +39,8 @@ pub struct Control<R = Recorder> {
     ownership: Ownership,
     /// Whether the fault that the drive is in stands in the log.
     logged: bool,
+    /// The last output gave a pulse to a stepper.
+    spool_stepped: bool,
 }
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -54,12 +56,14 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             sampled: None,
             ownership: Ownership::default(),
             logged: false,
+            spool_stepped: false,
         }
     }
 
     /// Takes up what the board has kept, after a reset. A configuration that is lost is a fault: the drive
-    /// is not armed before one is stored again.
+    /// is not armed before one is stored again. A stepper's spool that was not at mid-travel has to be sought.
     pub fn take_up(&mut self, board: &mut impl Board) {
+        self.state.take_up_spool(board.kept_spool());
         if !self.configuration.take_up(board.store()) {
             self.state.supervisor.trip(Fault::BadConfiguration);
         }
@@ -77,17 +81,6 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
         self.configuration.save_learned(board.store())?;
         board.store().flush()
-    }
-
-    /// Whether the drive is disabled and a stepper's spool at mid-travel. Writing flash stalls the processor.
-    fn flash_may_be_written(&self) -> bool {
-        !self.state.supervisor.drives() && !self.spool_walks()
-    }
-
-    /// Whether the spool of a stepper is on its way to mid-travel: its translator is enabled until then, and
-    /// a flash that stalls the processor would keep it open.
-    fn spool_walks(&self) -> bool {
-        self.state.spool_location() != SpoolLocation::default()
     }
 
     /// Logs the fault that the drive is in, once: only arming leaves it.
@@ -115,7 +108,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The second interrupt: `delay` after the sample. The recorder is fed after the output.
     #[inline(never)]
     pub fn on_output(&mut self, board: &mut impl Board) {
+        let spool = self.state.spool_location();
         let command = output(self.configuration.config(), &mut self.state);
+        self.keep_spool(spool, &command, board);
         board.drive(self.configuration.config(), command);
         self.record();
         self.log_fault(board);

@@ -63,7 +63,9 @@ impl Need {
             | Body::ConfigSave
             | Body::ChangePart { .. }
             | Body::ChangeTake { .. }
-            | Body::StartTest { .. } => Need::Command,
+            | Body::StartTest { .. }
+            | Body::SeekNull
+            | Body::AtNull => Need::Command,
         }
     }
 }

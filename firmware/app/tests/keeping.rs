@@ -1,90 +1,13 @@
 //! What a board keeps: a configuration through a reset, a fault through it, what was learned of the null.
 
+mod flash_drive;
+
+use flash_drive::{Drive, stepper_that_has_learned};
 use pneudrive_app::configuration::Source;
-use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::ram_flash::RamFlash;
-use pneudrive_app::store::{FlashStore, Store};
-use pneudrive_app::{Board, Control};
+use pneudrive_app::store::Store;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Command, Config, Fault, Mode, Move, Refusal, Sample};
-
-type Kept = FlashStore<RamFlash, Memory>;
-
-/// A board whose rod stands still, with flash.
-struct FlashBoard {
-    position: i32,
-    now_us: u64,
-    store: Kept,
-}
-
-fn store_on(flash: RamFlash, memory: Memory) -> Kept {
-    FlashStore::take_up(flash, RamFlash::layout(), memory).expect("it fits").0
-}
-
-impl Board for FlashBoard {
-    type Store = Kept;
-
-    fn store(&mut self) -> &mut Kept {
-        &mut self.store
-    }
-    fn name(&self) -> &'static str {
-        "with flash"
-    }
-    fn build(&self) -> &'static str {
-        "test"
-    }
-    fn read_sensors(&mut self, _: &Config) -> Sample {
-        Sample { position: self.position, pressure_1: 2000, pressure_2: 2000, ..Sample::default() }
-    }
-    fn drive(&mut self, _: &Config, _: Command) {}
-    fn now_us(&self) -> u64 {
-        self.now_us
-    }
-    fn host_clock_ms(&self) -> Option<u64> {
-        None
-    }
-}
-
-struct Drive {
-    control: Box<Control>,
-    board: FlashBoard,
-}
-
-impl Drive {
-    /// A drive that is switched on, with what is in its flash.
-    fn on(flash: RamFlash) -> Drive {
-        let store = store_on(flash, [0; MEMORY_BYTES]);
-        let mut drive =
-            Drive { control: Box::default(), board: FlashBoard { position: 100, now_us: 0, store } };
-        drive.control.take_up(&mut drive.board);
-        drive
-    }
-
-    /// Switched off and on again.
-    fn power_cycle(&self) -> Drive {
-        Drive::on(self.board.store.flash().clone())
-    }
-
-    fn samples(&mut self, count: u32) {
-        for _ in 0..count {
-            self.control.on_sample(&mut self.board);
-            self.control.on_output(&mut self.board);
-            self.board.now_us += 1300;
-        }
-    }
-
-    fn set(&mut self, id: u16, value: i32) {
-        self.control.set_parameters(id, [value].into_iter()).expect("taken");
-    }
-
-    fn get(&self, id: u16) -> i32 {
-        self.control.parameters().get(id).expect("a parameter")
-    }
-
-    fn mode(&self) -> Mode {
-        self.control.state().supervisor.mode()
-    }
-}
+use pneudrive_controller::{Fault, Mode, Move, Refusal};
 
 /// Flash in which both slots hold something else.
 fn damaged_flash() -> RamFlash {
@@ -170,6 +93,7 @@ fn flash_is_not_written_while_a_steppers_spool_walks_to_mid_travel() {
     let mut drive = Drive::on(RamFlash::default());
     drive.set(id::STEPPER, 1);
     drive.set(id::OPEN_LOOP, 1);
+    drive.control.at_null(&mut drive.board).expect("disarmed");
     drive.control.set_test(pneudrive_app::control::Test::new("open", 99, 1, 0)).expect("disarmed");
     drive.control.push_move(Move { at_sample: 0, target: 40 }).expect("room");
     drive.control.arm(&mut drive.board).expect("disarmed");
@@ -201,24 +125,6 @@ fn what_was_learned_of_the_null_is_kept_at_the_next_arming() {
     drive.control.arm(&mut drive.board).expect("disarmed");
     assert_eq!(drive.get(id::NULL_OFFSET_COUNTS), 7);
     assert_eq!(drive.power_cycle().get(id::NULL_OFFSET_COUNTS), 7);
-}
-
-/// A drive with a stepper that has learned an offset of 7 steps, holds its last setpoint and has its spool open.
-fn stepper_that_has_learned() -> Drive {
-    let mut drive = Drive::on(RamFlash::default());
-    drive.control.set_referenced().expect("disarmed");
-    drive.set(id::STEPPER, 1);
-    drive.set(id::SCALE, 1);
-    drive.set(id::LEARNING_GAIN, 1);
-    drive.control.save_parameters(&mut drive.board).expect("disarmed");
-    drive.control.set_test(pneudrive_app::control::Test::new("learn", 9, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move { at_sample: 0, target: 107 }).expect("room");
-    drive.control.arm(&mut drive.board).expect("disarmed");
-    drive.control.start(&mut drive.board).expect("armed");
-    drive.samples(11);
-    assert_eq!(drive.mode(), Mode::Done);
-    assert_ne!(drive.control.state().spool_location().steps(), 0);
-    drive
 }
 
 /// It was stored at once, and the erase kept the spool open for 400 ms without a pulse.

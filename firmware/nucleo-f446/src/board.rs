@@ -1,6 +1,7 @@
 //! The board as the application sees it, put together from its parts.
 
 use pneudrive_app::Board;
+use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::{Command, Config, Sample};
 use pneudrive_nucleo_plan::input;
 use stm32f4xx_hal::gpio::{Input, PA9};
@@ -8,6 +9,7 @@ use stm32f4xx_hal::gpio::{Input, PA9};
 use crate::clock::Clock;
 use crate::converter::Converter;
 use crate::encoder::Encoder;
+use crate::reset;
 use crate::start::Store;
 use crate::valve::Valve;
 
@@ -74,5 +76,13 @@ impl Board for NucleoBoard {
 
     fn host_clock_ms(&self) -> Option<u64> {
         Some(self.clock.sampled_ms())
+    }
+
+    fn keep_spool(&mut self, location: SpoolLocation) {
+        reset::keep_spool(location);
+    }
+
+    fn kept_spool(&self) -> Option<SpoolLocation> {
+        reset::kept_spool()
     }
 }

@@ -35,7 +35,10 @@ probes! {
     probe_state() -> State = State::default();
     probe_start(config: &Config, sequence: &Sequence, state: &mut State) -> Result<(), Refusal> =
         state.start(config, sequence);
-    probe_home(state: &mut State) -> Result<(), Refusal> = state.home();
+    probe_home(state: &mut State, config: &Config) -> Result<(), Refusal> = state.home(config);
+    probe_arm_checked(state: &mut State, config: &Config) -> Result<(), Refusal> = state.arm(config);
+    probe_seek_null(state: &mut State) -> Result<(), Refusal> = state.seek_null();
+    probe_at_null(state: &mut State) -> Result<(), Refusal> = state.at_null();
     probe_reference_at(state: &mut State, position: i32) = state.reference(position);
     probe_learned(state: &State) -> i32 = state.learned_null_offset();
 

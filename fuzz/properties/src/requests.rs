@@ -92,7 +92,7 @@ pub fn change(u: &mut Unstructured<'_>) -> Result<Vec<u8>> {
 pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Result<RequestBody<'a>> {
     use RequestBody as Body;
     let crc32 = if u.ratio(7, 8)? { named } else { u.arbitrary()? };
-    Ok(match u.int_in_range(0..=33u8)? {
+    Ok(match u.int_in_range(0..=35u8)? {
         0 => Body::Info,
         1 => Body::Status,
         2 => Body::ConfigGet { first_id: id(u)?, count: u.arbitrary()? },
@@ -132,6 +132,8 @@ pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Res
         30 => Body::ChangePart { crc32, first: short(u)?, part: u.arbitrary()? },
         31 => Body::ChangeTake { crc32 },
         32 => Body::StartTest { crc32 },
+        33 => Body::SeekNull,
+        34 => Body::AtNull,
         _ if u.ratio(1, 2)? => Body::Boot,
         _ => Body::Token { token: text(u)? },
     })

@@ -7,6 +7,7 @@ mod owner;
 mod parameters;
 mod record;
 mod stream;
+mod valve;
 mod version_2;
 
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -157,6 +157,12 @@ fn not_now(of: u8) -> String {
         Some(Refusal::NoConfiguration) => {
             "the stored configuration is damaged; load one (`pneudrive device config import RIG`) and save it (`pneudrive device config save`)".to_owned()
         }
+        Some(Refusal::SpoolInDoubt) => {
+            "the spool of the stepper valve was open at a reset; walk it back (`pneudrive device valve seek-null`), or set it to its null and say so (`pneudrive device valve at-null`)".to_owned()
+        }
+        Some(Refusal::SpoolLost) => {
+            "since a reset it is not known where the spool of the stepper valve is; set it to its null and say so (`pneudrive device valve at-null`)".to_owned()
+        }
         Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
         None if of == code::TOKEN => {
             "it asks for a token; set PNEUDRIVE_TOKEN to the one that the rig was started with".to_owned()

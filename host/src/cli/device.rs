@@ -45,6 +45,9 @@ pub enum DeviceAction {
     /// Home the axis: move it slowly to its stop or switch, which gives counts their meaning. The drive
     /// must be armed
     Home,
+    /// The spool of a stepper valve, of which a reset leaves no more than a note. The drive must be disarmed
+    #[command(subcommand)]
+    Valve(ValveAction),
     /// The fault log, newest first
     Faults,
     /// Parameters of the controller
@@ -65,6 +68,16 @@ fn place(text: &str) -> Result<Place, String> {
     let Some(mm) = text.strip_suffix("mm") else { return whole_number(text).map(Place::Counts) };
     let mm = mm.trim().parse().ok().filter(|mm: &f64| mm.is_finite());
     mm.map(Place::Millimetres).ok_or_else(|| format!("{text:?} is no length such as 98.72mm"))
+}
+
+/// Subcommands of `device valve`.
+#[derive(Clone, Copy, Debug, Subcommand)]
+pub enum ValveAction {
+    /// Walk the spool back to its null from where it was before the reset. The drive is enabled meanwhile and the
+    /// valve open: the cylinder may move
+    SeekNull,
+    /// The spool is at its null: you have set it there, or seen that nothing moves with it
+    AtNull,
 }
 
 /// Subcommands of `device config`.

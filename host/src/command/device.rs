@@ -1,6 +1,7 @@
 //! `pneudrive device`.
 
 mod config;
+mod valve;
 
 use std::time::{Duration, Instant};
 
@@ -40,6 +41,7 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         }
         DeviceAction::Reference { place } => reference(&mut client, *place, arguments.counts),
         DeviceAction::Home => home(&mut client, arguments.counts),
+        DeviceAction::Valve(action) => valve::execute(&mut client, *action),
         DeviceAction::Faults => faults(&mut client, arguments.counts),
         DeviceAction::Config(action) => config::execute(&mut client, action),
     }

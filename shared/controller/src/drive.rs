@@ -45,6 +45,12 @@ pub struct DacConfig {
 }
 
 impl DriveConfig {
+    /// Whether a stepper drives the valve.
+    #[must_use]
+    pub fn is_stepper(&self) -> bool {
+        matches!(self, DriveConfig::Stepper { .. })
+    }
+
     /// The largest command to either side: counts of a DAC, steps of a stepper.
     #[must_use]
     pub fn largest(&self) -> i16 {
@@ -78,6 +84,12 @@ impl DacConfig {
 pub struct SpoolLocation(i16);
 
 impl SpoolLocation {
+    /// So many steps from mid-travel.
+    #[must_use]
+    pub fn at(steps: i16) -> SpoolLocation {
+        SpoolLocation(steps)
+    }
+
     /// Steps from mid-travel.
     #[must_use]
     pub fn steps(self) -> i16 {

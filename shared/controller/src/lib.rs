@@ -26,6 +26,7 @@
 //! | [`limits`] | what an axis may do |
 //! | [`supervisor`] | modes and fault latch: the last word on every command |
 //! | [`drive`] | the drive stages: counts of a DAC, pulses of a stepper |
+//! | `spool` | where a stepper's spool is, and whether that can be relied on |
 //!
 //! # What is promised
 //!
@@ -49,6 +50,7 @@ pub mod parameters;
 pub mod pressure;
 pub mod sequencer;
 pub mod signal;
+mod spool;
 mod standstill;
 pub mod supervisor;
 
@@ -65,6 +67,7 @@ use homing::{Homing, Progress};
 use law::{LawConfig, Loop, Memory};
 use limits::Evidence;
 use sequencer::Sequencer;
+use spool::Spool;
 use supervisor::Supervisor;
 
 /// Everything that changes while the controller runs. [`Config`] and [`Sequence`] do not.
@@ -77,7 +80,7 @@ pub struct State {
     pub supervisor: Supervisor,
     law: Memory,
     observation: Observation,
-    location: SpoolLocation,
+    spool: Spool,
     /// The encoder's own count, and what is taken off it to make a position.
     encoder: i32,
     origin: i32,
@@ -90,10 +93,55 @@ impl State {
         &self.observation
     }
 
-    /// SPLLOC: where the spool of a stepper valve is; mid-travel for a DAC.
+    /// SPLLOC: where the spool of a stepper valve is, as far as it is known; mid-travel where there never was one.
     #[must_use]
     pub fn spool_location(&self) -> SpoolLocation {
-        self.location
+        self.spool.location()
+    }
+
+    /// Whether the valve has a stepper whose spool is known to be away from mid-travel.
+    #[must_use]
+    pub fn spool_is_open(&self, config: &Config) -> bool {
+        config.drive.is_stepper() && self.spool.is_open()
+    }
+
+    /// After a reset: where the spool was before it, if the board has kept that.
+    pub fn take_up_spool(&mut self, kept: Option<SpoolLocation>) {
+        self.spool = Spool::after_reset(kept);
+    }
+
+    /// Enables the drive with the valve at null; leaves the fault mode.
+    ///
+    /// # Errors
+    /// While a run is on, and when it is not known where a stepper's spool is.
+    pub fn arm(&mut self, config: &Config) -> Result<(), Refusal> {
+        self.check_spool(config)?;
+        self.supervisor.arm()
+    }
+
+    /// Whether it is known where a stepper's spool is.
+    ///
+    /// # Errors
+    /// When it is not since a reset.
+    pub fn check_spool(&self, config: &Config) -> Result<(), Refusal> {
+        if config.drive.is_stepper() { self.spool.check() } else { Ok(()) }
+    }
+
+    /// Walks a stepper's spool back from where it was before a reset, one pulse a sample; its translator is enabled
+    /// until it is at mid-travel. The drive must be disabled; who calls this sees to it.
+    ///
+    /// # Errors
+    /// When it is not known where it was.
+    pub fn seek_null(&mut self) -> Result<(), Refusal> {
+        self.spool.seek()
+    }
+
+    /// A stepper's spool is at mid-travel. The drive must be disabled; who calls this sees to it.
+    ///
+    /// # Errors
+    /// While it is on its way there.
+    pub fn at_null(&mut self) -> Result<(), Refusal> {
+        self.spool.at_null()
     }
 
     /// How the moves of the run stand.
@@ -122,7 +170,7 @@ impl State {
         if self.supervisor.mode() == Mode::Armed {
             check_moves(config, sequence)?;
         }
-        self.supervisor.start(config.law.control_loop, self.location)?;
+        self.supervisor.start(config.law.control_loop, self.spool_is_open(config))?;
         self.begin_anew(Sequencer::new(sequence, config.law.control_loop == Loop::Closed));
         Ok(())
     }
@@ -131,8 +179,8 @@ impl State {
     ///
     /// # Errors
     /// The [`Refusal`] that names what forbids it.
-    pub fn home(&mut self) -> Result<(), Refusal> {
-        self.supervisor.home(self.location)?;
+    pub fn home(&mut self, config: &Config) -> Result<(), Refusal> {
+        self.supervisor.home(self.spool_is_open(config))?;
         self.homing = Homing::default();
         self.begin_anew(Sequencer::default());
         Ok(())
@@ -214,7 +262,7 @@ impl State {
             pressure_2: input.pressure_2,
             spool: match config.drive {
                 DriveConfig::Dac(_) => input.spool,
-                DriveConfig::Stepper { .. } => self.location.steps(),
+                DriveConfig::Stepper { .. } => self.spool.location().steps(),
             },
             ..self.observation
         };
@@ -292,15 +340,13 @@ impl State {
 /// left open would go on moving the cylinder.
 #[must_use]
 pub fn output(config: &Config, state: &mut State) -> Command {
-    let walking = state.location != SpoolLocation::default();
-    let drive_enable = state.supervisor.drives() || walking;
+    let drives = state.supervisor.drives();
     let counts = state.supervisor.permit(&config.law, state.observation.command);
-    let step = match config.drive {
-        DriveConfig::Dac(_) => {
-            state.location = SpoolLocation::default();
-            0
+    match config.drive {
+        DriveConfig::Dac(_) => Command { counts, step: 0, drive_enable: drives },
+        DriveConfig::Stepper { .. } => {
+            let drive_enable = drives || state.spool.walks();
+            Command { counts, step: state.spool.step_toward(counts), drive_enable }
         }
-        DriveConfig::Stepper { .. } => state.location.step_toward(counts),
-    };
-    Command { counts, step, drive_enable }
+    }
 }

@@ -14,7 +14,6 @@
 //!
 //! This is not a safety-rated function: a machine needs a hardware emergency stop.
 
-use crate::drive::SpoolLocation;
 use crate::fault::Fault;
 use crate::law::{LawConfig, Loop};
 use crate::limits::{Evidence, Limits, Watch};
@@ -59,11 +58,15 @@ pub enum Refusal {
     BeyondEnd = 7,
     /// The stored configuration is damaged: load or save one first.
     NoConfiguration = 8,
+    /// Since a reset the spool of a stepper valve may be off by a step from where it is taken to be.
+    SpoolInDoubt = 9,
+    /// Since a reset nothing is known of where the spool of a stepper valve is.
+    SpoolLost = 10,
 }
 
 impl Refusal {
     /// Every refusal, in the order of the codes.
-    pub const ALL: [Refusal; 8] = [
+    pub const ALL: [Refusal; 10] = [
         Refusal::NotArmed,
         Refusal::Running,
         Refusal::NotReferenced,
@@ -72,6 +75,8 @@ impl Refusal {
         Refusal::ValveNotAtNull,
         Refusal::BeyondEnd,
         Refusal::NoConfiguration,
+        Refusal::SpoolInDoubt,
+        Refusal::SpoolLost,
     ];
 
     /// The sent code.
@@ -157,11 +162,11 @@ impl Supervisor {
     /// # Errors
     /// When the drive is not armed, or a closed loop has no reference. From the disarmed mode this also
     /// trips: something means to move a cylinder that nobody has armed.
-    pub(crate) fn start(&mut self, control_loop: Loop, location: SpoolLocation) -> Result<(), Refusal> {
+    pub(crate) fn start(&mut self, control_loop: Loop, spool_is_open: bool) -> Result<(), Refusal> {
         if self.mode == Mode::Armed && control_loop == Loop::Closed && !self.referenced {
             return Err(Refusal::NotReferenced);
         }
-        self.set_off(Mode::Running, location)
+        self.set_off(Mode::Running, spool_is_open)
     }
 
     /// Lets the homing run drive from the next sample on; counts mean nothing until it has ended.
@@ -169,19 +174,19 @@ impl Supervisor {
     /// # Errors
     /// As for a start, but for the reference, and without a trip: a person asks for it who has forgotten to arm the
     /// drive, and not a program that goes on with a test.
-    pub(crate) fn home(&mut self, location: SpoolLocation) -> Result<(), Refusal> {
+    pub(crate) fn home(&mut self, spool_is_open: bool) -> Result<(), Refusal> {
         if self.mode == Mode::Disarmed {
             return Err(Refusal::NotArmed);
         }
-        self.set_off(Mode::Homing, location)?;
+        self.set_off(Mode::Homing, spool_is_open)?;
         self.referenced = false;
         Ok(())
     }
 
     /// From armed to a mode that moves.
-    fn set_off(&mut self, mode: Mode, location: SpoolLocation) -> Result<(), Refusal> {
+    fn set_off(&mut self, mode: Mode, spool_is_open: bool) -> Result<(), Refusal> {
         match self.mode {
-            Mode::Armed if location != SpoolLocation::default() => Err(Refusal::ValveNotAtNull),
+            Mode::Armed if spool_is_open => Err(Refusal::ValveNotAtNull),
             Mode::Armed => {
                 self.mode = mode;
                 Ok(())

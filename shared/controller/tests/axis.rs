@@ -197,7 +197,7 @@ fn a_homing_run_against_a_stop_gives_counts_their_meaning() {
     let homing = [(id::HOMING_STILL_MS, 13), (id::HOMING_POSITION_COUNTS, -10)];
     let mut bench = Bench::armed(&homing, &[(0, -10)]);
     bench.take(at(5000));
-    bench.state.home().expect("armed");
+    bench.state.home(&bench.config).expect("armed");
     assert!(!bench.state.supervisor.is_referenced(), "until it has ended");
     for k in 0..40 {
         assert_eq!(bench.take(at(5000 - 50 * k)), -200, "sample {k}");
@@ -219,7 +219,7 @@ fn the_position_that_was_last_seen_counts_from_a_new_reference_at_once() {
     bench.take(at(12_345));
     bench.state.reference(500);
     assert_eq!(bench.state.observation().position, 500);
-    bench.state.home().expect("armed");
+    bench.state.home(&bench.config).expect("armed");
     bench.take(at(12_300));
     bench.take(Sample { home_switch: true, ..at(12_290) });
     assert_eq!((bench.mode(), bench.state.observation().position), (Mode::Armed, 70));
@@ -229,10 +229,10 @@ fn the_position_that_was_last_seen_counts_from_a_new_reference_at_once() {
 fn a_homing_run_is_refused_unless_armed_and_trips_when_it_finds_nothing() {
     let mut bench = Bench::armed(&[(id::HOMING_SWITCH, 1), (id::HOMING_TIMEOUT_MS, 13)], FAR);
     bench.state.supervisor.disarm();
-    assert_eq!(bench.state.home(), Err(Refusal::NotArmed));
+    assert_eq!(bench.state.home(&bench.config), Err(Refusal::NotArmed));
     assert_eq!(bench.mode(), Mode::Disarmed, "refused without a trip");
     bench.state.supervisor.arm().expect("disarmed");
-    bench.state.home().expect("armed");
+    bench.state.home(&bench.config).expect("armed");
     assert_eq!(bench.state.start(&bench.config, &bench.sequence), Err(Refusal::Running));
     bench.hold(at(100), 9);
     assert_eq!(bench.mode(), Mode::Homing);
@@ -243,7 +243,7 @@ fn a_homing_run_is_refused_unless_armed_and_trips_when_it_finds_nothing() {
 #[test]
 fn a_homing_run_ends_at_the_edge_of_its_switch() {
     let mut bench = Bench::armed(&[(id::HOMING_SWITCH, 1)], FAR);
-    bench.state.home().expect("armed");
+    bench.state.home(&bench.config).expect("armed");
     assert_eq!(bench.take(at(900)), -200);
     assert_eq!(bench.take(Sample { home_switch: true, ..at(890) }), 0);
     assert_eq!(bench.mode(), Mode::Armed);
@@ -255,7 +255,7 @@ fn a_homing_run_ends_at_the_edge_of_its_switch() {
 #[test]
 fn a_homing_run_is_watched_by_what_needs_no_reference() {
     let mut bench = Bench::armed(&[], FAR);
-    bench.state.home().expect("armed");
+    bench.state.home(&bench.config).expect("armed");
     bench.take(at(1_000_000));
     assert_eq!(bench.mode(), Mode::Homing);
     bench.take(at(1_000_600));

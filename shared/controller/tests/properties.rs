@@ -91,10 +91,10 @@ proptest! {
         for event in events {
             match event {
                 Event::Sample(input) => sample(&config, &sequence, &mut state, &input),
-                Event::Arm => { let _ = state.supervisor.arm(); }
+                Event::Arm => { let _ = state.arm(&config); }
                 Event::Disarm => state.supervisor.disarm(),
                 Event::Start => { let _ = state.start(&config, &sequence); }
-                Event::Home => { let _ = state.home(); }
+                Event::Home => { let _ = state.home(&config); }
                 Event::Trip(fault) => state.supervisor.trip(fault),
                 Event::ReferenceAt(position) => state.reference(position),
                 Event::Reference => state.supervisor.set_referenced(),

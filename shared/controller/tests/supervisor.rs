@@ -3,6 +3,7 @@
 mod bench;
 
 use bench::{at, one_move, running, wide_open};
+use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{
     Command, Config, Fault, Mode, Parameters, Refusal, Sample, Sequence, State, output, sample,
@@ -82,7 +83,7 @@ fn requests_that_may_not_be_are_refused_by_name() {
     state.start(&config, &sequence).expect("armed");
     assert_eq!(state.supervisor.arm(), Err(Refusal::Running));
     assert_eq!(state.start(&config, &sequence), Err(Refusal::Running));
-    assert_eq!(state.home(), Err(Refusal::Running));
+    assert_eq!(state.home(&config), Err(Refusal::Running));
 }
 
 #[test]
@@ -94,7 +95,7 @@ fn codes_of_faults_and_refusals_are_fixed_and_unique() {
     }
     assert_eq!(Fault::from_code(0), None);
     let refusals = Refusal::ALL.map(Refusal::code);
-    assert_eq!(refusals, [1, 2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(refusals, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
     for refusal in Refusal::ALL {
         assert_eq!(Refusal::from_code(refusal.code()), Some(refusal));
     }
@@ -155,7 +156,7 @@ fn a_stepper_that_is_not_at_null_yet_does_not_start() {
     state.supervisor.disarm();
     state.supervisor.arm().expect("referenced");
     assert_eq!(state.start(&config, &sequence), Err(Refusal::ValveNotAtNull));
-    assert_eq!(state.home(), Err(Refusal::ValveNotAtNull));
+    assert_eq!(state.home(&config), Err(Refusal::ValveNotAtNull));
     let pulses: [i8; 6] = core::array::from_fn(|_| output(&config, &mut state).step);
     assert_eq!(pulses, [-1, -1, -1, -1, -1, 0], "armed is null at once, whatever the last sample asked for");
     assert_eq!(state.start(&config, &sequence), Ok(()));
@@ -177,12 +178,63 @@ fn a_drive_that_is_re_armed_between_a_sample_and_its_output_is_at_null() {
     assert_eq!(output(&config, &mut state), null, "nothing is driven before the first sample of a run");
 }
 
+/// It was set to mid-travel, and the next stepper began from there with the valve open.
 #[test]
-fn a_drive_that_is_changed_to_a_dac_forgets_where_a_stepper_was() {
-    let (_, sequence, mut state) = stepper_at_work();
+fn a_drive_that_is_changed_to_a_dac_and_back_still_knows_where_its_spool_is() {
+    let (stepper, sequence, mut state) = stepper_at_work();
     let dac = Config::new(&wide_open()).expect("they go together");
     state.supervisor.disarm();
-    let _ = output(&dac, &mut state);
-    state.supervisor.arm().expect("referenced");
+    assert_eq!(output(&dac, &mut state), Command::OFF, "a solenoid does not wait for a stepper's spool");
+    state.arm(&dac).expect("referenced");
     assert_eq!(state.start(&dac, &sequence), Ok(()));
+    state.supervisor.disarm();
+    let pulses: [i8; 6] = core::array::from_fn(|_| output(&stepper, &mut state).step);
+    assert_eq!(pulses, [-1, -1, -1, -1, -1, 0]);
+}
+
+#[test]
+fn a_spool_that_was_open_at_a_reset_gets_no_pulse_and_no_arming_before_it_is_sought() {
+    let (config, sequence, _) = stepper_at_work();
+    let mut state = State::default();
+    state.take_up_spool(Some(SpoolLocation::at(-3)));
+    sample(&config, &sequence, &mut state, &Sample::default());
+    assert_eq!(output(&config, &mut state), Command::OFF);
+    assert_eq!(state.arm(&config), Err(Refusal::SpoolInDoubt));
+    assert!(state.spool_is_open(&config));
+    state.seek_null().expect("it is known where it was");
+    let walk: [(i8, bool); 4] = core::array::from_fn(|_| {
+        let command = output(&config, &mut state);
+        (command.step, command.drive_enable)
+    });
+    assert_eq!(walk, [(1, true), (1, true), (1, true), (0, false)]);
+    assert_eq!(state.arm(&config), Ok(()));
+}
+
+#[test]
+fn a_spool_of_which_nothing_is_known_is_not_sought_but_must_be_said_to_be_at_null() {
+    let (config, ..) = stepper_at_work();
+    let mut state = State::default();
+    state.take_up_spool(None);
+    assert_eq!(state.arm(&config), Err(Refusal::SpoolLost));
+    assert_eq!(state.seek_null(), Err(Refusal::SpoolLost));
+    assert_eq!(state.at_null(), Ok(()));
+    assert_eq!(state.arm(&config), Ok(()));
+    let dac = Config::new(&wide_open()).expect("they go together");
+    state.take_up_spool(None);
+    assert_eq!(state.arm(&dac), Ok(()), "a solenoid's spool has a spring");
+}
+
+#[test]
+fn a_spool_that_was_at_mid_travel_at_a_reset_is_there() {
+    let (config, ..) = stepper_at_work();
+    let mut state = State::default();
+    state.take_up_spool(Some(SpoolLocation::default()));
+    assert_eq!(state.arm(&config), Ok(()));
+}
+
+#[test]
+fn a_spool_on_its_way_is_not_said_to_be_at_null() {
+    let (_, _, mut state) = stepper_at_work();
+    state.supervisor.disarm();
+    assert_eq!(state.at_null(), Err(Refusal::ValveNotAtNull));
 }

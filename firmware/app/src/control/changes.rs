@@ -61,6 +61,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             id = id.saturating_add(1);
         }
         let config = Config::new(&changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        self.stage_may_become(&config).map_err(|refusal| (first_id, ChangeError::Refused(refusal)))?;
         self.put_in_force(changed, &config).map_err(|error| (first_id, ChangeError::Inconsistent(error)))
     }
 
@@ -102,9 +103,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// When the drive is enabled, or the flash does not take them.
     pub fn save_parameters(&mut self, board: &mut impl Board) -> Result<(), SaveRefused> {
         self.must_be_disarmed().map_err(SaveRefused::NotNow)?;
-        if self.spool_walks() {
-            return Err(SaveRefused::NotNow(Refusal::ValveNotAtNull));
-        }
+        self.spool_must_be_at_null().map_err(SaveRefused::NotNow)?;
         self.configuration.save(board.store()).map_err(|NotStored| SaveRefused::NotStored)
     }
 

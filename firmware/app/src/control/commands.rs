@@ -19,7 +19,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// at once if the drive rests, else after it has come to rest ([`Control::tidy_up`]).
     ///
     /// # Errors
-    /// The supervisor's refusal, and that of a drive whose stored configuration is lost.
+    /// The controller's refusal, and that of a drive whose stored configuration is lost.
     pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         self.arm_as(OLD_HOSTS, "", board)
     }
@@ -34,7 +34,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
         self.log_fault(board);
         self.take_over_null_offset(board);
-        self.state.supervisor.arm()?;
+        self.state.arm(self.configuration.config())?;
         self.ownership = Ownership::of(session, host, board.host_clock_ms());
         self.logged = false;
         // Storing has stalled the processor: what was late while disarmed is no fault.
@@ -108,7 +108,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The controller's refusal.
     pub fn home(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         self.record();
-        self.state.home()?;
+        self.state.home(self.configuration.config())?;
         self.ownership.refresh(board.host_clock_ms());
         // What is kept from before has positions of another origin.
         self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);

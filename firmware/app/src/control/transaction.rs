@@ -80,6 +80,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             draft.add(entry.map_err(|_| TakeError::Malformed)?)?;
         }
         let config = Config::new(&draft.parameters).map_err(TakeError::Inconsistent)?;
+        self.stage_may_become(&config).map_err(TakeError::Refused)?;
         self.put_in_force(draft.parameters, &config).map_err(TakeError::Inconsistent)?;
         if let Some(test) = draft.test {
             self.put_test(test.named(test_crc32(change)));

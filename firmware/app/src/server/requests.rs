@@ -106,6 +106,8 @@ pub(super) fn carry_out<'a, B: Board>(
         }
         RequestBody::ChangeTake { crc32 } => take(control, &mut talk.change, crc32),
         RequestBody::Home => done(control.home(board).map_err(not_now)),
+        RequestBody::SeekNull => done(control.seek_null().map_err(not_now)),
+        RequestBody::AtNull => done(control.at_null(board).map_err(not_now)),
         RequestBody::Motion => ReplyBody::Motion(motion(control)),
         RequestBody::ConfigSave => done(control.save_parameters(board).map_err(|refused| match refused {
             SaveRefused::NotNow(refusal) => not_now(refusal),

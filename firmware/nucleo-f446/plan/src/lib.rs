@@ -9,6 +9,7 @@
 //! | [`flash`] | which sectors hold what |
 //! | [`reset`] | why the board was reset |
 //! | [`ring`] | what has come into a circular buffer |
+//! | [`spool`] | where a stepper's spool is, through a reset |
 //! | [`watchdog`] | the independent watchdog's times |
 #![no_std]
 #![forbid(unsafe_code)]
@@ -18,5 +19,6 @@ pub mod input;
 pub mod pulse;
 pub mod reset;
 pub mod ring;
+pub mod spool;
 pub mod time;
 pub mod watchdog;

@@ -237,6 +237,7 @@ impl Link {
                 | RequestBody::ArmAs { .. }
                 | RequestBody::TakeOver { .. }
                 | RequestBody::Home
+                | RequestBody::SeekNull
                 | RequestBody::Start
                 | RequestBody::StartTest { .. }
         )

@@ -173,6 +173,11 @@ pub enum RequestBody<'a> {
     },
     /// Version 6. Which boot is this? Answered by [`ReplyBody::Boot`](super::ReplyBody::Boot).
     Boot,
+    /// Version 6. Walks the spool of a stepper valve back to its null from where it was before a reset. The drive must
+    /// be disabled.
+    SeekNull,
+    /// Version 6. The spool of a stepper valve is at its null. The drive must be disabled.
+    AtNull,
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.

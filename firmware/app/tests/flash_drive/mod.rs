@@ -1,0 +1,127 @@
+//! A drive with flash, on a board whose rod stands still.
+#![allow(dead_code)] // Each test file uses a part.
+
+use pneudrive_app::control::Test;
+use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
+use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::store::FlashStore;
+use pneudrive_app::{Board, Control};
+use pneudrive_controller::drive::SpoolLocation;
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Command, Config, Mode, Move, Sample};
+
+pub type Kept = FlashStore<RamFlash, Memory>;
+
+/// A board whose rod stands still, with flash.
+pub struct FlashBoard {
+    pub position: i32,
+    pub now_us: u64,
+    pub store: Kept,
+    /// Where the spool was, in memory that a reset leaves as it is.
+    pub spool: Option<SpoolLocation>,
+}
+
+fn store_on(flash: RamFlash, memory: Memory) -> Kept {
+    FlashStore::take_up(flash, RamFlash::layout(), memory).expect("it fits").0
+}
+
+impl Board for FlashBoard {
+    type Store = Kept;
+
+    fn store(&mut self) -> &mut Kept {
+        &mut self.store
+    }
+    fn name(&self) -> &'static str {
+        "with flash"
+    }
+    fn build(&self) -> &'static str {
+        "test"
+    }
+    fn read_sensors(&mut self, _: &Config) -> Sample {
+        Sample { position: self.position, pressure_1: 2000, pressure_2: 2000, ..Sample::default() }
+    }
+    fn drive(&mut self, _: &Config, _: Command) {}
+    fn now_us(&self) -> u64 {
+        self.now_us
+    }
+    fn host_clock_ms(&self) -> Option<u64> {
+        None
+    }
+    fn keep_spool(&mut self, location: SpoolLocation) {
+        self.spool = Some(location);
+    }
+    fn kept_spool(&self) -> Option<SpoolLocation> {
+        self.spool
+    }
+}
+
+pub struct Drive {
+    pub control: Box<Control>,
+    pub board: FlashBoard,
+}
+
+impl Drive {
+    /// A drive that is switched on, with what is in its flash.
+    pub fn on(flash: RamFlash) -> Drive {
+        Drive::after(flash, None)
+    }
+
+    /// A drive after a reset that has left this of its spool.
+    pub fn after(flash: RamFlash, spool: Option<SpoolLocation>) -> Drive {
+        let store = store_on(flash, [0; MEMORY_BYTES]);
+        let board = FlashBoard { position: 100, now_us: 0, store, spool };
+        let mut drive = Drive { control: Box::default(), board };
+        drive.control.take_up(&mut drive.board);
+        drive
+    }
+
+    /// Reset, with its memory kept.
+    pub fn reset(&self) -> Drive {
+        Drive::after(self.board.store.flash().clone(), self.board.spool)
+    }
+
+    /// Switched off and on again.
+    pub fn power_cycle(&self) -> Drive {
+        Drive::on(self.board.store.flash().clone())
+    }
+
+    pub fn samples(&mut self, count: u32) {
+        for _ in 0..count {
+            self.control.on_sample(&mut self.board);
+            self.control.on_output(&mut self.board);
+            self.board.now_us += 1300;
+        }
+    }
+
+    pub fn set(&mut self, id: u16, value: i32) {
+        self.control.set_parameters(id, [value].into_iter()).expect("taken");
+    }
+
+    pub fn get(&self, id: u16) -> i32 {
+        self.control.parameters().get(id).expect("a parameter")
+    }
+
+    pub fn mode(&self) -> Mode {
+        self.control.state().supervisor.mode()
+    }
+}
+
+/// A drive with a stepper that has learned an offset of 7 steps, holds its last setpoint and has its spool open.
+pub fn stepper_that_has_learned() -> Drive {
+    let mut drive = Drive::on(RamFlash::default());
+    drive.control.set_referenced().expect("disarmed");
+    drive.control.at_null(&mut drive.board).expect("disarmed");
+    drive.set(id::STEPPER, 1);
+    drive.set(id::SCALE, 1);
+    drive.set(id::LEARNING_GAIN, 1);
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    drive.control.set_test(Test::new("learn", 9, 1, 0)).expect("disarmed");
+    drive.control.push_move(Move { at_sample: 0, target: 107 }).expect("room");
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(11);
+    assert_eq!(drive.mode(), Mode::Done);
+    assert_ne!(drive.control.state().spool_location().steps(), 0);
+    drive
+}
+

@@ -1,0 +1,26 @@
+//! The spool of a stepper valve after a reset (version 6 of the protocol).
+
+use anyhow::Result;
+use pneudrive_protocol::RequestBody;
+
+use super::Client;
+
+impl Client {
+    /// Walks the spool back to its null from where it was before the reset.
+    ///
+    /// # Errors
+    /// When it is refused or not answered.
+    pub fn seek_null(&mut self) -> Result<()> {
+        self.needs_version(6, "the spool of a stepper after a reset")?;
+        self.ask_done(RequestBody::SeekNull)
+    }
+
+    /// States that the spool is at its null.
+    ///
+    /// # Errors
+    /// When it is refused or not answered.
+    pub fn at_null(&mut self) -> Result<()> {
+        self.needs_version(6, "the spool of a stepper after a reset")?;
+        self.ask_done(RequestBody::AtNull)
+    }
+}

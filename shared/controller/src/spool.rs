@@ -1,0 +1,93 @@
+//! Where the spool of a stepper valve is, and whether that can be relied on.
+//!
+//! Nothing measures the spool: its location is the sum of the pulses that were given. A reset ends the sum. What the
+//! board has kept through it says where the spool was, but a pulse may have been lost on the way; without it nothing
+//! is known. A drive in doubt gives no pulse and does not arm until the spool has been walked back ([`Spool::seek`])
+//! or the operator says that it is at its null ([`Spool::at_null`]).
+
+use crate::drive::SpoolLocation;
+use crate::supervisor::Refusal;
+
+/// Whether the location can be relied on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Trust {
+    /// Every pulse since mid-travel has been counted.
+    #[default]
+    Sure,
+    /// It is what was kept through a reset.
+    Kept,
+    /// It is not known.
+    Lost,
+}
+
+/// The spool. By default it is at mid-travel, as the one of a simulated valve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Spool {
+    location: SpoolLocation,
+    trust: Trust,
+}
+
+impl Spool {
+    /// After a reset, with the location that was kept through it, if any.
+    pub fn after_reset(kept: Option<SpoolLocation>) -> Spool {
+        match kept {
+            None => Spool { location: SpoolLocation::default(), trust: Trust::Lost },
+            Some(location) if location == SpoolLocation::default() => Spool::default(),
+            Some(location) => Spool { location, trust: Trust::Kept },
+        }
+    }
+
+    /// The location, as far as it is known.
+    pub fn location(self) -> SpoolLocation {
+        self.location
+    }
+
+    /// Whether it is known to be away from mid-travel.
+    pub fn is_open(self) -> bool {
+        self.location != SpoolLocation::default()
+    }
+
+    /// Whether a disabled drive walks it back.
+    pub fn walks(self) -> bool {
+        self.is_open() && self.trust == Trust::Sure
+    }
+
+    /// The pulse toward `target`; none in doubt.
+    #[inline(always)]
+    pub fn step_toward(&mut self, target: i16) -> i8 {
+        if self.trust == Trust::Sure { self.location.step_toward(target) } else { 0 }
+    }
+
+    /// Whether a drive may be armed with it.
+    pub fn check(self) -> Result<(), Refusal> {
+        match self.trust {
+            Trust::Sure => Ok(()),
+            Trust::Kept => Err(Refusal::SpoolInDoubt),
+            Trust::Lost => Err(Refusal::SpoolLost),
+        }
+    }
+
+    /// Walks back from where it was before the reset, one pulse a sample.
+    ///
+    /// # Errors
+    /// When that is not known.
+    pub fn seek(&mut self) -> Result<(), Refusal> {
+        if self.trust == Trust::Lost {
+            return Err(Refusal::SpoolLost);
+        }
+        self.trust = Trust::Sure;
+        Ok(())
+    }
+
+    /// It is at mid-travel: the operator has seen to it.
+    ///
+    /// # Errors
+    /// While it walks.
+    pub fn at_null(&mut self) -> Result<(), Refusal> {
+        if self.walks() {
+            return Err(Refusal::ValveNotAtNull);
+        }
+        *self = Spool::default();
+        Ok(())
+    }
+}
