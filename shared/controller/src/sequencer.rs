@@ -185,7 +185,7 @@ impl Sequencer {
     /// Takes sample k, at which the axis is at `position`. Whether it ends a move that rests.
     pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
         let rested = self.is_due(config) && self.move_on(config, sequence, position);
-        self.taken = self.taken.saturating_add(1);
+        self.taken = self.taken.wrapping_add(1); // A run is over before.
         rested
     }
 
@@ -298,7 +298,8 @@ impl Sequencer {
     /// for.
     pub(crate) fn is_over(&self, config: &MotionConfig, sequence: &Sequence) -> bool {
         let through = config.on_arrival && self.ended && self.next_move >= sequence.moves().len();
-        through || self.taken > sequence.duration_samples
+        // The last sample that can be counted ends a run of any length.
+        through || self.taken > sequence.duration_samples.min(u32::MAX - 1)
     }
 }
 
@@ -464,6 +465,27 @@ mod tests {
             seen.push(sequencer.setpoint());
         }
         assert_eq!(seen, [10, 10, 20, 20, 10, 10, 20]);
+    }
+
+    /// The rounds at the end of the count began again and again within one sample, and the run had no end.
+    #[test]
+    fn a_run_of_as_many_samples_as_there_are_numbers_ends_with_the_last_one_that_can_be_counted() {
+        for moves in [&[(0, 10)][..], &[(0, 10), (1, 20)]] {
+            let mut sequence = sequence(moves, u32::MAX);
+            sequence.repeat_every(2).expect("behind the last move");
+            let mut sequencer = Sequencer::new(&sequence, true);
+            sequencer.taken = u32::MAX - 5;
+            sequencer.round_at = u32::MAX - 5;
+            sequencer.next_move = 0;
+            sequencer.look_ahead(&sequence);
+            let mut samples = 0;
+            while !sequencer.is_over(&TIMED, &sequence) {
+                sequencer.advance(&TIMED, &sequence, STANDS);
+                samples += 1;
+                assert!(samples <= 5, "samples MAX - 5 to MAX - 1");
+            }
+            assert_eq!(samples, 5);
+        }
     }
 
     #[test]
