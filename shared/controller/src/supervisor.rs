@@ -227,6 +227,8 @@ impl Supervisor {
         }
         if let Some(fault) = self.watch.judge(limits, seen) {
             self.trip(fault);
+            // Nobody knows how many counts an encoder has lost or made up.
+            self.referenced &= fault != Fault::EncoderStep;
         }
     }
 

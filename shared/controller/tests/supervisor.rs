@@ -20,6 +20,24 @@ fn positions_outside_the_stroke_by_more_than_the_margin_trip() {
     }
 }
 
+/// The drive was armed again and ran to positions that were wrong by the jump.
+#[test]
+fn an_encoder_step_takes_the_reference_away_and_no_other_fault_does() {
+    let config = Config::new(&Parameters::default()).expect("defaults");
+    for (position, fault) in [(641, Fault::EncoderStep), (-250, Fault::PositionOutside)] {
+        let mut state = running(&config);
+        sample(&config, &one_move(0), &mut state, &at(if fault == Fault::EncoderStep { 100 } else { -240 }));
+        sample(&config, &one_move(0), &mut state, &at(position));
+        assert_eq!(state.supervisor.mode(), Mode::Fault(fault));
+        assert_eq!(state.supervisor.is_referenced(), fault == Fault::PositionOutside, "{fault:?}");
+    }
+    let mut state = running(&config);
+    sample(&config, &one_move(0), &mut state, &at(100));
+    sample(&config, &one_move(0), &mut state, &at(641));
+    state.arm(&config).expect("tripped");
+    assert_eq!(state.start(&config, &one_move(0)), Err(Refusal::NotReferenced));
+}
+
 #[test]
 fn a_disarmed_axis_may_be_pushed_anywhere() {
     let config = Config::new(&Parameters::default()).expect("defaults");
