@@ -87,3 +87,14 @@ fn a_supply_that_fails_leaves_a_wide_open_valve_that_moves_nothing() {
     let run = simulate(event, &["valve.underlap_mm=-0.05", "test.moves=[[0.0, 8192], [0.6, 16384]]"]);
     assert_eq!(run.fault.map(|(fault, _)| fault), Some(Fault::NoMotion));
 }
+
+/// A drive at rest asks for what its stiction and the null of its valve leave: no more than a shut valve may be asked for.
+#[test]
+fn a_sound_drive_that_moves_and_rests_for_20_s_trips_nothing() {
+    for (name, text) in pneudrive_sim::rig::BUILTIN {
+        let rig = Rig::read_with(name, text, &["test.duration_s=20".to_owned()]);
+        let rig = rig.unwrap_or_else(|problems| panic!("{name}: {problems}"));
+        let run = run(&rig, Accuracy::default()).expect("a transient");
+        assert_eq!(run.fault, None, "{name}");
+    }
+}

@@ -6,7 +6,7 @@ use crate::drive::{DacConfig, DriveConfig, Translator};
 use crate::estimator::EstimatorConfig;
 use crate::homing::{HomingConfig, HomingKind};
 use crate::law::{LawConfig, LawKind, Loop};
-use crate::limits::Limits;
+use crate::limits::{Limits, NoMotion};
 use crate::parameters::{Parameters, id};
 use crate::sequencer::MotionConfig;
 
@@ -143,7 +143,7 @@ impl Default for Config {
                 sensor_low: 0,
                 sensor_high: 4095,
                 sensor_samples: 4,
-                no_motion_samples: 384,
+                no_motion: NoMotion { idle: 102, full: 1024, effort: 384 * (1024 - 102) },
                 no_motion_counts: 40,
                 end_min: -i32::MAX,
                 end_max: i32::MAX,
@@ -167,7 +167,8 @@ impl Config {
         let period_us = divisor(id::PERIOD_US)?;
         let delay_us = divisor(id::DELAY_US)?;
         ensure(delay_us < period_us, ConfigError::DelayNotBelowPeriod)?;
-        let limits = limits(parameters, period_us);
+        let drive = drive(parameters);
+        let limits = limits(parameters, period_us, drive.largest());
         ensure(limits.position_min < limits.position_max, ConfigError::PositionLimitsCrossed)?;
         ensure(limits.end_min < limits.end_max, ConfigError::EndPositionsCrossed)?;
         ensure(get(id::PRESSURE_MIN_PA) < get(id::PRESSURE_MAX_PA), ConfigError::PressureRangeEmpty)?;
@@ -192,7 +193,7 @@ impl Config {
             motion: motion(parameters, period_us),
             homing: homing(parameters, period_us),
             limits,
-            drive: drive(parameters),
+            drive,
             encoder_inverted: get(id::ENCODER_INVERTED) != 0,
         })
     }
@@ -264,9 +265,11 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
 /// The parameter's value for "no raw pressure is that of a shorted sensor".
 const NONE_IS_HIGH: i32 = 32_767;
 
-fn limits(parameters: &Parameters, period_us: NonZeroU32) -> Limits {
+fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limits {
     let get = |id| parameters.scalar(id);
     let no_motion_ms = get(id::NO_MOTION_MS).unsigned_abs();
+    // A time below a period is one sample, not "off".
+    let no_motion_samples = samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0));
     Limits {
         position_min: get(id::POSITION_MIN_COUNTS),
         position_max: get(id::POSITION_MAX_COUNTS),
@@ -277,8 +280,7 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32) -> Limits {
             high => high,
         },
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
-        // A time below a period is one sample, not "off".
-        no_motion_samples: samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0)),
+        no_motion: NoMotion::of(no_motion_samples, largest, get(id::DEAD_ZONE_COUNTS).unsigned_abs()),
         no_motion_counts: get(id::NO_MOTION_COUNTS).unsigned_abs(),
         end_min: get(id::END_MIN_COUNTS),
         end_max: get(id::END_MAX_COUNTS),
@@ -364,8 +366,8 @@ mod tests {
 
     #[test]
     fn a_time_without_motion_below_a_period_is_one_sample_and_none_is_off() {
-        let samples = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.no_motion_samples);
-        assert_eq!([0, 1, 13].map(samples), [Ok(0), Ok(1), Ok(10)], "periods of 1.3 ms");
+        let effort = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.no_motion.effort);
+        assert_eq!([0, 1, 13].map(effort), [0, 922, 9220].map(Ok), "periods of 1.3 ms");
     }
 
     #[test]

@@ -295,14 +295,14 @@ impl State {
     }
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
-        let largest = i32::from(config.drive.largest());
         let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
         let closed = config.law.control_loop == Loop::Closed;
+        let from_null = i32::from(self.observation.command) - i32::from(config.law.null_offset);
         let evidence = Evidence {
             motion,
             input,
             referenced: self.supervisor.is_referenced(),
-            pushes: holds_or_runs && closed && 2 * i32::from(self.observation.command).abs() > largest,
+            from_null: if holds_or_runs && closed { from_null.unsigned_abs() } else { 0 },
         };
         self.supervisor.watch(&config.limits, &evidence);
     }

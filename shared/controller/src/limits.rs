@@ -5,10 +5,18 @@
 //! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
 //! | a raw pressure at or beyond an end of its converter, for some samples | [`Fault::SensorRange`] |
-//! | in a run and behind its moves, a closed loop that asks for more than half of the valve and does not move | [`Fault::NoMotion`] |
+//! | in a run and behind its moves, a closed loop that opens the valve and does not move | [`Fault::NoMotion`] |
 //!
 //! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
-//! stuck spool.
+//! stuck spool. What an open valve must move is the sum of its opening over the time:
+//!
+//! ```text
+//! effort = min(|command - null|, half of the valve) - idle   a sample, while the encoder stands
+//! trip:    sum of effort >= (half of the valve - idle) * no-motion time
+//! time to trip = no-motion time * (half - idle) / (|command - null| - idle),   at least the no-motion time
+//! ```
+//!
+//! The idle part, in which a valve may be shut, is the smaller of `dead_zone_counts` and a tenth of the largest command.
 
 use crate::estimator::Motion;
 use crate::fault::Fault;
@@ -30,8 +38,8 @@ pub struct Limits {
     pub sensor_high: i32,
     /// Samples that a pressure must stay there.
     pub sensor_samples: u32,
-    /// Samples that a wide open valve may move nothing; 0: any number.
-    pub no_motion_samples: u32,
+    /// What an open valve may move nothing for.
+    pub no_motion: NoMotion,
     /// So far from where it stood is motion, counts.
     pub no_motion_counts: u32,
     /// Software end positions, counts: setpoints beyond them are refused, and an open loop does not
@@ -39,6 +47,32 @@ pub struct Limits {
     pub end_min: i32,
     /// The other one.
     pub end_max: i32,
+}
+
+/// How long an open valve may move nothing: the more it is open, the shorter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoMotion {
+    /// A command so far from the null opens nothing for certain, counts or steps.
+    pub idle: u32,
+    /// A command further from the null counts as one that is so far, counts or steps.
+    pub full: u32,
+    /// Sum of what commands exceed the idle part by, over samples, at which a standing axis trips; 0: none does.
+    pub effort: u32,
+}
+
+impl NoMotion {
+    /// For so many samples of a valve that is open by half or more, whose commands reach so far.
+    #[must_use]
+    pub fn of(samples: u32, largest: i16, dead_zone: u32) -> NoMotion {
+        let largest = u32::from(largest.unsigned_abs());
+        let (idle, full) = (dead_zone.min(largest / 10), largest / 2);
+        NoMotion { idle, full, effort: samples.saturating_mul(full.saturating_sub(idle).max(1)) }
+    }
+
+    /// What a command so far from the null adds at a sample.
+    fn effort(&self, from_null: u32) -> u32 {
+        from_null.min(self.full).saturating_sub(self.idle)
+    }
 }
 
 impl Limits {
@@ -71,8 +105,8 @@ pub(crate) struct Evidence<'a> {
     pub input: &'a Sample,
     /// Whether counts mean positions.
     pub referenced: bool,
-    /// Whether the command in force is that of a closed loop which runs or holds, and asks for more than half of the valve.
-    pub pushes: bool,
+    /// How far the command in force is from the null, if it is that of a closed loop which runs or holds; else 0.
+    pub from_null: u32,
 }
 
 /// How long something has been wrong, samples.
@@ -94,17 +128,18 @@ impl Watch {
             Some(Fault::PositionOutside)
         } else if self.bad_sensor >= limits.sensor_samples {
             Some(Fault::SensorRange)
-        } else if limits.no_motion_samples > 0 && stood >= limits.no_motion_samples {
+        } else if limits.no_motion.effort > 0 && stood >= limits.no_motion.effort {
             Some(Fault::NoMotion)
         } else {
             None
         }
     }
 
-    /// For how many samples an axis that is pushed has stood.
+    /// What the valve should have moved an axis by that has stood.
     fn stood(&mut self, limits: &Limits, seen: &Evidence) -> u32 {
-        if seen.pushes {
-            return self.standstill.at(seen.motion.position, limits.no_motion_counts);
+        let effort = limits.no_motion.effort(seen.from_null);
+        if effort > 0 {
+            return self.standstill.pushed(seen.motion.position, limits.no_motion_counts, effort);
         }
         self.standstill.restart(seen.motion.position);
         0

@@ -163,7 +163,7 @@ pub static TABLE: [Parameter; 55] = [
     scalar!(SENSOR_LOW_RAW, "sensor_low_raw", "", -1, RAW_MAX, 0, "", "A pressure at or below it is that of an open sensor and trips; -1: off."),
     scalar!(SENSOR_HIGH_RAW, "sensor_high_raw", "", 1, RAW_MAX, 4095, "", "A pressure at or above it is that of a shorted sensor and trips; 32767: off."),
     scalar!(SENSOR_SAMPLES, "sensor_samples", "samples", 1, 10_000, 4, "", "Samples on end that a pressure must stay there to trip."),
-    scalar!(NO_MOTION_MS, "no_motion_ms", "ms", 0, HOUR_MS, 500, "", "A run in closed loop that asks for more than half of the valve and does not move for so long trips; 0: off."),
+    scalar!(NO_MOTION_MS, "no_motion_ms", "ms", 0, HOUR_MS, 500, "", "A closed loop that opens half of the valve or more and moves nothing for so long trips; with less of the valve it takes longer; 0: off."),
     scalar!(HOMING_SWITCH, "homing_switch", "", 0, 1, 0, "", "A homing run ends 0: at a stop, 1: at the edge of a switch."),
     scalar!(HOMING_COMMAND_COUNTS, "homing_command_counts", "counts", -COMMAND_MAX, COMMAND_MAX, -200, "", "Valve command towards the stop or the switch; not 0."),
     scalar!(HOMING_POSITION_COUNTS, "homing_position_counts", "counts", -COUNT_MAX, COUNT_MAX, 0, "", "The position there."),

@@ -7,24 +7,30 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Standstill {
     at: i32,
-    samples: u32,
+    /// Samples, or what was added at each.
+    sum: u32,
 }
 
 impl Standstill {
     /// Takes the position at a sample; for how many samples before it the axis has stood within
     /// `tolerance` counts.
     pub fn at(&mut self, position: i32, tolerance: u32) -> u32 {
+        self.pushed(position, tolerance, 1)
+    }
+
+    /// The same, of an axis that is pushed: the sum of `effort` over the samples that it has stood.
+    pub fn pushed(&mut self, position: i32, tolerance: u32, effort: u32) -> u32 {
         if position.abs_diff(self.at) <= tolerance {
-            self.samples = self.samples.saturating_add(1);
+            self.sum = self.sum.saturating_add(effort);
         } else {
-            *self = Standstill { at: position, samples: 0 };
+            *self = Standstill { at: position, sum: 0 };
         }
-        self.samples
+        self.sum
     }
 
     /// It stands at `position` from this sample on.
     pub fn restart(&mut self, position: i32) {
-        *self = Standstill { at: position, samples: 0 };
+        *self = Standstill { at: position, sum: 0 };
     }
 }
 

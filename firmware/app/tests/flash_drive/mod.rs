@@ -124,4 +124,3 @@ pub fn stepper_that_has_learned() -> Drive {
     assert_ne!(drive.control.state().spool_location().steps(), 0);
     drive
 }
-
