@@ -4,7 +4,7 @@
 //! |---|---|
 //! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
-//! | a raw pressure at or beyond an end of its converter, for some samples | [`Fault::SensorRange`] |
+//! | a raw pressure near an end of its converter, for some samples | [`Fault::SensorRange`] |
 //! | in a run and behind its moves, a closed loop that opens the valve and does not move | [`Fault::NoMotion`] |
 //!
 //! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a

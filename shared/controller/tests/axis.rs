@@ -12,7 +12,8 @@ const FAR: &[(u32, i32)] = &[(0, 20_000)];
 
 #[test]
 fn an_open_or_shorted_pressure_sensor_trips_after_its_samples() {
-    for bad in [0, -5, 4095, i16::MAX] {
+    // What an open wire and a short really leave of 4095 is some 40 and 4050.
+    for bad in [0, -5, 40, 63, 4032, 4050, 4095, i16::MAX] {
         let mut bench = Bench::running(&[], FAR);
         let inputs = [Sample { pressure_1: bad, ..at(100) }, Sample { pressure_2: bad, ..at(100) }];
         for (k, input) in [inputs[0], inputs[1], inputs[0]].into_iter().enumerate() {
@@ -36,7 +37,7 @@ fn a_pressure_that_comes_back_in_time_is_forgotten() {
 #[test]
 fn the_ends_of_a_converter_count_only_where_they_are_watched() {
     let mut bench = Bench::running(&[(id::SENSOR_LOW_RAW, -1), (id::SENSOR_HIGH_RAW, 32_767)], FAR);
-    for raw in [0, 4095, i16::MAX] {
+    for raw in [0, 40, 4050, 4095, i16::MAX] {
         bench.hold(Sample { pressure_1: raw, pressure_2: raw, ..at(100) }, 10);
         assert_eq!(bench.mode(), Mode::Running, "{raw}");
     }

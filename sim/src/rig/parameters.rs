@@ -10,6 +10,9 @@ use crate::key::Typed;
 use crate::keys;
 use crate::values::Rig;
 
+/// What is closer to an end of a converter than this part of its range is no pressure.
+const OPEN_SENSOR: i32 = 64;
+
 impl Rig {
     /// The controller's parameters that this rig asks for.
     #[must_use]
@@ -144,15 +147,18 @@ impl Rig {
     }
 
     /// The raw pressures of an open and of a shorted sensor, where no pressure of the drive is read so: the
-    /// chambers stay above the exhaust, and below one and a half times the supply.
+    /// chambers stay above the exhaust, and below one and a half times the supply. An open wire does not reach the end
+    /// of the converter: leakage and offset leave it up to a hundredth of the range away.
     fn open_sensors(&self) -> [i32; 2] {
         let [min, max] =
             [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA].map(|end| self.get(end));
         let watched = self.get(&keys::safety::SENSOR_WATCH);
-        let low = watched && self.get(&keys::exhaust::PRESSURE_PA) > min + 0.01 * (max - min);
-        let high = watched && 1.5 * self.get(&keys::supply::PRESSURE_PA) < max;
+        let margin = (max - min) / f64::from(OPEN_SENSOR);
+        let low = watched && self.get(&keys::exhaust::PRESSURE_PA) > min + 2.0 * margin;
+        let high = watched && 1.5 * self.get(&keys::supply::PRESSURE_PA) < max - margin;
         let full = (1 << self.get(&keys::sensors::BITS)) - 1;
-        [if low { 0 } else { -1 }, if high { full } else { i32::from(i16::MAX) }]
+        let open = full / OPEN_SENSOR;
+        [if low { open } else { -1 }, if high { full - open } else { i32::from(i16::MAX) }]
     }
 
     /// k5 on raw pressures, from counts of error per kPa.

@@ -273,9 +273,9 @@ fn a_pressure_that_the_drive_cannot_have_is_an_open_sensors_where_the_range_show
         let parameters = read(text).parameters();
         [id::SENSOR_LOW_RAW, id::SENSOR_HIGH_RAW].map(|id| parameters.get(id).expect("a parameter"))
     };
-    assert_eq!(of(""), [0, 4095]);
-    assert_eq!(of("[sensors]\npressure_min_pa = 101300\n"), [-1, 4095], "a gauge reads 0 at the exhaust");
-    assert_eq!(of("[sensors]\npressure_max_pa = 700000\nbits = 10\n"), [0, 32_767]);
+    assert_eq!(of(""), [63, 4032], "an open wire leaves 40 or 4050 of 4095");
+    assert_eq!(of("[sensors]\npressure_min_pa = 101300\n"), [-1, 4032], "a gauge reads 0 at the exhaust");
+    assert_eq!(of("[sensors]\npressure_max_pa = 700000\nbits = 10\n"), [15, 32_767]);
     assert_eq!(of("[safety]\nsensor_watch = false\n"), [-1, 32_767]);
 }
 
