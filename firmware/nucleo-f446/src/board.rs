@@ -9,7 +9,7 @@ use stm32f4xx_hal::gpio::{Input, PA9};
 use crate::clock::Clock;
 use crate::converter::Converter;
 use crate::encoder::Encoder;
-use crate::reset;
+use crate::spool;
 use crate::start::Store;
 use crate::valve::Valve;
 
@@ -79,10 +79,10 @@ impl Board for NucleoBoard {
     }
 
     fn keep_spool(&mut self, location: SpoolLocation) {
-        reset::keep_spool(location);
+        spool::keep(location);
     }
 
     fn kept_spool(&self) -> Option<SpoolLocation> {
-        reset::kept_spool()
+        spool::kept()
     }
 }

@@ -71,7 +71,7 @@ pub fn start(_: CorePeripherals, device: Peripherals, recorder: &'static mut Rec
     // First of all the line that must be low.
     let pins = valve::Pins { dac: a.pa4.into_analog(), step: b.pb6, direction: c.pc7, enable: b.pb10 };
     let valve = Valve::start(device.DAC, device.TIM4, pins, &mut rcc).expect("APB1 timers run at 90 MHz");
-    let tracks = (a.pa0.into_alternate(), a.pa1.into_alternate());
+    let tracks = Encoder::pins(a.pa0, a.pa1);
     let sensors = (c.pc0.into_analog(), c.pc1.into_analog(), b.pb0.into_analog());
     let mut control = Control::with_recorder(recorder);
     let timing = control.config().timing;

@@ -1,6 +1,6 @@
 //! TIM2: 32 bits of quadrature counts, all four edges of a period.
 
-use stm32f4xx_hal::gpio::{Alternate, PA0, PA1};
+use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, Pull};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
@@ -11,6 +11,11 @@ pub struct Encoder(TIM2);
 pub type Pins = (PA0<Alternate<1>>, PA1<Alternate<1>>);
 
 impl Encoder {
+    /// The tracks, pulled up: a wire that is off counts nothing, where an open input would count what it picks up.
+    pub fn pins(a: PA0, b: PA1) -> Pins {
+        (a.into_alternate().internal_resistor(Pull::Up), b.into_alternate().internal_resistor(Pull::Up))
+    }
+
     /// Starts counting from 0.
     pub fn start(timer: TIM2, _: Pins, rcc: &mut Rcc) -> Encoder {
         TIM2::enable(rcc);

@@ -23,6 +23,7 @@
 //! | [`flash`] | configuration and fault log |
 //! | [`watchdog`] | the independent watchdog |
 //! | [`reset`] | what happens at a breakdown, and what is known of it after the reset |
+//! | [`spool`] | where a stepper's spool is, through a reset |
 //! | [`start`] | what both starts have in common |
 //!
 //! What is computed for the hardware stands in `pneudrive-nucleo-plan`, which the PC tests.
@@ -45,6 +46,8 @@ mod flash;
 mod plant;
 mod port;
 mod reset;
+#[cfg(not(feature = "plant-bus"))]
+mod spool;
 mod start;
 #[cfg(not(feature = "plant-bus"))]
 mod valve;

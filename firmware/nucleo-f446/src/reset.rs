@@ -12,49 +12,44 @@ use core::ptr::{read_volatile, write_volatile};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use pneudrive_app::fault_log::Memory;
-use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_nucleo_plan::reset::{PANICKED, Reset};
-use pneudrive_nucleo_plan::spool;
 use stm32f4xx_hal::pac::RCC;
 
 use crate::switch_off;
 
 /// Memory that the start-up code leaves as it is.
-struct Kept<T>(UnsafeCell<MaybeUninit<T>>);
+pub struct Kept<T>(UnsafeCell<MaybeUninit<T>>);
 
-// SAFETY: each of those below is used in one place at a time, as is said there.
+// SAFETY: each one is used in one place at a time, as is said there.
 unsafe impl<T: Send> Sync for Kept<T> {}
 
+impl<T> Kept<T> {
+    /// Memory that holds anything.
+    pub const fn new() -> Kept<T> {
+        Kept(UnsafeCell::new(MaybeUninit::uninit()))
+    }
+
+    /// Where it is.
+    pub const fn get(&self) -> *mut T {
+        self.0.get().cast()
+    }
+}
+
 #[unsafe(link_section = ".uninit.note")]
-static NOTE: Kept<u32> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+static NOTE: Kept<u32> = Kept::new();
 
 #[unsafe(link_section = ".uninit.faults")]
-static FAULTS: Kept<Memory> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
-
-#[unsafe(link_section = ".uninit.spool")]
-static SPOOL: Kept<[u32; 2]> = Kept(UnsafeCell::new(MaybeUninit::uninit()));
-
-/// Keeps where the spool of a stepper is. Only whoever has the board calls it.
-pub fn keep_spool(location: SpoolLocation) {
-    // SAFETY: the board belongs to one task at a time, and nobody else writes this.
-    unsafe { write_volatile(SPOOL.0.get().cast(), spool::words(location)) }
-}
-
-/// Where it was before the reset, if that was kept.
-pub fn kept_spool() -> Option<SpoolLocation> {
-    // SAFETY: any eight bytes are two numbers; as for writing.
-    spool::location(unsafe { read_volatile(SPOOL.0.get().cast()) })
-}
+static FAULTS: Kept<Memory> = Kept::new();
 
 fn note() -> u32 {
     // SAFETY: any four bytes are a number. Nobody writes it meanwhile: `reason` runs before all else, and
     // `break_down` with interrupts disabled.
-    unsafe { read_volatile(NOTE.0.get().cast()) }
+    unsafe { read_volatile(NOTE.get()) }
 }
 
 fn leave_note(note: u32) {
     // SAFETY: as for reading.
-    unsafe { write_volatile(NOTE.0.get().cast(), note) }
+    unsafe { write_volatile(NOTE.get(), note) }
 }
 
 /// Why the board was reset. Once after a reset: the next reset finds none of this.

@@ -14,9 +14,10 @@ const PATIENCE: u32 = 100_000;
 pub struct Watchdog(());
 
 impl Watchdog {
-    /// Gets it ready; it does not run yet. It stands still while a debugger has halted the processor.
+    /// Gets it ready; it does not run yet. It goes on while a debugger has halted the processor: a valve that is open
+    /// then would stay open. No reset but that of the power clears these bits (RM0390, DBGMCU_APB1_FZ).
     pub fn new(_: IWDG, debug: &DBGMCU) -> Watchdog {
-        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit().dbg_tim5_stop().set_bit());
+        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().clear_bit().dbg_tim5_stop().clear_bit());
         Watchdog(())
     }
 
