@@ -103,6 +103,7 @@ pub fn fault_name(fault: Fault) -> &'static str {
         Fault::BadConfiguration => "bad-configuration",
         Fault::Watchdog => "watchdog",
         Fault::Panic => "panic",
+        Fault::MotionAtNull => "motion-at-null",
     }
 }
 
@@ -122,11 +123,14 @@ pub fn fault_meaning(code: u8) -> &'static str {
         Some(Fault::CommandWhileDisarmed) => "a run was asked for while the drive was disarmed",
         Some(Fault::SensorRange) => "a pressure sensor reads what no pressure is: it is open, or shorted",
         Some(Fault::NoMotion) => {
-            "the valve is wide open and nothing moves: look for swapped tubes, the encoder, the spool, the supply"
+            "the valve is open and nothing moves: look for swapped tubes, the encoder, the spool, the supply"
         }
         Some(Fault::HomingFailed) => "the homing run found neither stop nor switch",
         Some(Fault::BadConfiguration) => "the stored configuration is damaged; load one and save it",
         Some(Fault::Watchdog) => "the watchdog has reset the board",
+        Some(Fault::MotionAtNull) => {
+            "the valve is at its null and the cylinder moves: look for the spool (`pneudrive device valve`), the null offset, the amplifier"
+        }
         Some(Fault::Panic) => "the firmware broke down and has reset the board",
         None => "a fault that this version does not know",
     }

@@ -6,7 +6,7 @@ use crate::drive::{DacConfig, DriveConfig, Translator};
 use crate::estimator::EstimatorConfig;
 use crate::homing::{HomingConfig, HomingKind};
 use crate::law::{LawConfig, LawKind, Loop};
-use crate::limits::{Limits, NoMotion};
+use crate::limits::{Limits, NULL_SAMPLES, NoMotion};
 use crate::parameters::{Parameters, id};
 use crate::sequencer::MotionConfig;
 
@@ -144,6 +144,7 @@ impl Default for Config {
                 sensor_high: 4032,
                 sensor_samples: 4,
                 no_motion: NoMotion { idle: 102, full: 1024, effort: 384 * (1024 - 102) },
+                null_motion: 345,
                 no_motion_counts: 40,
                 end_min: -i32::MAX,
                 end_max: i32::MAX,
@@ -280,6 +281,7 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
             high => high,
         },
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
+        null_motion: get(id::ENCODER_STEP_COUNTS).unsigned_abs().saturating_mul(NULL_SAMPLES) / 100,
         no_motion: NoMotion::of(no_motion_samples, largest, get(id::DEAD_ZONE_COUNTS).unsigned_abs()),
         no_motion_counts: get(id::NO_MOTION_COUNTS).unsigned_abs(),
         end_min: get(id::END_MIN_COUNTS),

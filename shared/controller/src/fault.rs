@@ -18,7 +18,7 @@ pub enum Fault {
     CommandWhileDisarmed = 6,
     /// A pressure sensor reads what no pressure is: open, or shorted.
     SensorRange = 7,
-    /// The valve is wide open and nothing moves.
+    /// The valve is open and nothing moves.
     NoMotion = 8,
     /// The homing run found neither stop nor switch.
     HomingFailed = 9,
@@ -28,11 +28,13 @@ pub enum Fault {
     Watchdog = 11,
     /// The firmware broke down and reset the board.
     Panic = 12,
+    /// The valve is at its null and the cylinder moves.
+    MotionAtNull = 13,
 }
 
 impl Fault {
     /// Every fault, in the order of the codes.
-    pub const ALL: [Fault; 12] = [
+    pub const ALL: [Fault; 13] = [
         Fault::Stop,
         Fault::PositionOutside,
         Fault::EncoderStep,
@@ -45,6 +47,7 @@ impl Fault {
         Fault::BadConfiguration,
         Fault::Watchdog,
         Fault::Panic,
+        Fault::MotionAtNull,
     ];
 
     /// The stored and sent code.

@@ -305,6 +305,9 @@ impl State {
             from_null: if holds_or_runs && closed { from_null.unsigned_abs() } else { 0 },
         };
         self.supervisor.watch(&config.limits, &evidence);
+        if self.supervisor.mode() == Mode::Armed {
+            self.supervisor.watch_null(&config.limits, motion.position, self.spool_is_open(config));
+        }
     }
 
     fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {
@@ -337,7 +340,7 @@ impl State {
 /// The supervisor is asked again, since requests come between the two calls: after a stop the output
 /// is disabled, after an arming it is null, whatever the sample was made into. A stepper then walks to
 /// mid-travel one pulse a sample; its translator stays enabled until the spool is there, for a spool
-/// left open would go on moving the cylinder.
+/// left open would go on moving the cylinder. A spool whose location is in doubt gets no pulse.
 #[must_use]
 pub fn output(config: &Config, state: &mut State) -> Command {
     let drives = state.supervisor.drives();

@@ -6,8 +6,9 @@
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
 //! | a raw pressure near an end of its converter, for some samples | [`Fault::SensorRange`] |
 //! | in a run and behind its moves, a closed loop that opens the valve and does not move | [`Fault::NoMotion`] |
+//! | an armed drive that moves though its valve is at null | [`Fault::MotionAtNull`] |
 //!
-//! The last one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
+//! The last but one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
 //! stuck spool. What an open valve must move is the sum of its opening over the time:
 //!
 //! ```text
@@ -40,6 +41,8 @@ pub struct Limits {
     pub sensor_samples: u32,
     /// What an open valve may move nothing for.
     pub no_motion: NoMotion,
+    /// Furthest motion with the valve at null in [`NULL_SAMPLES`], counts: at a hundredth of the highest speed.
+    pub null_motion: u32,
     /// So far from where it stood is motion, counts.
     pub no_motion_counts: u32,
     /// Software end positions, counts: setpoints beyond them are refused, and an open loop does not
@@ -48,6 +51,9 @@ pub struct Limits {
     /// The other one.
     pub end_max: i32,
 }
+
+/// Over so many samples the motion of an armed drive is judged.
+pub const NULL_SAMPLES: u32 = 64;
 
 /// How long an open valve may move nothing: the more it is open, the shorter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +120,9 @@ pub(crate) struct Evidence<'a> {
 pub(crate) struct Watch {
     bad_sensor: u32,
     standstill: Standstill,
+    /// Where an armed drive was when the present [`NULL_SAMPLES`] began, and how many of them have passed.
+    null_from: i32,
+    null_samples: u32,
 }
 
 impl Watch {
@@ -133,6 +142,15 @@ impl Watch {
         } else {
             None
         }
+    }
+
+    /// Whether an armed drive moves though its valve is at null. `open`: its spool is still on the way there.
+    pub fn runs_away(&mut self, limits: &Limits, position: i32, open: bool) -> bool {
+        if open || self.null_samples == 0 {
+            self.null_from = position;
+        }
+        self.null_samples = (self.null_samples + 1) % NULL_SAMPLES;
+        position.abs_diff(self.null_from) > limits.null_motion
     }
 
     /// What the valve should have moved an axis by that has stood.

@@ -204,6 +204,7 @@ impl Supervisor {
     pub(crate) fn homed(&mut self) {
         self.mode = Mode::Armed;
         self.referenced = true;
+        self.watch = Watch::default();
     }
 
     /// Disables the drive and latches the fault. The first fault stays.
@@ -229,6 +230,15 @@ impl Supervisor {
             self.trip(fault);
             // Nobody knows how many counts an encoder has lost or made up.
             self.referenced &= fault != Fault::EncoderStep;
+        }
+    }
+
+    /// Trips when an armed drive moves. `spool_is_open`: a stepper's spool is still on its way to the null.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn watch_null(&mut self, limits: &Limits, position: i32, spool_is_open: bool) {
+        if self.watch.runs_away(limits, position, spool_is_open) {
+            self.trip(Fault::MotionAtNull);
         }
     }
 

@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{at, one_move, running, wide_open};
+use bench::{Bench, at, one_move, running, wide_open};
 use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{
@@ -107,7 +107,7 @@ fn requests_that_may_not_be_are_refused_by_name() {
 #[test]
 fn codes_of_faults_and_refusals_are_fixed_and_unique() {
     let faults = Fault::ALL.map(Fault::code);
-    assert_eq!(faults, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
+    assert_eq!(faults, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13]);
     for fault in Fault::ALL {
         assert_eq!(Fault::from_code(fault.code()), Some(fault));
     }
@@ -248,6 +248,42 @@ fn a_spool_that_was_at_mid_travel_at_a_reset_is_there() {
     let mut state = State::default();
     state.take_up_spool(Some(SpoolLocation::default()));
     assert_eq!(state.arm(&config), Ok(()));
+}
+
+/// A spool that has lost steps, an amplifier that fails: the valve is not where its null is taken to be.
+#[test]
+fn an_armed_drive_that_moves_trips_and_one_that_creeps_does_not() {
+    let after = |counts_a_sample: i32| {
+        let mut bench = Bench::armed(&[], &[(0, 0)]);
+        let samples = (0..1000).find(|k| {
+            bench.take(at(12_000 + counts_a_sample * k));
+            bench.mode() == Mode::Fault(Fault::MotionAtNull)
+        });
+        samples.map(|k| (k, bench.take(at(0))))
+    };
+    // 345 counts in 64 samples: 50 mm/s of the 5 m/s that the encoder may do.
+    assert_eq!([0, 5, -5].map(after), [None; 3]);
+    assert_eq!([6, -6, 100].map(after), [Some((58, 0)), Some((58, 0)), Some((4, 0))]);
+}
+
+#[test]
+fn a_drive_that_is_armed_while_its_spool_walks_to_mid_travel_may_move_until_it_is_there() {
+    let (config, sequence, mut state) = stepper_at_work();
+    let mut limits = config.clone();
+    limits.limits.null_motion = 345;
+    state.supervisor.disarm();
+    state.arm(&limits).expect("tripped");
+    let mut position = 0;
+    while state.spool_location() != SpoolLocation::default() {
+        position += 400;
+        sample(&limits, &sequence, &mut state, &at(position));
+        assert_eq!(state.supervisor.mode(), Mode::Armed);
+        let _ = output(&limits, &mut state);
+    }
+    for counts in [0, 400] {
+        sample(&limits, &sequence, &mut state, &at(position + counts));
+    }
+    assert_eq!(state.supervisor.mode(), Mode::Fault(Fault::MotionAtNull));
 }
 
 #[test]
