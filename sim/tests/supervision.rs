@@ -35,6 +35,21 @@ fn a_lost_encoder_is_a_valve_that_moves_nothing() {
     assert!((0.49..0.52).contains(&after), "{after} s");
 }
 
+/// Once it was noticed only where the law asked for more than half of the valve.
+#[test]
+fn a_lost_encoder_is_noticed_below_half_of_the_valve_after_the_time_that_its_command_says() {
+    let moves = ["test.moves=[[0.0, 8192], [1.0, 8500]]", "test.duration_s=8"];
+    let run = simulate("kind = \"encoder-loss\"\nat_s = 0.9", &moves);
+    let (fault, tripped) = run.fault.expect("noticed");
+    assert_eq!(fault, Fault::NoMotion);
+    let command = u32::from(run.observations[tripped as usize - 1].command.unsigned_abs());
+    assert!((103..1024).contains(&command), "{command} of 2048 is open, by less than half");
+    let moved_at = 1_000_000_u32.div_ceil(1300);
+    let expected = (384 * (1024 - 102_u32)).div_ceil(command - 102);
+    let took = tripped - moved_at;
+    assert!(took.abs_diff(expected) <= 2, "{took} samples with {command} of 2048, not {expected}");
+}
+
 #[test]
 fn an_encoder_that_jumps_trips_at_the_next_sample() {
     let (fault, after) = noticed("kind = \"encoder-jump\"\ncounts = -1000", 0.35);

@@ -44,7 +44,7 @@ pub trait Board {
     }
 
     /// Keeps where the spool of a stepper valve is, in memory that a reset leaves as it is. Called in the control
-    /// interrupt, before each pulse.
+    /// interrupt, before each pulse and while there is none.
     fn keep_spool(&mut self, _: SpoolLocation) {}
 
     /// What was kept of the spool before the reset; None if nothing was, or it cannot be read. That of a simulated

@@ -39,8 +39,6 @@ pub struct Control<R = Recorder> {
     ownership: Ownership,
     /// Whether the fault that the drive is in stands in the log.
     logged: bool,
-    /// The last output gave a pulse to a stepper.
-    spool_stepped: bool,
 }
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -56,7 +54,6 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             sampled: None,
             ownership: Ownership::default(),
             logged: false,
-            spool_stepped: false,
         }
     }
 
@@ -108,9 +105,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The second interrupt: `delay` after the sample. The recorder is fed after the output.
     #[inline(never)]
     pub fn on_output(&mut self, board: &mut impl Board) {
-        let spool = self.state.spool_location();
         let command = output(self.configuration.config(), &mut self.state);
-        self.keep_spool(spool, &command, board);
+        self.keep_spool(&command, board);
         board.drive(self.configuration.config(), command);
         self.record();
         self.log_fault(board);

@@ -36,7 +36,13 @@ fn a_reset_at_any_sample_of_a_walk_leaves_a_spool_that_has_to_be_sought_unless_i
         if again.board.spool == Some(SpoolLocation::default()) {
             break;
         }
-        assert_eq!(again.control.arm(&mut again.board), Err(Refusal::SpoolInDoubt), "open by {open}");
+        again.samples(3);
+        again = again.reset();
+        assert_eq!(
+            again.control.arm(&mut again.board),
+            Err(Refusal::SpoolInDoubt),
+            "open by {open}, two resets"
+        );
         again.control.seek_null().expect("it is known where it was");
         assert_eq!(again.control.arm(&mut again.board), Ok(()));
         drive.samples(1);

@@ -143,7 +143,7 @@ impl Default for Config {
                 sensor_low: 63,
                 sensor_high: 4032,
                 sensor_samples: 4,
-                no_motion: NoMotion { idle: 102, full: 1024, effort: 384 * (1024 - 102) },
+                no_motion: NoMotion { idle: 102, full: 1024, most: 384 * (1024 - 102) - 1 },
                 null_motion: 345,
                 no_motion_counts: 40,
                 end_min: -i32::MAX,
@@ -368,8 +368,8 @@ mod tests {
 
     #[test]
     fn a_time_without_motion_below_a_period_is_one_sample_and_none_is_off() {
-        let effort = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.no_motion.effort);
-        assert_eq!([0, 1, 13].map(effort), [0, 922, 9220].map(Ok), "periods of 1.3 ms");
+        let most = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.no_motion.most);
+        assert_eq!([0, 1, 13].map(most), [u32::MAX, 921, 9219].map(Ok), "periods of 1.3 ms");
     }
 
     #[test]

@@ -93,10 +93,19 @@ impl State {
         &self.observation
     }
 
-    /// SPLLOC: where the spool of a stepper valve is, as far as it is known; mid-travel where there never was one.
+    /// SPLLOC: where the pulses have taken the spool of a stepper valve since mid-travel.
     #[must_use]
     pub fn spool_location(&self) -> SpoolLocation {
-        self.spool.location()
+        self.spool.counted()
+    }
+
+    /// What a board keeps of a stepper's spool through a reset, once the pulse of this command has begun; None where
+    /// nothing is known that it does not keep already. A spool that arrives counts as open until its last pulse is over.
+    #[must_use]
+    pub fn spool_to_keep(&self, config: &Config, command: &Command) -> Option<SpoolLocation> {
+        let now = self.spool.sure().filter(|_| config.drive.is_stepper())?;
+        let arrives = command.step != 0 && now == SpoolLocation::default();
+        Some(if arrives { SpoolLocation::at(-i16::from(command.step)) } else { now })
     }
 
     /// Whether the valve has a stepper whose spool is known to be away from mid-travel.
@@ -262,7 +271,7 @@ impl State {
             pressure_2: input.pressure_2,
             spool: match config.drive {
                 DriveConfig::Dac(_) => input.spool,
-                DriveConfig::Stepper { .. } => self.spool.location().steps(),
+                DriveConfig::Stepper { .. } => self.spool.counted().steps(),
             },
             ..self.observation
         };
@@ -296,16 +305,14 @@ impl State {
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
         let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
-        let closed = config.law.control_loop == Loop::Closed;
-        let from_null = i32::from(self.observation.command) - i32::from(config.law.null_offset);
-        let evidence = Evidence {
-            motion,
-            input,
-            referenced: self.supervisor.is_referenced(),
-            from_null: if holds_or_runs && closed { from_null.unsigned_abs() } else { 0 },
+        let from_null = if holds_or_runs && config.law.control_loop == Loop::Closed {
+            i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
+        } else {
+            0
         };
+        let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);
-        if self.supervisor.mode() == Mode::Armed {
+        if !holds_or_runs {
             self.supervisor.watch_null(&config.limits, motion.position, self.spool_is_open(config));
         }
     }

@@ -62,8 +62,8 @@ pub struct NoMotion {
     pub idle: u32,
     /// A command further from the null counts as one that is so far, counts or steps.
     pub full: u32,
-    /// Sum of what commands exceed the idle part by, over samples, at which a standing axis trips; 0: none does.
-    pub effort: u32,
+    /// A larger sum of what commands exceed the idle part by, over samples, trips a standing axis; `u32::MAX`: none does.
+    pub most: u32,
 }
 
 impl NoMotion {
@@ -72,7 +72,8 @@ impl NoMotion {
     pub fn of(samples: u32, largest: i16, dead_zone: u32) -> NoMotion {
         let largest = u32::from(largest.unsigned_abs());
         let (idle, full) = (dead_zone.min(largest / 10), largest / 2);
-        NoMotion { idle, full, effort: samples.saturating_mul(full.saturating_sub(idle).max(1)) }
+        let effort = samples.saturating_mul(full.saturating_sub(idle).max(1));
+        NoMotion { idle, full, most: effort.checked_sub(1).unwrap_or(u32::MAX) }
     }
 
     /// What a command so far from the null adds at a sample.
@@ -137,7 +138,7 @@ impl Watch {
             Some(Fault::PositionOutside)
         } else if self.bad_sensor >= limits.sensor_samples {
             Some(Fault::SensorRange)
-        } else if limits.no_motion.effort > 0 && stood >= limits.no_motion.effort {
+        } else if stood > limits.no_motion.most {
             Some(Fault::NoMotion)
         } else {
             None

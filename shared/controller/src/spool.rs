@@ -14,8 +14,8 @@ enum Trust {
     /// Every pulse since mid-travel has been counted.
     #[default]
     Sure,
-    /// It is what was kept through a reset.
-    Kept,
+    /// A reset came while the spool was here.
+    Kept(SpoolLocation),
     /// It is not known.
     Lost,
 }
@@ -23,46 +23,52 @@ enum Trust {
 /// The spool. By default it is at mid-travel, as the one of a simulated valve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Spool {
-    location: SpoolLocation,
+    /// The sum of the pulses; mid-travel while in doubt, so that none is given.
+    counted: SpoolLocation,
     trust: Trust,
 }
 
 impl Spool {
     /// After a reset, with the location that was kept through it, if any.
     pub fn after_reset(kept: Option<SpoolLocation>) -> Spool {
-        match kept {
-            None => Spool { location: SpoolLocation::default(), trust: Trust::Lost },
-            Some(location) if location == SpoolLocation::default() => Spool::default(),
-            Some(location) => Spool { location, trust: Trust::Kept },
-        }
+        let trust = match kept {
+            None => Trust::Lost,
+            Some(location) if location == SpoolLocation::default() => Trust::Sure,
+            Some(location) => Trust::Kept(location),
+        };
+        Spool { counted: SpoolLocation::default(), trust }
     }
 
-    /// The location, as far as it is known.
-    pub fn location(self) -> SpoolLocation {
-        self.location
+    /// The sum of the pulses since mid-travel.
+    pub fn counted(self) -> SpoolLocation {
+        self.counted
+    }
+
+    /// The location, where it can be relied on.
+    pub fn sure(self) -> Option<SpoolLocation> {
+        (self.trust == Trust::Sure).then_some(self.counted)
     }
 
     /// Whether it is known to be away from mid-travel.
     pub fn is_open(self) -> bool {
-        self.location != SpoolLocation::default()
+        self.walks() || matches!(self.trust, Trust::Kept(_))
     }
 
     /// Whether a disabled drive walks it back.
     pub fn walks(self) -> bool {
-        self.is_open() && self.trust == Trust::Sure
+        self.counted != SpoolLocation::default()
     }
 
-    /// The pulse toward `target`; none in doubt.
-    #[inline(always)]
+    /// The pulse toward `target`.
     pub fn step_toward(&mut self, target: i16) -> i8 {
-        if self.trust == Trust::Sure { self.location.step_toward(target) } else { 0 }
+        self.counted.step_toward(target)
     }
 
     /// Whether a drive may be armed with it.
     pub fn check(self) -> Result<(), Refusal> {
         match self.trust {
             Trust::Sure => Ok(()),
-            Trust::Kept => Err(Refusal::SpoolInDoubt),
+            Trust::Kept(_) => Err(Refusal::SpoolInDoubt),
             Trust::Lost => Err(Refusal::SpoolLost),
         }
     }
@@ -72,11 +78,14 @@ impl Spool {
     /// # Errors
     /// When that is not known.
     pub fn seek(&mut self) -> Result<(), Refusal> {
-        if self.trust == Trust::Lost {
-            return Err(Refusal::SpoolLost);
+        match self.trust {
+            Trust::Sure => Ok(()),
+            Trust::Kept(location) => {
+                *self = Spool { counted: location, trust: Trust::Sure };
+                Ok(())
+            }
+            Trust::Lost => Err(Refusal::SpoolLost),
         }
-        self.trust = Trust::Sure;
-        Ok(())
     }
 
     /// It is at mid-travel: the operator has seen to it.

@@ -237,7 +237,7 @@ impl Supervisor {
     #[cold]
     #[inline(never)]
     pub(crate) fn watch_null(&mut self, limits: &Limits, position: i32, spool_is_open: bool) {
-        if self.watch.runs_away(limits, position, spool_is_open) {
+        if self.mode == Mode::Armed && self.watch.runs_away(limits, position, spool_is_open) {
             self.trip(Fault::MotionAtNull);
         }
     }

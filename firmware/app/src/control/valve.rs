@@ -53,16 +53,11 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// Keeps where the spool is, before its pulse is given: `before` is where it was. A spool that arrives counts as
-    /// open until its last pulse is over, so a reset never leaves an open one for one at mid-travel.
+    /// Has the board keep where the spool is, before its pulse is given.
     #[inline(always)]
-    pub(super) fn keep_spool(&mut self, before: SpoolLocation, command: &Command, board: &mut impl Board) {
-        let steps = command.step != 0;
-        if steps || self.spool_stepped {
-            let now = self.state.spool_location();
-            let arrives = steps && now == SpoolLocation::default();
-            board.keep_spool(if arrives { before } else { now });
-            self.spool_stepped = steps;
+    pub(super) fn keep_spool(&self, command: &Command, board: &mut impl Board) {
+        if let Some(location) = self.state.spool_to_keep(self.configuration.config(), command) {
+            board.keep_spool(location);
         }
     }
 }
