@@ -81,14 +81,21 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     }
 
     /// Logs the fault that the drive is in, once: only arming leaves it.
+    #[inline(always)] // In the control interrupt, where there is none as a rule.
     fn log_fault(&mut self, board: &mut impl Board) {
         if let Mode::Fault(fault) = self.state.supervisor.mode()
             && !self.logged
         {
-            let (seen, now_us) = (*self.state.observation(), board.now_us());
-            board.store().log(fault.code(), seen.index, seen.position, now_us);
-            self.logged = true;
+            self.log(fault, board);
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn log(&mut self, fault: Fault, board: &mut impl Board) {
+        let (seen, now_us) = (*self.state.observation(), board.now_us());
+        board.store().log(fault.code(), seen.index, seen.position, now_us);
+        self.logged = true;
     }
 
     /// The first interrupt: k * period. Must return before the output is due. Not inlined, as the second

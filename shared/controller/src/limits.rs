@@ -71,14 +71,15 @@ impl NoMotion {
     #[must_use]
     pub fn of(samples: u32, largest: i16, dead_zone: u32) -> NoMotion {
         let largest = u32::from(largest.unsigned_abs());
-        let (idle, full) = (dead_zone.min(largest / 10), largest / 2);
-        let effort = samples.saturating_mul(full.saturating_sub(idle).max(1));
+        let idle = dead_zone.min(largest / 10);
+        let full = (largest / 2).max(idle + 1);
+        let effort = samples.saturating_mul(full - idle);
         NoMotion { idle, full, most: effort.checked_sub(1).unwrap_or(u32::MAX) }
     }
 
-    /// What a command so far from the null adds at a sample.
-    fn effort(&self, from_null: u32) -> u32 {
-        from_null.min(self.full).saturating_sub(self.idle)
+    /// What a command so far from the null adds at a sample; None where the valve may be shut.
+    fn effort(&self, from_null: u32) -> Option<u32> {
+        (from_null > self.idle).then(|| from_null.min(self.full) - self.idle)
     }
 }
 
@@ -129,20 +130,27 @@ pub(crate) struct Watch {
 impl Watch {
     /// What is wrong at this sample. The encoder is judged first: nothing else can be believed without.
     pub fn judge(&mut self, limits: &Limits, seen: &Evidence) -> Option<Fault> {
-        let good = limits.are_pressures(seen.input.pressure_1, seen.input.pressure_2);
-        let stood = self.stood(limits, seen);
-        self.bad_sensor = if good { 0 } else { self.bad_sensor.saturating_add(1) };
         if seen.motion.step > limits.encoder_step {
             Some(Fault::EncoderStep)
         } else if seen.referenced && !limits.is_position(seen.motion.position) {
             Some(Fault::PositionOutside)
-        } else if self.bad_sensor >= limits.sensor_samples {
+        } else if self.sensor_is_bad(limits, seen.input) {
             Some(Fault::SensorRange)
-        } else if stood > limits.no_motion.most {
+        } else if self.stands(limits, seen) {
             Some(Fault::NoMotion)
         } else {
             None
         }
+    }
+
+    /// Whether a pressure has been none for too long.
+    fn sensor_is_bad(&mut self, limits: &Limits, input: &Sample) -> bool {
+        if limits.are_pressures(input.pressure_1, input.pressure_2) {
+            self.bad_sensor = 0;
+            return false;
+        }
+        self.bad_sensor = self.bad_sensor.saturating_add(1);
+        self.bad_sensor >= limits.sensor_samples
     }
 
     /// Whether an armed drive moves though its valve is at null. `open`: its spool is still on the way there.
@@ -154,14 +162,14 @@ impl Watch {
         position.abs_diff(self.null_from) > limits.null_motion
     }
 
-    /// What the valve should have moved an axis by that has stood.
-    fn stood(&mut self, limits: &Limits, seen: &Evidence) -> u32 {
-        let effort = limits.no_motion.effort(seen.from_null);
-        if effort > 0 {
-            return self.standstill.pushed(seen.motion.position, limits.no_motion_counts, effort);
-        }
-        self.standstill.restart(seen.motion.position);
-        0
+    /// Whether the valve should have moved an axis that has stood.
+    fn stands(&mut self, limits: &Limits, seen: &Evidence) -> bool {
+        let Some(effort) = limits.no_motion.effort(seen.from_null) else {
+            self.standstill.restart(seen.motion.position);
+            return false;
+        };
+        let sum = self.standstill.pushed(seen.motion.position, limits.no_motion_counts, effort);
+        sum > limits.no_motion.most
     }
 }
 

@@ -151,11 +151,14 @@ pub enum Arrival {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sequencer {
     taken: u32,
+    /// The run is over behind this sample, which can still be counted.
+    last: u32,
     next_move: usize,
     /// Sample at which the round of the next move begins.
     round_at: u32,
-    /// No move is due before this sample.
+    /// The next move is due at this sample; `u32::MAX`, which no run reaches: there is none.
     next_at: u32,
+    next_target: i32,
     setpoint: i32,
     arrival: Arrival,
     /// Moves that ended without arriving.
@@ -173,7 +176,8 @@ pub struct Sequencer {
 impl Sequencer {
     /// At the beginning of a run. `closed`: moves are positions, and the first one is held until they come.
     pub(crate) fn new(sequence: &Sequence, closed: bool) -> Sequencer {
-        let mut sequencer = Sequencer::default();
+        let last = sequence.duration_samples.min(u32::MAX - 1);
+        let mut sequencer = Sequencer { last, ..Sequencer::default() };
         sequencer.look_ahead(sequence);
         if closed && sequencer.next_at > 0 {
             sequencer.holds_first = true;
@@ -204,29 +208,29 @@ impl Sequencer {
             self.setpoint = sequence.held_first.unwrap_or(position);
             self.look_ahead(sequence);
         }
-        while self.is_due(config)
-            && let Some(next) = sequence.moves().get(self.next_move)
-        {
+        while self.is_due(config) {
             rested |= self.close();
-            self.begin(next.target);
+            self.begin();
             self.look_ahead(sequence);
         }
         rested
     }
 
-    /// The sample of the next move, in this round or the one after it; the last one of all where there is
-    /// none.
+    /// Finds the next move, in this round or the one after it.
     fn look_ahead(&mut self, sequence: &Sequence) {
         if self.next_move >= sequence.len && sequence.round > 0 {
             self.next_move = 0;
             self.round_at = self.round_at.saturating_add(sequence.round);
         }
-        let next = sequence.moves().get(self.next_move);
-        self.next_at = next.map_or(u32::MAX, |next| self.round_at.saturating_add(next.at_sample));
+        self.next_at = u32::MAX;
+        if let Some(next) = sequence.moves().get(self.next_move) {
+            self.next_at = self.round_at.saturating_add(next.at_sample);
+            self.next_target = next.target;
+        }
     }
 
-    fn begin(&mut self, target: i32) {
-        self.setpoint = target;
+    fn begin(&mut self) {
+        self.setpoint = self.next_target;
         self.next_move += 1;
         self.arrival = Arrival::Moving;
         self.begun_at = self.taken;
@@ -298,8 +302,7 @@ impl Sequencer {
     /// for.
     pub(crate) fn is_over(&self, config: &MotionConfig, sequence: &Sequence) -> bool {
         let through = config.on_arrival && self.ended && self.next_move >= sequence.moves().len();
-        // The last sample that can be counted ends a run of any length.
-        through || self.taken > sequence.duration_samples.min(u32::MAX - 1)
+        through || self.taken > self.last
     }
 }
 

@@ -100,7 +100,6 @@ fn the_less_the_valve_is_open_the_longer_a_lost_encoder_takes_to_trip() {
     let samples_to_trip = |command: i32| {
         let gain = [(id::LAW, 1), (id::PROPORTIONAL_GAIN, 256), (id::NO_MOTION_MS, 13)];
         let mut bench = Bench::running(&gain, &[(0, 100 + command)]);
-        bench.sequence.duration_samples = 100_000;
         assert_eq!(bench.take(at(100)), command as i16);
         (1..10_000).find(|_| {
             bench.take(at(100));
@@ -134,8 +133,7 @@ fn a_stop_that_gives_way_a_little_is_no_motion() {
 /// It was watched in a run alone, since simulated plants stood frozen behind it.
 #[test]
 fn a_closed_loop_that_holds_after_its_run_trips_as_one_that_runs_when_it_pushes_and_moves_nothing() {
-    let mut bench = Bench::running(&[(id::NO_MOTION_MS, 13)], FAR);
-    bench.sequence.duration_samples = 3;
+    let mut bench = Bench::running_for(3, &[(id::NO_MOTION_MS, 13)], FAR);
     assert_eq!(bench.hold(at(100), 10), 2048);
     assert_eq!(bench.mode(), Mode::Done);
     bench.take(at(100));
@@ -306,8 +304,7 @@ fn moves_on_arrival_go_on_at_the_sample_after_the_arrival_and_end_the_run() {
 
 #[test]
 fn a_move_that_is_cut_off_by_the_end_of_the_run_was_not_reached() {
-    let mut bench = Bench::running(&[], &[(0, 100)]);
-    bench.sequence.duration_samples = 2;
+    let mut bench = Bench::running_for(2, &[], &[(0, 100)]);
     bench.hold(at(50), 4);
     assert_eq!((bench.mode(), bench.state.sequencer().not_reached()), (Mode::Done, 1));
     assert_eq!(bench.state.sequencer().arrival(), Arrival::NotReached);

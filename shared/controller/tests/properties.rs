@@ -144,10 +144,11 @@ proptest! {
             parameters.set(id, value).expect("in range");
         }
         let config = Config::new(&parameters).expect("they go together");
-        let (mut state, mut mirror) = (running(&config), running(&config));
+        let (moves, mirrored) = (one_move(setpoint), one_move(-setpoint));
+        let (mut state, mut mirror) = (running(&config, &moves), running(&config, &mirrored));
         for position in path {
-            sample(&config, &one_move(setpoint), &mut state, &Sample { position, ..Sample::default() });
-            sample(&config, &one_move(-setpoint), &mut mirror, &Sample { position: -position, ..Sample::default() });
+            sample(&config, &moves, &mut state, &Sample { position, ..Sample::default() });
+            sample(&config, &mirrored, &mut mirror, &Sample { position: -position, ..Sample::default() });
             prop_assert_eq!(output(&config, &mut state).counts, -output(&config, &mut mirror).counts);
         }
     }
@@ -171,7 +172,7 @@ proptest! {
         let config = Config::new(&parameters).expect("they go together");
         for error in errors.into_iter().map(i32::from) {
             let [ahead, behind] = [-error, error].map(|position| {
-                let mut state = running(&config);
+                let mut state = running(&config, &one_move(0));
                 sample(&config, &one_move(0), &mut state, &Sample { position, ..Sample::default() });
                 output(&config, &mut state).counts
             });
@@ -188,8 +189,8 @@ proptest! {
         path in prop::collection::vec(-10_000..10_000i32, 1..40),
     ) {
         let config = Config::new(&wide_open()).expect("they go together");
-        let mut state = running(&config);
         let sequence = one_move(target);
+        let mut state = running(&config, &sequence);
         for position in std::iter::repeat_n(&0, 8).chain(&path) {
             sample(&config, &sequence, &mut state, &Sample { position: *position, ..Sample::default() });
             let _ = output(&config, &mut state);
@@ -206,7 +207,7 @@ proptest! {
     ) {
         let config = Config::new(&Parameters::default()).expect("defaults");
         let sequence = one_move(8192);
-        let mut state = running(&config);
+        let mut state = running(&config, &sequence);
         sample(&config, &sequence, &mut state, &Sample { position: start, ..Sample::default() });
         prop_assert!(output(&config, &mut state).drive_enable);
         let position = if down { start - step } else { start + step };
@@ -222,9 +223,10 @@ proptest! {
         let mut parameters = wide_open();
         parameters.set(id::OPEN_LOOP, 1).expect("in range");
         let config = Config::new(&parameters).expect("they go together");
-        let mut state = running(&config);
+        let sequence = one_move(target);
+        let mut state = running(&config, &sequence);
         let input = Sample { position: input.position.clamp(1 - i32::MAX, i32::MAX - 1), ..input };
-        sample(&config, &one_move(target), &mut state, &input);
+        sample(&config, &sequence, &mut state, &input);
         prop_assert_eq!(i32::from(output(&config, &mut state).counts), target.clamp(-2048, 2048));
         prop_assert_eq!(state.observation().error, 0);
     }

@@ -13,7 +13,7 @@ use pneudrive_controller::{
 fn positions_outside_the_stroke_by_more_than_the_margin_trip() {
     let config = Config::new(&Parameters::default()).expect("defaults");
     for (position, trips) in [(-249, false), (-250, true), (25_145, false), (25_146, true)] {
-        let mut state = running(&config);
+        let mut state = running(&config, &one_move(0));
         sample(&config, &one_move(0), &mut state, &at(position));
         let expected = if trips { Mode::Fault(Fault::PositionOutside) } else { Mode::Running };
         assert_eq!(state.supervisor.mode(), expected, "{position}");
@@ -25,13 +25,13 @@ fn positions_outside_the_stroke_by_more_than_the_margin_trip() {
 fn an_encoder_step_takes_the_reference_away_and_no_other_fault_does() {
     let config = Config::new(&Parameters::default()).expect("defaults");
     for (position, fault) in [(641, Fault::EncoderStep), (-250, Fault::PositionOutside)] {
-        let mut state = running(&config);
+        let mut state = running(&config, &one_move(0));
         sample(&config, &one_move(0), &mut state, &at(if fault == Fault::EncoderStep { 100 } else { -240 }));
         sample(&config, &one_move(0), &mut state, &at(position));
         assert_eq!(state.supervisor.mode(), Mode::Fault(fault));
         assert_eq!(state.supervisor.is_referenced(), fault == Fault::PositionOutside, "{fault:?}");
     }
-    let mut state = running(&config);
+    let mut state = running(&config, &one_move(0));
     sample(&config, &one_move(0), &mut state, &at(100));
     sample(&config, &one_move(0), &mut state, &at(641));
     state.arm(&config).expect("tripped");
@@ -54,8 +54,8 @@ fn a_closed_loop_holds_its_last_setpoint_when_done_and_an_open_loop_goes_to_null
         let mut parameters = wide_open();
         parameters.set(id::OPEN_LOOP, open_loop).expect("in range");
         let config = Config::new(&parameters).expect("they go together");
-        let mut state = running(&config);
         let sequence = one_move(400);
+        let mut state = running(&config, &sequence);
         let input = Sample::default();
         for k in 0..=5 {
             assert_eq!(state.supervisor.mode(), Mode::Running, "before sample {k}");
@@ -126,7 +126,7 @@ fn a_start_begins_anew_at_sample_zero_with_a_fresh_history() {
     parameters.set(id::VELOCITY_GAIN, 60_000).expect("in range");
     let config = Config::new(&parameters).expect("they go together");
     let sequence = one_move(1000);
-    let mut state = running(&config);
+    let mut state = running(&config, &sequence);
     for position in [0, 300, 600, 1000, 1300, 1600, 1900] {
         sample(&config, &sequence, &mut state, &at(position));
     }
@@ -144,7 +144,8 @@ fn stepper_at_work() -> (Config, Sequence, State) {
     let mut parameters = wide_open();
     parameters.set(id::STEPPER, 1).expect("in range");
     let config = Config::new(&parameters).expect("they go together");
-    let (sequence, mut state) = (one_move(20_000), running(&config));
+    let sequence = one_move(20_000);
+    let mut state = running(&config, &sequence);
     for k in 1..=5 {
         sample(&config, &sequence, &mut state, &Sample::default());
         let command = output(&config, &mut state);
@@ -185,7 +186,7 @@ fn a_stepper_that_is_not_at_null_yet_does_not_start() {
 #[test]
 fn a_drive_that_is_re_armed_between_a_sample_and_its_output_is_at_null() {
     let config = Config::new(&Parameters::default()).expect("defaults");
-    let mut state = running(&config);
+    let mut state = running(&config, &one_move(0));
     sample(&config, &one_move(9000), &mut state, &at(5000));
     assert_ne!(state.observation().command, 0);
     state.supervisor.trip(Fault::Stop);

@@ -11,12 +11,12 @@ pub fn one_move(target: i32) -> Sequence {
     sequence
 }
 
-/// A drive that runs toward 0 from the next sample on.
-pub fn running(config: &Config) -> State {
+/// A drive that runs through these moves from the next sample on.
+pub fn running(config: &Config, sequence: &Sequence) -> State {
     let mut state = State::default();
     state.supervisor.set_referenced();
     state.supervisor.arm().expect("referenced");
-    state.start(config, &one_move(0)).expect("armed");
+    state.start(config, sequence).expect("armed");
     state
 }
 
@@ -71,7 +71,13 @@ impl Bench {
 
     /// The same, running.
     pub fn running(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
+        Bench::running_for(10_000, changes, moves)
+    }
+
+    /// The same, with another number of the last sample.
+    pub fn running_for(last_sample: u32, changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
         let mut bench = Bench::armed(changes, moves);
+        bench.sequence.duration_samples = last_sample;
         bench.state.start(&bench.config, &bench.sequence).expect("armed");
         bench
     }
