@@ -9,7 +9,7 @@ use pneudrive_analysis::replay::replay;
 use pneudrive_records::target::TargetFile;
 
 /// File, samples, index of the first, parameters in its header.
-const FILES: [(&str, usize, i32, usize); 4] = [
+const FILES: [(&str, usize, i32, usize); 6] = [
     // By the first version that recorded (966ae64), over protocol version 1.
     ("TARGET-1-first.DAT", 79, -2, 29),
     // By the first version with protocol version 3.
@@ -18,6 +18,10 @@ const FILES: [(&str, usize, i32, usize); 4] = [
     ("TARGET-1-protocol-4.DAT", 77, 0, 54),
     // The first format whose CRC covers the header.
     ("TARGET-2.DAT", 77, 0, 55),
+    // A lost encoder while the valve is open by less than half, which trips a later controller within the record.
+    ("TARGET-2-lost-encoder.DAT", 251, 0, 55),
+    // Moves that end in the dead band and at the forced exit.
+    ("TARGET-2-exits.DAT", 126, 0, 55),
 ];
 
 #[test]

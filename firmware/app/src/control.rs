@@ -112,6 +112,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// The second interrupt: `delay` after the sample. The recorder is fed after the output.
     #[inline(never)]
     pub fn on_output(&mut self, board: &mut impl Board) {
+        self.judge_output(board.now_us() as u32);
         let command = output(self.configuration.config(), &mut self.state);
         self.keep_spool(&command, board);
         board.drive(self.configuration.config(), command);
@@ -140,6 +141,15 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         let off_us = interval_us.abs_diff(timing.period_us.get());
         if off_us > timing.late_sample_us && self.state.supervisor.drives() {
             self.state.supervisor.trip(Fault::LateSample);
+        }
+    }
+
+    /// An output that comes too late trips before it is driven.
+    #[inline(always)]
+    fn judge_output(&mut self, now_us: u32) {
+        let timing = &self.configuration.config().timing;
+        if self.clock.output_is_late(now_us, timing) && self.state.supervisor.drives() {
+            self.state.supervisor.trip(Fault::LateOutput);
         }
     }
 

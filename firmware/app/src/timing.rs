@@ -31,6 +31,13 @@ impl Clock {
         interval_us
     }
 
+    /// Whether the output of the last sample comes too late. That of a sample from before a restart of the clock has
+    /// no time.
+    #[inline(always)]
+    pub fn output_is_late(&self, now_us: u32, timing: &Timing) -> bool {
+        self.runs && now_us.wrapping_sub(self.last_us) > timing.latest_output_us
+    }
+
     /// The output of the last sample is done. One whose sample came before the clock was restarted has no
     /// latency.
     #[inline(always)]
@@ -116,6 +123,7 @@ mod tests {
         period_us: NonZeroU32::new(1300).unwrap(),
         delay_us: NonZeroU32::new(500).unwrap(),
         late_sample_us: 100,
+        latest_output_us: 600,
         host_silence_ms: 0,
         hold_ms: 0,
     };

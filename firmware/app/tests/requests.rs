@@ -187,8 +187,8 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
         "Config { first_id: 7, values: [1000, 2000] }"
     );
     assert_eq!(
-        bench.ask(RequestBody::ConfigGet { first_id: id::HOLD_MS, count: 2 }),
-        "Refused(UnknownParameter { id: 55 })"
+        bench.ask(RequestBody::ConfigGet { first_id: id::LATE_OUTPUT_US, count: 2 }),
+        "Refused(UnknownParameter { id: 56 })"
     );
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
@@ -252,6 +252,36 @@ fn a_late_or_missing_sample_trips_an_enabled_drive() {
         let expected = if trips { Mode::Fault(Fault::LateSample) } else { Mode::Running };
         assert_eq!(bench.mode(), expected, "{delay_us} us late");
     }
+}
+
+/// The lateness of samples alone was judged: an output could come 254 us late every few samples.
+#[test]
+fn a_late_output_trips_an_enabled_drive_before_it_is_driven() {
+    for (after_us, trips) in [(500, false), (600, false), (601, true), (1299, true)] {
+        let mut bench = Bench::referenced();
+        bench.armed(100, 1, 0);
+        bench.done(RequestBody::Start);
+        bench.samples(3);
+        bench.app.control.on_sample(&mut bench.board);
+        assert_ne!(bench.app.control.state().observation().command, 0);
+        bench.board.now_us += after_us;
+        bench.app.control.on_output(&mut bench.board);
+        let expected = if trips { Mode::Fault(Fault::LateOutput) } else { Mode::Running };
+        assert_eq!(bench.mode(), expected, "{after_us} us after its sample");
+        assert_eq!(bench.board.driven.last() == Some(&Command::OFF), trips, "{after_us} us");
+    }
+}
+
+#[test]
+fn an_output_behind_an_arming_has_no_sample_to_be_late_for() {
+    let mut bench = Bench::referenced();
+    bench.board.now_us = 70_000_000;
+    bench.test(100, 1, 0);
+    bench.app.control.on_sample(&mut bench.board);
+    bench.done(RequestBody::Arm);
+    bench.board.now_us += 5000;
+    bench.app.control.on_output(&mut bench.board);
+    assert_eq!(bench.mode(), Mode::Armed);
 }
 
 #[test]

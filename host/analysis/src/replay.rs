@@ -12,6 +12,7 @@
 //! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it.
 //!   What comes from outside (a stop, a late sample, a silent host) is in no sample: the record ends before
 //!   it.
+//! - **Older rules** ([`older`]). A record is replayed by the rules of the firmware that made it.
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
 //!   learned, whether a run that begins with a setpoint that is held anyway began with a move to it.
 //!
@@ -19,6 +20,7 @@
 //! what is learned of the null only), and pressures that were bad in the last samples before the start.
 
 pub mod moves;
+mod older;
 pub mod parameters;
 
 use std::cmp::Reverse;
@@ -189,11 +191,12 @@ pub enum ReplayError {
 /// When the file does not hold what a replay needs.
 pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
     let header = Header::of(file)?;
-    let config = Config::new(&header.parameters).map_err(ReplayError::Inconsistent)?;
+    let mut config = Config::new(&header.parameters).map_err(ReplayError::Inconsistent)?;
+    let older = older::is_older(file).then(|| older::Watch::instead(&mut config, &header.parameters));
     let recorded = samples(file)?;
     let mut best: Option<Replay> = None;
     for plan in moves::plans(&config, &recorded)? {
-        let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded)? };
+        let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded, older.clone())? };
         if best.as_ref().is_none_or(|best| replay.likeness() > best.likeness()) {
             best = Some(replay);
         }
@@ -219,14 +222,25 @@ pub(crate) fn samples(file: &TargetFile) -> Result<Vec<RecordedSample>, ReplayEr
     Ok(of_the_run().map(|(_, sample)| *sample).collect())
 }
 
-/// The controller on the recorded inputs.
-fn run(config: &Config, plan: &Plan, recorded: &[RecordedSample]) -> Result<Replay, ReplayError> {
+/// The controller on the recorded inputs, with the watch of an older one.
+fn run(
+    config: &Config,
+    plan: &Plan,
+    recorded: &[RecordedSample],
+    mut older: Option<older::Watch>,
+) -> Result<Replay, ReplayError> {
     let mut state = started(config, plan)?;
     let mut replayed = Vec::with_capacity(recorded.len());
     let mut tripped = None;
     for (k, seen) in (0..).zip(recorded) {
+        let before = state.observation().command;
         sample(config, &plan.sequence, &mut state, &input(seen));
-        replayed.push(Output::of(state.observation()));
+        let mut made = Output::of(state.observation());
+        if older.as_mut().is_some_and(|watch| watch.trips(config, before, seen.position)) {
+            state.supervisor.trip(Fault::NoMotion);
+            made.command = 0;
+        }
+        replayed.push(made);
         if let Mode::Fault(fault) = state.supervisor.mode() {
             tripped = tripped.or(Some((fault, k)));
         }

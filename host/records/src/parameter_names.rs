@@ -41,6 +41,7 @@ const KEYS: &[(u16, &str, Form)] = &[
     (id::SCALE, "controller.scale", Whole),
     (id::NULL_OFFSET_COUNTS, "controller.null_offset_counts", Whole),
     (id::LATE_SAMPLE_US, "safety.late_sample_us", Whole),
+    (id::LATE_OUTPUT_US, "safety.late_output_us", Whole),
     (id::HOST_SILENCE_MS, "safety.host_silence_s", Scaled(3)),
     (id::ENCODER_INVERTED, "encoder.polarity", Words(&["1", "-1"])),
     (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count", Scaled(9)),

@@ -104,6 +104,7 @@ pub fn fault_name(fault: Fault) -> &'static str {
         Fault::Watchdog => "watchdog",
         Fault::Panic => "panic",
         Fault::MotionAtNull => "motion-at-null",
+        Fault::LateOutput => "late-output",
     }
 }
 
@@ -132,6 +133,7 @@ pub fn fault_meaning(code: u8) -> &'static str {
             "the valve is at its null and the cylinder moves: look for the spool (`pneudrive device valve`), the null offset, the amplifier"
         }
         Some(Fault::Panic) => "the firmware broke down and has reset the board",
+        Some(Fault::LateOutput) => "an output came too late",
         None => "a fault that this version does not know",
     }
 }

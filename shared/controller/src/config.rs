@@ -40,6 +40,8 @@ pub struct Timing {
     pub delay_us: NonZeroU32,
     /// A sample later than this is a fault, microseconds.
     pub late_sample_us: u32,
+    /// An output later than this after its sample is a fault, microseconds.
+    pub latest_output_us: u32,
     /// Silence of the host that is a fault while a move runs, milliseconds; 0: none is.
     pub host_silence_ms: u32,
     /// How long an enabled drive stands without a host before it is disarmed, milliseconds.
@@ -100,6 +102,7 @@ impl Default for Config {
                 period_us: PERIOD_US,
                 delay_us: DELAY_US,
                 late_sample_us: 100,
+                latest_output_us: 600,
                 host_silence_ms: 500,
                 hold_ms: 60_000,
             },
@@ -183,6 +186,7 @@ impl Config {
                 period_us,
                 delay_us,
                 late_sample_us: unsigned(id::LATE_SAMPLE_US),
+                latest_output_us: delay_us.get().saturating_add(unsigned(id::LATE_OUTPUT_US)),
                 host_silence_ms: unsigned(id::HOST_SILENCE_MS),
                 hold_ms: unsigned(id::HOLD_MS),
             },
@@ -345,6 +349,7 @@ mod tests {
             (id::HOST_SILENCE_MS, 10),
             (id::ENCODER_STEP_COUNTS, 11),
             (id::HOLD_MS, 12),
+            (id::LATE_OUTPUT_US, 13),
         ])
         .expect("they go together");
         assert_eq!((config.law.control_loop, config.law.kind), (Loop::Open, LawKind::Proportional));
@@ -358,6 +363,7 @@ mod tests {
         assert_eq!(config.drive, DriveConfig::Dac(DacConfig { null_code: 2048, inverted: true }));
         assert_eq!((config.timing.late_sample_us, config.timing.host_silence_ms), (9, 10));
         assert_eq!((config.limits.encoder_step, config.timing.hold_ms), (11, 12));
+        assert_eq!(config.timing.latest_output_us, 513);
     }
 
     #[test]

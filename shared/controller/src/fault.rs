@@ -30,11 +30,13 @@ pub enum Fault {
     Panic = 12,
     /// The valve is at its null and the cylinder moves.
     MotionAtNull = 13,
+    /// An output came later than allowed.
+    LateOutput = 14,
 }
 
 impl Fault {
     /// Every fault, in the order of the codes.
-    pub const ALL: [Fault; 13] = [
+    pub const ALL: [Fault; 14] = [
         Fault::Stop,
         Fault::PositionOutside,
         Fault::EncoderStep,
@@ -48,6 +50,7 @@ impl Fault {
         Fault::Watchdog,
         Fault::Panic,
         Fault::MotionAtNull,
+        Fault::LateOutput,
     ];
 
     /// The stored and sent code.

@@ -80,6 +80,7 @@ impl Rig {
             (id::POSITION_MAX_COUNTS, counts(self.get(&keys::actuator::STROKE_M) + margin)),
             (id::ENCODER_STEP_COUNTS, (step / pulse_m).ceil() as i32),
             (id::LATE_SAMPLE_US, self.whole(&key::LATE_SAMPLE_US)),
+            (id::LATE_OUTPUT_US, self.whole(&key::LATE_OUTPUT_US)),
             (id::HOST_SILENCE_MS, self.scaled(&key::HOST_SILENCE_S, 1e3)),
             (id::HOLD_MS, self.scaled(&key::HOLD_S, 1e3)),
             (id::NO_MOTION_MS, self.scaled(&key::NO_MOTION_S, 1e3)),

@@ -4,7 +4,7 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{Parameter, SetError, TABLE, by_name};
 use pneudrive_records::target::TargetFile;
 
-use super::ReplayError;
+use super::{ReplayError, older};
 
 /// What the header says of the controller.
 #[derive(Clone, Debug)]
@@ -16,14 +16,15 @@ pub struct Header {
 }
 
 impl Header {
-    /// Reads the parameters of a file. An older firmware has fewer of them: their defaults hold. One that a
+    /// Reads the parameters of a file. An older firmware has fewer of them: their defaults hold, but it had no end
+    /// positions. One that a
     /// newer firmware has and this program does not know is told, not refused: where all commands are equal
     /// it has made no difference.
     ///
     /// # Errors
     /// With the name of a value that is none, or out of range.
     pub fn of(file: &TargetFile) -> Result<Header, ReplayError> {
-        let mut parameters = Parameters::default();
+        let mut parameters = older::unnamed();
         for parameter in &TABLE {
             if let Some(text) = file.get(&key(parameter.name)) {
                 set(&mut parameters, parameter, text)?;

@@ -331,3 +331,41 @@ fn parameters_that_only_one_side_has_are_told() {
     assert!(missing.starts_with("sensor_samples, no_motion_ms: not in the file"), "{missing}");
     assert!(unknown.starts_with("jerk_limit: in the file, but this version does not know it"), "{unknown}");
 }
+
+/// The header of firmware that is older than the rules of `older`.
+fn of_older_firmware(mut file: TargetFile) -> TargetFile {
+    file.header.retain(|(key, _)| key != "param.late_output_us");
+    file
+}
+
+#[test]
+fn a_record_of_a_lost_encoder_replays_by_the_rules_of_its_firmware() {
+    let gain = [(id::LAW, 1), (id::PROPORTIONAL_GAIN, 256), (id::NO_MOTION_MS, 13)];
+    let standing = |offset: i32, target: i32, samples: usize| {
+        let values = parameters(&[&gain[..], &[(id::NULL_OFFSET_COUNTS, offset)]].concat());
+        let mut watched = values.clone();
+        watched.set(id::NO_MOTION_MS, 0).expect("in range");
+        (values, record(&watched, &[(0, target)], &vec![8192; samples]))
+    };
+    // Open by less than half: older firmware went on, the present one trips after 31 samples.
+    let (values, samples) = standing(0, 8592, 100);
+    let file = file(&values, 0, samples);
+    assert_eq!(replay(&of_older_firmware(file.clone())).expect("whole").first, None);
+    assert_eq!(replay(&file).expect("whole").tripped, Some((Fault::NoMotion, 31)));
+    // Open by more than half, 10 samples of it from a null offset: older firmware tripped at sample 10.
+    let (values, mut samples) = standing(600, 8692, 11);
+    samples[10].command = 0;
+    let file = self::file(&values, 0, samples);
+    let older = replay(&of_older_firmware(file.clone())).expect("whole");
+    assert_eq!((older.first, older.tripped), (None, Some((Fault::NoMotion, 10))));
+    assert_eq!(replay(&file).expect("whole").tripped, None, "500 counts from the null: it takes longer");
+}
+
+#[test]
+fn a_record_without_end_positions_in_its_header_may_have_gone_anywhere() {
+    let values = parameters(&[(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)]);
+    let mut file = file(&values, 0, record(&values, &[(0, 25_000)], &walk()));
+    file.header.retain(|(key, _)| !key.starts_with("param.end_"));
+    let replay = replay(&file).expect("not refused");
+    assert_eq!(replay.first, None);
+}
