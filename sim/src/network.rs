@@ -30,6 +30,7 @@
 //! falls with its pressure, so they cannot fail (EQUATIONS section 3) as long as the speeds of
 //! approach come to rest.
 
+mod balance;
 mod brackets;
 mod continuation;
 mod following;
@@ -85,10 +86,14 @@ pub struct Laws {
 pub struct Network {
     gas: Gas,
     supply: Station,
+    /// 1/T of the supply, 1/K.
+    per_supply_temperature: f64,
     exhaust: Station,
     supply_tube: Tube,
     cylinder_tube: Tube,
     laws: Laws,
+    /// Whether lands and ports are orifices that air flows through.
+    passes_air: bool,
     /// Which ends are vessels right at the valve, whose air is at rest.
     vessels: Vessels,
     /// What of a lagged supply tube follows the flow at once.
@@ -147,6 +152,7 @@ impl Network {
         laws: Laws,
         port_area: Option<f64>,
     ) -> Network {
+        let passes_air = gas.is_diatomic() && [laws.land, laws.port] == [FlowLaw::Orifice; 2];
         let node = Node {
             exner: 0.5 * (supply.exner + exhaust.exner),
             temperature: supply.temperature,
@@ -157,10 +163,12 @@ impl Network {
         Network {
             gas,
             supply,
+            per_supply_temperature: 1.0 / supply.temperature,
             exhaust,
             supply_tube,
             cylinder_tube,
             laws,
+            passes_air,
             vessels: Vessels::default(),
             following: None,
             returning: supply.temperature,

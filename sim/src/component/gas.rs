@@ -132,32 +132,51 @@ impl Gas {
         2.0 * self.heat_capacity_ratio / ((self.heat_capacity_ratio - 1.0) * self.gas_constant)
     }
 
+    /// Whether n = 1.4, as air has it: then no power function is called.
+    pub(crate) fn is_diatomic(&self) -> bool {
+        self.diatomic
+    }
+
     /// The flow function from `upstream` to `downstream`, choked where it must be: at e/(e+1) of the upstream
     /// w the slope over the downstream one is zero, so that the other two go on as they are.
     #[inline(always)]
     pub(crate) fn flow_function<N: Number>(&self, upstream: N, downstream: N) -> FlowFunction<N> {
+        if self.diatomic {
+            return self.flow_function_of_air(upstream, downstream);
+        }
+        self.flow_function_by(upstream, downstream, |exner| {
+            let power = N::of(|i| libm::pow(exner.lane(i), self.flow_exponent));
+            [power / exner, power]
+        })
+    }
+
+    /// The same for a gas that is diatomic.
+    #[inline(always)]
+    pub(crate) fn flow_function_of_air<N: Number>(&self, upstream: N, downstream: N) -> FlowFunction<N> {
+        self.flow_function_by(upstream, downstream, |exner| {
+            let square = exner * exner;
+            let fourth = square * square;
+            [fourth, fourth * exner]
+        })
+    }
+
+    /// The same with w^(e-1) and w^e by `powers`.
+    #[inline(always)]
+    fn flow_function_by<N: Number>(
+        &self,
+        upstream: N,
+        downstream: N,
+        powers: impl Fn(N) -> [N; 2],
+    ) -> FlowFunction<N> {
         let (e, sonic) = (N::from(self.flow_exponent), upstream * N::from(self.sonic_part));
         let throat = downstream.larger(sonic);
-        let [lower, power] = self.powers_of_flow(throat);
+        let [lower, power] = powers(throat);
         let drop = upstream - throat;
         let by_downstream = upstream * lower * (e * drop - throat);
         FlowFunction {
             value: upstream * power * drop,
             by_upstream: power * (upstream + drop),
             by_downstream: N::choose(downstream.above(sonic), by_downstream, N::from(0.0)),
-        }
-    }
-
-    /// w^(e-1) and w^e.
-    #[inline(always)]
-    fn powers_of_flow<N: Number>(&self, exner: N) -> [N; 2] {
-        if self.diatomic {
-            let square = exner * exner;
-            let lower = square * square;
-            [lower, lower * exner]
-        } else {
-            let power = N::of(|i| libm::pow(exner.lane(i), self.flow_exponent));
-            [power / exner, power]
         }
     }
 }

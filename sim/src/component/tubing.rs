@@ -206,13 +206,14 @@ impl Tube {
     /// end and the stagnation temperature of the air in the tube: that of the place the air comes from.
     #[inline(always)]
     pub(crate) fn far_end<N: Number>(&self, known: &Station<N>, flow: N) -> FarEnd<N> {
+        // The usual one first.
+        if let Drop::Empirical { decay } = &self.0 {
+            let decay = N::from(*decay);
+            let exner = known.exner * (decay * flow).exponential();
+            return FarEnd { exner, by_flow: decay * exner };
+        }
         match &self.0 {
-            Drop::None => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
-            Drop::Empirical { decay } => {
-                let decay = N::from(*decay);
-                let exner = known.exner * (decay * flow).exponential();
-                FarEnd { exner, by_flow: decay * exner }
-            }
+            Drop::None | Drop::Empirical { .. } => FarEnd { exner: known.exner, by_flow: N::from(0.0) },
             Drop::Analytical(pipe) => one_by_one(known, flow, |known, flow| pipe.ratio(known, flow)),
             Drop::Connector(connector) => one_by_one(known, flow, |known, flow| connector.ratio(known, flow)),
         }

@@ -1,5 +1,126 @@
 //! Air that comes together.
 
+use super::Network;
+use super::nodes::{Nodes, Surroundings, pair};
+use super::restriction::{MaybeApproach, Side};
+use crate::number::{Number, Pair};
+
+/// T_n with its slopes over s, e and the flow in the supply tube.
+pub(super) struct Mixture {
+    pub temperature: Pair,
+    pub per_temperature: Pair,
+    pub slopes: [Pair; 3],
+}
+
+impl Network {
+    /// The air in the cylinders' tubes, if their drop depends on it: what the node mixes when it charges, else the
+    /// chamber's.
+    #[inline(always)]
+    pub(super) fn air_in_tubes(
+        &self,
+        nodes: &Nodes,
+        around: &Surroundings,
+        supply: &Side,
+    ) -> Option<Mixture> {
+        if !self.cylinder_tube.feels_temperature() {
+            return None;
+        }
+        // Without a node the approach to the lands leaves the temperature alone (6.40).
+        let at_rest = |station| Side { station, approach: None, by_flow: pair(0.0) };
+        let behind = at_rest(around.chambers);
+        let charging = match around.valve.port {
+            Some(_) => self.mixture::<false>(nodes, around, supply, &behind),
+            None => self.mixture::<false>(nodes, around, &at_rest(supply.station), &behind),
+        };
+        let of_chambers = Mixture::of(around.chambers.temperature);
+        let choose = |mixed: Pair, own: Pair| Pair::choose(around.charging, mixed, own);
+        Some(Mixture {
+            temperature: choose(charging.temperature, of_chambers.temperature),
+            per_temperature: choose(charging.per_temperature, of_chambers.per_temperature),
+            slopes: charging.slopes.map(|slope| choose(slope, pair(0.0))),
+        })
+    }
+
+    /// What flows into the nodes, mixed. A node that nothing flows into keeps its temperature. With each
+    /// approach comes the slope of w there: over the flow in the supply tube, and over the one back from the
+    /// cylinder. `USUAL`: air flows in from the supply, and none from the exhaust.
+    #[inline(always)]
+    pub(super) fn mixture<const USUAL: bool>(
+        &self,
+        nodes: &Nodes,
+        around: &Surroundings,
+        supply: &Side,
+        behind: &Side,
+    ) -> Mixture {
+        let (zero, one) = (pair(0.0), pair(1.0));
+        let from_supply = scaled(self.supply_temperature(), &supply.approach);
+        let from_exhaust = pair(self.exhaust.temperature);
+        let from_chamber = scaled(around.chambers.temperature, &behind.approach);
+        let back = Pair::choose(around.charging, zero, (-nodes.port_flow()).larger(zero));
+        let [s, e] = match USUAL {
+            true => [nodes.supply, zero],
+            false => [nodes.supply.larger(zero), nodes.exhaust.larger(zero)],
+        };
+        let (mass, heat) = match USUAL {
+            true => (s + back, s * from_supply + back * from_chamber),
+            false => (s + e + back, s * from_supply + e * from_exhaust + back * from_chamber),
+        };
+        let flows = if USUAL { Pair::truth(true) } else { mass.above(zero) };
+        let per_mass = Pair::choose(flows, one / mass, zero);
+        let temperature = Pair::choose(flows, per_mass * heat, nodes.temperature);
+        // Not by way of T_n itself, which is there later.
+        let per_temperature = Pair::choose(flows, mass, one) / Pair::choose(flows, heat, nodes.temperature);
+        // What a flow more brings of warmth, where it flows in.
+        let warmth = |flows_in: Pair, from: Pair| Pair::choose(flows_in, from - temperature, zero);
+        let [s_flows, e_flows] = match USUAL {
+            true => [true, false].map(Pair::truth),
+            false => [s, e].map(|flow| flow.above(zero)),
+        };
+        let by_chamber = warmth(back.above(zero), from_chamber);
+        let mut by_flows =
+            [warmth(s_flows, from_supply) - by_chamber, warmth(e_flows, from_exhaust) - by_chamber, zero];
+        if let Some(approach) = &supply.approach {
+            let carried = s * self.supply_temperature();
+            by_flows[0] += carried * approach.by_flow;
+            by_flows[2] = carried * approach.by_exner * supply.by_flow;
+        }
+        if let Some(approach) = &behind.approach {
+            let carried = back * around.chambers.temperature;
+            let bend = carried * (approach.by_flow + approach.by_exner * behind.by_flow);
+            (by_flows[0], by_flows[1]) = (by_flows[0] - bend, by_flows[1] - bend);
+        }
+        let [by_supply, by_exhaust, by_total] = by_flows;
+        let by_total = if supply.approach.is_some() { per_mass * by_total } else { zero };
+        Mixture {
+            temperature,
+            per_temperature,
+            slopes: [per_mass * by_supply, per_mass * by_exhaust, by_total],
+        }
+    }
+}
+
+/// A temperature raised by an approach.
+#[inline(always)]
+fn scaled(temperature: Pair, approach: &MaybeApproach<Pair>) -> Pair {
+    approach.as_ref().map_or(temperature, |approach| temperature * approach.factor)
+}
+
+impl Mixture {
+    /// Of a temperature that no flow changes.
+    #[inline(always)]
+    pub fn of(temperature: Pair) -> Mixture {
+        Mixture { temperature, per_temperature: pair(1.0) / temperature, slopes: [pair(0.0); 3] }
+    }
+
+    /// T_n after changes of s, e and the flow in the supply tube.
+    #[inline(always)]
+    pub fn after<const AT_REST: bool>(&self, supply: Pair, exhaust: Pair, total: Pair) -> Pair {
+        let [by_supply, by_exhaust, by_total] = self.slopes;
+        let after = self.temperature + by_supply * supply + by_exhaust * exhaust;
+        if AT_REST { after } else { after + by_total * total }
+    }
+}
+
 /// Appendix VI as one rule: the mean stagnation temperature of what flows in, by mass. None if
 /// nothing does.
 pub(super) fn mean_of_inflows(inflows: &[(f64, f64)]) -> Option<f64> {

@@ -26,15 +26,15 @@ impl Predictor {
     /// Before the first solution.
     pub const UNKNOWN: Predictor = Predictor { at: [0.0; 3], solutions: [[Pair::ZERO; 3]; 3], now: 0.0 };
 
-    /// The solution that the parabola predicts for now, by Newton's divided differences; None without three solutions
-    /// close enough.
+    /// Leads the last solution to the one that the parabola predicts for now, by Newton's divided differences; false
+    /// without three solutions close enough.
     #[inline]
-    pub fn predict(&self, nodes: &Nodes) -> Option<Nodes> {
+    pub fn predict(&self, nodes: &mut Nodes) -> bool {
         let [last, middle, first] = self.at;
         let dt = self.now - last;
         let span = last - first;
         if dt == 0.0 || last == middle || dt.abs() > FARTHEST * span.abs() {
-            return None;
+            return false;
         }
         let (per_last, per_first, per_span) = (1.0 / (last - middle), 1.0 / (middle - first), 1.0 / span);
         let (rise, fall) = if middle == first {
@@ -48,12 +48,10 @@ impl Predictor {
         let at = |i: usize| a[i] + rise * (a[i] - b[i]) - fall * (b[i] - c[i]);
         // A land that is shut stays so.
         let flow = |before: Pair, ahead: Pair| Pair::choose(before.simd_eq(Pair::ZERO), Pair::ZERO, ahead);
-        Some(Nodes {
-            exner: at(0).larger(pair(0.5) * nodes.exner),
-            supply: flow(nodes.supply, at(1)),
-            exhaust: flow(nodes.exhaust, at(2)),
-            ..*nodes
-        })
+        nodes.exner = at(0).larger(pair(0.5) * nodes.exner);
+        nodes.supply = flow(nodes.supply, at(1));
+        nodes.exhaust = flow(nodes.exhaust, at(2));
+        true
     }
 
     #[inline]

@@ -20,7 +20,7 @@
 //! m sqrt(m^2 + m_l^2) = K/T psi,   m_l a thousandth of the land's choked flow
 //! ```
 
-use super::nodes::Surroundings;
+use super::nodes::{Nodes, Surroundings};
 use super::{Network, Station};
 
 /// Which slopes of a square over its flow Newton's method takes.
@@ -84,18 +84,26 @@ impl Network {
     }
 
     /// Newton's method by tangents from where the solution is going or was last, else by secants.
+    #[inline(always)]
     pub(super) fn by_newton(&mut self, around: &Surroundings) -> bool {
-        let last = self.nodes;
-        let ahead = self.predictor.predict(&last);
-        let found = ahead
-            .and_then(|ahead| self.newton(around, ahead, Slope::Tangent))
-            .or_else(|| self.newton(around, last, Slope::Tangent))
-            .or_else(|| self.newton(around, last, Slope::Secant));
-        if let Some(nodes) = &found {
-            self.nodes = *nodes;
-            self.predictor.note(nodes);
+        let mut nodes = self.nodes;
+        let ahead = self.predictor.predict(&mut nodes);
+        let found = ahead && self.newton(around, &mut nodes, Slope::Tangent)
+            || self.newton_from_last(around, &mut nodes);
+        if found {
+            self.nodes = nodes;
+            self.predictor.note(&nodes);
         }
-        found.is_some()
+        found
+    }
+
+    /// The same from where the solution was last.
+    #[inline(never)]
+    fn newton_from_last(&mut self, around: &Surroundings, nodes: &mut Nodes) -> bool {
+        [Slope::Tangent, Slope::Secant].into_iter().any(|slopes| {
+            *nodes = self.nodes;
+            self.newton(around, nodes, slopes)
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{Network, PortFlow, Station};
 use crate::component::valve::flow_law::FlowLaw;
-use crate::number::Number;
+use crate::number::{Number, Pair};
 
 /// A signed square of the flow from a place into a node, with its slopes over both Exner pressures and over
 /// the flow itself (by its speed of approach).
@@ -38,8 +38,27 @@ impl<N: Number> Place<N> {
     }
 }
 
+/// Which way the air goes through a restriction.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    /// Into the node.
+    In,
+    /// Out of the node.
+    Out,
+    /// From the higher pressure to the lower one.
+    ByPressure,
+}
+
 /// None: air at rest.
 pub(super) type MaybeApproach<N = f64> = Option<Approach<N>>;
+
+/// The air in front of the lands of both nodes, or behind their ports.
+pub(super) struct Side {
+    pub station: Station<Pair>,
+    pub approach: MaybeApproach<Pair>,
+    /// Slope of its w over the flow out of the known end.
+    pub by_flow: Pair,
+}
 
 /// What approaching makes of w and T at a place.
 #[inline(always)]
@@ -83,15 +102,16 @@ impl Network {
     }
 
     /// The flow through a restriction from a place, whose air approaches as told, into a node, where air stands
-    /// still. The stagnation pressures decide its direction.
+    /// still. The stagnation pressures decide its direction, unless it is known. `AIR`: an orifice that passes air.
     #[inline(always)]
-    fn restriction<N: Number>(
+    fn restriction<N: Number, const AIR: bool>(
         &self,
         law: &FlowLaw,
         conductance: N,
         place: &Place<N>,
         approach: &MaybeApproach<N>,
         node: &Place<N>,
+        way: Way,
     ) -> SquareFlow<N> {
         let raised = match approach {
             None => *place,
@@ -100,14 +120,20 @@ impl Network {
                 per_temperature: place.per_temperature / approach.factor,
             },
         };
-        let inward = raised.exner.at_least(node.exner);
-        let [upstream, downstream] = match approach {
-            None => [raised.exner.larger(node.exner), raised.exner.smaller(node.exner)],
-            Some(_) => {
-                [N::choose(inward, raised.exner, node.exner), N::choose(inward, node.exner, place.exner)]
-            }
+        let inward = match way {
+            Way::In => N::truth(true),
+            Way::Out => N::truth(false),
+            Way::ByPressure => raised.exner.at_least(node.exner),
         };
-        let psi = law.flow_function(&self.gas, upstream, downstream);
+        let [upstream, downstream] = if way == Way::ByPressure && approach.is_none() {
+            [raised.exner.larger(node.exner), raised.exner.smaller(node.exner)]
+        } else {
+            [N::choose(inward, raised.exner, node.exner), N::choose(inward, node.exner, place.exner)]
+        };
+        let psi = match AIR {
+            true => self.gas.flow_function_of_air(upstream, downstream),
+            false => law.flow_function(&self.gas, upstream, downstream),
+        };
         let per_temperature = N::choose(inward, raised.per_temperature, node.per_temperature);
         let k = (conductance * per_temperature).signed(inward);
         let [by_place, by_node] = N::either(inward, k * psi.by_upstream, k * psi.by_downstream);
@@ -132,7 +158,20 @@ impl Network {
         approach: &MaybeApproach<N>,
         node: &Place<N>,
     ) -> SquareFlow<N> {
-        self.restriction(&self.laws.land, conductance, source, approach, node)
+        self.restriction::<N, false>(&self.laws.land, conductance, source, approach, node, Way::ByPressure)
+    }
+
+    /// An orifice that passes air between a place and a node, one way as far as that is known.
+    #[inline(always)]
+    pub(super) fn orifice<N: Number>(
+        &self,
+        conductance: N,
+        place: &Place<N>,
+        approach: &MaybeApproach<N>,
+        node: &Place<N>,
+        way: Way,
+    ) -> SquareFlow<N> {
+        self.restriction::<N, true>(&FlowLaw::Orifice, conductance, place, approach, node, way)
     }
 
     /// The port from the far end of a tube to its node, whose air has the same temperature: the direction of
@@ -146,7 +185,7 @@ impl Network {
         node_exner: N,
     ) -> SquareFlow<N> {
         let near = Place { exner: node_exner, ..*far };
-        self.restriction(&self.laws.port, conductance, far, approach, &near)
+        self.restriction::<N, false>(&self.laws.port, conductance, far, approach, &near, Way::ByPressure)
     }
 
     /// The valve's end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the air

@@ -111,6 +111,7 @@ impl Network {
 
     /// The solution that air at rest comes to as it begins to move. Where it cannot be followed there: nested
     /// brackets, sharpened by Newton's method; false where they find nothing.
+    #[inline(never)]
     pub(super) fn by_search(&mut self, around: &Surroundings) -> bool {
         let last = self.nodes;
         if self.continue_from_rest(around) {

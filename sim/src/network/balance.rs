@@ -1,0 +1,333 @@
+//! The balance of both nodes, linearised: what Newton's method solves.
+//!
+//! ```text
+//! land to the supply    s|s| - K_s/T psi(w_sv, w_n) = 0
+//! land to the exhaust   e|e| - K_e/T psi(w_e,  w_n) = 0
+//! port                  m|m| + K_p/T psi(w_v,  w_n) = 0,   m = s + e
+//! ```
+//!
+//! The slopes over (w_n, s, e) are complete: they have the node's temperature in them, and the pressures behind the
+//! tubes. That over the flow in the supply tube stands apart, as it joins the two nodes.
+//!
+//! Nearly always air flows from the supply into both nodes and out of both into the exhaust. Where that is known
+//! (`USUAL`), nothing asks which way it goes: the same numbers come out of half the work, to the last bit.
+
+use super::Network;
+use super::mixing::Mixture;
+use super::nodes::{Nodes, Surroundings, pair};
+use super::rest::{Slope, land_line, square_slope};
+use super::restriction::{Place, Side, SquareFlow, Way};
+use crate::component::air::Station;
+use crate::component::tubing::FarEnd;
+use crate::number::{Number, Pair};
+
+/// Residual of a port without a bore, per unit of Exner pressure: of the size of the others, kg^2/s^2.
+const OPEN_PORT: f64 = 1e-6;
+
+/// One equation of each node: its residual, its slopes over (w_n, s, e), and that over the flow in the supply tube.
+struct Line {
+    residual: Pair,
+    row: [Pair; 3],
+    by_total: Pair,
+}
+
+/// The equations of each node: of the land to the supply, of that to the exhaust, and of the port.
+pub(super) struct Balance {
+    lines: [Line; 3],
+    pub mixture: Mixture,
+}
+
+/// Corrections of the nodes' w_n, s and e.
+pub(super) type Correction = [Pair; 3];
+
+/// Slopes of w behind the ports over s, e and the flow in the supply tube, by the temperature of the air in the tubes.
+type ByWarmth = Option<[Pair; 3]>;
+
+impl Network {
+    /// The balance at `nodes`. `AT_REST`: no air has a speed in front of a restriction. `PLAIN`: no tube's drop depends on
+    /// the temperature of its air, and nothing of a lagged one follows at once. `USUAL`: [`Network::are_usual`].
+    #[inline(always)]
+    pub(super) fn balance<const AT_REST: bool, const PLAIN: bool, const USUAL: bool>(
+        &self,
+        nodes: &Nodes,
+        around: &Surroundings,
+        supply: &Side,
+        slopes: Slope,
+    ) -> Balance {
+        let slopes = if USUAL { Slope::Tangent } else { slopes };
+        let (tubes, by_warmth) = self.cylinder_side::<AT_REST, PLAIN>(nodes, around, supply);
+        let mixture = match around.valve.port {
+            Some(_) => self.mixture::<USUAL>(nodes, around, supply, &tubes),
+            // Without a node the exhaust land takes the cylinder's air (6.40).
+            None => Mixture::of(around.chambers.temperature),
+        };
+        let lines = [
+            self.supply_line::<AT_REST, USUAL>(nodes, around, supply, &mixture, slopes),
+            self.exhaust_line::<USUAL>(nodes, around, &mixture, slopes),
+            match around.valve.port {
+                Some(bore) => {
+                    self.port_line::<USUAL>(bore, nodes, around, (&tubes, by_warmth), &mixture, slopes)
+                }
+                None => open_port_line(nodes, &tubes, by_warmth),
+            },
+        ];
+        Balance { lines, mixture }
+    }
+
+    /// Whether no tube's drop depends on the temperature of its air, and nothing of a lagged one follows at once.
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.following.is_none()
+            && !self.supply_tube.feels_temperature()
+            && !self.cylinder_tube.feels_temperature()
+    }
+
+    /// Whether flows of the usual pattern are looked for: orifices for air, none of them shut.
+    #[inline(always)]
+    pub(super) fn may_be_usual(&self, around: &Surroundings) -> bool {
+        self.passes_air && self.is_plain() && !around.has_shut_land && around.valve.port.is_some()
+    }
+
+    /// Whether air flows from the supply into both nodes, and from both into the exhaust.
+    #[inline(always)]
+    pub(super) fn are_usual(&self, nodes: &Nodes, supply: &Side) -> bool {
+        let zero = pair(0.0);
+        let flows = nodes.supply.above(zero) & zero.above(nodes.exhaust);
+        let raised =
+            supply.approach.map_or(supply.station.exner, |approach| supply.station.exner * approach.factor);
+        let falls = raised.above(nodes.exner) & nodes.exner.above(pair(self.exhaust.exner));
+        Pair::all(flows & falls)
+    }
+
+    /// The air in front of the lands, behind the supply's tube.
+    #[inline(always)]
+    pub(super) fn supply_side<const AT_REST: bool>(&self, nodes: &Nodes, at_valve: &FarEnd) -> Side {
+        let station = Station { exner: pair(at_valve.exner), temperature: self.supply_temperature() };
+        let approach = if AT_REST { None } else { self.supply_approach(&station, nodes.supply) };
+        Side { station, approach, by_flow: pair(at_valve.by_flow) }
+    }
+
+    #[inline(always)]
+    fn cylinder_side<const AT_REST: bool, const PLAIN: bool>(
+        &self,
+        nodes: &Nodes,
+        around: &Surroundings,
+        supply: &Side,
+    ) -> (Side, ByWarmth) {
+        let back = -nodes.port_flow();
+        let in_tubes = if PLAIN { None } else { self.air_in_tubes(nodes, around, supply) };
+        let temperature = in_tubes.as_ref().map_or(around.chambers.temperature, |air| air.temperature);
+        let far_end = self.cylinder_tube.far_end(&Station { temperature, ..around.chambers }, back);
+        let by_warmth = in_tubes.map(|air| {
+            let by_temperature = far_end.by_temperature(back, air.temperature);
+            air.slopes.map(|slope| by_temperature * slope)
+        });
+        let station = Station { exner: far_end.exner, ..around.chambers };
+        let approach = if AT_REST { None } else { self.port_approach(&station, back) };
+        (Side { station, approach, by_flow: far_end.by_flow }, by_warmth)
+    }
+
+    #[inline(always)]
+    fn supply_line<const AT_REST: bool, const USUAL: bool>(
+        &self,
+        nodes: &Nodes,
+        around: &Surroundings,
+        supply: &Side,
+        mixture: &Mixture,
+        slopes: Slope,
+    ) -> Line {
+        let place = Place { exner: supply.station.exner, per_temperature: pair(self.per_supply_temperature) };
+        let conductance = around.valve.supply;
+        let node = mixture.place(nodes);
+        let square = match USUAL {
+            true => self.orifice(conductance, &place, &supply.approach, &node, Way::In),
+            false => self.land(conductance, &place, &supply.approach, &node),
+        };
+        let at = (nodes.supply, square.value);
+        let (residual, by_flow) = self.land_lines::<USUAL>(around, conductance, &supply.station, at, slopes);
+        let pushed = -square.by_place * supply.by_flow;
+        if USUAL {
+            let row = [-square.by_node, by_flow - square.by_flow, pair(0.0)];
+            return Line { residual, row, by_total: pushed };
+        }
+        let [s_s, s_e, s_t] = mixture.cooled(&square, pair(0.0).above(square.value), slopes);
+        let row = [-square.by_node, by_flow - square.by_flow + s_s, s_e];
+        Line { residual, row, by_total: if AT_REST { pushed } else { s_t + pushed } }
+    }
+
+    #[inline(always)]
+    fn exhaust_line<const USUAL: bool>(
+        &self,
+        nodes: &Nodes,
+        around: &Surroundings,
+        mixture: &Mixture,
+        slopes: Slope,
+    ) -> Line {
+        let (exhaust, conductance) = (self.exhausts(), around.valve.exhaust);
+        let (place, node) = (Place::of(&exhaust), mixture.place(nodes));
+        let square = match USUAL {
+            true => self.orifice(conductance, &place, &None, &node, Way::Out),
+            false => self.land(conductance, &place, &None, &node),
+        };
+        let at = (nodes.exhaust, square.value);
+        let (residual, by_flow) = self.land_lines::<USUAL>(around, conductance, &exhaust, at, slopes);
+        let [e_s, e_e, e_t] = match USUAL {
+            true => mixture.cooled(&square, Pair::truth(true), slopes),
+            false => mixture.cooled(&square, pair(0.0).above(square.value), slopes),
+        };
+        Line { residual, row: [-square.by_node, e_s, by_flow + e_e], by_total: e_t }
+    }
+
+    #[inline(always)]
+    fn port_line<const USUAL: bool>(
+        &self,
+        bore: Pair,
+        nodes: &Nodes,
+        around: &Surroundings,
+        (tubes, by_warmth): (&Side, ByWarmth),
+        mixture: &Mixture,
+        slopes: Slope,
+    ) -> Line {
+        let m = nodes.port_flow();
+        let of_chambers = pair(1.0) / around.chambers.temperature;
+        let per_temperature = Pair::choose(around.charging, mixture.per_temperature, of_chambers);
+        let behind = Place { exner: tubes.station.exner, per_temperature };
+        let back = match USUAL {
+            true => self.orifice(
+                bore,
+                &behind,
+                &tubes.approach,
+                &Place { exner: nodes.exner, ..behind },
+                Way::ByPressure,
+            ),
+            false => self.port(bore, &behind, &tubes.approach, nodes.exner),
+        };
+        let [p_s, p_e, p_t] = mixture.cooled(&back, around.charging, slopes);
+        let size = match slopes {
+            Slope::Tangent => pair(2.0) * m.abs(),
+            Slope::Secant => Pair::of(|i| square_slope(slopes, m.lane(i), -back.value.lane(i))),
+        };
+        let by_flow = size - back.by_flow - back.by_place * tubes.by_flow;
+        // A port that charges takes no air from the chamber, so that e leaves its temperature alone.
+        let by_exhaust = if USUAL { by_flow } else { by_flow - p_e };
+        let mut row = [back.by_node, by_flow - p_s, by_exhaust];
+        let mut by_total = -p_t;
+        if let Some([w_s, w_e, w_t]) = by_warmth {
+            row[1] += back.by_place * w_s;
+            row[2] += back.by_place * w_e;
+            by_total += back.by_place * w_t;
+        }
+        Line { residual: m * m.abs() + back.value, row, by_total }
+    }
+
+    /// Residuals of lands whose pressures give the signed squares `value`, and their slopes over the flow.
+    #[inline(always)]
+    fn land_lines<const USUAL: bool>(
+        &self,
+        around: &Surroundings,
+        conductance: Pair,
+        source: &Station<Pair>,
+        (flow, value): (Pair, Pair),
+        slopes: Slope,
+    ) -> (Pair, Pair) {
+        if USUAL || slopes == Slope::Tangent && !around.has_shut_land {
+            return (flow * flow.abs() - value, pair(2.0) * flow.abs());
+        }
+        self.line_by_line(around, conductance, source, (flow, value), slopes)
+    }
+
+    /// The same one by one: at rest, or beside a land that is shut.
+    #[inline(never)]
+    fn line_by_line(
+        &self,
+        around: &Surroundings,
+        conductance: Pair,
+        source: &Station<Pair>,
+        (flow, value): (Pair, Pair),
+        slopes: Slope,
+    ) -> (Pair, Pair) {
+        let line = |i: usize| {
+            let shut = around.valve.supply.lane(i) == 0.0 || around.valve.exhaust.lane(i) == 0.0;
+            let source = Station { exner: source.exner.lane(i), temperature: source.temperature.lane(i) };
+            let conductance = conductance.lane(i);
+            let creeping = if shut { self.creeping(conductance, &source) } else { 0.0 };
+            land_line(conductance, flow.lane(i), value.lane(i), creeping, slopes)
+        };
+        let (one, two) = (line(0), line(1));
+        (Pair::new([one.0, two.0]), Pair::new([one.1, two.1]))
+    }
+}
+
+/// A port without a bore: its pressure is that of the node.
+#[inline(always)]
+fn open_port_line(nodes: &Nodes, tubes: &Side, by_warmth: ByWarmth) -> Line {
+    let by_flow = pair(-OPEN_PORT) * tubes.by_flow;
+    let [w_s, w_e, w_t] =
+        by_warmth.map_or([pair(0.0); 3], |by_warmth| by_warmth.map(|slope| pair(OPEN_PORT) * slope));
+    Line {
+        residual: pair(OPEN_PORT) * (tubes.station.exner - nodes.exner),
+        row: [pair(-OPEN_PORT), by_flow + w_s, by_flow + w_e],
+        by_total: w_t,
+    }
+}
+
+impl Mixture {
+    /// The node's air as a restriction feels it.
+    #[inline(always)]
+    fn place(&self, nodes: &Nodes) -> Place<Pair> {
+        Place { exner: nodes.exner, per_temperature: self.per_temperature }
+    }
+
+    /// Slopes of a squared flow over s, e and the flow in the supply tube by T_n, where the air is the node's.
+    #[inline(always)]
+    fn cooled(&self, square: &SquareFlow<Pair>, of_node: Pair, slopes: Slope) -> [Pair; 3] {
+        let cooling = match slopes {
+            Slope::Tangent => Pair::choose(of_node, square.value * self.per_temperature, pair(0.0)),
+            Slope::Secant => pair(0.0),
+        };
+        self.slopes.map(|slope| cooling * slope)
+    }
+}
+
+impl Balance {
+    /// The correction at a fixed flow in the supply tube, and that per unit of its change. The
+    /// determinant vanishes only where no air flows at all.
+    #[inline(always)]
+    pub fn corrections<const AT_REST: bool, const USUAL: bool>(&self) -> [Correction; 2] {
+        let [a, b, c] = self.lines.each_ref().map(|line| &line.row);
+        let columns = cofactors::<USUAL>(a, b, c);
+        let two = a[0] * columns[0][0] + a[1] * columns[1][0];
+        let determinant = if USUAL { two } else { two + a[2] * columns[2][0] };
+        let scale = pair(-1.0) / determinant;
+        // The determinant's inverse comes last.
+        let solved = |right: [Pair; 3]| {
+            columns.map(|column| scale * (right[0] * column[0] + right[1] * column[1] + right[2] * column[2]))
+        };
+        let fixed = solved(self.lines.each_ref().map(|line| line.residual));
+        if AT_REST {
+            // The supply land alone feels the flow in the supply tube.
+            return [fixed, columns.map(|column| scale * (self.lines[0].by_total * column[0]))];
+        }
+        [fixed, solved(self.lines.each_ref().map(|line| line.by_total))]
+    }
+}
+
+/// The cofactors of the rows a, b and c, those of an unknown together. `USUAL`: the last of a is zero.
+#[inline(always)]
+fn cofactors<const USUAL: bool>(a: &[Pair; 3], b: &[Pair; 3], c: &[Pair; 3]) -> [[Pair; 3]; 3] {
+    let bc = cross(b, c);
+    let [ca, ab] = if USUAL {
+        [
+            [-(c[2] * a[1]), c[2] * a[0], c[0] * a[1] - c[1] * a[0]],
+            [a[1] * b[2], -(a[0] * b[2]), a[0] * b[1] - a[1] * b[0]],
+        ]
+    } else {
+        [cross(c, a), cross(a, b)]
+    };
+    [0, 1, 2].map(|unknown| [bc[unknown], ca[unknown], ab[unknown]])
+}
+
+#[inline(always)]
+fn cross(a: &[Pair; 3], b: &[Pair; 3]) -> [Pair; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
