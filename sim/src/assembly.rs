@@ -221,6 +221,7 @@ impl Assembly {
 
 impl Assembly {
     /// The rates of all but the spool: of load, air and lagged tubes. No command is in them.
+    #[inline(always)]
     fn rates_but_spool(&mut self, t: f64, x: &StateVector) -> StateVector {
         let volumes = self.parts.actuator.both_volumes(x[slot::POSITION], x[slot::VELOCITY]);
         let air = self.air_in(volumes.volume, x);
@@ -282,6 +283,7 @@ impl Assembly {
 }
 
 impl System<STATES, GUARDS, END_GUARDS> for Assembly {
+    #[inline(never)]
     fn derivative(&mut self, t: f64, x: &StateVector) -> StateVector {
         let mut slope = self.rates_but_spool(t, x);
         self.follow(x);

@@ -3,7 +3,7 @@
 use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
 use crate::progress::Progress;
 use crate::system::System;
-use crate::tableau::{MAX_STAGES, Tableau};
+use crate::tableau::{DORMAND_PRINCE, MAX_STAGES, MERSON, Method, Tableau};
 
 impl<const N: usize> Progress<N> {
     pub(crate) fn explicit_step<const M: usize, const G: usize, const E: usize>(
@@ -13,18 +13,38 @@ impl<const N: usize> Progress<N> {
         derivative: [f64; N],
         h: f64,
     ) -> TrialStep<N> {
+        // Of a tableau that the compiler knows it unrolls the sums.
+        match tableau.method {
+            Method::DormandPrince => self.step_by::<M, G, E>(&DORMAND_PRINCE, system, derivative, h),
+            Method::Merson => self.step_by::<M, G, E>(&MERSON, system, derivative, h),
+        }
+    }
+
+    #[inline(always)]
+    fn step_by<const M: usize, const G: usize, const E: usize>(
+        &mut self,
+        tableau: &Tableau,
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
+        h: f64,
+    ) -> TrialStep<N> {
         let (stages, x) = self.stages::<M, G, E>(tableau, system, derivative, h);
         let error = self.error_norm(&combined::<M, N>(tableau.error, &stages, h), &x);
-        let accepted = (error <= 1.0).then(|| AcceptedStep {
-            dense: self.dense_output_of::<M>(tableau, &stages, &x, h),
-            x,
-            end_derivative: Some(stages[tableau.last_stage()]),
-            stiffness: self.stiffness_of::<M>(tableau, &stages, &x),
-        });
+        let accepted = if error <= 1.0 {
+            Some(AcceptedStep {
+                dense: self.dense_output_of::<M>(tableau, &stages, &x, h),
+                x,
+                end_derivative: Some(stages[tableau.last_stage()]),
+                stiffness: self.stiffness_of::<M>(tableau, &stages, &x),
+            })
+        } else {
+            None
+        };
         TrialStep { error, order: tableau.error_order, accepted }
     }
 
     /// The derivatives of all stages and the state at the end; the last stage is the derivative there.
+    #[inline(always)]
     fn stages<const M: usize, const G: usize, const E: usize>(
         &mut self,
         tableau: &Tableau,
@@ -35,19 +55,38 @@ impl<const N: usize> Progress<N> {
         let mut stages = [[0.0; N]; MAX_STAGES];
         stages[0] = derivative;
         let mut x = self.x;
-        for (stage, weights) in tableau.weights.iter().enumerate() {
-            let moved = combined::<M, N>(weights, &stages, h);
-            for i in 0..M {
-                x[i] = self.x[i] + moved[i];
-            }
-            stages[stage + 1] = system.derivative(self.t + h * tableau.nodes[stage], &x);
+        self.stage::<1, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        self.stage::<2, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        self.stage::<3, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        self.stage::<4, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        self.stage::<5, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        if tableau.last_stage() == 6 {
+            self.stage::<6, M, G, E>(tableau, system, &mut stages, &mut x, h);
         }
         self.statistics.n_rhs_evaluations += tableau.weights.len() as u64;
         (stages, x)
     }
 
+    /// The derivative of one stage, at the state that the ones before it lead to.
+    #[inline(always)]
+    fn stage<const STAGE: usize, const M: usize, const G: usize, const E: usize>(
+        &self,
+        tableau: &Tableau,
+        system: &mut impl System<N, G, E>,
+        stages: &mut [[f64; N]; MAX_STAGES],
+        x: &mut [f64; N],
+        h: f64,
+    ) {
+        let moved = combined::<M, N>(tableau.weights[STAGE - 1], stages, h);
+        for i in 0..M {
+            x[i] = self.x[i] + moved[i];
+        }
+        stages[STAGE] = system.derivative(self.t + h * tableau.nodes[STAGE - 1], x);
+    }
+
     /// h times the fastest rate of decay: the last two stages are slopes at the same time, at states that
     /// differ by little (Hairer, Norsett, Wanner II, IV.2).
+    #[inline(always)]
     fn stiffness_of<const M: usize>(
         &self,
         tableau: &Tableau,
@@ -66,6 +105,7 @@ impl<const N: usize> Progress<N> {
         if states > 0.0 { (slopes / states).sqrt() } else { 0.0 }
     }
 
+    #[inline(always)]
     fn dense_output_of<const M: usize>(
         &self,
         tableau: &Tableau,
@@ -90,6 +130,7 @@ impl<const N: usize> Progress<N> {
 }
 
 /// h times the weighted sum of the stages.
+#[inline(always)]
 fn combined<const M: usize, const N: usize>(
     weights: &[f64],
     stages: &[[f64; N]; MAX_STAGES],

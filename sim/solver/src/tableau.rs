@@ -19,6 +19,7 @@ pub(crate) const MAX_STAGES: usize = 7;
 /// An explicit method whose last stage is the slope at the end of the step.
 #[derive(Debug)]
 pub(crate) struct Tableau {
+    pub method: Method,
     /// Where stages 2.. are evaluated, in parts of the step.
     pub nodes: &'static [f64],
     /// Weights of the earlier slopes in stages 2..; those of the last stage make the step itself.
@@ -50,7 +51,8 @@ impl Tableau {
 }
 
 /// Hairer, Norsett, Wanner I, table II.5.2 and the interpolant of II.6.
-static DORMAND_PRINCE: Tableau = Tableau {
+pub(crate) const DORMAND_PRINCE: Tableau = Tableau {
+    method: Method::DormandPrince,
     nodes: &[1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0],
     weights: &[
         &[1.0 / 5.0],
@@ -91,7 +93,8 @@ static DORMAND_PRINCE: Tableau = Tableau {
 
 /// Merson 1957, as in Hairer, Norsett, Wanner I, table II.4.1; the sixth stage is the slope at the
 /// end, for the interpolant and the next step.
-static MERSON: Tableau = Tableau {
+pub(crate) const MERSON: Tableau = Tableau {
+    method: Method::Merson,
     nodes: &[1.0 / 3.0, 1.0 / 3.0, 1.0 / 2.0, 1.0, 1.0],
     weights: &[
         &[1.0 / 3.0],
