@@ -1,0 +1,107 @@
+//! What is heard on the line to the host, as a logic analyser hears it: when a run or a homing run has been begun.
+//!
+//! A simulated plant stands frozen between runs and is set back to its beginning for each, so that a record does not
+//! depend on when the requests came. Nothing at the board's pins tells that a run begins; the reply to its request does.
+
+use pneudrive_protocol::{Accumulator, InBoot, ReplyBody, RequestBody, decode_reply, frame};
+
+/// What has begun.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begun {
+    /// A run of the test: the next sample is its first.
+    Run,
+    /// A homing run.
+    Homing,
+}
+
+/// A request to begin something.
+struct Asked {
+    crc32: u32,
+    sequence: u16,
+    what: Begun,
+}
+
+/// Requests that are remembered: a host has no more on their way.
+const REMEMBERED: usize = 64;
+
+/// Listens to both directions.
+#[derive(Default)]
+pub struct Tap {
+    requests: Accumulator,
+    replies: Accumulator,
+    asked: Vec<Asked>,
+    /// Requests that were carried out: what comes of them again is a repetition.
+    granted: Vec<u32>,
+}
+
+impl Tap {
+    /// A byte of the host.
+    pub fn request(&mut self, byte: u8) {
+        let Some(Ok(message)) = self.requests.push(byte) else { return };
+        let Ok(meant) = InBoot::decode(message) else { return };
+        let what = match meant.asked.request.body {
+            RequestBody::Start | RequestBody::StartTest { .. } => Begun::Run,
+            RequestBody::Home => Begun::Homing,
+            _ => return,
+        };
+        let (crc32, sequence) = (frame::crc32(message), meant.asked.request.sequence);
+        if !self.granted.contains(&crc32) {
+            self.asked.push(Asked { crc32, sequence, what });
+            self.asked.drain(..self.asked.len().saturating_sub(REMEMBERED));
+        }
+    }
+
+    /// What the board sends; what has begun with it.
+    pub fn reply(&mut self, bytes: &[u8]) -> Option<Begun> {
+        bytes.iter().filter_map(|&byte| self.reply_byte(byte)).last()
+    }
+
+    fn reply_byte(&mut self, byte: u8) -> Option<Begun> {
+        let message = self.replies.push(byte)?.ok()?;
+        let reply = decode_reply(message).ok()?;
+        let place = self.asked.iter().position(|asked| asked.sequence == reply.sequence)?;
+        let Asked { crc32, what, .. } = self.asked.remove(place);
+        if reply.body != ReplyBody::Done {
+            return None;
+        }
+        self.granted.push(crc32);
+        self.granted.drain(..self.granted.len().saturating_sub(REMEMBERED));
+        Some(what)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pneudrive_protocol::{InSession, MAX_FRAME, Refused, Reply, Request, encode};
+
+    fn request(tap: &mut Tap, sequence: u16, body: RequestBody<'_>) {
+        let (mut bytes, request) = ([0; MAX_FRAME], Request { sequence, body });
+        let framed = encode(&InSession { request, session: 5 }, &mut bytes).expect("room");
+        framed.iter().for_each(|&byte| tap.request(byte));
+    }
+
+    fn reply(tap: &mut Tap, sequence: u16, body: ReplyBody<'_>) -> Option<Begun> {
+        let mut bytes = [0; MAX_FRAME];
+        tap.reply(encode(&Reply { sequence, body }, &mut bytes).expect("room"))
+    }
+
+    #[test]
+    fn a_run_begins_with_the_reply_to_its_request_and_once() {
+        let mut tap = Tap::default();
+        request(&mut tap, 7, RequestBody::Start);
+        assert_eq!(reply(&mut tap, 6, ReplyBody::Done), None);
+        assert_eq!(reply(&mut tap, 7, ReplyBody::Done), Some(Begun::Run));
+        request(&mut tap, 7, RequestBody::Start);
+        assert_eq!(reply(&mut tap, 7, ReplyBody::Done), None, "a repetition");
+    }
+
+    #[test]
+    fn a_run_that_is_refused_does_not_begin() {
+        let mut tap = Tap::default();
+        request(&mut tap, 7, RequestBody::Home);
+        assert_eq!(reply(&mut tap, 7, ReplyBody::Refused(Refused::NotNow(1))), None);
+        request(&mut tap, 8, RequestBody::Home);
+        assert_eq!(reply(&mut tap, 8, ReplyBody::Done), Some(Begun::Homing));
+    }
+}
