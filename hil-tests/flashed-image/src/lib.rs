@@ -3,8 +3,11 @@
 pub mod bench;
 pub mod board;
 pub mod image;
+pub mod line;
+pub mod machine;
 pub mod peripheral;
 pub mod processor;
 pub mod register;
 pub mod tap;
+pub mod target;
 pub mod time;

@@ -83,6 +83,11 @@ impl Flash {
         &self.cells
     }
 
+    /// So many cells read 0 from now on, as after damage.
+    pub fn clear(&mut self, offset: usize, bytes: usize) {
+        self.cells[offset..offset + bytes].fill(0);
+    }
+
     /// Bytes of its cells as a number.
     #[must_use]
     pub fn load(&self, offset: usize, bytes: usize) -> u64 {

@@ -1,0 +1,157 @@
+//! A powered board with its line: what runs on a thread of its own.
+
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, anyhow};
+use pneudrive_sim::Rig;
+
+use crate::bench::Bench;
+use crate::board::{Board, Stop};
+use crate::image::Image;
+use crate::line::Line;
+use crate::peripheral::flash;
+use crate::processor::Processor;
+use crate::time::{Corner, MICROSECOND, MILLISECOND, Ticks};
+
+/// How far the board goes between two looks at the line.
+const TURN: Ticks = MILLISECOND;
+
+/// In a run the board may be so far ahead of a host that says nothing; well below the silence that trips a drive.
+const AHEAD: Ticks = 300 * MILLISECOND;
+
+/// Longest rest between two looks at the line.
+const REST: Duration = Duration::from_micros(500);
+
+/// A board that has power, or had.
+pub struct Machine {
+    image: Image,
+    rig: Rig,
+    corner: Corner,
+    processor: Processor,
+    line: Line,
+    /// The power is there.
+    powered: bool,
+    /// When the host last said something, by both clocks.
+    heard: (Ticks, Instant),
+    /// Every byte of the host whose number is a multiple of this is hit by noise; None: none.
+    noise: Option<u64>,
+    bytes: u64,
+    /// What the board and its plant have cost.
+    pub cost: Cost,
+}
+
+/// What runs have cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Samples of the plant.
+    pub samples: u64,
+    /// Time that the processor was executed in while the plant was alive.
+    pub took: Duration,
+}
+
+impl Machine {
+    /// A new board, with the image flashed and nothing else, before its first instruction.
+    ///
+    /// # Errors
+    /// When the plant or the emulator cannot be set up.
+    pub fn new(image: Image, rig: &Rig, corner: Corner, line: Line) -> Result<Machine> {
+        let processor = powered(&image, rig, corner, vec![0xff; flash::BYTES])?;
+        Ok(Machine {
+            image,
+            rig: rig.clone(),
+            corner,
+            processor,
+            line,
+            powered: true,
+            heard: (0, Instant::now()),
+            noise: None,
+            bytes: 0,
+            cost: Cost::default(),
+        })
+    }
+
+    /// Takes the power away, if it is not gone yet, and gives it back: the flash is kept, the plant stands in its
+    /// initial state.
+    ///
+    /// # Errors
+    /// When the plant or the emulator cannot be set up.
+    pub fn power_up(&mut self) -> Result<()> {
+        let cells = self.board().flash.cells().to_vec();
+        self.processor = powered(&self.image, &self.rig, self.corner, cells)?;
+        self.line.hang_up();
+        self.heard = (0, Instant::now());
+        self.powered = true;
+        Ok(())
+    }
+
+    /// The board.
+    pub fn board(&self) -> std::cell::RefMut<'_, Board> {
+        self.processor.board()
+    }
+
+    /// Every so manyth byte of the host is hit by noise from now on; None: none.
+    pub fn disturb(&mut self, every: Option<u64>) {
+        self.noise = every;
+    }
+
+    /// Listens, goes on for a while, and talks.
+    ///
+    /// # Errors
+    /// When the board does what no model knows, or the plant cannot be simulated.
+    pub fn turn(&mut self) -> Result<()> {
+        if !self.powered {
+            sleep(REST);
+            return Ok(());
+        }
+        self.listen();
+        let until = self.board().now + TURN;
+        let (begun, sampled) = (Instant::now(), self.board().bench.sampled);
+        let outcome = self.processor.run(until);
+        let samples = self.board().bench.sampled - sampled;
+        if samples > 0 {
+            self.cost.samples += samples;
+            self.cost.took += begun.elapsed();
+        }
+        let said = std::mem::take(&mut self.board().said);
+        self.line.say(&said);
+        match outcome {
+            Ok(()) => self.keep_pace(),
+            Err(Stop::Reset(cause)) => self.processor.restart(cause)?,
+            Err(Stop::Dark) => {
+                self.powered = false;
+                self.line.hang_up();
+            }
+            Err(Stop::Broken(told)) => return Err(anyhow!(told)),
+        }
+        Ok(())
+    }
+
+    fn listen(&mut self) {
+        let bytes = self.line.heard();
+        let mut board = self.processor.board();
+        if !bytes.is_empty() {
+            self.heard = (board.now, Instant::now());
+        }
+        for byte in bytes {
+            self.bytes += 1;
+            board.hear(byte, self.noise.is_some_and(|every| self.bytes.is_multiple_of(every)));
+        }
+    }
+
+    /// A run goes as fast as it can, but not so far ahead of the host that its silence would trip the drive; a board
+    /// that does not move keeps the time of the wall.
+    fn keep_pace(&self) {
+        let (since, then) = self.heard;
+        let board = self.board();
+        let ahead = if board.bench.lives() { AHEAD } else { TURN };
+        let board_time = Duration::from_micros((board.now - since).saturating_sub(ahead) / MICROSECOND);
+        sleep(board_time.saturating_sub(then.elapsed()).min(REST));
+    }
+}
+
+fn powered(image: &Image, rig: &Rig, corner: Corner, mut cells: Vec<u8>) -> Result<Processor> {
+    image.flash(&mut cells);
+    let bench = Bench::new(rig).map_err(|broken| anyhow!("the plant of {}: {broken}", rig.name()))?;
+    Processor::new(Board::new(cells, bench, corner))
+}

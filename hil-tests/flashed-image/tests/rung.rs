@@ -1,0 +1,153 @@
+//! The headline on the image that is flashed: its records are the simulation in every integer, whether an instruction
+//! takes one cycle or six.
+
+use pneudrive_flashed_image::target::FlashedTarget;
+use pneudrive_flashed_image::time::{Corner, FAST, SLOW};
+use pneudrive_hil_tests::{Supplied, Target, body};
+use pneudrive_sim::Rig;
+
+fn started(rig: &Rig, corner: Corner) -> FlashedTarget {
+    FlashedTarget::start(rig, corner).unwrap_or_else(|error| panic!("no board: {error:#}"))
+}
+
+fn fast(rig: &Rig) -> Box<dyn Target> {
+    Box::new(started(rig, FAST))
+}
+
+fn slow(rig: &Rig) -> Box<dyn Target> {
+    Box::new(started(rig, SLOW))
+}
+
+fn supplied(rig: &Rig) -> Box<dyn Supplied> {
+    Box::new(started(rig, FAST))
+}
+
+/// The body that CI runs: short, at both ends.
+#[test]
+fn a_short_run_of_the_flashed_image_is_the_simulation() {
+    let moves = "test.moves=[[0.0, 8192], [0.1, 16384]]";
+    let rig = body::rig("servo-b-tuned", &["test.duration_s=0.5", moves]);
+    for start in [fast, slow] {
+        body::assert_equal_in_every_integer(&*start(&rig), &rig);
+    }
+}
+
+#[test]
+fn the_record_of_the_flashed_image_is_the_simulation_in_closed_loop() {
+    body::closed_loop(fast);
+    body::closed_loop(slow);
+}
+
+#[test]
+fn the_record_of_the_flashed_image_is_the_simulation_in_open_loop() {
+    body::open_loop(fast);
+    body::open_loop(slow);
+}
+
+#[test]
+fn the_record_of_the_flashed_image_is_the_simulation_of_the_other_built_in_rigs() {
+    body::other_built_in_rigs(fast);
+    body::other_built_in_rigs(slow);
+}
+
+#[test]
+fn the_record_of_a_flashed_image_that_reads_its_channels_in_turn_is_the_simulation() {
+    body::channels_read_in_turn(fast);
+}
+
+#[test]
+fn the_record_of_the_flashed_image_whose_controller_starts_late_is_the_simulation() {
+    body::a_late_controller(fast);
+}
+
+#[test]
+fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_flashed_image() {
+    body::a_late_first_move(fast);
+}
+
+#[test]
+fn a_fault_after_the_moves_of_a_run_trips_the_drive_that_holds() {
+    body::a_fault_after_the_moves(slow);
+}
+
+#[test]
+fn the_record_of_a_stepper_drive_is_the_simulation() {
+    body::stepper(fast);
+    body::stepper(slow);
+}
+
+#[test]
+fn the_records_of_the_flashed_image_replay_on_the_pc() {
+    body::records_replay(slow);
+}
+
+#[test]
+fn a_run_of_the_flashed_image_that_was_stopped_replays_up_to_there() {
+    body::the_record_of_a_stopped_run_replays(fast);
+}
+
+#[test]
+fn each_start_of_the_flashed_image_begins_from_the_same_state() {
+    body::each_start_begins_from_the_same_state(slow);
+}
+
+#[test]
+fn a_flashed_image_that_is_given_another_period_keeps_that_time() {
+    body::another_period(fast);
+}
+
+#[test]
+fn a_run_that_the_memory_of_the_board_could_not_hold_is_streamed() {
+    body::stream::a_run_that_the_memory_could_not_hold_is_streamed(slow);
+}
+
+#[test]
+fn a_stop_ends_a_run_of_the_flashed_image() {
+    body::a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it(slow);
+}
+
+#[test]
+fn faults_of_the_plant_trip_the_flashed_image_by_name() {
+    body::axis::faults_of_the_plant_trip_by_name(slow);
+}
+
+#[test]
+fn a_homing_run_of_the_flashed_image_finds_the_stop() {
+    body::axis::homing_finds_the_stop(fast);
+}
+
+#[test]
+fn moves_of_the_flashed_image_wait_for_the_arrival() {
+    body::axis::moves_on_arrival(slow);
+}
+
+#[test]
+fn a_step_of_the_flashed_image_meets_its_requirements() {
+    body::axis::a_step_meets_its_requirements(fast);
+}
+
+#[test]
+fn parameters_are_saved_on_the_flashed_image() {
+    body::axis::parameters_are_saved(slow);
+}
+
+#[test]
+fn a_power_cut_in_a_save_leaves_the_old_or_the_new_configuration() {
+    body::keeping::a_power_cut_in_a_save_leaves_the_old_or_the_new(supplied);
+}
+
+#[test]
+fn what_is_stored_is_in_force_after_a_power_cut() {
+    body::keeping::what_is_stored_is_in_force_after_a_power_cut(supplied);
+}
+
+#[test]
+fn a_silent_host_trips_the_flashed_image_by_name() {
+    body::punctuality::a_silent_host_trips_by_name(slow);
+}
+
+#[test]
+fn runs_again_and_again_on_the_flashed_image_are_the_simulation() {
+    let soaked = body::soak::soak(&started(&body::soak::drive(), SLOW), 11.0);
+    println!("{soaked:?}");
+}
