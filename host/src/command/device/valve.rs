@@ -1,9 +1,9 @@
 //! `pneudrive device valve`.
 
 use anyhow::Result;
+use pneudrive_link::client::Client;
 
 use crate::cli::ValveAction;
-use crate::client::Client;
 
 pub(super) fn execute(client: &mut Client, action: ValveAction) -> Result<()> {
     match action {
