@@ -33,44 +33,44 @@ pub struct Cli {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// The whole job with no hardware: step test on a virtual rig, record, simulate, overlay
+    /// Run the whole job without hardware: step test on a virtual rig, record, simulate, overlay
     Demo(Demo),
-    /// Rig files: list, show, check, explain
+    /// List, show, check and explain rig files
     #[command(subcommand)]
     Rig(Rig),
     /// Simulate the test of a rig: trace.csv, run.json, report.html
     Simulate(Simulate),
-    /// A virtual rig that behaves like the board on a serial port
+    /// Serve a virtual rig that behaves like the board on a serial port
     Virtual(Virtual),
-    /// Talk to a rig: who and how it is, arm, disarm, stop, parameters
+    /// Talk to a rig: identity, status, arm, disarm, stop, parameters
     Device(Device),
     /// Download a test to a rig, arm, start and follow it
     Run(Run),
-    /// Pull the recorded transient into the next free TARGETxx.DAT; goes on where it was interrupted
+    /// Download the recorded transient to the next free TARGETxx.DAT; resumes an interrupted download
     Record(Record),
-    /// Live values in the terminal
+    /// Show live values in the terminal
     Monitor(Monitor),
-    /// Recorded inputs through the controller on the PC; its outputs compared, bit for bit
+    /// Run recorded inputs through the controller on the PC and compare its outputs, bit for bit
     Replay(Replay),
-    /// A transient in engineering units: its moves in figures, its channels as graphs
+    /// Show a transient in engineering units: figures of its moves, graphs of its channels
     Eval(Eval),
-    /// TARGET files and simulated runs on the same graphs, with their deviations
+    /// Plot TARGET files and simulated runs on the same graphs, with their deviations
     Overlay(Overlay),
-    /// Parameters of a rig from recorded transients, with their uncertainties
+    /// Identify parameters of a rig from recorded transients, with their uncertainties
     Identify(Identify),
-    /// What frequencies a channel holds, as a graph and a table of its peaks
+    /// Show the spectrum of a channel as a graph and a table of its peaks
     Spectrum(Spectrum),
-    /// The component tests of the thesis on a rig's valve, operator and tubes
+    /// Run the component tests of the thesis on a rig's valve, operator and tubes
     Characterise(Characterise),
-    /// The application studies of the thesis: what it says, and what the model shows
+    /// Run the application studies of the thesis: what it says, and what the model shows
     Study(Study),
-    /// The thesis, reproduced: its numbers beside those of the model, section by section on one page
+    /// Reproduce the thesis: its numbers beside those of the model, section by section on one page
     Thesis(Thesis),
-    /// Many runs of a rig on all cores: keys vary, figures of the moves are collected; goes on where it was killed
+    /// Run a rig many times on all cores: keys vary, figures of the moves are collected; resumes after a kill
     Sweep(Sweep),
-    /// Put the shards of a sweep together
+    /// Join the shards of a sweep
     Merge(Merge),
-    /// What each model of a component costs, and what it changes
+    /// Compare the models of a component: what each costs and changes
     Ladder(Ladder),
     /// Find gains for a rig that hold over a spread of loads, friction and supply
     Tune(Tune),
@@ -79,19 +79,19 @@ pub enum Command {
 /// Arguments of `demo`.
 #[derive(Debug, Args)]
 pub struct Demo {
-    /// Where to leave TARGETxx.DAT, trace.csv, run.json and report.html
+    /// Folder for TARGETxx.DAT, trace.csv, run.json and report.html
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
     /// The rig
     #[arg(long, default_value = "servo-b-tuned")]
     pub rig: String,
-    /// How far the virtual rig's true parameters lie from the rig file's at most
+    /// Greatest deviation of the virtual rig's true parameters from the rig file's
     #[arg(long, value_name = "PERCENT", default_value = "10%", value_parser = percent)]
     pub spread: f64,
     /// Replace the run in DIR even if it is of another rig
     #[arg(long)]
     pub overwrite: bool,
-    /// Which virtual rig is drawn
+    /// Selects the virtual rig that is drawn
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }
@@ -99,9 +99,9 @@ pub struct Demo {
 /// Subcommands of `rig`.
 #[derive(Debug, Subcommand)]
 pub enum Rig {
-    /// The built-in rigs
+    /// List the built-in rigs
     List,
-    /// A rig in full, with the source of every value
+    /// Print a rig in full, with the source of every value
     Show {
         /// Name of a built-in rig, or a file
         name: String,
@@ -111,7 +111,7 @@ pub enum Rig {
         /// The file, or a built-in rig
         file: String,
     },
-    /// What a key means: unit, range, default, thesis name; and which key a number of the thesis has
+    /// Explain a key: unit, range, default, thesis name; or find the key of a number of the thesis
     Explain {
         /// A key (load.mass_kg or mass_kg), a table (load), a number of the thesis ('C(46)', C46, or C and L for all), or nothing
         /// for all keys
@@ -130,22 +130,22 @@ pub struct Simulate {
     /// Take [test] from this rig file instead
     #[arg(long, value_name = "FILE")]
     pub test: Option<String>,
-    /// Take moves, gains and initial state from a TARGET file or a streamed run; or go on from the end of a run folder
+    /// Take moves, gains and initial state from a TARGET file or a streamed run, or continue from the end of a run folder
     #[arg(long, value_name = "FILE|RUN", conflicts_with = "test")]
     pub from: Option<PathBuf>,
-    /// Where to leave trace.csv, run.json and report.html
+    /// Folder for trace.csv, run.json and report.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// More columns of trace.csv and graphs of the page: names as below, with commas between them, or valve for all of them
+    /// Add columns to trace.csv and graphs to the page: names as below, separated by commas, or valve for all of them
     #[arg(long, value_name = "NAMES", value_parser = columns)]
     pub columns: Option<Columns>,
     /// Replace the run in DIR even if it is of another rig
     #[arg(long)]
     pub overwrite: bool,
-    /// Leave no report.html, which takes longer than most runs
+    /// Skip report.html, which takes longer than most runs
     #[arg(long)]
     pub no_report: bool,
-    /// End with exit code 6 if the drive trips, and with 9 if the run is not decided; all files are left as they would be
+    /// End with exit code 6 if the drive trips, and with 9 if the run is not decided; all files are written as usual
     #[arg(long)]
     pub strict: bool,
     /// How to integrate.
@@ -173,7 +173,7 @@ fn columns(text: &str) -> Result<Columns, String> {
     for extra in named {
         let extra = extra?;
         if found.iter().any(|other| other.name == extra.name) {
-            return Err(format!("{} is there twice", extra.name));
+            return Err(format!("{} is named twice", extra.name));
         }
         found.push(extra);
     }
@@ -192,19 +192,19 @@ pub struct Virtual {
     /// The rig.
     #[command(flatten)]
     pub rig: RigChoice,
-    /// Where to listen: pty, or tcp:HOST:PORT (port 0 for any free one)
+    /// Where to listen: pty, or tcp:HOST:PORT (port 0 for any free port)
     #[arg(long, value_name = "pty|tcp:ADDR", value_parser = door)]
     pub listen: String,
-    /// Run tests as fast as they go instead of in real time
+    /// Run tests as fast as possible instead of in real time
     #[arg(long)]
     pub fast: bool,
-    /// Keep the plant alive between runs: it creeps and settles, and a start does not reset it
+    /// Keep the plant running between runs: it creeps and settles, and a start does not reset it
     #[arg(long)]
     pub live: bool,
     /// Draw the true parameters within this much of the rig file's, with noise on the sensors
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub spread: Option<f64>,
-    /// Which rig is drawn, and the sensor noise of its runs: run after run the same for the same seed
+    /// Selects the rig that is drawn and the sensor noise of its runs; the same seed repeats both
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }
@@ -221,6 +221,6 @@ fn door(text: &str) -> Result<String, String> {
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
 pub struct Replay {
-    /// A TARGET file that was recorded with test.decimation=1, or a run that was streamed with --every 1
+    /// A TARGET file recorded with test.decimation=1, or a run streamed with --every 1
     pub file: PathBuf,
 }

@@ -11,13 +11,13 @@ use crate::judged::Lost;
 use crate::foreign::{NAME, SENTENCE, cleaned};
 use crate::parameter_names::Written;
 
-/// The protocol version of a rig, and what comes of it if it is not that of this program.
+/// The protocol version of a rig and, if it differs from this program's, the consequences.
 pub fn protocol(version: u16) -> String {
     match version.cmp(&CURRENT_VERSION) {
         Ordering::Equal => format!("version {version}"),
         Ordering::Greater => {
             format!(
-                "version {version}; this program is older and speaks {CURRENT_VERSION}: what is newer stays unused"
+                "version {version}; this program is older and speaks {CURRENT_VERSION}: newer features stay unused"
             )
         }
         Ordering::Less => {
@@ -25,8 +25,8 @@ pub fn protocol(version: u16) -> String {
                 (2, "homing, stored parameters, fault log"),
                 (3, "streams"),
                 (4, "tests that repeat or last for hours"),
-                (5, "rule that one host commands, changes that are taken whole"),
-                (6, "numbers of its boots"),
+                (5, "single commanding host, atomic changes"),
+                (6, "boot numbers"),
             ];
             let lacks: Vec<&str> =
                 lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
@@ -38,7 +38,7 @@ pub fn protocol(version: u16) -> String {
     }
 }
 
-/// Whether a run is decided, and what that rests on.
+/// Whether a run is decided, and the evidence for it.
 pub fn decision(decision: &Decision) -> String {
     let error = length(decision.error_m);
     let edge = decision.closest_edge.map(|edge| {
@@ -52,15 +52,15 @@ pub fn decision(decision: &Decision) -> String {
     match decision.undecided_from_s {
         None => format!("decided: positions are off by about {error}, as estimated{edge}"),
         Some(_) if decision.error_m.is_infinite() => {
-            "undecided: no other tolerance runs to compare with; write another --tolerance".to_owned()
+            "undecided: no run at another tolerance to compare with; choose another --tolerance".to_owned()
         }
         Some(since) => format!(
-            "undecided from {since:.4} s on: the exact transient may be another one there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may decide it"
+            "undecided from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may decide it"
         ),
     }
 }
 
-/// What went wrong with the neighbours of a run, if something did.
+/// What went wrong with the neighbours of a run, if anything.
 pub fn lost(lost: &Lost) -> Option<String> {
     let tripped = (!lost.tripped.is_empty()).then(|| {
         let mut names: Vec<&str> = lost.tripped.iter().map(|fault| fault_name(*fault)).collect();
@@ -70,7 +70,7 @@ pub fn lost(lost: &Lost) -> Option<String> {
     });
     let failed = lost.failed.first().map(|why| {
         format!(
-            "{} of them cannot be simulated, and the ranges lack them; the first: {why}",
+            "{} of them cannot be simulated and are not in the ranges; the first: {why}",
             lost.failed.len()
         )
     });
@@ -108,7 +108,7 @@ pub fn fault_name(fault: Fault) -> &'static str {
     }
 }
 
-/// The name of a fault code, also of one that a later firmware has.
+/// The name of a fault code, including codes of later firmware.
 pub fn fault_code_name(code: u8) -> String {
     Fault::from_code(code).map_or_else(|| format!("fault {code}"), |fault| fault_name(fault).to_owned())
 }
@@ -118,34 +118,34 @@ pub fn fault_meaning(code: u8) -> &'static str {
     match Fault::from_code(code) {
         Some(Fault::Stop) => "a stop was requested",
         Some(Fault::PositionOutside) => "the position left the stroke by more than the margin",
-        Some(Fault::EncoderStep) => "the encoder moved further in one sample than the drive can",
+        Some(Fault::EncoderStep) => "the encoder moved further in one sample than the drive can move",
         Some(Fault::LateSample) => "a sample came too late",
-        Some(Fault::HostSilent) => "the host was silent for too long while a move or a homing run was on",
-        Some(Fault::CommandWhileDisarmed) => "a run was asked for while the drive was disarmed",
-        Some(Fault::SensorRange) => "a pressure sensor reads what no pressure is: it is open, or shorted",
+        Some(Fault::HostSilent) => "the host was silent for too long during a move or a homing run",
+        Some(Fault::CommandWhileDisarmed) => "a run was requested while the drive was disarmed",
+        Some(Fault::SensorRange) => "a pressure sensor reads out of range: it is open, or shorted",
         Some(Fault::NoMotion) => {
-            "the valve is open and nothing moves: look for swapped tubes, the encoder, the spool, the supply"
+            "the valve is open and nothing moves: check for swapped tubes, the encoder, the spool, the supply"
         }
         Some(Fault::HomingFailed) => "the homing run found neither stop nor switch",
         Some(Fault::BadConfiguration) => "the stored configuration is damaged; load one and save it",
         Some(Fault::Watchdog) => "the watchdog has reset the board",
         Some(Fault::MotionAtNull) => {
-            "the valve is at its null and the cylinder moves: look for the spool (`pneudrive device valve`), the null offset, the amplifier"
+            "the valve is at its null and the cylinder moves: check the spool (`pneudrive device valve`), the null offset, the amplifier"
         }
-        Some(Fault::Panic) => "the firmware broke down and has reset the board",
+        Some(Fault::Panic) => "the firmware panicked and has reset the board",
         Some(Fault::LateOutput) => "an output came too late",
-        None => "a fault that this version does not know",
+        None => "a fault unknown to this version",
     }
 }
 
-/// Why the rig refused what it takes at another time, by the code of its refusal, and what to do.
+/// Why the rig refused a request that it accepts in another state, by the code of its refusal, and what to do.
 fn not_now(of: u8) -> String {
     match Refusal::from_code(of) {
         Some(Refusal::NotArmed) => {
             "the drive is not armed; arm it first (`pneudrive device arm`)".to_owned()
         }
         Some(Refusal::Running) => {
-            "a run is on; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
+            "a run is in progress; wait for its end, or stop it (`pneudrive device stop`)".to_owned()
         }
         Some(Refusal::NotReferenced) => {
             "the axis is not referenced, so closed loop is refused (`pneudrive device reference COUNTS`, or `pneudrive device home`)"
@@ -155,7 +155,7 @@ fn not_now(of: u8) -> String {
             "the drive is enabled; disarm it first (`pneudrive device disarm`)".to_owned()
         }
         Some(Refusal::ValveNotAtNull) => {
-            "the spool is still on its way to mid-travel; try again in a moment".to_owned()
+            "the spool is still moving to mid-travel; try again in a moment".to_owned()
         }
         Some(Refusal::BeyondEnd) => {
             "a setpoint lies beyond a software end position (end_min_counts, end_max_counts)".to_owned()
@@ -171,11 +171,11 @@ fn not_now(of: u8) -> String {
         }
         Some(Refusal::NoMoves) => "no test has been downloaded (`pneudrive run`)".to_owned(),
         None if of == code::TOKEN => {
-            "it asks for a token; set PNEUDRIVE_TOKEN to the one that the rig was started with".to_owned()
+            "it asks for a token; set PNEUDRIVE_TOKEN to the token that the rig was started with".to_owned()
         }
-        None if of == code::OTHER_TEST => "the test is that of another program; run again".to_owned(),
+        None if of == code::OTHER_TEST => "the test is from another program; run again".to_owned(),
         None if of == code::OWNED => "another host commands the drive".to_owned(),
-        None => format!("refused for a reason that this version does not know (code {of})"),
+        None => format!("refused for a reason unknown to this version (code {of})"),
     }
 }
 
@@ -186,7 +186,7 @@ pub fn refusal(refused: &Refused<'_>) -> String {
         Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
         Refused::OutOfRange { id, value } => out_of_range(*id, *value),
         Refused::Inconsistent { advice } => {
-            format!("the parameters do not go together: {}", cleaned(advice, SENTENCE))
+            format!("the parameters are inconsistent: {}", cleaned(advice, SENTENCE))
         }
         Refused::TestTooLong => "the test is too long".to_owned(),
         Refused::MovesOutOfOrder => "the moves are not in order of time".to_owned(),
@@ -194,19 +194,19 @@ pub fn refusal(refused: &Refused<'_>) -> String {
         Refused::NoRecord => "nothing has been recorded; run a test first (`pneudrive run`)".to_owned(),
         Refused::RecordRange { samples } => format!("the record has only {samples} samples"),
         Refused::NotStored => "the board could not write its flash".to_owned(),
-        Refused::OtherRecord => "its record is another one by now; record again".to_owned(),
+        Refused::OtherRecord => "its record has changed; record again".to_owned(),
         Refused::Owned(owner) => owned(owner.presence, owner.host, owner.silent_ms),
         Refused::ChangeNotWhole => "a part of what was sent is missing; try again".to_owned(),
         Refused::OtherTest => {
-            "another program has stated another test, or changed the parameters; run again".to_owned()
+            "another program has sent another test, or changed the parameters; run again".to_owned()
         }
         Refused::OtherBoot { number } => {
             let now = match *number {
-                ANY_BOOT => "it no longer tells its boots apart".to_owned(),
+                ANY_BOOT => "it no longer counts its boots".to_owned(),
                 number => format!("boot {number} now"),
             };
             format!(
-                "the rig was reset since this program connected ({now}), and takes nothing that was meant for before; run again"
+                "the rig was reset since this program connected ({now}), and refuses requests from before the reset; run again"
             )
         }
         Refused::Unknown => {
@@ -215,15 +215,15 @@ pub fn refusal(refused: &Refused<'_>) -> String {
     }
 }
 
-/// What is missing of a rig that does not tell its boots apart, by whether its firmware could.
+/// What a rig without boot numbers lacks, by whether its firmware could count boots.
 pub fn no_boots(firmware_could: bool) -> String {
     let why = if firmware_could {
-        "its flash does not keep their number; look after the board"
+        "its flash does not store their number; check the board"
     } else {
-        "flash a firmware of version 6 of the protocol or newer"
+        "flash firmware with version 6 of the protocol or newer"
     };
     format!(
-        "the rig does not tell its boots apart: a copy of a request that the link holds back over a reset can still arm and move the drive; {why}"
+        "the rig does not tell its boots apart: a duplicate of a request that the link delays past a reset can still arm and move the drive; {why}"
     )
 }
 
@@ -236,16 +236,16 @@ pub fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
             f64::from(silent_ms) / 1e3
         ),
         Presence::Gone => {
-            format!("{host} has armed the drive and gone; disarm it first (`pneudrive device disarm`)")
+            format!("{host} armed the drive and has gone; disarm it first (`pneudrive device disarm`)")
         }
-        Presence::Nobody => "nobody commands the drive any more; try again".to_owned(),
+        Presence::Nobody => "no host commands the drive any more; try again".to_owned(),
     }
 }
 
 /// A host by its name.
 pub fn commander(host: &str) -> String {
     match host {
-        "" => "a program of version 4 of the protocol or older".to_owned(),
+        "" => "a program with version 4 of the protocol or older".to_owned(),
         host => cleaned(host, NAME),
     }
 }
@@ -266,11 +266,11 @@ mod tests {
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
         assert_eq!(protocol(6), "version 6");
-        assert!(protocol(5).contains("is older and has no numbers of its boots;"));
-        assert!(protocol(4).contains(
-            "is older and has no rule that one host commands, changes that are taken whole, numbers of its boots;"
-        ));
-        assert!(protocol(3).contains("has no tests that repeat or last for hours, rule that"));
+        assert!(protocol(5).contains("is older and has no boot numbers;"));
+        assert!(
+            protocol(4).contains("is older and has no single commanding host, atomic changes, boot numbers;")
+        );
+        assert!(protocol(3).contains("has no tests that repeat or last for hours, single"));
         assert!(protocol(2).contains("has no streams, tests that"));
         assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
         assert!(protocol(7).starts_with("version 7; this program is older and speaks 6:"));

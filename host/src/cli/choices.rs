@@ -10,7 +10,7 @@ pub struct RigChoice {
     /// A built-in rig (`pneudrive rig list`) or a rig file
     #[arg(value_name = "RIG")]
     pub rig: String,
-    /// Change a key of the rig, such as load.mass_kg=2.5; may be given again
+    /// Change a key of the rig, such as load.mass_kg=2.5; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
     pub settings: Vec<String>,
 }
@@ -26,11 +26,11 @@ fn setting(text: &str) -> Result<String, String> {
 /// How a run is integrated.
 #[derive(Debug, Args)]
 pub struct Integration {
-    /// Method of integration
+    /// Integration method
     #[arg(long, value_enum, default_value_t = MethodName::DormandPrince)]
     pub method: MethodName,
-    /// Allowed error of a step, relative to what counts as large in each state [default: what the drive needs: 1e-11 in
-    /// closed loop, else 1e-9, or 3e-8 with a stepper]
+    /// Allowed error of a step, relative to the scale of each state [default: 1e-11 in closed loop, else 1e-9, or
+    /// 3e-8 with a stepper]
     #[arg(long, value_name = "X", value_parser = tolerance)]
     pub tolerance: Option<f64>,
 }
@@ -64,11 +64,11 @@ pub enum MethodName {
 /// Runs beside the nominal one.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Neighbours {
-    /// Runs in all: the rig as it is, and neighbours whose mass and starting position differ by next to nothing; figures
-    /// are ranges over all of them. 1: the rig as it is alone
+    /// Total number of runs: the rig itself, and neighbours whose mass and starting position differ very slightly; figures
+    /// are ranges over all of them. 1: only the rig itself
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub ensemble: u16,
-    /// How far away the neighbours are: relative change of the mass, and of the starting position over the stroke
+    /// Distance of the neighbours: relative change of the mass, and change of the starting position relative to the stroke
     #[arg(long, value_name = "X", default_value_t = 1e-5, value_parser = change)]
     pub change: f64,
 }

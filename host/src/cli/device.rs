@@ -13,7 +13,7 @@ pub struct Device {
     /// The port.
     #[command(flatten)]
     pub port: PortChoice,
-    /// Figures as the rig sends them, in counts and samples, not in mm, kPa and s
+    /// Show figures as the rig sends them, in counts and samples, instead of mm, kPa and s
     #[arg(long, global = true)]
     pub counts: bool,
     /// What to do.
@@ -24,33 +24,33 @@ pub struct Device {
 /// Subcommands of `device`.
 #[derive(Debug, Subcommand)]
 pub enum DeviceAction {
-    /// Who the rig is
+    /// Show firmware, board, protocol, parameters and timing of the rig
     Info,
-    /// How the rig is
+    /// Show the state of the rig
     Status,
-    /// Enable the drive, valve at null; the only way out of a fault. The rig gives up its last record: fetch
+    /// Enable the drive, with its valve at null; the only way out of a fault. The rig discards its last record: download
     /// it first (`pneudrive record`)
     Arm,
     /// Disable the drive
     Disarm,
-    /// Stop at once: a fault that only arming leaves
+    /// Stop at once, with a fault that only arming clears
     Stop,
-    /// State where the axis stands; sets the encoder's counter. The drive must be disarmed
+    /// Set the encoder's counter to the current position. The drive must be disarmed
     #[command(allow_negative_numbers = true)]
     Reference {
-        /// Position now, from the retracted end on: encoder counts, or with its unit, such as 98.72mm
+        /// Current position from the retracted end: encoder counts, or with a unit, such as 98.72mm
         #[arg(value_name = "COUNTS|MM", value_parser = place)]
         place: Place,
     },
-    /// Home the axis: move it slowly to its stop or switch, which gives counts their meaning. The drive
+    /// Home the axis: move it slowly to its stop or switch, which references the counts. The drive
     /// must be armed
     Home,
-    /// The spool of a stepper valve, of which a reset leaves no more than a note. The drive must be disarmed
+    /// Locate the spool of a stepper valve after a reset. The drive must be disarmed
     #[command(subcommand)]
     Valve(ValveAction),
-    /// The fault log, newest first
+    /// Show the fault log, newest first
     Faults,
-    /// Parameters of the controller
+    /// Read, change, store, export and import the controller's parameters
     #[command(subcommand)]
     Config(ConfigAction),
 }
@@ -67,7 +67,7 @@ pub enum Place {
 fn place(text: &str) -> Result<Place, String> {
     let Some(mm) = text.strip_suffix("mm") else { return whole_number(text).map(Place::Counts) };
     let mm = mm.trim().parse().ok().filter(|mm: &f64| mm.is_finite());
-    mm.map(Place::Millimetres).ok_or_else(|| format!("{text:?} is no length such as 98.72mm"))
+    mm.map(Place::Millimetres).ok_or_else(|| format!("{text:?} is not a length such as 98.72mm"))
 }
 
 /// Subcommands of `device valve`.
@@ -83,29 +83,29 @@ pub enum ValveAction {
 /// Subcommands of `device config`.
 #[derive(Debug, Subcommand)]
 pub enum ConfigAction {
-    /// One parameter, or all
+    /// Print one parameter, or all
     Get {
-        /// Its name, that of the key in a rig file: controller.velocity_gain
+        /// Its name, as the key in a rig file: controller.velocity_gain
         name: Option<String>,
     },
     /// Change a parameter; the drive must be disarmed
     #[command(allow_negative_numbers = true)]
     Set {
-        /// Its name; an entry of the gain profile is named like `controller.gain_profile[3]`
+        /// Its name; `controller.gain_profile[3]` is one entry of the gain profile
         name: String,
-        /// The new value, as a rig file has it: safety.hold_s 60, controller.loop open
+        /// The new value, as in a rig file: safety.hold_s 60, controller.loop open
         value: String,
     },
-    /// Write all parameters to a file, a line each
+    /// Write all parameters to a file, one per line
     Export {
         /// The file
         file: PathBuf,
     },
-    /// Take over the controller's parameters of a rig, or of an exported file; the drive must be disarmed
+    /// Load the controller's parameters from a rig or an exported file; the drive must be disarmed
     Import {
-        /// A built-in rig, a rig file, or what `export` has written
+        /// A built-in rig, a rig file, or a file written by `export`
         from: String,
     },
-    /// Store the parameters, for the next reset; the drive must be disarmed
+    /// Store the parameters, so that they survive a reset; the drive must be disarmed
     Save,
 }

@@ -22,7 +22,7 @@ pub struct Characterise {
     /// The curve, or all
     #[arg(value_name = "CURVE", value_parser = curve)]
     pub curve: String,
-    /// Where to leave CURVE.csv and CURVE.html
+    /// Folder for CURVE.csv and CURVE.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -32,7 +32,7 @@ pub const ALL: &str = "all";
 
 fn curves() -> String {
     let lines = CURVES.iter().map(|curve| format!("  {:<20}{}\n", curve.name, curve.about));
-    format!("Curves:\n{}  {ALL:<20}every one that the rig has\n", lines.collect::<String>())
+    format!("Curves:\n{}  {ALL:<20}every curve that the rig has\n", lines.collect::<String>())
 }
 
 fn curve(text: &str) -> Result<String, String> {
@@ -51,10 +51,10 @@ pub struct Study {
     /// The study, all of them, or list
     #[arg(value_name = "NAME", value_parser = study)]
     pub name: String,
-    /// Where to leave NAME.html, and of all index.html
+    /// Folder for NAME.html and, with all, index.html
     #[arg(long, value_name = "DIR", required_if_eq_any(with_pages()))]
     pub out: Option<PathBuf>,
-    /// Starts of each drive: its test elsewhere on the stroke, its dither elsewhere in its period
+    /// Number of starts of each drive; each has another position on the stroke and another phase of the dither
     #[arg(long, value_name = "N", default_value_t = STARTS as u16, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub starts: u16,
 }
@@ -65,7 +65,7 @@ pub const LIST: &str = "list";
 fn studies() -> String {
     let lines =
         STUDIES.iter().map(|study| format!("  {:<20}{}, {}\n", study.name, study.section, study.about));
-    format!("Studies:\n{}  {ALL:<20}every one, with a table of what they found\n", lines.collect::<String>())
+    format!("Studies:\n{}  {ALL:<20}every study, with a table of the results\n", lines.collect::<String>())
 }
 
 /// Names that lead to pages.
@@ -85,13 +85,13 @@ fn study(text: &str) -> Result<String, String> {
 /// Arguments of `thesis`.
 #[derive(Debug, Args)]
 pub struct Thesis {
-    /// Where to leave thesis.html and thesis.toml
+    /// Folder for thesis.html and thesis.toml
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// This section alone and those within it, such as 7.1 or 8.2.4
+    /// Only this section and its subsections, such as 7.1 or 8.2.4
     #[arg(long, value_name = "SECTION")]
     pub only: Option<String>,
-    /// Starts of each drive of a study, as with `pneudrive study`
+    /// Number of starts of each drive of a study, as in `pneudrive study`
     #[arg(long, value_name = "N", default_value_t = STARTS as u16, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub starts: u16,
 }
@@ -100,20 +100,20 @@ pub struct Thesis {
 #[derive(Debug, Args)]
 #[command(after_help = figures())]
 pub struct Sweep {
-    /// The file of the sweep: what varies, what is collected
+    /// The sweep file: what varies, what is collected
     #[arg(value_name = "SWEEP.toml")]
     pub file: PathBuf,
-    /// Where to leave sweep.csv, sweep.html and sweep.journal; without it, a folder named like the file
+    /// Folder for sweep.csv, sweep.html and sweep.journal [default: a folder named like the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Runs of each point: the rig as it is, and neighbours whose mass and starting position differ by next to nothing;
-    /// metrics are ranges over all of them. Not of a sweep with draws [default: ensemble in the file, or 1]
+    /// Runs of each point: the rig itself, and neighbours whose mass and starting position differ very slightly;
+    /// metrics are ranges over all of them. Not for a sweep with draws [default: ensemble in the file, or 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub ensemble: Option<u16>,
-    /// How many runs go on at the same time; without it, one for each processor
+    /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Run only this part of the points, such as 2/4, into a folder of its own
+    /// Run only this part of the points, such as 2/4, in a separate folder
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
     /// Do not ask, however long it lasts
@@ -127,7 +127,7 @@ pub struct Merge {
     /// Folders of the shards
     #[arg(required = true, value_name = "DIR")]
     pub folders: Vec<PathBuf>,
-    /// Where to leave the whole
+    /// Folder for the joined sweep
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -152,7 +152,7 @@ pub struct Ladder {
     /// The rig.
     #[command(flatten)]
     pub rig: RigChoice,
-    /// Where to leave ladder.html
+    /// Folder for ladder.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Its neighbours.
@@ -169,52 +169,52 @@ pub struct Tune {
     /// The rig.
     #[command(flatten)]
     pub rig: RigChoice,
-    /// Where to leave tuned.toml and tune.html
+    /// Folder for tuned.toml and tune.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// How far the step goes, mm
+    /// Size of the step, mm
     #[arg(long = "step", value_name = "MM", default_value_t = 60.0, value_parser = positive)]
     pub step_mm: f64,
-    /// Within this distance of its setpoint it has settled, mm
+    /// The drive has settled within this distance of its setpoint, mm
     #[arg(long = "settled", value_name = "MM", default_value_t = 0.05, value_parser = positive)]
     pub settled_mm: f64,
-    /// The most that it may overshoot, % of the step
+    /// Largest overshoot allowed, % of the step
     #[arg(long = "overshoot", value_name = "PERCENT", default_value_t = 1.0, value_parser = positive)]
     pub overshoot_percent: f64,
-    /// Time that the drive has, there as well as back, s; a longer one shows more of whether it comes to rest
+    /// Time for the step each way, s; a longer time shows better whether the drive comes to rest
     #[arg(long = "time", value_name = "S", default_value_t = 1.5, value_parser = time)]
     pub time_s: f64,
-    /// By how much the mass of the load may differ
+    /// Largest deviation of the load's mass
     #[arg(long, value_name = "PERCENT", default_value = "30%", value_parser = percent)]
     pub load: f64,
-    /// By how much the friction of the load may differ
+    /// Largest deviation of the load's friction
     #[arg(long, value_name = "PERCENT", default_value = "30%", value_parser = percent)]
     pub friction: f64,
-    /// By how much the supply pressure may differ
+    /// Largest deviation of the supply pressure
     #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
     pub supply: f64,
-    /// No step goes below this position, mm [default: the software end position, else as far as it may overshoot]
+    /// No step goes below this position, mm [default: the software end position, or the allowed overshoot from the end]
     #[arg(long = "lowest", value_name = "MM", value_parser = position)]
     pub lowest_mm: Option<f64>,
     /// No step goes above this position, mm
     #[arg(long = "highest", value_name = "MM", value_parser = position)]
     pub highest_mm: Option<f64>,
-    /// Hold a key, such as operator.dither_mm=0, or operator.dither_mm as the file has it; may be given again
+    /// Fix a key at a value (operator.dither_mm=0), or at the file's value (operator.dither_mm); may be repeated
     #[arg(long = "fix", value_name = "KEY[=VALUE]")]
     pub fixed: Vec<String>,
-    /// Draws from the spread that the gains are judged on; the search does not see them
+    /// Number of draws from the spread on which the gains are judged; the search does not see them
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = draws)]
     pub draws: usize,
-    /// Candidates at a time
+    /// Number of candidates per generation
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = several)]
     pub population: usize,
-    /// Generations of them; 0: only judge the gains of the file
+    /// Number of generations; 0: only judge the gains of the file
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = generations)]
     pub generations: usize,
     /// The same seed finds the same gains
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// How many threads; by default one for each core
+    /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     /// Do not ask, however long it lasts

@@ -39,22 +39,22 @@ pub struct Run {
     /// The port.
     #[command(flatten)]
     pub port: PortChoice,
-    /// Change a key of the test, such as test.duration_s=2; may be given again
+    /// Change a key of the test, such as test.duration_s=2; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
     /// Also download the controller's parameters of the rig
     #[arg(long)]
     pub config: bool,
-    /// Let the test last this long instead, such as 90s, 20min, 8h or 3d
+    /// Run the test for this long instead, such as 90s, 20min, 8h or 3d
     #[arg(long = "for", value_name = "TIME", value_parser = lasting, conflicts_with = "until_stopped")]
     pub lasting: Option<Duration>,
-    /// Let the test run until Ctrl-C, which disarms the drive
+    /// Run the test until Ctrl-C, which disarms the drive
     #[arg(long)]
     pub until_stopped: bool,
-    /// Write the run to this file while it is on, however long it is
+    /// Write the run to this file as it goes, however long it lasts
     #[arg(long, value_name = "FILE")]
     pub stream: Option<PathBuf>,
-    /// Every how manyth sample is streamed
+    /// Stream every Nth sample
     #[arg(long, value_name = "N", default_value_t = 1, requires = "stream", value_parser = clap::value_parser!(u16).range(1..))]
     pub every: u16,
 }
@@ -83,7 +83,7 @@ pub struct Record {
     /// The port.
     #[command(flatten)]
     pub port: PortChoice,
-    /// Where to put the file
+    /// Folder for the file
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub dir: PathBuf,
 }
@@ -97,13 +97,13 @@ pub struct Monitor {
     /// Also write the values to this file
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Figures as the rig sends them, in counts and samples, not in mm, kPa and s
+    /// Show figures as the rig sends them, in counts and samples, instead of mm, kPa and s
     #[arg(long)]
     pub counts: bool,
-    /// Seconds from one value to the next
+    /// Interval between values, s
     #[arg(long = "every", value_name = "S", default_value_t = 0.2, value_parser = interval)]
     pub every_s: f64,
-    /// End after so many
+    /// End after this many values
     #[arg(long, value_name = "N")]
     pub count: Option<u32>,
 }

@@ -10,10 +10,10 @@ use super::{Integration, RigChoice};
 /// A stretch of time.
 #[derive(Debug, Args)]
 pub struct Stretch {
-    /// Leave out what is before, s from the start of the test
+    /// Ignore samples before this time, s from the start of the test
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub from: Option<f64>,
-    /// Leave out what is after, s
+    /// Ignore samples after this time, s
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub to: Option<f64>,
 }
@@ -26,7 +26,7 @@ fn instant(text: &str) -> Result<f64, String> {
 /// Arguments of `eval`.
 #[derive(Debug, Args)]
 pub struct Eval {
-    /// A TARGET file, a run that was streamed, or a run folder
+    /// A TARGET file, a streamed run, or a run folder
     pub file: PathBuf,
     /// The stretch to evaluate.
     #[command(flatten)]
@@ -34,14 +34,14 @@ pub struct Eval {
     /// A move has settled within this distance of its setpoint
     #[arg(long, value_name = "MM", default_value_t = TOLERANCE_MM, value_parser = positive)]
     pub tolerance: f64,
-    /// The rig of a record: its cylinder tells how much air the moves took
+    /// The rig of a record; its cylinder is needed to compute the air used by the moves
     #[arg(long)]
     pub rig: Option<String>,
-    /// Of a run folder: runs in all, the run and neighbours that are simulated again; figures are ranges over all of
-    /// them. 1: the run alone [default: as it was simulated]
+    /// For a run folder, total number of runs: the run and its neighbours, simulated again; figures are ranges over all of
+    /// them. 1: only the run [default: as it was simulated]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub ensemble: Option<u16>,
-    /// Where to leave the page
+    /// File for the page
     #[arg(long, value_name = "FILE", default_value = "eval.html")]
     pub out: PathBuf,
     /// Also write the channels, with velocity and acceleration, as CSV
@@ -57,7 +57,7 @@ fn positive(text: &str) -> Result<f64, String> {
 /// Arguments of `spectrum`.
 #[derive(Debug, Args)]
 pub struct Spectrum {
-    /// A TARGET file, a run that was streamed, or a run folder
+    /// A TARGET file, a streamed run, or a run folder
     pub file: PathBuf,
     /// The channel
     #[arg(value_enum)]
@@ -65,19 +65,19 @@ pub struct Spectrum {
     /// A second transient on the same graph
     #[arg(long, value_name = "FILE")]
     pub with: Option<PathBuf>,
-    /// The second transient's channel; the same one if left out
+    /// The second transient's channel [default: the same]
     #[arg(long, value_enum, requires = "with")]
     pub with_channel: Option<Channel>,
     /// The stretch of time.
     #[command(flatten)]
     pub stretch: Stretch,
-    /// What the samples are weighted by
+    /// Window function
     #[arg(long, value_enum, default_value_t = Window::Hann)]
     pub window: Window,
-    /// Where to leave the page
+    /// File for the page
     #[arg(long, value_name = "FILE", default_value = "spectrum.html")]
     pub out: PathBuf,
-    /// Also write the channel as integers of 12 bits, -2048 to 2048, a line each
+    /// Also write the channel as 12-bit integers, -2048 to 2048, one per line
     #[arg(long, value_name = "FILE")]
     pub ascii: Option<PathBuf>,
 }
@@ -119,21 +119,21 @@ pub enum Window {
 /// Arguments of `overlay`.
 #[derive(Debug, Args)]
 pub struct Overlay {
-    /// What the others are held against: a TARGET file, a run that was streamed, or a run folder
+    /// The reference for the others: a TARGET file, a streamed run, or a run folder
     pub reference: PathBuf,
-    /// TARGET files, runs that were streamed, and run folders
+    /// TARGET files, streamed runs, and run folders
     #[arg(required = true)]
     pub others: Vec<PathBuf>,
-    /// How their times are made one
+    /// How their times are aligned
     #[arg(long, value_enum, default_value_t = Align::Start)]
     pub align: Align,
-    /// Of runs take the pressures at the ports of the valve, P_1v and P_2v, not those in the chambers
+    /// For runs, use the pressures at the ports of the valve, P_1v and P_2v, instead of those in the chambers
     #[arg(long)]
     pub ports: bool,
     /// The stretch of the reference to compare.
     #[command(flatten)]
     pub stretch: Stretch,
-    /// Where to leave the page
+    /// File for the page
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     pub out: PathBuf,
 }
@@ -155,28 +155,28 @@ pub struct Identify {
     /// The rig file to start from.
     #[command(flatten)]
     pub rig: RigChoice,
-    /// TARGET files that were recorded with test.decimation=1, or runs that were streamed with --every 1
+    /// TARGET files recorded with test.decimation=1, or runs streamed with --every 1
     #[arg(required_unless_present_any = ["plan", "tubing"], conflicts_with_all = ["plan", "tubing"], value_name = "TARGET")]
     pub targets: Vec<PathBuf>,
-    /// Only the regression line of a pressure drop: a CSV table with flow_g_s (or flow_kg_s) and ratio, the pressure at
+    /// Only fit the regression line of a pressure drop: a CSV table with flow_g_s (or flow_kg_s) and ratio, the pressure at
     /// the far end of a tube over that at its near end
     #[arg(long, value_name = "FILE", conflicts_with = "plan")]
     pub tubing: Option<PathBuf>,
-    /// Only the regression line of the sample period: asked for, and measured, in these files
+    /// Only fit the regression line of the sample period: requested and measured, from these files
     #[arg(long)]
     pub timer: bool,
-    /// Arm the rig at this port and run the tests that are needed, from where it stands: near the middle of its
-    /// stroke. It moves by up to 30 % of it to either side
+    /// Arm the rig at this port and run the tests that are needed. It must stand near the middle of its stroke, and moves
+    /// by up to 30 % of it to either side
     #[arg(long, value_name = "PORT")]
     pub plan: Option<String>,
-    /// What to fit, such as load.mass_kg,load.viscous_n_s_per_m; left out: friction, mass, valve, leakage and
-    /// the operator's gain
+    /// Keys to fit, such as load.mass_kg,load.viscous_n_s_per_m [default: every value that is never known exactly: supply
+    /// pressure, discharge, null, tubes, dead volumes, mass, friction, leakage, operator]
     #[arg(long, value_name = "KEY,KEY...", value_delimiter = ',')]
     pub fit: Vec<String>,
-    /// Write fitted.toml even if the model does not explain the data; the exit code is 7 nevertheless
+    /// Write fitted.toml even if the model does not explain the data; the exit code is still 7
     #[arg(long)]
     pub despite_misfit: bool,
-    /// Where to leave fitted.toml, identification.json and identification.html
+    /// Folder for fitted.toml, identification.json and identification.html
     #[arg(long, value_name = "DIR", default_value = "identified")]
     pub out: PathBuf,
     /// How to integrate.

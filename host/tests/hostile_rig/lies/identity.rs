@@ -93,7 +93,7 @@ pub const LIES: &[Told] = &[
             RequestBody::ChangeTake { .. } => refused(reply, Refused::Inconsistent { advice: EVIL }),
             _ => Says::Truth,
         },
-        &[(RUN, "the parameters do not go together")],
+        &[(RUN, "the parameters are inconsistent")],
     ),
     told(
         "a refusal that nobody knows",
