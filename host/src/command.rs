@@ -24,6 +24,7 @@ mod streaming;
 mod study;
 mod sweep;
 mod thesis;
+mod threads;
 mod tune;
 mod virtual_rig;
 mod wording;

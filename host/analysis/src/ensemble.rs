@@ -17,7 +17,6 @@
 //! which a coarser tolerance will do.
 
 use std::f64::consts::TAU;
-use std::num::NonZeroUsize;
 use std::sync::Mutex;
 
 use anyhow::{Context, Result};
@@ -76,8 +75,8 @@ fn van_der_corput(number: usize) -> f64 {
     f64::from(reversed) / 2f64.powi(32)
 }
 
-/// Runs a rig and its neighbours on all processors, and measures each. `progress` is given what is done and what is to
-/// do, in samples of one run.
+/// Runs a rig and its neighbours on all threads of the pool, and measures each. `progress` is given what is done and
+/// what is to do, in samples of one run.
 ///
 /// # Errors
 /// When the rig itself cannot be simulated. What happens to neighbours stands in [`Judged::lost`].
@@ -86,22 +85,7 @@ pub fn run_ensemble<T: Send>(
     accuracy: Accuracy,
     spacing: Spacing,
     measure: impl Fn(&Rig, &Run) -> T + Sync,
-    progress: impl FnMut(u64, u64),
-) -> Result<Ensemble<T>> {
-    run_ensemble_on(parallel::processors(), rig, accuracy, spacing, measure, progress)
-}
-
-/// The same on so many threads.
-///
-/// # Errors
-/// As [`run_ensemble`].
-pub fn run_ensemble_on<T: Send>(
-    threads: NonZeroUsize,
-    rig: &Rig,
-    accuracy: Accuracy,
-    spacing: Spacing,
-    measure: impl Fn(&Rig, &Run) -> T + Sync,
-    mut progress: impl FnMut(u64, u64),
+    mut progress: impl FnMut(u64, u64) + Send,
 ) -> Result<Ensemble<T>> {
     let samples = u64::from(rig.last_sample()).max(1);
     let all = samples * (spacing.runs as u64 + 1);
@@ -121,7 +105,7 @@ pub fn run_ensemble_on<T: Send>(
             Err(error) => Done::Failed(error.to_string()),
         },
     };
-    let done = parallel::map(&jobs, threads, carry_out, |done| progress(samples * (done as u64).max(1), all));
+    let done = parallel::map(&jobs, carry_out, |done| progress(samples * (done as u64).max(1), all));
     let Gathered { measured, decision, lost } = Gathered::of(done, failed);
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
     Ok(Ensemble {

@@ -1,63 +1,102 @@
-//! The same for each of many, on several threads.
+//! The same for each of many, on the threads of one pool.
+//!
+//! The pool is rayon's: whoever runs the program says how many threads it has; by default there is one for each
+//! processor, and where a system has no threads (wasm), the one that asks does all the work. Which thread makes what
+//! changes nothing in a result.
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::channel;
-use std::thread;
+use std::sync::{Mutex, PoisonError};
 
-/// As many threads as the machine has processors.
+use rayon::prelude::*;
+
+/// Threads of the pool.
 #[must_use]
-pub fn processors() -> NonZeroUsize {
-    thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+pub fn threads() -> NonZeroUsize {
+    NonZeroUsize::new(rayon::current_num_threads()).unwrap_or(NonZeroUsize::MIN)
 }
 
-/// What `make` makes of each item, in their order: each thread takes the next item as soon as it is free, and which
-/// thread that is changes nothing. `progress` is given items done.
+/// What `make` makes of each item, in their order. `progress` is given items done.
 pub fn map<T: Sync, U: Send>(
     items: &[T],
-    threads: NonZeroUsize,
     make: impl Fn(&T) -> U + Sync,
-    mut progress: impl FnMut(usize),
+    progress: impl FnMut(usize) + Send,
 ) -> Vec<U> {
-    let (next, make) = (AtomicUsize::new(0), &make);
-    let mut made: Vec<Option<U>> = items.iter().map(|_| None).collect();
-    thread::scope(|scope| {
-        let (give, taken) = channel();
-        for _ in 0..threads.get().min(items.len()) {
-            let (give, next) = (give.clone(), &next);
-            scope.spawn(move || {
-                loop {
-                    let place = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(place) else { return };
-                    if give.send((place, make(item))).is_err() {
-                        return;
-                    }
-                }
-            });
-        }
-        drop(give);
-        for (done, (place, one)) in (1..).zip(taken) {
-            made[place] = Some(one);
-            progress(done);
-        }
-    });
-    made.into_iter().map(|one| one.expect("a thread that panics ends the scope with its panic")).collect()
+    let told = Mutex::new((0, progress));
+    let one = |item: &T| {
+        let made = make(item);
+        let (done, progress) = &mut *told.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += 1;
+        progress(*done);
+        made
+    };
+    items.par_iter().with_max_len(1).map(one).collect()
+}
+
+/// Gives what `make` makes of each item to `take`, one after the other as they come. After an error no item is begun.
+///
+/// # Errors
+/// The first one of `take`.
+pub fn each<T: Sync, U, E: Send>(
+    items: &[T],
+    make: impl Fn(&T) -> U + Sync,
+    take: impl FnMut(U) -> Result<(), E> + Send,
+) -> Result<(), E> {
+    let take = Mutex::new(take);
+    items.par_iter().with_max_len(1).try_for_each(|item| {
+        let made = make(item);
+        let take = &mut *take.lock().unwrap_or_else(PoisonError::into_inner);
+        take(made)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn on<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(work)
+    }
+
     #[test]
     fn what_is_made_stands_in_the_order_of_the_items_for_any_number_of_threads() {
         let items: Vec<u64> = (0..100).collect();
         for threads in [1, 3, 200] {
             let mut told = Vec::new();
-            let threads = NonZeroUsize::new(threads).expect("some");
-            let squares = map(&items, threads, |item| item * item, |done| told.push(done));
+            let squares = on(threads, || map(&items, |item| item * item, |done| told.push(done)));
             assert!(squares.iter().zip(&items).all(|(square, item)| *square == item * item));
             assert!(told.into_iter().eq(1..=100));
         }
-        assert!(map(&items[..0], NonZeroUsize::MIN, |item| *item, |_| {}).is_empty());
+        assert!(map(&items[..0], |item| *item, |_| {}).is_empty());
+    }
+
+    #[test]
+    fn a_map_within_a_map_comes_to_its_end_on_any_number_of_threads() {
+        let items: Vec<u64> = (0..20).collect();
+        let sum = |outer: &u64| map(&items, |inner| outer * inner, |_| {}).into_iter().sum::<u64>();
+        for threads in [1, 2, 5] {
+            let sums = on(threads, || map(&items, sum, |_| {}));
+            assert!(sums.iter().zip(&items).all(|(sum, outer)| *sum == outer * 190));
+        }
+    }
+
+    #[test]
+    fn each_is_taken_once_and_none_is_begun_after_an_error() {
+        let items: Vec<u64> = (0..100).collect();
+        let mut taken = Vec::new();
+        let take = |item| {
+            taken.push(item);
+            Ok::<(), ()>(())
+        };
+        assert_eq!(on(3, || each(&items, |item| *item, take)), Ok(()));
+        taken.sort_unstable();
+        assert_eq!(taken, items);
+        let mut before = 0;
+        let full = |_| {
+            before += 1;
+            if before == 5 { Err("full") } else { Ok(()) }
+        };
+        assert_eq!(on(1, || each(&items, |item| *item, full)), Err("full"));
+        assert_eq!(before, 5);
     }
 }

@@ -33,8 +33,6 @@ pub mod search;
 pub mod spread;
 pub mod trial;
 
-use std::num::NonZeroUsize;
-
 use anyhow::Result;
 
 pub use drive::{Progress, Stage};
@@ -66,8 +64,6 @@ pub struct Task {
     pub draws: usize,
     /// How long is looked for; no generation: the gains of the file are judged.
     pub budget: Budget,
-    /// How many threads look.
-    pub threads: NonZeroUsize,
 }
 
 impl Task {
@@ -153,7 +149,7 @@ const FINALISTS: usize = 3;
 ///
 /// # Errors
 /// When the rig has no gains to look for, a key cannot be held, or the step does not fit into its stroke.
-pub fn tune(task: &Task, mut progress: impl FnMut(Progress)) -> Result<Tuned> {
+pub fn tune(task: &Task, mut progress: impl FnMut(Progress) + Send) -> Result<Tuned> {
     held::check(task)?;
     let drive = Drive::of(task, &[])?;
     let (tuned_on, fresh) = (

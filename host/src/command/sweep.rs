@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use pneudrive_analysis::parallel::processors;
 use pneudrive_analysis::sweep::execution::{execute as run_shard, run_points, todo};
 use pneudrive_analysis::sweep::journal::{Journal, NAME};
 use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, report};
@@ -18,6 +17,7 @@ use pneudrive_sim::rig::builtin;
 use super::long_work::{about, allow};
 use super::progress::Progress;
 use super::rig_source::rig_text;
+use super::threads;
 use crate::cli;
 
 pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
@@ -25,7 +25,7 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     let out = arguments.out.clone().unwrap_or_else(|| folder_of(&arguments.file));
     make_place(&out)?;
     let (mut journal, mut rows) = Journal::open(&out, &sweep)?;
-    let threads = arguments.threads.unwrap_or_else(processors);
+    let threads = threads::prepare(arguments.threads)?;
     if !rows.is_empty() {
         say!("{}: {} points are there already", out.join(NAME).display(), rows.len());
     }
@@ -33,7 +33,7 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     let mut progress = Progress::of("sweeping", "points");
     let there = arguments.shard.points(&sweep).filter(|point| rows.contains_key(point)).count();
     progress.begin_at(there as u64, arguments.shard.points(&sweep).count() as u64);
-    run_shard(&sweep, arguments.shard, threads, &mut journal, &mut rows, |done, all| {
+    run_shard(&sweep, arguments.shard, &mut journal, &mut rows, |done, all| {
         progress.at(done as u64, all as u64);
     })?;
     progress.done();
@@ -65,7 +65,7 @@ fn try_out(
     // One for each thread, from all over the sweep: its corners may not be like each other.
     let first: Vec<usize> = todo.iter().copied().step_by(todo.len().div_ceil(threads.get())).collect();
     let begun = Instant::now();
-    run_points(sweep, &first, threads, journal, rows, |_| {})?;
+    run_points(sweep, &first, journal, rows, |_| {})?;
     let rest = todo.len() - first.len();
     let lasts = begun.elapsed().mul_f64(rest as f64 / first.len() as f64);
     tell!("sweeping: {} for the other {rest}, by what the first {} took", about(lasts), first.len());

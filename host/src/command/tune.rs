@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use pneudrive_analysis::parallel::processors;
 use pneudrive_analysis::tuning::search::Budget;
 use pneudrive_analysis::tuning::{Goal, Relative, Stage, Task, report, tune};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
@@ -13,6 +12,7 @@ use pneudrive_sim::rig::find_key;
 use super::long_work::{about, allow};
 use super::progress::Progress;
 use super::rig_source::{load_choice, rig_text};
+use super::threads;
 use crate::cli::Tune;
 
 pub(super) fn execute(arguments: &Tune) -> Result<()> {
@@ -21,6 +21,7 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     refuse_foreign(&page, GENERATOR)?;
     refuse_foreign(&rig, report::MARK)?;
     let task = task(arguments)?;
+    threads::prepare(arguments.threads)?;
     if let Some(lasts) = lasts(&task)? {
         tell!("tuning: {} or less, by what a few runs took just now", about(lasts));
         allow("the tuning", lasts, arguments.yes)?;
@@ -93,7 +94,6 @@ fn task(arguments: &Tune) -> Result<Task> {
             generations: arguments.generations,
             seed: arguments.seed,
         },
-        threads: arguments.threads.unwrap_or_else(processors),
     })
 }
 

@@ -152,7 +152,7 @@ impl<'a> Model<'a> {
 
     /// The residuals of each job, on all cores.
     pub fn follow_all(&self, jobs: &[Job<'_>]) -> Vec<Option<DVector<f64>>> {
-        parallel::map(jobs, parallel::processors(), |job| self.try_to_follow(job).ok(), |_| {})
+        parallel::map(jobs, |job| self.try_to_follow(job).ok(), |_| {})
     }
 
     fn taken<'r>(&self, recording: &'r Recording, channel: usize) -> &'r [usize] {

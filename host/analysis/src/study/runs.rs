@@ -41,13 +41,13 @@ struct AtStart {
 pub fn run(
     studies: &[&Study],
     starts: usize,
-    mut progress: impl FnMut(usize, usize),
+    mut progress: impl FnMut(usize, usize) + Send,
 ) -> Result<Vec<Studied>> {
     assert!(starts > 0, "a study needs a start");
     let jobs: Vec<(&Study, usize)> =
         studies.iter().flat_map(|study| (0..starts).map(|start| (*study, start))).collect();
     let one = |job: &(&Study, usize)| at_one_start(job.0, job.1);
-    let done = parallel::map(&jobs, parallel::processors(), one, |done| progress(done, jobs.len()));
+    let done = parallel::map(&jobs, one, |done| progress(done, jobs.len()));
     let done: Vec<AtStart> = done.into_iter().collect::<Result<_>>()?;
     let mut done = done.into_iter();
     Ok(studies.iter().map(|study| together(study, done.by_ref().take(starts).collect())).collect())

@@ -1,7 +1,6 @@
 //! One point of a sweep: its run, and its row in the result.
 
 use std::any::Any;
-use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pneudrive_records::judged::Spacing;
@@ -9,7 +8,7 @@ use pneudrive_records::words::fault_name;
 use pneudrive_sim::{Rig, Run, run};
 
 use super::{Metric, Sweep};
-use crate::ensemble::{Ensemble, run_ensemble_on};
+use crate::ensemble::{Ensemble, run_ensemble};
 use crate::evaluation::{Move, moves_of_run};
 use crate::range::Range;
 
@@ -111,9 +110,8 @@ fn measured(sweep: &Sweep, point: usize) -> Result<Row, String> {
     }
     let spacing = Spacing { runs: sweep.ensemble, ..Spacing::default() };
     let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, sweep.settled_mm);
-    // The points go side by side already.
-    let (one, accuracy) = (NonZeroUsize::MIN, sweep.accuracy_for(&rig));
-    let ensemble = run_ensemble_on(one, &rig, accuracy, spacing, measure, |_, _| {});
+    let accuracy = sweep.accuracy_for(&rig);
+    let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |_, _| {});
     let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
     let row = row(sweep, point, &nominal.run, &measured)?;
     let of_neighbour =

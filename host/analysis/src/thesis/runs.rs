@@ -18,7 +18,7 @@ pub fn lasts(exhibits: &[&Exhibit], starts: usize) -> Duration {
         Experiment::Study(_) => exhibit.takes_s * starts as f64 / study::STARTS as f64,
     };
     let all: f64 = exhibits.iter().map(of_one).sum();
-    Duration::from_secs_f64(all / parallel::processors().get() as f64)
+    Duration::from_secs_f64(all / parallel::threads().get() as f64)
 }
 
 /// Runs exhibits, studies from so many starts. `progress` is given what is done and what is to do.
@@ -28,14 +28,13 @@ pub fn lasts(exhibits: &[&Exhibit], starts: usize) -> Duration {
 pub fn run(
     exhibits: &[&'static Exhibit],
     starts: usize,
-    mut progress: impl FnMut(usize, usize),
+    mut progress: impl FnMut(usize, usize) + Send,
 ) -> Result<Vec<Shown>> {
     let studies: Vec<&Study> = exhibits.iter().filter_map(|exhibit| study_of(exhibit)).collect();
     let own: Vec<&'static Exhibit> =
         exhibits.iter().copied().filter(|exhibit| matches!(exhibit.experiment, Experiment::Own(_))).collect();
     let all = own.len() + studies.len() * starts;
-    let measured =
-        parallel::map(&own, parallel::processors(), |one| measured(one), |done| progress(done, all));
+    let measured = parallel::map(&own, |one| measured(one), |done| progress(done, all));
     let mut measured = measured.into_iter();
     let studied = study::run(&studies, starts, |done, _| progress(own.len() + done, all))?;
     let mut studied = studied.into_iter();

@@ -38,14 +38,14 @@ pub struct Progress {
 
 /// Counts runs.
 pub(super) struct Meter<'a> {
-    tell: &'a mut dyn FnMut(Progress),
+    tell: &'a mut (dyn FnMut(Progress) + Send),
     at: Progress,
     /// Runs of all stages that were made.
     runs: usize,
 }
 
 impl<'a> Meter<'a> {
-    pub fn new(tell: &'a mut dyn FnMut(Progress)) -> Meter<'a> {
+    pub fn new(tell: &'a mut (dyn FnMut(Progress) + Send)) -> Meter<'a> {
         Meter { tell, at: Progress { stage: Stage::Search, done: 0, all: 0 }, runs: 0 }
     }
 
@@ -131,7 +131,7 @@ impl Drive<'_> {
             cost
         };
         let jobs: Vec<(&Vec<f64>, f64)> = genes.iter().zip(limits.iter().copied()).collect();
-        let costs = parallel::map(&jobs, self.task.threads, cost, |_| meter.done(variants.len()));
+        let costs = parallel::map(&jobs, cost, |_| meter.done(variants.len()));
         meter.runs += costs.iter().map(|one| one.runs).sum::<usize>();
         costs
     }
@@ -152,7 +152,7 @@ impl Drive<'_> {
     /// Gains on every variant.
     pub fn judged(&self, settings: &[String], variants: &[Variant], meter: &mut Meter) -> Vec<Performance> {
         let run = |variant: &Variant| self.trial.run(settings, variant);
-        let performances = parallel::map(variants, self.task.threads, run, |_| meter.done(1));
+        let performances = parallel::map(variants, run, |_| meter.done(1));
         meter.runs += variants.len();
         performances
     }

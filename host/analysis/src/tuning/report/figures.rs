@@ -29,7 +29,7 @@ const EVERY: usize = 3;
 pub fn draws(task: &Task, trial: &Trial, tuned: &Tuned) -> Figure {
     let goal = &task.goal;
     let run = |variant: &Variant| trial.transient(&tuned.after.settings, variant).ok();
-    let runs = parallel::map(&tuned.fresh, task.threads, run, |_| {});
+    let runs = parallel::map(&tuned.fresh, run, |_| {});
     let near = 20.0 * goal.settled_mm;
     let curve = |is_met: bool, of: &dyn Fn(f64, f64) -> f64| {
         let these = runs.iter().zip(&tuned.after.fresh).filter(|(_, one)| one.meets(goal) == is_met);
