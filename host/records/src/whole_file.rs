@@ -60,6 +60,27 @@ fn write(file: &mut File, pieces: &[&[u8]]) -> io::Result<()> {
     pieces.iter().try_for_each(|piece| file.write_all(piece))
 }
 
+/// Writes a file that only this program knows of, and brings it to the disk; nothing is left of one that does not come to
+/// its end.
+///
+/// # Errors
+/// When the disk does not take it.
+pub fn write_new(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
+    // Whatever has this name is of an earlier program with our number, or somebody's trap: a link is not followed.
+    let _ = fs::remove_file(path);
+    let mut file = File::create_new(path)?;
+    let written = write(&mut file, pieces).and_then(|()| file.sync_all());
+    written.inspect_err(|_| {
+        let _ = fs::remove_file(path);
+    })
+}
+
+/// The number of this program among those that run, which is part of the names of what it stages. Where a system has none
+/// (wasm), nothing can be staged either.
+pub fn own_number() -> u32 {
+    if cfg!(target_family = "wasm") { 0 } else { std::process::id() }
+}
+
 /// A file that is whole and on the disk, and has not got its name yet. Dropped before, it is removed.
 #[derive(Debug)]
 pub struct Staged {
@@ -74,14 +95,9 @@ impl Staged {
     pub fn write(folder: &Path, name: impl AsRef<OsStr>, pieces: &[&[u8]]) -> io::Result<Staged> {
         let prefix = format!(".{}.", name.as_ref().to_string_lossy());
         remove_leftovers(folder, &prefix);
-        let path = folder.join(format!("{prefix}{}{ENDING}", std::process::id()));
-        // Whatever has this name is of an earlier program with our number, or somebody's trap: a link is not followed.
-        let _ = fs::remove_file(&path);
-        let mut file = File::create_new(&path)?;
-        let staged = Staged { path };
-        write(&mut file, pieces)?;
-        file.sync_all()?;
-        Ok(staged)
+        let path = folder.join(format!("{prefix}{}{ENDING}", own_number()));
+        write_new(&path, pieces)?;
+        Ok(Staged { path })
     }
 
     /// Where it is.

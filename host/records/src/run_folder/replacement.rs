@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::{BAND, PAGE, RUN, TRACE};
-use crate::whole_file::{may_run, sync_folder};
+use crate::whole_file::{may_run, own_number, sync_folder, write_new};
 
 /// Every file that a run may have in its folder.
 const FILES: [&str; 4] = [TRACE, BAND, RUN, PAGE];
@@ -38,7 +38,7 @@ impl<'a> Replacement<'a> {
     /// # Errors
     /// When the folder cannot be written to.
     pub fn begin(folder: &'a Path) -> Result<Replacement<'a>> {
-        let staged = folder.join(format!("{NEXT}-{}", std::process::id()));
+        let staged = folder.join(format!("{NEXT}-{}", own_number()));
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         if let Some(said) = settle(folder)? {
             log::info!("{said}");
@@ -55,12 +55,8 @@ impl<'a> Replacement<'a> {
     /// When the disk does not take it.
     pub fn add(&mut self, name: &str, pieces: &[&[u8]]) -> Result<()> {
         debug_assert!(FILES.contains(&name));
-        let write = || {
-            let mut file = File::create(self.staged.join(name))?;
-            pieces.iter().try_for_each(|piece| std::io::Write::write_all(&mut file, piece))?;
-            file.sync_all()
-        };
-        write().with_context(|| format!("cannot write {}", self.folder.join(name).display()))
+        write_new(&self.staged.join(name), pieces)
+            .with_context(|| format!("cannot write {}", self.folder.join(name).display()))
     }
 
     /// Lets the new set count, and places it.
