@@ -17,15 +17,17 @@ mod reader;
 mod spread;
 mod table;
 pub mod thesis;
+mod toml_file;
 mod value;
 
 pub use builtin::{BUILTIN, builtin};
 pub use explain::explain;
 pub use names::nearest;
-pub use problem::{Problem, Problems, line_at};
+pub use problem::{Problem, Problems};
 pub use read::value_of_setting;
 pub use spread::SpreadError;
 pub use table::{all_keys, find_key};
+pub use toml_file::TomlFile;
 
 pub use crate::component::valve::MAX_DISCHARGE;
 pub use crate::key::{Key, Kind, Preset, unit};

@@ -26,11 +26,11 @@ impl Reader<'_> {
     pub(super) fn events(&mut self, line: Option<usize>, item: &Item) -> Option<Value> {
         let Some(tables) = tables(item) else {
             let message = "write each event as a table: [[faults.event]] with its kind and at_s below it";
-            self.problem(line, PATH, message.to_owned());
+            self.file.problem(line, PATH, message.to_owned());
             return None;
         };
         let events = tables.into_iter().filter_map(|(table, span)| {
-            let line = self.line_of(span).or(line);
+            let line = self.file.line_of(span).or(line);
             self.event(line, table)
         });
         Some(Value::Events(events.collect()))
@@ -60,7 +60,7 @@ impl Reader<'_> {
         let name = name_of(field);
         let Some(item) = table.get(name) else {
             if field.preset == Preset::Absent("must be given") {
-                self.problem(line, field.path, format!("every event needs its {name}"));
+                self.file.problem(line, field.path, format!("every event needs its {name}"));
             }
             return None;
         };
@@ -72,8 +72,8 @@ impl Reader<'_> {
             true => Ok(value),
             false => Err("must be a whole number of microseconds".to_owned()),
         });
-        let at = self.line_of(table.key(name).and_then(toml_edit::Key::span)).or(line);
-        read.map_err(|message| self.problem(at, field.path, message)).ok()
+        let at = self.file.line_of(table.key(name).and_then(toml_edit::Key::span)).or(line);
+        read.map_err(|message| self.file.problem(at, field.path, message)).ok()
     }
 
     /// Notes a field that no event of this kind has.
@@ -85,8 +85,8 @@ impl Reader<'_> {
             Some(field) => format!("a fault of the kind {kind} has none; {} has", field.models.join(", ")),
             None => format!("unknown key{}", did_you_mean(name, fields_of(kind).map(name_of))),
         };
-        let line = self.line_of(table.key(name).and_then(toml_edit::Key::span));
-        self.problem(line, &format!("{PATH}.{name}"), message);
+        let line = self.file.line_of(table.key(name).and_then(toml_edit::Key::span));
+        self.file.problem(line, &format!("{PATH}.{name}"), message);
     }
 }
 

@@ -1,7 +1,5 @@
 //! Reading a rig file.
 
-use toml_edit::Document;
-
 use super::check::check;
 use super::names::unknown_key;
 use super::problem::Problems;
@@ -28,9 +26,8 @@ impl Rig {
     pub fn read_with(source: &str, text: &str, settings: &[String]) -> Result<Rig, Problems> {
         let mut reader = Reader::new(source, text);
         let mut rig = presets();
-        match Document::parse(text) {
-            Ok(document) => reader.top(&mut rig, document.as_table()),
-            Err(error) => reader.syntax(&error),
+        if let Some(document) = reader.file.document() {
+            reader.top(&mut rig, document.as_table());
         }
         for setting in settings {
             reader.setting(&mut rig, setting);
@@ -88,12 +85,12 @@ impl Rig {
 
     /// The same where its reader has found nothing wrong yet.
     fn checked_by(self, mut reader: Reader) -> Result<Rig, Problems> {
-        if reader.problems.is_empty() {
+        if reader.file.problems.is_empty() {
             let mut findings = Findings::default();
             check(&self, &mut findings);
             reader.note(findings);
         }
-        if reader.problems.is_empty() { Ok(self) } else { Err(Problems(reader.problems)) }
+        reader.file.end(self)
     }
 }
 

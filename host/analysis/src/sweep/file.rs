@@ -16,9 +16,9 @@ mod fields;
 mod names;
 mod vary;
 
-use pneudrive_sim::rig::{Problem, Problems};
+use pneudrive_sim::rig::Problems;
 use pneudrive_sim::{Accuracy, Rig};
-use toml_edit::{Document, Item, Table, TableLike};
+use toml_edit::{Item, Table, TableLike};
 
 use super::axis::Draw;
 use super::metric::{FIGURES, Metric, Which};
@@ -60,16 +60,13 @@ impl Sweep {
     ) -> Result<Sweep, Problems> {
         let text = source.text.clone();
         let mut reader = Reader::new(&source.name, &text);
-        let document = match Document::parse(text.as_str()) {
-            Ok(document) => document,
-            Err(error) => return Err(Problems(vec![Problem::of_syntax(&source.name, &text, &error)])),
-        };
+        let Some(document) = reader.file.document() else { return Err(Problems(reader.file.problems)) };
         let top = document.as_table();
         for entry in reader.entries(top) {
             reader.note(&entry, known(&entry.name, &TOP));
         }
         let read = reader.rig(top, &find_rig);
-        let Some((rig_source, rig, settings)) = read else { return Err(Problems(reader.problems)) };
+        let Some((rig_source, rig, settings)) = read else { return Err(Problems(reader.file.problems)) };
         let (axes, draws) = reader.axes(top, &rig, &settings);
         let metrics = reader.metrics(top, &axes);
         let sweep = Sweep {
@@ -88,9 +85,9 @@ impl Sweep {
         };
         reader.check_size(&sweep);
         if let Some(message) = sweep.column_twice() {
-            reader.problem(None, "metrics", message);
+            reader.file.problem(None, "metrics", message);
         }
-        if reader.problems.is_empty() { Ok(sweep) } else { Err(Problems(reader.problems)) }
+        reader.file.end(sweep)
     }
 }
 
@@ -107,8 +104,8 @@ impl Sweep {
         };
         let problem = |message| {
             let mut reader = Reader::new(&sweep.source.name, "");
-            reader.problem(None, "ensemble", message);
-            Problems(reader.problems)
+            reader.file.problem(None, "ensemble", message);
+            Problems(reader.file.problems)
         };
         wrong.map(problem).map_or(Ok(()), Err)?;
         Ok(sweep)
@@ -134,7 +131,7 @@ impl Reader<'_> {
         find_rig: &dyn Fn(&str) -> anyhow::Result<Source>,
     ) -> Option<(Source, Rig, Vec<String>)> {
         let Some(entry) = self.entry(top, "rig") else {
-            self.problem(None, "rig", "name the rig: rig = \"servo-b-tuned\", or a rig file".to_owned());
+            self.file.problem(None, "rig", "name the rig: rig = \"servo-b-tuned\", or a rig file".to_owned());
             return None;
         };
         let name = text(entry.item);
@@ -142,7 +139,7 @@ impl Reader<'_> {
         let found = find_rig(&name).map_err(|error| format!("{error:#}"));
         let source = self.note(&entry, found)?;
         if let Err(problems) = Rig::read(&source.name, &source.text) {
-            self.problems.extend(problems.0);
+            self.file.problems.extend(problems.0);
             return None;
         }
         let entries = self.rig_keys(top, "set");
@@ -156,7 +153,7 @@ impl Reader<'_> {
                     // What does not go together may be told of a key that is not set here.
                     let own = entries.iter().find(|entry| entry.name == problem.key);
                     let key = own.map_or(problem.key.clone(), |own| format!("set.{}", own.name));
-                    self.problem(own.map_or(at_all, |own| own.line), &key, problem.message);
+                    self.file.problem(own.map_or(at_all, |own| own.line), &key, problem.message);
                 }
                 None
             }
@@ -168,7 +165,7 @@ impl Reader<'_> {
         let tolerance = self.positive(top, "tolerance", Accuracy::default().tolerance);
         if !(1e-13..=1e-2).contains(&tolerance) {
             let line = self.entry(top, "tolerance").and_then(|entry| entry.line);
-            self.problem(line, "tolerance", format!("must be between 1e-13 and 1e-2, is {tolerance:e}"));
+            self.file.problem(line, "tolerance", format!("must be between 1e-13 and 1e-2, is {tolerance:e}"));
         }
         Some(tolerance)
     }
@@ -193,16 +190,16 @@ impl Reader<'_> {
             let read = read.and_then(|axis| refuse_twice(&axis, settings, &axes).map(|()| axis));
             axes.extend(self.note(&entry, read));
         }
-        if axes.is_empty() && self.problems.is_empty() {
-            self.problem(
+        if axes.is_empty() && self.file.problems.is_empty() {
+            self.file.problem(
                 None,
                 "vary",
                 "nothing varies; write, for example, load.mass_kg = [1.0, 2.0]".to_owned(),
             );
         }
         let drawn = axes.iter().any(|axis| axis.drawn);
-        if let Some(entry) = self.entry(top, "draw").filter(|_| !drawn && self.problems.is_empty()) {
-            self.problem(
+        if let Some(entry) = self.entry(top, "draw").filter(|_| !drawn && self.file.problems.is_empty()) {
+            self.file.problem(
                 entry.line,
                 "draw",
                 "no key has a distribution to draw from; take [draw] out".to_owned(),
@@ -225,9 +222,9 @@ impl Reader<'_> {
             });
             self.note(&entry, read);
         }
-        if draw.count == 0 && self.problems.is_empty() {
+        if draw.count == 0 && self.file.problems.is_empty() {
             let line = self.entry(top, "draw").and_then(|entry| entry.line);
-            self.problem(line, "draw.count", "say how many draws: count = 100".to_owned());
+            self.file.problem(line, "draw.count", "say how many draws: count = 100".to_owned());
         }
         Some(draw)
     }
@@ -243,9 +240,9 @@ impl Reader<'_> {
             };
             metrics.extend(self.note(&entry, read));
         }
-        if metrics.is_empty() && self.problems.is_empty() {
+        if metrics.is_empty() && self.file.problems.is_empty() {
             let message = "nothing is collected; write, for example, settling = \"settling_s\"";
-            self.problem(None, "metrics", message.to_owned());
+            self.file.problem(None, "metrics", message.to_owned());
         }
         metrics
     }
@@ -274,7 +271,7 @@ impl Reader<'_> {
         let grid = sweep.axes.iter().filter(|axis| !axis.drawn).map(|axis| axis.levels.len());
         let points = grid.chain([sweep.draws]).try_fold(1_usize, usize::checked_mul);
         if points.is_none_or(|points| points > MOST_POINTS) {
-            self.problem(
+            self.file.problem(
                 None,
                 "vary",
                 format!("that makes more than {MOST_POINTS} points; take fewer steps"),

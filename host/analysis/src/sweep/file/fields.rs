@@ -1,13 +1,11 @@
 //! Tables, keys and plain values of a file, with their lines.
 
-use pneudrive_sim::rig::{Problem, line_at, nearest};
+use pneudrive_sim::rig::{TomlFile, nearest};
 use toml_edit::{Item, Table, TableLike};
 
-/// A file that is being read, and what was found wrong so far.
+/// A sweep's file that is being read.
 pub(super) struct Reader<'a> {
-    source: &'a str,
-    text: &'a str,
-    pub(super) problems: Vec<Problem>,
+    pub(super) file: TomlFile<'a>,
 }
 
 /// A key and its value.
@@ -22,18 +20,14 @@ pub(super) struct Entry<'a> {
 
 impl<'t> Reader<'t> {
     pub(super) fn new(source: &'t str, text: &'t str) -> Reader<'t> {
-        Reader { source, text, problems: Vec::new() }
-    }
-
-    pub(super) fn problem(&mut self, line: Option<usize>, key: &str, message: String) {
-        self.problems.push(Problem { source: self.source.to_owned(), line, key: key.to_owned(), message });
+        Reader { file: TomlFile::new(source, text) }
     }
 
     /// A result without its error, which is noted.
     pub(super) fn note<T>(&mut self, entry: &Entry<'_>, result: Result<T, String>) -> Option<T> {
         let key =
             [entry.table, &entry.name].iter().filter(|part| !part.is_empty()).copied().collect::<Vec<_>>();
-        result.map_err(|message| self.problem(entry.line, &key.join("."), message)).ok()
+        result.map_err(|message| self.file.problem(entry.line, &key.join("."), message)).ok()
     }
 
     /// The keys at the top.
@@ -72,7 +66,7 @@ impl<'t> Reader<'t> {
     fn within<'a>(&self, inner: &'a dyn TableLike, table: &'a str) -> Vec<Entry<'a>> {
         let line = |name: &str, item: &Item| {
             let span = inner.key(name).and_then(toml_edit::Key::span).or_else(|| item.span());
-            span.map(|span| line_at(self.text, span.start))
+            self.file.line_of(span)
         };
         inner
             .iter()

@@ -1,0 +1,50 @@
+//! A TOML file that is being read: where each key stands, and what is wrong with the file.
+
+use std::ops::Range;
+
+use toml_edit::Document;
+
+use super::problem::{Problem, Problems, line_at};
+
+/// A TOML file that is being read, and what was found wrong so far.
+#[derive(Clone, Debug)]
+pub struct TomlFile<'a> {
+    /// Its name for messages, or the part of the command line.
+    pub source: &'a str,
+    text: &'a str,
+    /// What was found wrong.
+    pub problems: Vec<Problem>,
+}
+
+impl<'a> TomlFile<'a> {
+    /// Nothing of it has been read.
+    #[must_use]
+    pub fn new(source: &'a str, text: &'a str) -> TomlFile<'a> {
+        TomlFile { source, text, problems: Vec::new() }
+    }
+
+    /// Its tables and keys; None if it is no TOML, which is noted.
+    pub fn document(&mut self) -> Option<Document<&'a str>> {
+        let syntax = |error| self.problems.push(Problem::of_syntax(self.source, self.text, &error));
+        Document::parse(self.text).map_err(syntax).ok()
+    }
+
+    /// Notes what is wrong with a key.
+    pub fn problem(&mut self, line: Option<usize>, key: &str, message: String) {
+        self.problems.push(Problem { source: self.source.to_owned(), line, key: key.to_owned(), message });
+    }
+
+    /// The line, counted from 1, of something in the file.
+    #[must_use]
+    pub fn line_of(&self, span: Option<Range<usize>>) -> Option<usize> {
+        span.map(|span| line_at(self.text, span.start))
+    }
+
+    /// What was read, if nothing is wrong with it.
+    ///
+    /// # Errors
+    /// Everything that was found wrong.
+    pub fn end<T>(self, read: T) -> Result<T, Problems> {
+        if self.problems.is_empty() { Ok(read) } else { Err(Problems(self.problems)) }
+    }
+}
