@@ -99,11 +99,32 @@ fn typed(command: &Command) -> String {
 /// Makes sure that the pinned toolchain can build for the boards; installs the target if it's missing.
 ///
 /// # Errors
-/// Without rustup, or when the target can't be installed.
+/// As [`ensure_target`].
 pub fn ensure_thumb_target() -> Result<()> {
+    ensure_target(THUMB)
+}
+
+/// Makes sure that the pinned toolchain can build for a target; installs it if it's missing.
+///
+/// # Errors
+/// Without rustup, or when the target can't be installed.
+pub fn ensure_target(target: &str) -> Result<()> {
+    if has_target(target)? {
+        return Ok(());
+    }
+    println!("installing the target {target} for the pinned toolchain: rustup target add {target}");
+    run(&mut rustup(&["target", "add", target]))
+        .with_context(|| format!("the target {target} is missing and can't be installed"))
+}
+
+/// Whether the pinned toolchain can build for a target.
+///
+/// # Errors
+/// Without rustup.
+pub fn has_target(target: &str) -> Result<bool> {
     let output = match rustup(&["target", "list", "--installed"]).output() {
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            bail!("rustup is not found: install it, it brings the target {THUMB} that the firmware needs")
+            bail!("rustup is not found: install it, it brings the target {target}")
         }
         output => output.context("rustup can't be started")?,
     };
@@ -112,12 +133,7 @@ pub fn ensure_thumb_target() -> Result<()> {
         "rustup target list: {}",
         String::from_utf8_lossy(&output.stderr).trim()
     );
-    if String::from_utf8_lossy(&output.stdout).lines().any(|line| line.trim() == THUMB) {
-        return Ok(());
-    }
-    println!("installing the target {THUMB} for the pinned toolchain: rustup target add {THUMB}");
-    run(&mut rustup(&["target", "add", THUMB]))
-        .with_context(|| format!("the target {THUMB} is missing and can't be installed"))
+    Ok(String::from_utf8_lossy(&output.stdout).lines().any(|line| line.trim() == target))
 }
 
 fn rustup(arguments: &[&str]) -> Command {

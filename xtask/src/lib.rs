@@ -7,6 +7,7 @@
 //! | [`cargo`] | how cargo and rustup are called, and where they build |
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
 //! | [`nucleo`] | builds the image for the Nucleo board and judges its size and its interrupt |
+//! | [`targets`] | what must compile for other systems |
 //! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
 //! | [`probe`] | builds the probe image of the firmware and judges it |
 //! | [`image`] | reads an image: its symbols, its code, what is in it that must not be |
@@ -32,5 +33,6 @@ pub mod stack;
 pub mod steps;
 pub mod structure;
 pub mod tally;
+pub mod targets;
 pub mod thumb;
 pub mod tools;

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
-use crate::{firmware, instructions, memory, nucleo, probe};
+use crate::{firmware, instructions, memory, nucleo, probe, targets};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -38,6 +38,8 @@ pub fn lint(tally: &mut Tally) {
 pub enum Group {
     /// The pages in a browser
     Web,
+    /// What must compile for other systems: analysis for a browser, the command for Windows
+    Targets,
 }
 
 /// One group of tests; its tools are installed, or it fails.
@@ -47,6 +49,7 @@ pub fn test_group(tally: &mut Tally, group: Group) {
             tally.check("browser", || CHROMIUM.ensure());
             pages(tally);
         }
+        Group::Targets => targets::check_all(tally),
     }
 }
 
@@ -58,6 +61,7 @@ pub fn test(tally: &mut Tally) {
     } else {
         tally.leave_out(format!("no page was opened, as there is no Chromium ({})", CHROMIUM.how()));
     }
+    targets::check_installed(tally);
 }
 
 fn pages(tally: &mut Tally) {

@@ -4,7 +4,7 @@
 //! needed that the file lacks. On each rung one component has another model. Costs are counted: evaluations of
 //! the right-hand side and solutions of the flows, times of this machine beside them.
 
-use std::time::Instant;
+use std::time::Duration;
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_records::judged::{Judged, Spacing};
@@ -106,7 +106,7 @@ struct Plan {
 }
 
 /// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
-/// with its neighbours. `progress` is given rungs done and in all.
+/// with its neighbours. `clock` tells the time since some instant, and `progress` is given rungs done and in all.
 ///
 /// # Errors
 /// When a rung cannot be simulated, or `progress` wants no more.
@@ -114,12 +114,13 @@ pub fn climb(
     source: &(String, String),
     settings: &[String],
     spacing: Spacing,
+    clock: impl Fn() -> Duration,
     mut progress: impl FnMut(usize, usize) -> Result<()>,
 ) -> Result<Vec<Rung>> {
     let plans = plans(source, settings)?;
     let mut runs = Vec::with_capacity(plans.len());
     for plan in &plans {
-        runs.push(Climbed::of(plan, &plans[0], spacing)?);
+        runs.push(Climbed::of(plan, &plans[0], spacing, &clock)?);
         progress(runs.len(), plans.len())?;
     }
     let references = runs[0].transients.clone();
@@ -139,14 +140,14 @@ struct Climbed {
 }
 
 impl Climbed {
-    fn of(plan: &Plan, reference: &Plan, spacing: Spacing) -> Result<Climbed> {
+    fn of(plan: &Plan, reference: &Plan, spacing: Spacing, clock: &impl Fn() -> Duration) -> Result<Climbed> {
         let name = if plan.component.is_empty() {
             plan.model.to_owned()
         } else {
             format!("{}: {}", plan.component, plan.model)
         };
         // Alone, as what else runs would be in its time.
-        let time_over_reference = timed(plan, reference)?;
+        let time_over_reference = timed(plan, reference, clock)?;
         let transient = |rig: &Rig, run: &_| Transient::of_run(&name, &StoredRun::of(rig, run));
         let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
         if let Some(why) = ensemble.nominal.lost.failed.first() {
@@ -219,12 +220,12 @@ fn applies(rig: &Rig, settings: &[&str]) -> bool {
 }
 
 /// [`Rung::time_over_reference`]. Whatever else the machine does meets both runs of a pair, or shows as a range.
-fn timed(plan: &Plan, reference: &Plan) -> Result<[f64; 3]> {
+fn timed(plan: &Plan, reference: &Plan, clock: &impl Fn() -> Duration) -> Result<[f64; 3]> {
     let once = |plan: &Plan| {
-        let begun = Instant::now();
+        let begun = clock();
         run(&plan.rig, Accuracy::of(&plan.rig))
             .map_err(|error| anyhow!("{} {}: {error}", plan.component, plan.model))?;
-        Ok::<_, anyhow::Error>(begun.elapsed().as_secs_f64())
+        Ok::<_, anyhow::Error>((clock() - begun).as_secs_f64())
     };
     let pairs: Vec<[f64; 2]> =
         (0..TIMES).map(|_| Ok([once(reference)?, once(plan)?])).collect::<Result<_>>()?;
@@ -365,7 +366,9 @@ mod tests {
     fn an_operator_without_its_spool_costs_less_and_every_other_model_changes_something() {
         let settings = ["test.duration_s=0.4".to_owned()];
         let spacing = Spacing { runs: 2, ..Spacing::default() };
-        let rungs = climb(&source("servo-b-tuned"), &settings, spacing, |_, _| Ok(())).expect("runs");
+        let begun = std::time::Instant::now();
+        let clock = || begun.elapsed();
+        let rungs = climb(&source("servo-b-tuned"), &settings, spacing, clock, |_, _| Ok(())).expect("runs");
         assert_eq!(largest(&rungs[0], POSITION), 0.0, "the reference is itself");
         assert!(rungs[0].deviations.len() == 2 && rungs[0].decision.is_decided());
         let empirical = rungs.iter().find(|rung| rung.component == "operator").expect("a rung");

@@ -1,5 +1,7 @@
 //! `pneudrive ladder`.
 
+use std::time::Instant;
+
 use anyhow::Result;
 use pneudrive_analysis::ladder::{climb, page, table};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
@@ -17,10 +19,17 @@ pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     let mut progress = Progress::of("climbing", "models");
     let spacing = arguments.neighbours.spacing();
     let mut pace = Pace::begin("the ladder", arguments.yes);
-    let rungs = climb(&source, &arguments.rig.settings, spacing, |done, all| {
-        progress.at(done as u64, all as u64);
-        progress.aside(|| pace.at(done, all))
-    })?;
+    let begun = Instant::now();
+    let rungs = climb(
+        &source,
+        &arguments.rig.settings,
+        spacing,
+        || begun.elapsed(),
+        |done, all| {
+            progress.at(done as u64, all as u64);
+            progress.aside(|| pace.at(done, all))
+        },
+    )?;
     progress.done();
     page(&source.0, &rungs).write(&place)?;
     let table = table(&rungs);

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use jiff::Timestamp;
 use pneudrive_sim::Rig;
 
@@ -79,7 +79,10 @@ fn last_run(folder: &Path) -> Option<serde_json::Value> {
 const EPOCH: &str = "SOURCE_DATE_EPOCH";
 
 fn date(fixed: Option<String>) -> Result<String> {
-    let Some(fixed) = fixed else { return Ok(whole_seconds(Timestamp::now())) };
+    let Some(fixed) = fixed else {
+        ensure!(!cfg!(target_family = "wasm"), "there is no clock here; {EPOCH} must say what time it is");
+        return Ok(whole_seconds(Timestamp::now()));
+    };
     let seconds = fixed.parse::<i64>().ok().and_then(|seconds| Timestamp::from_second(seconds).ok());
     let date = seconds.with_context(|| format!("{EPOCH} is {fixed:?}; it must be seconds since 1970"))?;
     Ok(whole_seconds(date))

@@ -1,0 +1,53 @@
+//! What must compile for other systems than the one at hand: the simulator and its analysis for a browser, the command
+//! for Windows.
+
+use anyhow::Result;
+
+use crate::cargo::{self, in_root, run};
+use crate::tally::Tally;
+
+/// Packages that must compile for a target.
+struct Other {
+    target: &'static str,
+    what: &'static str,
+    packages: &'static [&'static str],
+}
+
+const OTHERS: [Other; 2] = [
+    Other {
+        target: "wasm32-unknown-unknown",
+        what: "simulator, records and analysis for a browser",
+        packages: &["pneudrive-solver", "pneudrive-sim", "pneudrive-records", "pneudrive-analysis"],
+    },
+    Other { target: "x86_64-pc-windows-gnu", what: "the command for Windows", packages: &["pneudrive"] },
+];
+
+/// Checks all of them; a target that is missing is installed, or it is a failure.
+pub fn check_all(tally: &mut Tally) {
+    for other in &OTHERS {
+        tally.check(other.what, || {
+            cargo::ensure_target(other.target)?;
+            other.check()
+        });
+    }
+}
+
+/// Checks those whose target is installed, and names the others.
+pub fn check_installed(tally: &mut Tally) {
+    for other in &OTHERS {
+        match cargo::has_target(other.target) {
+            Ok(true) => tally.check(other.what, || other.check()),
+            _ => tally.leave_out(format!(
+                "{} was not compiled, as there is no target {} (rustup target add {1})",
+                other.what, other.target
+            )),
+        }
+    }
+}
+
+impl Other {
+    fn check(&self) -> Result<()> {
+        let packages: Vec<&str> = self.packages.iter().flat_map(|name| ["--package", name]).collect();
+        run(&mut in_root(&[&["check", "--target", self.target], &packages[..]].concat()))
+    }
+}
