@@ -17,7 +17,7 @@ fn slow_bench() -> Bench {
     }
     bench.done(RequestBody::TestBegin { name: "long", duration_us: u32::MAX, decimation: 1, pre_trigger: 0 });
     bench.done(RequestBody::TestMove { time_us: 0, target: 40 });
-    bench.done(RequestBody::TestMove { time_us: 40_000, target: -40 });
+    bench.done(RequestBody::TestMove { time_us: 40_000, target: 0 });
     bench
 }
 
@@ -44,7 +44,7 @@ fn a_test_of_two_hours_runs_for_two_hours_and_its_moves_come_again_each_round() 
     bench.done(RequestBody::Start);
     for k in 0..=two_hours {
         pass(&mut bench, 1);
-        assert_eq!(setpoint(&bench), if k % 5 < 2 { 40 } else { -40 }, "sample {k}");
+        assert_eq!(setpoint(&bench), if k % 5 < 2 { 40 } else { 0 }, "sample {k}");
         assert_eq!(bench.mode(), Mode::Running, "sample {k}");
     }
     pass(&mut bench, 1);

@@ -97,7 +97,7 @@ fn a_test_runs_from_download_to_done_and_is_recorded_from_its_first_sample() {
     for (k, sample) in samples.iter().enumerate() {
         let position = before + 3 * (k as i32 + 1);
         assert_eq!(sample.position, position);
-        let setpoint = if k < 4 { 500 } else { -500 };
+        let setpoint = if k < 4 { 500 } else { 0 };
         assert_eq!(i32::from(sample.error), setpoint - position);
         assert_eq!((sample.pressure_1, sample.pressure_2, sample.spool), (100, 200, 2000));
         assert_eq!(sample.command, bench.board.driven[4 + k].counts, "as it was driven");

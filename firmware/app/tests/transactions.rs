@@ -13,7 +13,7 @@ const OTHER: u32 = 22;
 
 const TEST: Entry<'_> = test_of("whole", 100);
 const FIRST: Entry<'_> = Entry::Move { at_sample: 0, target: 500 };
-const SECOND: Entry<'_> = Entry::Move { at_sample: 4, target: -500 };
+const SECOND: Entry<'_> = Entry::Move { at_sample: 4, target: 0 };
 
 const fn test_of(name: &str, last_sample: u32) -> Entry<'_> {
     Entry::Test { name, last_sample, round: 0, decimation: 1, pre_trigger: 0 }

@@ -99,10 +99,10 @@ fn one_that_moves_or_keeps_its_valve_shut_does_not() {
 fn the_less_the_valve_is_open_the_longer_a_lost_encoder_takes_to_trip() {
     let samples_to_trip = |command: i32| {
         let gain = [(id::LAW, 1), (id::PROPORTIONAL_GAIN, 256), (id::NO_MOTION_MS, 13)];
-        let mut bench = Bench::running(&gain, &[(0, 100 + command)]);
-        assert_eq!(bench.take(at(100)), command as i16);
+        let mut bench = Bench::running(&gain, &[(0, 1000 + command)]);
+        assert_eq!(bench.take(at(1000)), command as i16);
         (1..10_000).find(|_| {
-            bench.take(at(100));
+            bench.take(at(1000));
             bench.mode() == Mode::Fault(Fault::NoMotion)
         })
     };
@@ -213,7 +213,7 @@ fn positions_count_from_where_the_axis_was_referenced() {
 
 #[test]
 fn a_homing_run_against_a_stop_gives_counts_their_meaning() {
-    let homing = [(id::HOMING_STILL_MS, 13), (id::HOMING_POSITION_COUNTS, -10)];
+    let homing = [(id::HOMING_STILL_MS, 13), (id::HOMING_POSITION_COUNTS, -10), (id::END_MIN_COUNTS, -10)];
     let mut bench = Bench::armed(&homing, &[(0, -10)]);
     bench.take(at(5000));
     bench.state.home(&bench.config).expect("armed");
@@ -268,6 +268,21 @@ fn a_homing_run_ends_at_the_edge_of_its_switch() {
     assert_eq!(bench.mode(), Mode::Armed);
     bench.take(at(890));
     assert_eq!(bench.state.observation().position, 0);
+}
+
+/// They were tried, and the drive leaned on its stop.
+#[test]
+fn setpoints_outside_the_stroke_are_refused_unless_the_end_positions_say_otherwise() {
+    let started = |changes: &[(u16, i32)], target| {
+        let mut bench = Bench::armed(changes, &[(0, target)]);
+        bench.state.start(&bench.config, &bench.sequence)
+    };
+    // The stroke of servo-drive B: 300 mm of 0.01205 mm a count.
+    for (target, refused) in [(-1, true), (0, false), (24_896, false), (24_897, true)] {
+        let expected = if refused { Err(Refusal::BeyondEnd) } else { Ok(()) };
+        assert_eq!(started(&[], target), expected, "{target}");
+    }
+    assert_eq!(started(&[(id::END_MIN_COUNTS, -200)], -1), Ok(()));
 }
 
 /// Counts mean nothing during a homing run, so its positions trip nothing; its steps do.

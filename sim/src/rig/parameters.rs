@@ -87,10 +87,21 @@ impl Rig {
             (id::SENSOR_LOW_RAW, low),
             (id::SENSOR_HIGH_RAW, high),
         ];
-        for (id, end) in [(id::END_MIN_COUNTS, &key::END_MIN_MM), (id::END_MAX_COUNTS, &key::END_MAX_MM)] {
-            values.extend(self.get(end).map(|mm| (id, counts(mm * 1e-3))));
-        }
+        values.extend(self.end_positions(counts));
         values
+    }
+
+    /// The software end positions, with `counts` of a length in metres. A setpoint of a closed loop outside the stroke
+    /// can only be a slip; an open loop may push against its stops, unless the file says otherwise.
+    fn end_positions(&self, counts: impl Fn(f64) -> i32) -> [(u16, i32); 2] {
+        use keys::safety as key;
+        let [lowest, highest] = match self.get(&keys::controller::LOOP) {
+            Loop::Closed => [0, counts(self.get(&keys::actuator::STROKE_M))],
+            Loop::Open => [-i32::MAX, i32::MAX],
+        };
+        let ends =
+            [(id::END_MIN_COUNTS, &key::END_MIN_MM, lowest), (id::END_MAX_COUNTS, &key::END_MAX_MM, highest)];
+        ends.map(|(id, end, otherwise)| (id, self.get(end).map_or(otherwise, |mm| counts(mm * 1e-3))))
     }
 
     fn of_board(&self) -> Vec<(u16, i32)> {

@@ -283,8 +283,17 @@ fn a_pressure_that_the_drive_cannot_have_is_an_open_sensors_where_the_range_show
 fn setpoints_beyond_a_software_end_position_are_refused() {
     let message = only_problem("[safety]\nend_max_mm = 150\n");
     assert!(message.contains("safety.end_max_mm: setpoint 16384 lies beyond it"), "{message}");
-    let parameters = read("[safety]\nend_max_mm = 200\n").parameters();
-    assert_eq!(parameters.get(id::END_MAX_COUNTS), Some(16_597));
+    let ends = |text: &str| {
+        let parameters = read(text).parameters();
+        [id::END_MIN_COUNTS, id::END_MAX_COUNTS].map(|id| parameters.get(id).expect("a parameter"))
+    };
+    assert_eq!(ends("[safety]\nend_max_mm = 200\n"), [0, 16_597]);
+    assert_eq!(ends(""), [0, 24_896], "the stroke of 300 mm");
+    assert_eq!(
+        ends("[controller]\nloop = \"open\"\n"),
+        [-i32::MAX, i32::MAX],
+        "it may push against its stops"
+    );
 }
 
 #[test]

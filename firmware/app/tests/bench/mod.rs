@@ -139,7 +139,7 @@ impl Bench {
             pre_trigger,
         });
         self.done(RequestBody::TestMove { time_us: 0, target: 500 });
-        self.done(RequestBody::TestMove { time_us: 5200, target: -500 });
+        self.done(RequestBody::TestMove { time_us: 5200, target: 0 });
     }
 
     /// The same, ready to start.

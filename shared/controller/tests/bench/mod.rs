@@ -21,10 +21,12 @@ pub fn running(config: &Config, sequence: &Sequence) -> State {
 }
 
 /// Limits that nothing reaches.
-pub const WIDE: [(u16, i32); 5] = [
+pub const WIDE: [(u16, i32); 7] = [
     (id::POSITION_MIN_COUNTS, -i32::MAX),
     (id::POSITION_MAX_COUNTS, i32::MAX),
     (id::ENCODER_STEP_COUNTS, i32::MAX),
+    (id::END_MIN_COUNTS, -i32::MAX),
+    (id::END_MAX_COUNTS, i32::MAX),
     (id::SENSOR_LOW_RAW, -1),
     (id::NO_MOTION_MS, 0),
 ];
