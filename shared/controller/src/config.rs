@@ -130,6 +130,7 @@ impl Default for Config {
                 monitoring: 0,
                 dwell: 0,
                 forced_exit: 1093,
+                commands_at_exit: false,
             },
             homing: HomingConfig {
                 kind: HomingKind::Stop,
@@ -252,6 +253,7 @@ fn motion(parameters: &Parameters, period_us: NonZeroU32) -> MotionConfig {
         dwell: samples(unsigned(id::DWELL_US), period_us),
         // A move at sample s ends with the first sample at which the time is over, as a timed one would.
         forced_exit: unsigned(id::FORCED_EXIT_US).div_ceil(period_us.get()),
+        commands_at_exit: false,
     }
 }
 

@@ -81,6 +81,8 @@ pub struct State {
     law: Memory,
     observation: Observation,
     spool: Spool,
+    /// The present sample is an exit (thesis 6.3.2): its output gives a stepper no pulse.
+    exits: bool,
     /// The encoder's own count, and what is taken off it to make a position.
     encoder: i32,
     origin: i32,
@@ -197,6 +199,7 @@ impl State {
 
     fn begin_anew(&mut self, sequencer: Sequencer) {
         self.sequencer = sequencer;
+        self.exits = false;
         self.estimator.forget();
         self.law = Memory::default();
         self.observation = Observation::default();
@@ -239,7 +242,8 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
     let target = state.target(config, sequence, motion.position);
     state.watch(config, input, &motion);
     let demand = state.demand(config, &target, &motion, input);
-    let command = state.supervisor.permit(&config.law, config.drive.limit(demand));
+    let command = if target.exits { state.hold_command() } else { config.drive.limit(demand) };
+    let command = state.supervisor.permit(&config.law, command);
     state.observation = Observation {
         running: target.running,
         setpoint: target.setpoint,
@@ -254,6 +258,7 @@ struct Target {
     running: bool,
     setpoint: i32,
     error: i32,
+    exits: bool,
 }
 
 /// The stages of [`sample`], in their order. What was seen goes into the observation at once; what the
@@ -297,10 +302,8 @@ impl State {
         }
         let setpoint = self.sequencer.setpoint();
         let error = law::error(&config.law, setpoint, position);
-        if running {
-            self.sequencer.judge(&config.motion, error);
-        }
-        Target { running, setpoint, error }
+        let exits = running && self.sequencer.judge(&config.motion, error);
+        Target { running, setpoint, error, exits }
     }
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
@@ -326,6 +329,13 @@ impl State {
             Loop::Open if self.supervisor.is_referenced() => config.limits.hold_back(demand, motion.position),
             _ => demand,
         }
+    }
+
+    /// The command that was in force before, at an exit.
+    #[cold]
+    fn hold_command(&mut self) -> i16 {
+        self.exits = true;
+        self.observation.command
     }
 
     /// A sample of the homing run.
@@ -356,7 +366,8 @@ pub fn output(config: &Config, state: &mut State) -> Command {
         DriveConfig::Dac(_) => Command { counts, step: 0, drive_enable: drives },
         DriveConfig::Stepper { .. } => {
             let drive_enable = drives || state.spool.walks();
-            Command { counts, step: state.spool.step_toward(counts), drive_enable }
+            let step = if core::mem::take(&mut state.exits) { 0 } else { state.spool.step_toward(counts) };
+            Command { counts, step, drive_enable }
         }
     }
 }

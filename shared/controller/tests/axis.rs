@@ -298,6 +298,32 @@ fn a_homing_run_is_watched_by_what_needs_no_reference() {
 
 const ON_ARRIVAL: (u16, i32) = (id::ON_ARRIVAL, 1);
 
+/// Thesis 6.3.2: at the second interrupt an exit brings the new position, "otherwise, the spool command is determined".
+#[test]
+fn at_an_exit_no_command_is_given() {
+    let mut bench = Bench::running(&[ON_ARRIVAL], &[(0, 100), (0, 200)]);
+    let before = bench.take(at(50));
+    assert_ne!(before, 0);
+    assert_eq!(bench.take(at(98)), before, "arrived: the valve stays where it is");
+    let after = bench.take(at(98));
+    assert!(after > before, "{after}: the next move");
+    let mut forced = Bench::running(&[ON_ARRIVAL, (id::FORCED_EXIT_US, 2600)], &[(0, 500), (0, 100)]);
+    assert_eq!(forced.take(at(100)), 400);
+    assert_eq!(forced.take(at(300)), 400, "the time of the move is over");
+    assert!(forced.take(at(300)) < 0, "back to 100");
+}
+
+#[test]
+fn at_an_exit_a_stepper_gets_no_pulse() {
+    let stepper = [ON_ARRIVAL, (id::STEPPER, 1), (id::SCALE, 1)];
+    let mut bench = Bench::running(&stepper, &[(0, 100), (0, 5000)]);
+    let mut steps = [0, 1, 2, 3].map(|_| bench.take_whole(at(50)).step);
+    assert_eq!(steps, [1; 4]);
+    steps = [98, 98, 98, 98].map(|position| bench.take_whole(at(position)).step);
+    assert_eq!(steps, [0, 1, 1, 1], "an exit, then the next move");
+    assert_eq!(bench.state.spool_location().steps(), 7);
+}
+
 #[test]
 fn moves_on_arrival_go_on_at_the_sample_after_the_arrival_and_end_the_run() {
     let mut bench = Bench::running(&[ON_ARRIVAL], &[(0, 100), (0, 200)]);
