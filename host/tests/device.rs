@@ -86,7 +86,7 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     )
     .expect("written");
     let said = device("config import cut.txt");
-    assert!(said.contains("cut.txt: its first line tells of 55 parameters, and 6 are there"), "{said}");
+    assert!(said.contains("cut.txt: its first line tells of 57 parameters, and 6 are there"), "{said}");
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
     assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
     assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));
@@ -111,7 +111,7 @@ fn parameters_have_the_names_the_units_and_the_words_of_rig_files() {
     assert!(list.contains("\nencoder.mm_per_count ") && list.contains(" 0.01205 mm "), "{list}");
     device("config export parameters.txt");
     let text = fs::read_to_string(folder.path().join("parameters.txt")).expect("exported");
-    assert!(text.contains("\nsafety.hold_s = 1.5\ncontroller.gain_profile = "), "{text}");
+    assert!(text.contains("\nsafety.hold_s = 1.5\nsafety.late_output_us = "), "{text}");
     assert!(device("config import parameters.txt").starts_with("took over"));
 }
 

@@ -307,15 +307,21 @@ impl State {
     }
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
-        let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
-        let from_null = if holds_or_runs && config.law.control_loop == Loop::Closed {
+        let closed = config.law.control_loop == Loop::Closed;
+        let mode = self.supervisor.mode();
+        let must_move = match mode {
+            Mode::Running | Mode::Done => closed,
+            Mode::Homing => self.homing.must_move(&config.homing),
+            Mode::Disarmed | Mode::Fault(_) | Mode::Armed => false,
+        };
+        let from_null = if must_move {
             i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
         } else {
             0
         };
         let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);
-        if !holds_or_runs {
+        if mode == Mode::Armed || (mode == Mode::Done && !closed) {
             self.supervisor.watch_null(&config.limits, motion.position, self.spool_is_open(config));
         }
     }
