@@ -22,6 +22,8 @@
 //! | [`dma`] | the streams of the serial ports |
 //! | [`flash`] | configuration and fault log |
 //! | [`watchdog`] | the independent watchdog |
+//! | [`oscillator`] | the clock from outside: awaited, and watched |
+//! | [`options`] | the supply voltage below which the chip is held in reset |
 //! | [`reset`] | what happens at a breakdown, and what is known of it after the reset |
 //! | [`spool`] | where a stepper's spool is, through a reset |
 //! | [`start`] | what both starts have in common |
@@ -42,6 +44,8 @@ mod dma;
 #[cfg(not(feature = "plant-bus"))]
 mod encoder;
 mod flash;
+mod options;
+mod oscillator;
 #[cfg(feature = "plant-bus")]
 mod plant;
 mod port;

@@ -76,7 +76,7 @@ impl Drive {
 pub fn start(core: CorePeripherals, device: Peripherals, recorder: &'static mut Recorder) -> (Drive, Talk) {
     let reset = reset::reason(&device.RCC);
     let mut watchdog = Watchdog::new(device.IWDG, &device.DBGMCU);
-    let mut rcc = clocks(device.RCC);
+    let mut rcc = clocks(device.RCC, &device.GPIOA);
     let (a, b, c) =
         (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
 

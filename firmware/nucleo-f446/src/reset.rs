@@ -12,7 +12,7 @@ use core::ptr::{read_volatile, write_volatile};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use pneudrive_app::fault_log::Memory;
-use pneudrive_nucleo_plan::reset::{PANICKED, Reset};
+use pneudrive_nucleo_plan::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
 use stm32f4xx_hal::pac::RCC;
 
 use crate::switch_off;
@@ -42,8 +42,8 @@ static NOTE: Kept<u32> = Kept::new();
 static FAULTS: Kept<Memory> = Kept::new();
 
 fn note() -> u32 {
-    // SAFETY: any four bytes are a number. Nobody writes it meanwhile: `reason` runs before all else, and
-    // `break_down` with interrupts disabled.
+    // SAFETY: any four bytes are a number. `reason` runs before all else, and `break_down` with interrupts disabled; the
+    // one that cannot be, of the clock, does not return to whom it has interrupted.
     unsafe { read_volatile(NOTE.get()) }
 }
 
@@ -77,11 +77,11 @@ pub unsafe fn fault_memory() -> &'static mut Memory {
 }
 
 /// Off, noted, told, reset. What breaks down in telling is not told again.
-fn break_down(tell: impl FnOnce()) -> ! {
+fn break_down(cause: u32, tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
     switch_off();
-    if note() != PANICKED {
-        leave_note(PANICKED);
+    if noted(note()).is_none() {
+        leave_note(cause);
         tell();
     }
     SCB::sys_reset()
@@ -89,7 +89,7 @@ fn break_down(tell: impl FnOnce()) -> ! {
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    break_down(|| {
+    break_down(PANICKED, || {
         if let Some(place) = info.location() {
             defmt::error!("broke down at {=str}:{=u32}", place.file(), place.line());
         }
@@ -100,5 +100,13 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 // SAFETY: the attribute wants `unsafe`. It does not return, so it cannot disturb what it interrupted.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    break_down(|| defmt::error!("fault of the processor at {=u32:#x}", frame.pc()))
+    break_down(PANICKED, || defmt::error!("fault of the processor at {=u32:#x}", frame.pc()))
+}
+
+/// The clock has failed, and the clock security system has put the processor on its internal one (RM0390, 6.2.7). No
+/// period is right any more.
+// SAFETY: as above.
+#[exception]
+unsafe fn NonMaskableInt() {
+    break_down(CLOCK_FAILED, || defmt::error!("the clock has failed"))
 }

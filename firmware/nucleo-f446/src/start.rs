@@ -6,12 +6,14 @@ use pneudrive_app::storage::LayoutError;
 use pneudrive_app::store::FlashStore;
 use pneudrive_nucleo_plan::flash::layout;
 use pneudrive_nucleo_plan::reset::Reset;
-use stm32f4xx_hal::pac::{FLASH, RCC};
+use stm32f4xx_hal::pac::{FLASH, GPIOA, RCC};
 use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
 use stm32f4xx_hal::time::MegaHertz;
 
 use crate::Control;
 use crate::flash::KeptFlash;
+use crate::options::raise_brown_out_level;
+use crate::oscillator::{await_clock, watch_clock};
 use crate::reset;
 use crate::watchdog::Watchdog;
 
@@ -22,15 +24,19 @@ pub type Store = FlashStore<KeptFlash, &'static mut Memory>;
 pub const PROCESSOR_MHZ: u32 = 180;
 
 /// 180 MHz from the 8 MHz of the ST-LINK: both timer clocks are whole megahertz, and 921,600 baud is
-/// met within 0.4 %.
-pub fn clocks(rcc: RCC) -> Rcc {
+/// met within 0.4 %. Waits for them, and watches them from then on.
+pub fn clocks(rcc: RCC, lines: &GPIOA) -> Rcc {
+    await_clock(&rcc, lines);
     let source = Config::hse(MegaHertz::from_raw(8).convert()).bypass_hse_oscillator();
     let limits = |mhz| MegaHertz::from_raw(mhz).convert();
-    rcc.freeze(source.sysclk(limits(PROCESSOR_MHZ)).pclk1(limits(45)).pclk2(limits(90)))
+    let rcc = rcc.freeze(source.sysclk(limits(PROCESSOR_MHZ)).pclk1(limits(45)).pclk2(limits(90)));
+    watch_clock(&rcc);
+    rcc
 }
 
 /// What is kept in flash, and in memory through a reset.
 pub fn store(flash: FLASH, watchdog: Watchdog) -> Result<Store, LayoutError> {
+    raise_brown_out_level(&flash);
     // SAFETY: once after a reset, since the flash is taken but once.
     let memory = unsafe { reset::fault_memory() };
     let (store, recovery, restored) = FlashStore::take_up(KeptFlash::new(flash, watchdog), layout(), memory)?;

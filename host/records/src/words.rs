@@ -105,6 +105,7 @@ pub fn fault_name(fault: Fault) -> &'static str {
         Fault::Panic => "panic",
         Fault::MotionAtNull => "motion-at-null",
         Fault::LateOutput => "late-output",
+        Fault::ClockFailed => "clock-failed",
     }
 }
 
@@ -134,6 +135,7 @@ pub fn fault_meaning(code: u8) -> &'static str {
         }
         Some(Fault::Panic) => "the firmware panicked and has reset the board",
         Some(Fault::LateOutput) => "an output came too late",
+        Some(Fault::ClockFailed) => "the clock of the board's processor failed, and it has reset itself",
         None => "a fault unknown to this version",
     }
 }

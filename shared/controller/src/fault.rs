@@ -32,11 +32,13 @@ pub enum Fault {
     MotionAtNull = 13,
     /// An output came later than allowed.
     LateOutput = 14,
+    /// The clock of the processor failed.
+    ClockFailed = 15,
 }
 
 impl Fault {
     /// Every fault, in the order of the codes.
-    pub const ALL: [Fault; 14] = [
+    pub const ALL: [Fault; 15] = [
         Fault::Stop,
         Fault::PositionOutside,
         Fault::EncoderStep,
@@ -51,6 +53,7 @@ impl Fault {
         Fault::Panic,
         Fault::MotionAtNull,
         Fault::LateOutput,
+        Fault::ClockFailed,
     ];
 
     /// The stored and sent code.

@@ -7,6 +7,8 @@
 //! | [`pulse`] | the step pulse of a translator as values of a one-pulse timer |
 //! | [`input`] | counts and conversions as a sample |
 //! | [`flash`] | which sectors hold what |
+//! | [`options`] | the supply voltage below which the chip is held in reset |
+//! | [`oscillator`] | what is shown while the board's clock is missing |
 //! | [`reset`] | why the board was reset |
 //! | [`ring`] | what has come into a circular buffer |
 //! | [`spool`] | where a stepper's spool is, through a reset |
@@ -16,6 +18,8 @@
 
 pub mod flash;
 pub mod input;
+pub mod options;
+pub mod oscillator;
 pub mod pulse;
 pub mod reset;
 pub mod ring;

@@ -5,6 +5,19 @@ use pneudrive_controller::Fault;
 /// What the program leaves in memory when it breaks down. Not what memory holds after the power came.
 pub const PANICKED: u32 = 0x50d7_1e01;
 
+/// What it leaves there when the clock has failed.
+pub const CLOCK_FAILED: u32 = 0x50d7_1e02;
+
+/// What a note says; None for anything else that stands there.
+#[must_use]
+pub fn noted(note: u32) -> Option<Fault> {
+    match note {
+        PANICKED => Some(Fault::Panic),
+        CLOCK_FAILED => Some(Fault::ClockFailed),
+        _ => None,
+    }
+}
+
 /// What is known after a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reset {
@@ -14,7 +27,7 @@ pub struct Reset {
     pub software: bool,
     /// The power came: memory holds anything.
     pub power: bool,
-    /// What stands where [`PANICKED`] would.
+    /// What stands where the program leaves its note.
     pub note: u32,
 }
 
@@ -23,12 +36,11 @@ impl Reset {
     /// a breakdown.
     #[must_use]
     pub fn fault(&self) -> Option<Fault> {
-        if self.power {
-            None
-        } else if (self.software || self.watchdog) && self.note == PANICKED {
-            Some(Fault::Panic)
-        } else {
-            self.watchdog.then_some(Fault::Watchdog)
+        let broke_down = if self.software || self.watchdog { noted(self.note) } else { None };
+        match broke_down {
+            _ if self.power => None,
+            None => self.watchdog.then_some(Fault::Watchdog),
+            noted => noted,
         }
     }
 }
@@ -52,6 +64,9 @@ mod tests {
         let noted = Reset { note: PANICKED, ..QUIET };
         assert_eq!(Reset { software: true, ..noted }.fault(), Some(Fault::Panic));
         assert_eq!(Reset { watchdog: true, ..noted }.fault(), Some(Fault::Panic));
+        let clock = Reset { note: CLOCK_FAILED, ..QUIET };
+        assert_eq!(clock.fault(), None);
+        assert_eq!(Reset { software: true, ..clock }.fault(), Some(Fault::ClockFailed));
     }
 
     #[test]
