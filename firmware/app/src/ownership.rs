@@ -8,7 +8,11 @@
 //! |---|---|---|
 //! | [`Presence::Nobody`] | (there is none) | everything |
 //! | [`Presence::There`] | everything | read, stop |
-//! | [`Presence::Gone`] | come back, if it was only silent | read, stop, disarm, arm, take over |
+//! | [`Presence::Gone`] | come back, if it was only silent, but not to move the drive | read, stop, disarm, arm, take over |
+//!
+//! What an owner has said before it fell silent may still be on the line, and come once nobody watches the drive any
+//! more. So an owner that was gone arms or takes over again before it starts or homes. Hosts of version 4 and older are one
+//! session, of which each is as good as the other; they are obeyed as ever.
 
 use pneudrive_protocol::{Presence, RequestBody, session};
 
@@ -79,20 +83,29 @@ pub struct Ownership {
     /// None on a board that does not judge silence.
     heard_ms: Option<u64>,
     left: bool,
+    /// It was silent for too long, and heard again.
+    lapsed: bool,
 }
 
 impl Ownership {
     /// A host that has just been heard.
     #[must_use]
     pub fn of(session: u32, host: &str, now_ms: Option<u64>) -> Ownership {
-        Ownership { session, host: Name::new(host), heard_ms: now_ms, left: false }
+        Ownership { session, host: Name::new(host), heard_ms: now_ms, left: false, lapsed: false }
     }
 
-    /// A request of this session has come.
-    pub fn heard(&mut self, session: u32, now_ms: Option<u64>) {
+    /// A request of this session has come; an owner is gone after `silence_ms` of silence, 0: never.
+    pub fn heard(&mut self, session: u32, now_ms: Option<u64>, silence_ms: u32) {
         if session == self.session && !self.left {
+            self.lapsed |= self.gone_for_ms(now_ms, silence_ms).is_some();
             self.heard_ms = now_ms;
         }
+    }
+
+    /// Whether the owner was gone since it became the owner, and so must not move the drive.
+    #[must_use]
+    pub fn has_lapsed(&self) -> bool {
+        self.lapsed && self.session != session::OLD_HOSTS
     }
 
     /// The owner is heard, whoever it is.

@@ -46,6 +46,20 @@ fn an_echo_of_its_own_replies_neither_arms_nor_starts_nor_stops_a_drive() {
     }
 }
 
+/// After a reset, and in the boot whose number is the code of the first letter of the test's name, it reads as `Arm` of a
+/// session that no host has.
+#[test]
+fn a_record_that_comes_back_after_a_reset_arms_nothing() {
+    let mut bench = Bench::referenced();
+    bench.test(100, 1, 0);
+    let asked = bench.frame(RequestBody::RecordInfo);
+    let said = bench.send(&asked);
+    *bench.app = App::default();
+    bench.board.store.boot = u32::from(b'b');
+    bench.send(&said);
+    assert_eq!(bench.mode(), Mode::Disarmed);
+}
+
 #[test]
 fn rows_that_come_back_are_not_taken_for_the_host() {
     let mut bench = Bench::referenced();

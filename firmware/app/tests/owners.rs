@@ -58,7 +58,6 @@ fn while_its_owner_is_there_another_host_reads_and_stops_and_does_nothing_else()
     bench.session = OTHER;
     for body in [
         RequestBody::Disarm,
-        RequestBody::Arm,
         RequestBody::ArmAs { host: "other" },
         RequestBody::TakeOver { host: "other" },
         start(),
@@ -149,6 +148,43 @@ fn an_owner_that_was_only_silent_commands_again_unless_another_host_has_taken_ov
     bench.session = ONE;
     let refused = bench.ask(start());
     assert!(refused.contains("host: \"other\""), "{refused}");
+}
+
+/// The line had held the request back, and its program had given up: the drive moved for half a second until it missed it.
+#[test]
+fn a_start_that_comes_after_a_silence_of_its_host_moves_nothing_until_that_has_armed_or_taken_over_again() {
+    for body in [start(), RequestBody::Start, RequestBody::Home] {
+        for again in [RequestBody::ArmAs { host: "one" }, RequestBody::TakeOver { host: "one" }] {
+            for heard_before in [false, true] {
+                let mut bench = armed_by_one();
+                bench.waits(501);
+                if heard_before {
+                    bench.ask(RequestBody::Status);
+                }
+                assert_eq!(
+                    bench.ask(body),
+                    format!("Refused(NotNow({}))", code::HOST_WAS_SILENT),
+                    "{body:?}"
+                );
+                assert_eq!(bench.mode(), Mode::Armed);
+                bench.done(again);
+                bench.done(if body == RequestBody::Start { start() } else { body });
+            }
+        }
+    }
+    let mut in_time = armed_by_one();
+    in_time.waits(500);
+    in_time.done(start());
+}
+
+#[test]
+fn hosts_that_have_no_session_start_after_any_silence_as_ever() {
+    let mut bench = armed_by_one();
+    bench.done(RequestBody::Stop);
+    bench.session = OLD;
+    bench.done(RequestBody::Arm);
+    bench.waits(5000);
+    bench.done(start());
 }
 
 #[test]

@@ -175,6 +175,9 @@ fn not_now(of: u8) -> String {
         None if of == code::TOKEN => {
             "it asks for a token; set PNEUDRIVE_TOKEN to the token that the rig was started with".to_owned()
         }
+        None if of == code::HOST_WAS_SILENT => {
+            "the drive had not heard from this program for longer than safety.host_silence_s, so it does not move; run again".to_owned()
+        }
         None if of == code::OTHER_TEST => "the test is from another program; run again".to_owned(),
         None if of == code::OWNED => "another host commands the drive".to_owned(),
         None => format!("refused for a reason unknown to this version (code {of})"),

@@ -5,8 +5,8 @@
 //! CRC-32 and COBS by their definitions).
 
 use pneudrive_protocol::{
-    ANY_BOOT, InBoot, InSession, MAX_FRAME, Refused, Reply, ReplyBody, Request, RequestBody, decode_reply,
-    decode_request, encode,
+    ANY_BOOT, InBoot, InSession, MAX_FRAME, Refused, Reply, ReplyBody, Request, RequestBody, code,
+    decode_reply, decode_request, encode,
 };
 
 const SESSION: u32 = 0xfeed_beef;
@@ -68,4 +68,11 @@ fn the_spool_of_a_stepper_after_a_reset() {
         &[0x04, 0xac, 0x02, 0x06, 0x06, 0x09, 0x17, 0x89, 0xad, 0xa4, 0x00]);
     assert_reply(ReplyBody::Refused(Refused::NotNow(10)), &[0xac, 0x02, 0x06, 0x00, 0x0a],
         &[0x04, 0xac, 0x02, 0x06, 0x06, 0x0a, 0xad, 0xd8, 0xa4, 0x3d, 0x00]);
+}
+
+#[test]
+#[rustfmt::skip]
+fn a_start_of_a_host_that_was_silent_since_it_armed() {
+    assert_reply(ReplyBody::Refused(Refused::NotNow(code::HOST_WAS_SILENT)), &[0xac, 0x02, 0x06, 0x00, 0x83],
+        &[0x04, 0xac, 0x02, 0x06, 0x06, 0x83, 0x29, 0xe3, 0xc0, 0xa9, 0x00]);
 }

@@ -39,7 +39,14 @@ impl<R: BorrowMut<Recorder>> Control<R> {
 
     /// A request of this session has come just now.
     pub fn host_heard(&mut self, session: u32, board: &impl Board) {
-        self.ownership.heard(session, board.host_clock_ms());
+        let silence_ms = self.config().timing.host_silence_ms;
+        self.ownership.heard(session, board.host_clock_ms(), silence_ms);
+    }
+
+    /// Whether the owner of an enabled drive was silent for too long since it has armed it or taken it over.
+    #[must_use]
+    pub fn owner_was_silent(&self) -> bool {
+        self.state.supervisor.drives() && self.ownership.has_lapsed()
     }
 
     /// The host of this session has gone; what it has armed stays as it is.

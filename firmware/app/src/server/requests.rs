@@ -55,6 +55,8 @@ pub(super) fn carry_out<'a, B: Board>(
                 change_refused(id, values.iter().nth(place).unwrap_or(0), error)
             }))
         }
+        // A host that has a session arms by `ArmAs`: this is something else that reads as it, such as an echo.
+        RequestBody::Arm if session != OLD_HOSTS => ReplyBody::Refused(Refused::Unknown),
         RequestBody::Arm => done(control.arm_as(session, "", board).map_err(not_now)),
         RequestBody::ArmAs { host } => done(control.arm_as(session, host, board).map_err(not_now)),
         RequestBody::TakeOver { host } => done(control.take_over(session, host, board).map_err(not_now)),
@@ -68,6 +70,11 @@ pub(super) fn carry_out<'a, B: Board>(
         RequestBody::Disarm => {
             control.disarm();
             ReplyBody::Done
+        }
+        RequestBody::Start | RequestBody::StartTest { .. } | RequestBody::Home
+            if control.owner_was_silent() =>
+        {
+            ReplyBody::Refused(Refused::NotNow(code::HOST_WAS_SILENT))
         }
         RequestBody::Start if others_test(control, |test| test.is_by(session)) => {
             ReplyBody::Refused(other_test(session))

@@ -67,4 +67,7 @@ pub mod code {
     pub const OTHER_TEST: u8 = 129;
     /// The rig asks for a [token](crate::RequestBody::Token) before anything else.
     pub const TOKEN: u8 = 130;
+    /// Version 6. Since the owner has armed the drive or taken it over, it was silent for too long to move it: it does
+    /// so again before.
+    pub const HOST_WAS_SILENT: u8 = 131;
 }
