@@ -49,4 +49,4 @@ pub use follow::follow;
 pub use plant::{Accuracy, Plant};
 pub use pneudrive_solver::{IntegrationError, Method};
 pub use rig::Rig;
-pub use run::{Recording, Run, run, run_recorded, run_watched};
+pub use run::{Record, Recording, Run, Runner, run, run_recorded, run_watched};

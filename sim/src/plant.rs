@@ -246,6 +246,19 @@ impl Plant {
         Ok(self.snapshot(t))
     }
 
+    /// The same of no more than position (m), velocity (m/s) and pressures (Pa).
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    #[inline]
+    pub fn look_at_motion(&mut self, t: f64) -> Result<(f64, f64, [f64; 2]), IntegrationError> {
+        let t = self.plant_time(t);
+        self.run_to(t)?;
+        let x = self.integrator.state(t);
+        let pressures = slot::EXNER.map(|i| self.assembly.parts.gas.pressure(x[i]));
+        Ok((x[slot::POSITION], x[slot::VELOCITY], pressures))
+    }
+
     /// To `t`, by way of the present sample's output if that is due. How far a step may reach beyond
     /// depends on the outputs alone, not on where the caller stops.
     fn run_to(&mut self, t: f64) -> Result<(), IntegrationError> {

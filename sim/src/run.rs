@@ -6,15 +6,15 @@ use crate::component::sensors::Reading;
 use crate::keys;
 use crate::plant::{Accuracy, Plant, PlantWork};
 use crate::positive_gain::PositiveGain;
-use crate::trace::Row;
+use crate::trace::{MotionRow, Row};
 use crate::values::{Rig, seconds, whole_microseconds};
 use pneudrive_solver::IntegrationError;
 
-/// What came out of a run.
+/// What came out of a run, with rows of some kind.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct Run<R = Row> {
     /// The transient.
-    pub rows: Vec<Row>,
+    pub rows: Vec<R>,
     /// What the controller made of each sample: the integers that every rung must repeat.
     pub observations: Vec<Observation>,
     /// What the sensors were given at each sample.
@@ -34,40 +34,44 @@ pub struct Recording {
     pub valve: bool,
 }
 
-/// Where the next row of the trace is due.
-struct Rows {
-    period_us: u64,
-    next_us: u64,
-    end_us: u64,
-    recording: Recording,
-    rows: Vec<Row>,
+/// What a run keeps of each instant of its trace. It does not change the run.
+pub trait Record: Sized {
+    /// What there is at `time` (s), while the controller goes by what it saw last.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    fn of(
+        plant: &mut Plant,
+        time: f64,
+        seen: &Observation,
+        recording: Recording,
+    ) -> Result<Self, IntegrationError>;
 }
 
-impl Rows {
-    /// Those of a rig's test.
-    fn of(rig: &Rig, recording: Recording) -> Rows {
-        let every = rig.get(&keys::test::TRACE_PERIOD_S).and_then(whole_microseconds);
-        let period_us = every.unwrap_or(u64::from(rig.period_us().get()));
-        let end_us = rig.microseconds(&keys::test::DURATION_S);
-        let rows = Vec::with_capacity(room_for(end_us / period_us));
-        Rows { period_us, next_us: 0, end_us, recording, rows }
-    }
-
-    /// Rows due before `until_us` and not after the end.
-    fn catch_up(
-        &mut self,
+impl Record for Row {
+    #[inline]
+    fn of(
         plant: &mut Plant,
+        time: f64,
         seen: &Observation,
-        until_us: u64,
-    ) -> Result<(), IntegrationError> {
-        while self.next_us < until_us && self.next_us <= self.end_us {
-            let time = seconds(self.next_us);
-            let snapshot = plant.look(time)?;
-            let valve = self.recording.valve.then(|| plant.look_into_valve(time));
-            self.rows.push(Row { time, observation: *seen, plant: snapshot, valve });
-            self.next_us += self.period_us;
-        }
-        Ok(())
+        recording: Recording,
+    ) -> Result<Row, IntegrationError> {
+        let snapshot = plant.look(time)?;
+        let valve = recording.valve.then(|| plant.look_into_valve(time));
+        Ok(Row { time, observation: *seen, plant: snapshot, valve })
+    }
+}
+
+impl Record for MotionRow {
+    #[inline]
+    fn of(
+        plant: &mut Plant,
+        time: f64,
+        _: &Observation,
+        _: Recording,
+    ) -> Result<MotionRow, IntegrationError> {
+        let (position, velocity, pressures) = plant.look_at_motion(time)?;
+        Ok(MotionRow { time, position, velocity, pressures })
     }
 }
 
@@ -99,36 +103,110 @@ pub fn run_recorded(
     rig: &Rig,
     accuracy: Accuracy,
     recording: Recording,
-    mut progress: impl FnMut(u32, u32),
+    progress: impl FnMut(u32, u32),
 ) -> Result<Run, IntegrationError> {
-    let mut rows = Rows::of(rig, recording);
-    let mut drive = Drive::of(rig, accuracy);
-    let (last, period) = (rig.last_sample(), u64::from(rig.period_us().get()));
-    let samples = room_for(u64::from(last));
-    let mut observations = Vec::with_capacity(samples);
-    let (mut readings, mut commands) = (Vec::with_capacity(samples), Vec::with_capacity(samples));
-    for k in 0..=u64::from(last) {
-        let reading = drive.plant.reading()?;
-        readings.push(reading);
-        let (seen, command) = drive.control(&reading);
-        observations.push(seen);
-        // The supervisor has the last word on the simulator's own controller, too: it ends the run.
-        if drive.target.is_some() && drive.fault.is_some() {
-            break;
-        }
-        progress(seen.index, last);
-        commands.push(drive.output(&seen, command));
-        // A row at an instant with an output shows the state after it.
-        rows.catch_up(&mut drive.plant, &seen, (k + 1) * period)?;
-        if k < u64::from(last) {
-            drive.plant.next_sample()?;
-        }
+    let mut runner = Runner::recording(rig, accuracy, recording);
+    runner.run_watched(progress)?;
+    Ok(runner.run)
+}
+
+/// Runs of one rig, one after another, with rows of some kind. Its keys are read and its plant is built once, and a run
+/// lies in the memory of the one before.
+#[derive(Clone, Debug)]
+pub struct Runner<R = Row> {
+    /// The drive at the start of the test.
+    start: Drive,
+    period_us: u64,
+    last_sample: u32,
+    row_period_us: u64,
+    end_us: u64,
+    recording: Recording,
+    run: Run<R>,
+}
+
+impl<R: Record> Runner<R> {
+    /// For the test of a rig.
+    #[must_use]
+    pub fn new(rig: &Rig, accuracy: Accuracy) -> Runner<R> {
+        Runner::recording(rig, accuracy, Recording::default())
     }
-    let (fault, work) = (drive.fault, drive.plant.work());
-    Ok(Run { rows: rows.rows, observations, readings, commands, fault, work })
+
+    /// The same with what else to record.
+    #[must_use]
+    pub fn recording(rig: &Rig, accuracy: Accuracy, recording: Recording) -> Runner<R> {
+        let (period_us, last_sample) = (u64::from(rig.period_us().get()), rig.last_sample());
+        let row_period = rig.get(&keys::test::TRACE_PERIOD_S).and_then(whole_microseconds);
+        let row_period_us = row_period.unwrap_or(period_us);
+        let end_us = rig.microseconds(&keys::test::DURATION_S);
+        let samples = room_for(u64::from(last_sample));
+        let run = Run {
+            rows: Vec::with_capacity(room_for(end_us / row_period_us)),
+            observations: Vec::with_capacity(samples),
+            readings: Vec::with_capacity(samples),
+            commands: Vec::with_capacity(samples),
+            fault: None,
+            work: PlantWork::default(),
+        };
+        let start = Drive::of(rig, accuracy);
+        Runner { start, period_us, last_sample, row_period_us, end_us, recording, run }
+    }
+
+    /// Runs the test, from its start.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    pub fn run(&mut self) -> Result<&Run<R>, IntegrationError> {
+        self.run_watched(|_, _| {})
+    }
+
+    /// The same; `progress` is given samples done and samples in all.
+    ///
+    /// # Errors
+    /// When the integration cannot go on.
+    pub fn run_watched(&mut self, mut progress: impl FnMut(u32, u32)) -> Result<&Run<R>, IntegrationError> {
+        self.run.clear();
+        let mut drive = self.start.clone();
+        let mut next_row_us = 0;
+        for k in 0..=u64::from(self.last_sample) {
+            let reading = drive.plant.reading()?;
+            self.run.readings.push(reading);
+            let (seen, command) = drive.control(&reading);
+            self.run.observations.push(seen);
+            // The supervisor has the last word on the simulator's own controller, too: it ends the run.
+            if drive.target.is_some() && drive.fault.is_some() {
+                break;
+            }
+            progress(seen.index, self.last_sample);
+            self.run.commands.push(drive.output(&seen, command));
+            // A row at an instant with an output shows the state after it.
+            let until_us = ((k + 1) * self.period_us).min(self.end_us + 1);
+            while next_row_us < until_us {
+                let row = R::of(&mut drive.plant, seconds(next_row_us), &seen, self.recording)?;
+                self.run.rows.push(row);
+                next_row_us += self.row_period_us;
+            }
+            if k < u64::from(self.last_sample) {
+                drive.plant.next_sample()?;
+            }
+        }
+        (self.run.fault, self.run.work) = (drive.fault, drive.plant.work());
+        Ok(&self.run)
+    }
+}
+
+impl<R> Run<R> {
+    /// Nothing is left of it but its memory.
+    fn clear(&mut self) {
+        self.rows.clear();
+        self.observations.clear();
+        self.readings.clear();
+        self.commands.clear();
+        (self.fault, self.work) = (None, PlantWork::default());
+    }
 }
 
 /// The controller, and the plant that it drives.
+#[derive(Clone, Debug)]
 struct Drive {
     config: Config,
     sequence: Sequence,

@@ -42,6 +42,19 @@ pub struct Row {
     pub valve: Option<ValveState>,
 }
 
+/// A row of no more than how the load moves and what moves it: a third of the work of a [`Row`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionRow {
+    /// s.
+    pub time: f64,
+    /// m.
+    pub position: f64,
+    /// m/s.
+    pub velocity: f64,
+    /// Absolute chamber pressures, Pa.
+    pub pressures: [f64; 2],
+}
+
 /// A column that a trace may have behind [`COLUMNS`].
 #[derive(Clone, Copy, Debug)]
 pub struct Extra {
