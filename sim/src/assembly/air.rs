@@ -58,6 +58,7 @@ impl Assembly {
         self.nodes(t, x)
     }
 
+    #[inline(always)]
     fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
         let openings = self.parts.valve.openings(self.spool_to_lands(t, x));
         let conductances = self.restrictions.at(openings, self.lands.open);

@@ -28,7 +28,7 @@ impl Predictor {
 
     /// Leads the last solution to the one that the parabola predicts for now, by Newton's divided differences; false
     /// without three solutions close enough.
-    #[inline]
+    #[inline(always)]
     pub fn predict(&self, nodes: &mut Nodes) -> bool {
         let [last, middle, first] = self.at;
         let dt = self.now - last;
@@ -54,21 +54,22 @@ impl Predictor {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn note(&mut self, nodes: &Nodes) {
         let Nodes { exner, supply, exhaust, .. } = *nodes;
         if self.now != self.at[0] {
             self.at = [self.now, self.at[0], self.at[1]];
-            self.solutions = [[exner, supply, exhaust], self.solutions[0], self.solutions[1]];
-        } else {
-            self.solutions[0] = [exner, supply, exhaust];
+            // Not as a whole, which would take the way over the stack.
+            self.solutions[2] = self.solutions[1];
+            self.solutions[1] = self.solutions[0];
         }
+        self.solutions[0] = [exner, supply, exhaust];
     }
 }
 
 impl Network {
     /// The nodes among what surrounds them at the instant `t`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn solve_at(&mut self, t: f64, around: &Surroundings) -> Nodes {
         self.predictor.now = t;
         self.solve_among(around)

@@ -46,7 +46,7 @@ impl Network {
     }
 
     /// The nodes among what surrounds them.
-    #[inline]
+    #[inline(always)]
     pub(super) fn solve_among(&mut self, around: &Surroundings) -> Nodes {
         if self.supply_tube.feels_temperature() {
             self.solve_returning(around)
@@ -80,6 +80,7 @@ impl Network {
     }
 
     /// The nodes with a temperature given of what goes back through the supply tube.
+    #[inline(always)]
     pub(super) fn solve_once(&mut self, around: &Surroundings) -> Nodes {
         self.work.solutions += 1;
         if !around.are_in_order() {
