@@ -5,7 +5,7 @@
 //! cargo run --release -p pneudrive-sim --example speed
 //! ```
 
-#[path = "../tests/cases/loosest.rs"]
+#[path = "../../tests/cases/loosest.rs"]
 mod loosest;
 
 use pneudrive_sim::keys;
