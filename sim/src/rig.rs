@@ -10,8 +10,10 @@ mod check;
 mod events;
 mod explain;
 mod names;
+mod origin;
 mod parameters;
 mod problem;
+mod quantity;
 mod read;
 mod reader;
 mod spread;
@@ -32,7 +34,9 @@ pub use toml_file::TomlFile;
 pub use crate::component::valve::MAX_DISCHARGE;
 pub use crate::key::{Key, Kind, Preset, unit};
 pub use crate::random::unit_interval;
-pub use crate::values::{Fields, Rig, Value};
+pub use crate::values::{Fields, Origin, Rig, Source, Value};
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod units_tests;

@@ -66,12 +66,60 @@ from_value! {
     Vec<Fields>: Events(events) => events.clone();
 }
 
+/// How the value of a key came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The file does not have the key: the value is that of servo-drive B.
+    Default,
+    /// The file has it, from a data sheet or a measurement.
+    Given,
+    /// Computed from other figures.
+    Computed,
+    /// What parts of this kind usually have.
+    Typical,
+    /// A guess: the value lies somewhere in its range.
+    Unknown,
+}
+
+impl Source {
+    /// The word for it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Source::Default => "default",
+            Source::Given => "given",
+            Source::Computed => "computed",
+            Source::Typical => "typical",
+            Source::Unknown => "unknown",
+        }
+    }
+}
+
+/// Where the value of a key comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Origin {
+    /// How it came about.
+    pub source: Source,
+    /// The ends between which it lies, in the unit of the key, if the file says them.
+    pub range: Option<[f64; 2]>,
+    /// The formula, the publication or the test that finds it; empty where the file says nothing.
+    pub from: String,
+}
+
+impl Origin {
+    fn bare(source: Source) -> Origin {
+        Origin { source, range: None, from: String::new() }
+    }
+}
+
 /// A valid rig: a value for every key that has one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rig {
     pub(crate) values: BTreeMap<&'static str, Value>,
     /// Keys that the file or the command line has set.
     pub(crate) set: BTreeSet<&'static str>,
+    /// What the file says of where values come from.
+    pub(crate) origins: BTreeMap<&'static str, Origin>,
 }
 
 impl Rig {
@@ -115,6 +163,16 @@ impl Rig {
     #[must_use]
     pub fn is_set(&self, key: &Key) -> bool {
         self.set.contains(key.path)
+    }
+
+    /// Where the value of a key comes from.
+    #[must_use]
+    pub fn origin(&self, key: &Key) -> Origin {
+        match self.origins.get(key.path) {
+            Some(origin) => origin.clone(),
+            None if self.is_set(key) => Origin::bare(Source::Given),
+            None => Origin::bare(Source::Default),
+        }
     }
 
     pub(crate) fn put(&mut self, path: &'static str, value: Option<Value>) {

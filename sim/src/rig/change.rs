@@ -35,6 +35,10 @@ impl Rig {
             } else {
                 rig.set.remove(key.path);
             }
+            match other.origins.get(key.path) {
+                Some(origin) => rig.origins.insert(key.path, origin.clone()),
+                None => rig.origins.remove(key.path),
+            };
         }
         rig.checked(other.name())
     }

@@ -3,6 +3,14 @@
 use super::table::all_keys;
 use crate::key::{Key, unit};
 
+/// The key that a path without a unit means: `actuator.stroke` is actuator.stroke_m. Case does not matter.
+pub(super) fn key_of_stem(path: &str) -> Option<&'static Key> {
+    let (table, name) = path.split_once('.').unwrap_or(("", path));
+    all_keys().find(|key| {
+        key.table() == table && !key.unit().is_empty() && unit(key.name()).0.eq_ignore_ascii_case(name)
+    })
+}
+
 /// What to say of a key that is not in the table: its unit, or a near miss.
 pub(super) fn unknown_key(path: &str) -> String {
     let (table, name) = path.split_once('.').unwrap_or(("", path));
@@ -10,9 +18,11 @@ pub(super) fn unknown_key(path: &str) -> String {
     let same_stem =
         all_keys().find(|key| key.table() == table && !key.unit().is_empty() && unit(key.name()).0 == stem);
     match same_stem {
-        Some(key) if given.is_empty() => {
-            format!("there is no such key; with its unit it is {} (in {})", key.name(), key.unit())
-        }
+        Some(key) if given.is_empty() => format!(
+            "there is no such key; with its unit it is {} (in {}); or write the unit with the number, in quotes",
+            key.name(),
+            key.unit()
+        ),
         Some(key) => {
             format!("wrong unit: this key is {}, so give it in {} instead of {given}", key.name(), key.unit())
         }

@@ -32,6 +32,7 @@ impl Rig {
         for setting in settings {
             reader.setting(&mut rig, setting);
         }
+        reader.finish(&mut rig);
         rig.suit_drive_stage();
         rig.checked_by(reader)
     }
@@ -62,6 +63,7 @@ impl Rig {
         for setting in settings {
             reader.setting(&mut rig, setting);
         }
+        reader.finish(&mut rig);
         rig.checked_by(reader)
     }
 
@@ -74,6 +76,7 @@ impl Rig {
         for key in keys::test::ALL {
             rig.put(key.path, preset_value(&key.preset));
             rig.set.remove(key.path);
+            rig.origins.remove(key.path);
         }
         rig.with_settings(settings)
     }

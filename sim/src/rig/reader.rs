@@ -4,25 +4,40 @@ use std::collections::BTreeMap;
 
 use toml_edit::{ArrayOfTables, Item, Table, TableLike};
 
-use super::names::{did_you_mean, unknown_key};
+use super::names::{did_you_mean, key_of_stem, unknown_key};
+use super::origin::{Stated, stated};
 use super::table::{all_keys, find_key};
 use super::toml_file::TomlFile;
-use super::value::{item_of, value_of};
+use super::value::{end_of, is_gauge, item_of, value_of, with_unit};
 use crate::key::{Key, Kind};
 use crate::keys;
-use crate::values::{Findings, Rig};
+use crate::values::{Findings, Origin, Rig, Value};
+
+/// The name of the command line's settings in messages.
+const SETTING: &str = "--set";
 
 /// What is being read, and what was found wrong so far.
 pub(super) struct Reader<'a> {
     pub file: TomlFile<'a>,
     /// Lines of the keys that the file has.
     lines: BTreeMap<&'static str, Option<usize>>,
+    /// Gauge pressures: they wait until the pressure of the surroundings is known.
+    gauge: BTreeMap<&'static str, Entry>,
+}
+
+/// What stands at a key.
+struct Entry {
+    key: &'static Key,
+    /// As the file spells it: with its unit, or without it in front of a number with one.
+    path: String,
+    line: Option<usize>,
+    stated: Stated,
 }
 
 impl<'a> Reader<'a> {
     /// Reads a file or settings for messages under the name `source`.
     pub fn new(source: &'a str, text: &'a str) -> Self {
-        Reader { file: TomlFile::new(source, text), lines: BTreeMap::new() }
+        Reader { file: TomlFile::new(source, text), lines: BTreeMap::new(), gauge: BTreeMap::new() }
     }
 
     /// Notes what does not go together; the lines are known of keys that the file has.
@@ -65,28 +80,67 @@ impl<'a> Reader<'a> {
     }
 
     fn item(&mut self, rig: &mut Rig, path: &str, line: Option<usize>, item: &Item) {
-        let Some(key) = find_key(path) else {
+        let by_stem = || key_of_stem(path).filter(|_| item.is_str() || item.is_inline_table());
+        let Some(key) = find_key(path).or_else(by_stem) else {
             self.file.problem(line, path, unknown_key(path));
             return;
         };
-        self.lines.insert(key.path, line);
+        let former = self.lines.insert(key.path, line);
+        if former.is_some() && self.file.source != SETTING {
+            let message = format!("{} is given twice, with and without its unit", key.path);
+            self.file.problem(line, path, message);
+            return;
+        }
         if key.kind == Kind::Events {
             rig.put(key.path, self.events(line, item));
             rig.set.insert(key.path);
             return;
         }
-        match value_of(key, item) {
-            Ok(value) => {
-                rig.put(key.path, Some(value));
-                rig.set.insert(key.path);
-            }
+        match stated(item) {
+            Ok(stated) => self.entry(rig, Entry { key, path: path.to_owned(), line, stated }),
             Err(message) => self.file.problem(line, path, message),
+        }
+    }
+
+    /// Takes an entry, or puts it aside until the pressure of the surroundings is known.
+    fn entry(&mut self, rig: &mut Rig, entry: Entry) {
+        self.gauge.remove(entry.key.path);
+        if is_gauge(entry.key, &entry.path, &entry.stated) {
+            self.gauge.insert(entry.key.path, entry);
+        } else {
+            self.put(rig, &entry);
+        }
+    }
+
+    fn put(&mut self, rig: &mut Rig, entry: &Entry) {
+        match value_and_origin(entry, rig.get(&keys::exhaust::PRESSURE_PA)) {
+            Ok((value, origin)) => {
+                rig.put(entry.key.path, Some(value));
+                rig.set.insert(entry.key.path);
+                match origin {
+                    Some(origin) => rig.origins.insert(entry.key.path, origin),
+                    None => rig.origins.remove(entry.key.path),
+                };
+            }
+            Err(message) => self.file.problem(entry.line, &entry.path, message),
+        }
+    }
+
+    /// Takes what has waited for the pressure of the surroundings.
+    pub fn finish(&mut self, rig: &mut Rig) {
+        for entry in std::mem::take(&mut self.gauge).into_values() {
+            if entry.key.path == keys::exhaust::PRESSURE_PA.path {
+                let message = "the surroundings are what gauge pressures count from: give it as absolute";
+                self.file.problem(entry.line, &entry.path, message.to_owned());
+            } else {
+                self.put(rig, &entry);
+            }
         }
     }
 
     /// One `key=value` of the command line.
     pub fn setting(&mut self, rig: &mut Rig, setting: &str) {
-        let source = std::mem::replace(&mut self.file.source, "--set");
+        let source = std::mem::replace(&mut self.file.source, SETTING);
         let (path, text) = setting.split_once('=').unwrap_or((setting, ""));
         let (path, text) = (path.trim(), text.trim());
         if text.is_empty() {
@@ -99,5 +153,39 @@ impl<'a> Reader<'a> {
             rig.set.remove(keys::test::MOVES.path);
         }
         self.file.source = source;
+    }
+}
+
+/// The value of an entry in the unit of its key, and where it comes from.
+fn value_and_origin(entry: &Entry, surroundings: f64) -> Result<(Value, Option<Origin>), String> {
+    let Entry { key, path, stated, .. } = entry;
+    let value = value_of(key, &with_unit(key, path, &stated.value, surroundings)?)?;
+    let origin = match &stated.origin {
+        None => None,
+        Some(origin) => {
+            let range = match &origin.range {
+                None => None,
+                Some([low, high]) => {
+                    Some(within(&value, [end_of(key, low, surroundings)?, end_of(key, high, surroundings)?])?)
+                }
+            };
+            Some(Origin { source: origin.source, range, from: origin.from.clone() })
+        }
+    };
+    Ok((value, origin))
+}
+
+/// The range, if the value lies in it.
+fn within(value: &Value, range: [f64; 2]) -> Result<[f64; 2], String> {
+    let number = match value {
+        Value::Number(number) => *number,
+        Value::Integer(number) => *number as f64,
+        _ => return Err("has no low and no high: it is no number".to_owned()),
+    };
+    let [low, high] = range;
+    if (low..=high).contains(&number) {
+        Ok(range)
+    } else {
+        Err(format!("must lie between its low, {low}, and its high, {high}, is {number}"))
     }
 }

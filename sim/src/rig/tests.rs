@@ -58,11 +58,11 @@ fn a_wrong_unit_is_named_with_the_right_one() {
     );
     assert_eq!(
         only_problem("[supply]\npressure = 589000\n"),
-        "rig.toml:2: supply.pressure: there is no such key; with its unit it is pressure_pa (in Pa)"
+        "rig.toml:2: supply.pressure: there is no such key; with its unit it is pressure_pa (in Pa); or write the unit with the number, in quotes"
     );
     assert_eq!(
         only_problem("[supply]\npressure_pa = \"5.9 bar\"\n"),
-        "rig.toml:2: supply.pressure_pa: must be a number in Pa without the unit, not a string"
+        "rig.toml:2: supply.pressure_pa: must be a number in Pa without the unit, not a string; with its unit write pressure = \"5.9 bar\""
     );
     assert_eq!(
         only_problem("[actuator]\nbore_m = 50\n"),

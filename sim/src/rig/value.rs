@@ -2,13 +2,46 @@
 
 use toml_edit::Item;
 
+use super::origin::Stated;
+use super::quantity::{self, Reading};
 use super::table::preset_value;
-use crate::key::{Key, Kind, Preset};
+use crate::key::{Key, Kind, Preset, unit as stem};
 use crate::values::Value;
 
 /// A value as it is typed. A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes.
 pub(super) fn item_of(text: &str) -> Item {
     Item::Value(text.parse().unwrap_or_else(|_| text.into()))
+}
+
+/// An item as its key takes it: where the path leaves the unit out, the text gives it with the number. A gauge pressure
+/// counts from that of the `surroundings`, Pa.
+pub(super) fn with_unit(key: &Key, path: &str, item: &Item, surroundings: f64) -> Result<Item, String> {
+    if path == key.path {
+        return Ok(item.clone());
+    }
+    let text =
+        item.as_str().ok_or_else(|| format!("must be a text with its unit, such as \"1 {}\"", key.unit()))?;
+    absolute(quantity::read(text, key.unit())?, surroundings).map(|number| Item::Value(number.into()))
+}
+
+/// An end of the range of a value: a number in the unit of its key, or a text with its own.
+pub(super) fn end_of(key: &Key, item: &Item, surroundings: f64) -> Result<f64, String> {
+    match (real(item), item.as_str()) {
+        (Some(number), _) => Ok(number),
+        (None, Some(text)) => absolute(quantity::read(text, key.unit())?, surroundings),
+        (None, None) => Err("low and high are numbers, or texts with a unit".to_owned()),
+    }
+}
+
+fn absolute(reading: Reading, surroundings: f64) -> Result<f64, String> {
+    let value = if reading.gauge { reading.value + surroundings } else { reading.value };
+    if value.is_finite() { Ok(value) } else { Err("is too large".to_owned()) }
+}
+
+/// Whether a number with its unit is a gauge pressure.
+pub(super) fn is_gauge(key: &Key, path: &str, stated: &Stated) -> bool {
+    let text = stated.value.as_str().filter(|_| path != key.path);
+    text.is_some_and(|text| quantity::read(text, key.unit()).is_ok_and(|reading| reading.gauge))
 }
 
 /// The value of a key, or what is wrong with it.
@@ -46,6 +79,11 @@ fn number(key: &Key, item: &Item, min: f64, max: f64) -> Result<Value, String> {
         let kind = item.type_name();
         return Err(match key.unit() {
             "" => format!("must be a number, not a {kind}"),
+            unit if item.is_str() => format!(
+                "must be a number in {unit} without the unit, not a string; with its unit write {} = {}",
+                stem(key.name()).0,
+                item.to_string().trim()
+            ),
             unit => format!("must be a number in {unit} without the unit, not a {kind}"),
         });
     };
