@@ -35,7 +35,7 @@ pub struct Cli {
 pub enum Command {
     /// Run the whole job without hardware: step test on a virtual rig, record, simulate, overlay
     Demo(Demo),
-    /// List, show, check and explain rig files
+    /// Make, list, show, check, compare and explain rig files
     #[command(subcommand)]
     Rig(Rig),
     /// Simulate the test of a rig: trace.csv, run.json, report.html
@@ -105,6 +105,22 @@ pub enum Rig {
     Show {
         /// Name of a built-in rig, or a file
         name: String,
+        /// Every value in SI, with where it comes from: given, computed, typical, unknown or default
+        #[arg(long)]
+        resolved: bool,
+        /// The same as JSON
+        #[arg(long)]
+        json: bool,
+        /// Set a key before: KEY=VALUE, more than once
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        settings: Vec<String>,
+    },
+    /// Two rigs, key by key
+    Diff {
+        /// Name of a built-in rig, or a file
+        one: String,
+        /// The other one
+        other: String,
     },
     /// Check a rig file: errors by file, line and key
     Check {

@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 13] = [
+const CRATES: [&str; 14] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
@@ -29,6 +29,7 @@ const CRATES: [&str; 13] = [
     "host/link",
     "host/rigs",
     "host/analysis",
+    "host/design",
     "host",
     "hil-tests",
     "xtask",

@@ -1,7 +1,10 @@
 //! `pneudrive rig`.
 
-use anyhow::{Result, anyhow};
-use pneudrive_sim::rig::{BUILTIN, explain};
+use anyhow::{Result, anyhow, bail};
+use pneudrive_design::difference::differences;
+use pneudrive_design::values;
+use pneudrive_sim::Rig;
+use pneudrive_sim::rig::{BUILTIN, Value, explain};
 
 use super::rig_source::{load_rig, rig_text};
 use crate::cli::Rig as Arguments;
@@ -9,7 +12,13 @@ use crate::cli::Rig as Arguments;
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     match arguments {
         Arguments::List => list(),
-        Arguments::Show { name } => show(name),
+        Arguments::Show { name, resolved, json, settings } => match (json, resolved) {
+            (true, _) => show_json(&load_rig(name, settings)?),
+            (false, true) => show_resolved(&load_rig(name, settings)?),
+            (false, false) if settings.is_empty() => show(name),
+            (false, false) => bail!("--set goes with --resolved or --json: the file itself stays as it is"),
+        },
+        Arguments::Diff { one, other } => diff(one, other),
         Arguments::Check { file } => check(file),
         Arguments::Explain { key } => {
             say!("{}", explain(key).map_err(|problem| anyhow!("{problem}"))?.trim_end());
@@ -28,6 +37,30 @@ fn list() -> Result<()> {
 
 fn show(name: &str) -> Result<()> {
     say!("{}", rig_text(name)?.1.trim_end());
+    Ok(())
+}
+
+fn show_resolved(rig: &Rig) -> Result<()> {
+    say!("{}", values::to_toml(rig).trim_end());
+    let counts = values::count(rig).map(|(source, count)| format!("{count} {}", source.word()));
+    tell!("{}: {}", rig.name(), counts.join(", "));
+    Ok(())
+}
+
+fn show_json(rig: &Rig) -> Result<()> {
+    say!("{}", serde_json::to_string_pretty(&values::to_json(rig))?);
+    Ok(())
+}
+
+/// Where two rigs differ, a line a key; nothing where they do not.
+fn diff(one: &str, other: &str) -> Result<()> {
+    let rigs = [load_rig(one, &[])?, load_rig(other, &[])?];
+    for difference in differences(&rigs[0], &rigs[1]) {
+        let [first, second] = difference.values.map(|value| value.map_or("-".to_owned(), Value::to_string));
+        let unit = difference.key.unit();
+        let percent = difference.percent().map_or(String::new(), |percent| format!("  ({percent:+.3} %)"));
+        say!("{:<38} {first} -> {second} {unit}{percent}", difference.key.path);
+    }
     Ok(())
 }
 

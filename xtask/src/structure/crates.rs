@@ -9,7 +9,11 @@ use toml_edit::{DocumentMut, Item};
 const LAYERS: [&[(&str, &str)]; 8] = [
     &[("pneudrive-controller", "shared/controller"), ("pneudrive-solver", "sim/solver")],
     &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
-    &[("pneudrive-app", "firmware/app"), ("pneudrive-records", "host/records")],
+    &[
+        ("pneudrive-app", "firmware/app"),
+        ("pneudrive-records", "host/records"),
+        ("pneudrive-design", "host/design"),
+    ],
     &[
         ("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"),
         ("pneudrive-link", "host/link"),
