@@ -26,6 +26,7 @@ pub use builtin::{BUILTIN, builtin};
 pub use explain::explain;
 pub use names::nearest;
 pub use problem::{Problem, Problems};
+pub use quantity::{Reading, read as read_quantity};
 pub use read::value_of_setting;
 pub use spread::SpreadError;
 pub use table::{all_keys, find_key};

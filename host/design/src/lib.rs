@@ -2,10 +2,19 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`conductance`] | what data sheets say of a valve's flow |
+//! | [`question`], [`own_drive`] | what is asked for, and the rig file that it makes |
+//! | [`rig_file`] | rig files that say where values come from |
+//! | [`parts`] | the catalogue: cylinders, valves, tubes, sensors |
 //! | [`values`] | every value of a rig, with where it comes from |
 //! | [`difference`] | two rigs, key by key |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod conductance;
 pub mod difference;
+pub mod own_drive;
+pub mod parts;
+pub mod question;
+pub mod rig_file;
 pub mod values;

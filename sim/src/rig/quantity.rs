@@ -19,7 +19,7 @@ struct Unit {
 
 /// A number that was read with its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reading {
+pub struct Reading {
     /// In the unit that was asked for.
     pub value: f64,
     /// Whether it counts from the pressure of the surroundings.
@@ -30,8 +30,11 @@ pub(super) struct Reading {
 ///
 /// # Errors
 /// What is wrong with the number or its unit, and what would be right.
-pub(super) fn read(text: &str, unit: &str) -> Result<Reading, String> {
+pub fn read(text: &str, unit: &str) -> Result<Reading, String> {
     let (number, given) = number_and_unit(text)?;
+    if given == unit {
+        return Ok(Reading { value: number, gauge: false });
+    }
     if given.is_empty() {
         return Err(format!("needs a unit: write it as \"{number} {unit}\", or in another unit"));
     }
@@ -191,6 +194,7 @@ mod tests {
             ("2.5 kN", "N", 2500.0),
             ("90 deg", "deg", 90.0),
             ("1 J/(kg K)", "J/(kg K)", 1.0),
+            ("5 %", "%", 5.0),
             ("3.6 mm/h", "mm/h", 3.6),
         ] {
             let got = value(text, unit);

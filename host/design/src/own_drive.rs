@@ -1,0 +1,95 @@
+//! The rig file of a drive of one's own, from the answers to [`crate::question::QUESTIONS`].
+//!
+//! Each value is given, computed, typical or unknown, and says so. An unknown one has a range, a place in it to begin with,
+//! and the test that finds it.
+
+mod air;
+mod cylinder;
+mod gains;
+mod load;
+mod test;
+mod valve;
+
+use pneudrive_sim::component::controller;
+use pneudrive_sim::{Rig, keys};
+
+use crate::question::{Answers, Refusal};
+use crate::rig_file::{Number, RigFile};
+
+pub(crate) use cylinder::Cylinder;
+
+/// Stroke per count of an encoder that nobody has described, mm.
+pub(crate) const RESOLUTION_MM: f64 = 0.01;
+
+/// The rig file.
+///
+/// # Errors
+/// Everything that is wrong with the answers, each at its question.
+pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
+    let mut file = RigFile::new(&about(name), name);
+    let mut wrong = Vec::new();
+    let mut keep = |part: Result<(), Refusal>| wrong.extend(part.err());
+    keep(air::write(&mut file, answers));
+    match Cylinder::of(answers) {
+        Ok(cylinder) => {
+            keep(cylinder.write(&mut file));
+            keep(load::write(&mut file, answers, &cylinder));
+            keep(test::write(&mut file, answers, &cylinder));
+            let sonic = valve::sonic_conductance(answers);
+            keep(sonic.and_then(|sonic| gains::write(&mut file, answers, &cylinder, sonic)));
+        }
+        Err(refusal) => keep(Err(refusal)),
+    }
+    keep(valve::write(&mut file, answers));
+    keep(sampling(&mut file, answers));
+    // Two parts of the file may need the same answer.
+    let mut named = Vec::new();
+    wrong.retain(|refusal: &Refusal| {
+        let first = !named.contains(&refusal.question);
+        named.push(refusal.question);
+        first
+    });
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
+    let text = file.to_toml();
+    match Rig::read(name, &text) {
+        Ok(_) => Ok(text),
+        Err(problems) => Err(vec![Refusal {
+            question: "stroke",
+            message: format!("these answers make no rig together:\n{problems}"),
+        }]),
+    }
+}
+
+fn about(name: &str) -> Vec<String> {
+    [
+        format!("{name}, by `pneudrive rig new`."),
+        "given: by a data sheet or by you. computed, typical: `from` says how. unknown: somewhere from low to high.".to_owned(),
+        "`pneudrive rig show FILE --resolved` shows every value, `pneudrive rig explain KEY` what a key means,".to_owned(),
+        "`pneudrive identify FILE --plan PORT` runs the tests that find what is unknown, and fits it.".to_owned(),
+    ]
+    .to_vec()
+}
+
+fn sampling(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal> {
+    let resolution = match answers.number("resolution")? {
+        Some(mm) => Number::given(mm, answers.text("resolution").unwrap_or_default()),
+        None => Number::typical(RESOLUTION_MM, [0.001, 0.1], "an incremental encoder; its data sheet tells"),
+    };
+    let period = match answers.number("period")? {
+        Some(s) => Number::given(s, answers.text("period").unwrap_or_default()),
+        None => Number::typical(1e-3, [5e-4, 2e-3], "yours to choose"),
+    };
+    file.number(&keys::encoder::MM_PER_COUNT, &resolution);
+    file.number(&keys::controller::PERIOD_S, &period);
+    file.number(
+        &keys::controller::DELAY_S,
+        &period.map(|s| (0.4 * s * 1e6).round() / 1e6, "two fifths of the period"),
+    );
+    file.word(&keys::controller::LAW, controller::Law::GainProfile, "`pneudrive tune` finds its gains");
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,79 @@
+//! What moves, and what holds it back.
+
+use pneudrive_sim::keys;
+
+use super::cylinder::{Cylinder, middle, typical};
+use crate::question::{Answers, Refusal};
+use crate::rig_file::{Number, RigFile};
+
+/// Pressure difference for which friction is stated as a part of the piston's force, Pa.
+const STATED_AT: f64 = 6e5;
+
+pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
+    file.number(&keys::load::MASS_KG, &mass(answers, cylinder)?);
+    if let Some(angle) = answers.number("incline")? {
+        file.number(
+            &keys::load::INCLINE_DEG,
+            &Number::given(angle, answers.text("incline").unwrap_or_default()),
+        );
+    }
+    if let Some(force) = answers.number("force")? {
+        file.number(
+            &keys::load::CONSTANT_FORCE_N,
+            &Number::given(force, answers.text("force").unwrap_or_default()),
+        );
+    }
+    let [running, breakaway] = friction(answers, cylinder)?;
+    file.number(&keys::friction::COULOMB_EXTEND_N, &running);
+    file.number(&keys::friction::COULOMB_RETRACT_N, &running);
+    file.number(&keys::friction::STATIC_EXTEND_N, &breakaway);
+    file.number(&keys::friction::STATIC_RETRACT_N, &breakaway);
+    let viscous = typical("viscous_friction", "N s/m");
+    let from = "two published drives have 11.6 and 30 N s/m; `identify --plan` finds it";
+    file.number(&keys::load::VISCOUS_N_S_PER_M, &Number { from: from.to_owned(), ..viscous });
+    Ok(())
+}
+
+/// The load with piston and rod, kg.
+fn mass(answers: &Answers, cylinder: &Cylinder) -> Result<Number, Refusal> {
+    let load = answers.required("mass")?;
+    let text = answers.text("mass").unwrap_or_default();
+    Ok(match cylinder.moving_mass() {
+        None => Number::given(load, format!("{text}; piston and rod count as part of it")),
+        Some([low, high]) => {
+            Number::computed(load + (low + high) / 2.0, format!("{text}, and piston and rod of 7850 kg/m3"))
+                .within(Some([load + low, load + high]))
+        }
+    })
+}
+
+/// Running friction and that at which it breaks away, N.
+fn friction(answers: &Answers, cylinder: &Cylinder) -> Result<[Number; 2], Refusal> {
+    let force = cylinder.areas()[0] * STATED_AT;
+    let running = match answers.number("friction")? {
+        Some(force) => Number::given(force, answers.text("friction").unwrap_or_default()),
+        None => typical("running_friction_fraction", "%").map(
+            |percent| 1e-2 * percent * force,
+            "1 to 25 % of the piston's force at 6 bar; `identify --plan` finds it",
+        ),
+    };
+    let breakaway = match answers.number("breakaway")? {
+        Some(force) if force < running.value && answers.text("friction").is_some() => {
+            let message = format!("{force} N is below the running friction of {} N", running.value);
+            return Err(Refusal { question: "breakaway", message });
+        }
+        Some(force) => Number::given(force, answers.text("breakaway").unwrap_or_default()),
+        None => {
+            let ratio = typical("breakaway_over_running", "");
+            let [low, high] = ratio.range.unwrap_or_default();
+            let [least, most] = running.range.unwrap_or([running.value; 2]);
+            let from = "1.25 to 3.3 times the running friction; `identify --plan` finds it";
+            Number { value: ratio.value * running.value, ..middle([low * least, high * most], from) }
+        }
+    };
+    // Friction that is only guessed stays below a break-away force that is known.
+    let below = |end: f64| end.min(breakaway.value);
+    let running =
+        Number { value: below(running.value), range: running.range.map(|ends| ends.map(below)), ..running };
+    Ok([running, breakaway])
+}

@@ -1,0 +1,196 @@
+//! The valve by ISO 6358, and the spool that opens it.
+
+use std::f64::consts::PI;
+
+use pneudrive_sim::component::{operator, valve};
+use pneudrive_sim::keys;
+
+use super::cylinder::{middle, part_of};
+use crate::conductance::Conductance;
+use crate::parts::{Family, Part, find};
+use crate::question::{Answers, Refusal};
+use crate::rig_file::{Number, RigFile};
+
+/// Spool travel to either side, mm. No figure of the valve: the lands open in proportion, so only ratios to it count.
+const TRAVEL_MM: f64 = 1.0;
+/// Bore of the sleeve, mm: no figure of the valve either.
+const SLEEVE_MM: f64 = 10.0;
+/// The damping ratio of a spool with a position loop, and between what it lies.
+const DAMPING: (f64, [f64; 2]) = (0.7, [0.5, 1.0]);
+/// The class whose ranges stand in for what nobody has said of a valve.
+const CLASS: &str = "proportional-5-3-350";
+
+/// C of the answers, m^3/(s Pa).
+pub(super) fn sonic_conductance(answers: &Answers) -> Result<f64, Refusal> {
+    let (named, class) = parts_of(answers)?;
+    let ratio = critical_ratio(answers, named.as_ref().unwrap_or(&class))?;
+    Ok(conductance(answers, named.as_ref(), &ratio)?.value)
+}
+
+/// The valve that was named, and the class that stands in for what nobody has said.
+fn parts_of(answers: &Answers) -> Result<(Option<Part>, Part), Refusal> {
+    let class = find(Family::Valve, CLASS).map_err(|message| Refusal { question: "valve", message })?;
+    Ok((part_of(answers, "valve", Family::Valve)?, class))
+}
+
+pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal> {
+    let (named, class) = parts_of(answers)?;
+    let part = named.as_ref().unwrap_or(&class);
+    let ratio = critical_ratio(answers, part)?;
+    file.word(&keys::valve::MODEL, valve::Model::Iso6358, "by its conductance");
+    file.optional(
+        &keys::iso6358::SONIC_CONDUCTANCE_M3_PER_S_PA,
+        &conductance(answers, named.as_ref(), &ratio)?,
+    );
+    file.optional(&keys::iso6358::CRITICAL_RATIO, &ratio);
+    lands(file, answers, part)?;
+    spool(file, answers, part)
+}
+
+/// b.
+fn critical_ratio(answers: &Answers, part: &Part) -> Result<Number, Refusal> {
+    let question = "critical-ratio";
+    let ratio = usual(answers, question, part, "critical_ratio", "")?;
+    if !(0.0..1.0).contains(&ratio.value) {
+        let message =
+            format!("{} is none: b lies from 0 to below 1, and from 0.1 to 0.5 for valves", ratio.value);
+        return Err(Refusal { question, message });
+    }
+    if ratio.value > 0.5 {
+        let message = format!(
+            "{} is that of a nozzle (0.528), not of a valve: 0.1 to 0.5. Many pages print it; leave it out if the data sheet has none",
+            ratio.value
+        );
+        return Err(Refusal { question, message });
+    }
+    // The middle of the range that 5/3 spool valves have.
+    let value = if ratio.source == pneudrive_sim::rig::Source::Unknown { 0.3 } else { ratio.value };
+    Ok(Number { value, ..ratio })
+}
+
+/// C, from whichever figure of its flow is known.
+fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result<Number, Refusal> {
+    let figures = ["conductance", "flow", "kv", "cv"];
+    let given: Vec<&str> = figures.into_iter().filter(|name| answers.text(name).is_some()).collect();
+    if let [_, second, ..] = given[..] {
+        let question = figures.into_iter().find(|name| *name == second).unwrap_or("flow");
+        let message = format!("is one figure too many beside --{}: both say how much passes", given[0]);
+        return Err(Refusal { question, message });
+    }
+    if let Some(sonic) = answers.number("conductance")? {
+        return Ok(Number::given(sonic, answers.text("conductance").unwrap_or_default()));
+    }
+    let of_part = |name: &str, unit: &str| part.and_then(|part| part.figure(name)?.value_in(unit).ok());
+    let by_flow = |flow: f64, from: String| by_flow(flow, ratio, from);
+    if let Some(flow) = answers.number("flow")? {
+        return Ok(by_flow(flow, format!("Qn = {}", answers.text("flow").unwrap_or_default())));
+    }
+    for (question, water) in [("kv", 1.0), ("cv", 0.865)] {
+        if let Some(value) = answers.number(question)? {
+            let kv = value * water;
+            let from = format!(
+                "{question} = {value}: Qn = 1189 Kv l/min, Kv = 0.865 Cv, for small drops; 15 % either way"
+            );
+            return Ok(widened(by_flow(1189e-3 / 60.0 * kv, from), 0.15));
+        }
+    }
+    if let (Some(part), Some(sonic)) = (part, of_part("sonic_conductance", "m3/(s Pa)")) {
+        return Ok(Number::given(sonic, part.name.clone()));
+    }
+    match (part, of_part("nominal_flow", "m3/s")) {
+        (Some(part), Some(flow)) => Ok(by_flow(flow, format!("{}, its nominal flow", part.name))),
+        _ => Err(Refusal {
+            question: "flow",
+            message: "is needed, such as \"350 l/min\" (6 to 5 bar(g)), or --conductance, --kv, --cv, or a --valve of the catalogue".to_owned(),
+        }),
+    }
+}
+
+/// C of a nominal flow, over the range of b.
+fn by_flow(flow: f64, ratio: &Number, from: String) -> Number {
+    let sonic = |b: f64| Conductance::of_nominal_flow(flow, b).sonic;
+    let ends = ratio.range.map(|[low, high]| [sonic(high), sonic(low)]);
+    Number::computed(sonic(ratio.value), format!("{from}, and b (ISO 6358, 6 to 5 bar(g), 20 degC)"))
+        .within(ends)
+}
+
+fn widened(number: Number, part: f64) -> Number {
+    let [low, high] = number.range.unwrap_or([number.value; 2]);
+    number.within(Some([low * (1.0 - part), high * (1.0 + part)]))
+}
+
+/// How the lands open, and what passes when they are shut.
+fn lands(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refusal> {
+    let scale = "a scale: the lands open in proportion, so only ratios to it count";
+    file.number(&keys::valve::SPOOL_TRAVEL_MM, &Number::computed(TRAVEL_MM, scale));
+    file.number(&keys::valve::SLEEVE_DIAMETER_MM, &Number::computed(SLEEVE_MM, scale));
+    let overlap = usual(answers, "overlap", part, "overlap", "%")?;
+    let from = format!("{} of the spool's travel", described(&overlap, "%"));
+    file.number(&keys::valve::UNDERLAP_MM, &overlap.map(|percent| 1e-2 * percent * TRAVEL_MM, from));
+    let leakage = figure_of(part, "leakage_in_centre", "%")?;
+    // Shut, an edge of clearance c passes what an opening of c would: c/(travel - lap) of the flow.
+    let from = format!("{} of the flow passes the shut lands", described(&leakage, "%"));
+    let spool = leakage.map(|percent| SLEEVE_MM - 2.0 * 1e-2 * percent * TRAVEL_MM, from);
+    file.number(&keys::valve::SPOOL_DIAMETER_MM, &spool);
+    Ok(())
+}
+
+/// How the spool follows its command: (6.32) with the critical frequency as its natural one.
+fn spool(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refusal> {
+    let bandwidth = usual(answers, "bandwidth", part, "critical_frequency", "Hz")?;
+    let hysteresis = usual(answers, "hysteresis", part, "hysteresis", "%")?;
+    file.word(
+        &keys::operator::MODEL,
+        operator::Model::Empirical,
+        "a spool with a position loop: second order",
+    );
+    let from = format!("(2 pi f)^2, f = {}", described(&bandwidth, "Hz"));
+    file.number(
+        &keys::empirical::STIFFNESS_PER_MASS_PER_S2,
+        &bandwidth.map(|f| (2.0 * PI * f).powi(2), from),
+    );
+    let (ratio, ends) = DAMPING;
+    let at = |ratio: f64| 4.0 * PI * ratio * bandwidth.value;
+    let from = "damping ratio of 0.7, between 0.5 and 1: -3 dB at the natural frequency";
+    file.number(&keys::empirical::DAMPING_PER_S, &Number::typical(at(ratio), ends.map(at), from));
+    file.number(&keys::hysteresis::HYSTERESIS_PERCENT, &hysteresis);
+    let none = "no dither: the valve's own amplifier sees to it";
+    file.number(&keys::dither::DITHER_MM, &Number::typical(0.0, [0.0, 0.05], none));
+    file.number(&keys::amplifier::SATURATION_MM, &Number::computed(TRAVEL_MM, "the spool's travel"));
+    Ok(())
+}
+
+/// An answer, or what is usual: unknown within its range.
+fn usual(
+    answers: &Answers,
+    question: &'static str,
+    part: &Part,
+    figure: &str,
+    unit: &str,
+) -> Result<Number, Refusal> {
+    match answers.number(question)? {
+        Some(value) => Ok(Number::given(value, answers.text(question).unwrap_or_default())),
+        None => figure_of(part, figure, unit),
+    }
+}
+
+/// A figure of a part: its value, or the middle of its range.
+fn figure_of(part: &Part, name: &str, unit: &str) -> Result<Number, Refusal> {
+    let refuse = |message: String| Refusal { question: "valve", message };
+    let class = find(Family::Valve, CLASS).map_err(refuse)?;
+    let figure = part.figure(name).or_else(|| class.figure(name));
+    let figure = figure.ok_or_else(|| refuse(format!("{} has no {name}", part.name)))?;
+    if figure.value.is_some() {
+        return figure.value_in(unit).map(|value| Number::given(value, &figure.basis)).map_err(refuse);
+    }
+    let range = figure.range_in(unit).map_err(refuse)?;
+    Ok(middle(range.ok_or_else(|| refuse(format!("{} has no {name}", part.name)))?, &figure.basis))
+}
+
+/// "50 to 130 Hz, unknown" or "100 Hz".
+fn described(number: &Number, unit: &str) -> String {
+    match number.range {
+        Some([low, high]) => format!("{low} to {high} {unit} ({})", number.source.word()),
+        None => format!("{} {unit}", number.value),
+    }
+}
