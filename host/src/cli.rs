@@ -1,6 +1,7 @@
 //! Arguments of the command line.
 
 mod choices;
+mod design;
 mod device;
 mod experiments;
 mod link;
@@ -13,6 +14,7 @@ use clap::{Args, Parser, Subcommand};
 use pneudrive_sim::trace::{EXTRAS, Extra};
 
 pub use choices::{Integration, MethodName, Neighbours, RigChoice};
+pub use design::NewRig;
 pub use device::{ConfigAction, Device, DeviceAction, Place, ValveAction};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
 pub use link::{Monitor, PortChoice, Record, Run};
@@ -99,6 +101,13 @@ pub struct Demo {
 /// Subcommands of `rig`.
 #[derive(Debug, Subcommand)]
 pub enum Rig {
+    /// A rig file of your own drive, from what its data sheets say
+    New(Box<NewRig>),
+    /// The catalogue: cylinders, valves, tubes and sensors, each figure with its source
+    Parts {
+        /// A part, to be shown in full
+        part: Option<String>,
+    },
     /// List the built-in rigs
     List,
     /// Print a rig in full, with the source of every value
@@ -122,10 +131,13 @@ pub enum Rig {
         /// The other one
         other: String,
     },
-    /// Check a rig file: errors by file, line and key
+    /// Check a rig file: errors by file, line and key; and which value that nobody has measured moves its transient most
     Check {
         /// The file, or a built-in rig
         file: String,
+        /// Look for errors alone
+        #[arg(long)]
+        quick: bool,
     },
     /// Explain a key: unit, range, default, thesis name; or find the key of a number of the thesis
     Explain {

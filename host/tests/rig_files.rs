@@ -51,3 +51,72 @@ fn two_rigs_differ_key_by_key() {
     assert!(text.contains("controller.velocity_gain "), "{text}");
     assert!(text.lines().all(|line| line.contains(" -> ")), "{text}");
 }
+
+#[test]
+fn a_drive_of_ones_own_is_made_simulated_and_explained() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("press.toml");
+    let name = file.to_string_lossy();
+    let made = pneudrive(&[
+        "rig",
+        "new",
+        &name,
+        "--cylinder",
+        "iso-15552-32",
+        "--stroke",
+        "250 mm",
+        "--valve",
+        "proportional-5-3-350",
+        "--mass",
+        "8 kg",
+        "--no-questions",
+    ]);
+    assert!(made.status.success(), "{made:?}");
+    assert!(said(&made).contains("press.toml: a rig of "), "{}", said(&made));
+    assert!(said(&pneudrive(&["rig", "check", &name])).contains("a valid rig (press)"));
+    let sim = folder.path().join("sim");
+    let run = pneudrive(&["simulate", &name, "--out", &sim.to_string_lossy(), "--ensemble", "1"]);
+    assert!(run.status.success(), "{run:?}");
+    let again = pneudrive(&["rig", "new", &name, "--no-questions"]);
+    assert!(!again.status.success(), "what is there is not written over");
+}
+
+#[test]
+fn what_a_data_sheet_cannot_mean_is_named_with_its_option() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("own.toml");
+    let refused = pneudrive(&[
+        "rig",
+        "new",
+        &file.to_string_lossy(),
+        "--bore",
+        "12 mm",
+        "--rod",
+        "32 mm",
+        "--stroke",
+        "250 mm",
+        "--mass",
+        "8 kg",
+        "--flow",
+        "350",
+        "--supply",
+        "6 bar",
+        "--no-questions",
+    ]);
+    assert_eq!(refused.status.code(), Some(1));
+    let message = String::from_utf8_lossy(&refused.stderr);
+    for expected in
+        ["--rod: the rod of 32 mm", "--flow: needs a unit", "--supply: \"6 bar\" may be gauge or absolute"]
+    {
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(!file.exists());
+}
+
+#[test]
+fn the_catalogue_tells_its_sources() {
+    let all = said(&pneudrive(&["rig", "parts"]));
+    assert!(all.contains("iso-15552-32") && all.contains("proportional-5-3-350"), "{all}");
+    let one = said(&pneudrive(&["rig", "parts", "iso-15552-32"]));
+    assert!(one.contains("rod") && one.contains("12 mm") && one.contains("(vendor)"), "{one}");
+}

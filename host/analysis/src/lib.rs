@@ -12,6 +12,7 @@
 //! | [`identification`] | parameters of a rig from its transients, with their uncertainties |
 //! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
 //! | [`tuning`] | gains for a step, at the worst of all rigs within a spread |
+//! | [`sensitivity`] | which value that nobody has measured moves the transient most |
 //! | [`ladder`] | what each model of a component costs, and what it changes |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`thesis`] | the numbers of the thesis that the model can be held against, on one page |
@@ -32,6 +33,7 @@ pub mod range;
 pub mod recorded_test;
 pub mod replay;
 pub mod report;
+pub mod sensitivity;
 pub mod spectrum;
 pub mod study;
 pub mod sweep;

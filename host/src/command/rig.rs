@@ -1,5 +1,8 @@
 //! `pneudrive rig`.
 
+mod check;
+mod new;
+
 use anyhow::{Result, anyhow, bail};
 use pneudrive_design::difference::differences;
 use pneudrive_design::values;
@@ -11,6 +14,8 @@ use crate::cli::Rig as Arguments;
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     match arguments {
+        Arguments::New(arguments) => new::execute(arguments),
+        Arguments::Parts { part } => new::list_parts(part.as_deref()),
         Arguments::List => list(),
         Arguments::Show { name, resolved, json, settings } => match (json, resolved) {
             (true, _) => show_json(&load_rig(name, settings)?),
@@ -19,7 +24,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
             (false, false) => bail!("--set goes with --resolved or --json: the file itself stays as it is"),
         },
         Arguments::Diff { one, other } => diff(one, other),
-        Arguments::Check { file } => check(file),
+        Arguments::Check { file, quick } => check::execute(file, *quick),
         Arguments::Explain { key } => {
             say!("{}", explain(key).map_err(|problem| anyhow!("{problem}"))?.trim_end());
             Ok(())
@@ -48,7 +53,7 @@ fn show_resolved(rig: &Rig) -> Result<()> {
 }
 
 fn show_json(rig: &Rig) -> Result<()> {
-    say!("{}", serde_json::to_string_pretty(&values::to_json(rig))?);
+    say!("{:#}", values::to_json(rig));
     Ok(())
 }
 
@@ -61,14 +66,5 @@ fn diff(one: &str, other: &str) -> Result<()> {
         let percent = difference.percent().map_or(String::new(), |percent| format!("  ({percent:+.3} %)"));
         say!("{:<38} {first} -> {second} {unit}{percent}", difference.key.path);
     }
-    Ok(())
-}
-
-fn check(file: &str) -> Result<()> {
-    let rig = load_rig(file, &[])?;
-    for key in rig.unused() {
-        say!("{file}: {key} is not used by the chosen model");
-    }
-    say!("{file}: a valid rig ({})", rig.name());
     Ok(())
 }

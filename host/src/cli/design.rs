@@ -1,0 +1,67 @@
+//! Arguments of `rig new`: an option for each question.
+
+use std::path::PathBuf;
+
+use clap::error::{Error, ErrorKind};
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use pneudrive_design::question::{Answers, QUESTIONS};
+
+/// Arguments of `rig new`.
+#[derive(Debug, Args)]
+pub struct NewRig {
+    /// The rig file to write; its name is the rig's
+    #[arg(default_value = "own.toml")]
+    pub file: PathBuf,
+    /// What is answered here is not asked
+    #[command(flatten)]
+    pub answers: Given,
+    /// Ask nothing: what is left open is typical or unknown, and says so
+    #[arg(long)]
+    pub no_questions: bool,
+    /// Write over a file that is there
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+/// Answers from the command line.
+#[derive(Clone, Debug, Default)]
+pub struct Given(pub Answers);
+
+impl FromArgMatches for Given {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let mut given = Given::default();
+        given.update_from_arg_matches(matches)?;
+        Ok(given)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        for question in QUESTIONS {
+            if let Some(text) = matches.get_one::<String>(question.name) {
+                if text.trim().is_empty() {
+                    let message = format!("--{} is empty\n", question.name);
+                    return Err(Error::raw(ErrorKind::InvalidValue, message));
+                }
+                self.0.answer(question, text);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Args for Given {
+    fn augment_args(command: Command) -> Command {
+        QUESTIONS.iter().fold(command, |command, question| {
+            let without = match question.without {
+                "" => "needed".to_owned(),
+                without => format!("without it: {without}"),
+            };
+            let help = format!("{}, such as \"{}\" [{without}]", question.prompt, question.example);
+            let option = Arg::new(question.name).long(question.name).value_name("VALUE").help(help);
+            command.arg(option.allow_hyphen_values(true).help_heading("Answers"))
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}

@@ -1,0 +1,75 @@
+//! `pneudrive rig check`.
+
+use anyhow::Result;
+use pneudrive_analysis::sensitivity::{Effect, Sensitivity, sensitivity};
+use pneudrive_design::values;
+use pneudrive_sim::Rig;
+use pneudrive_sim::rig::{Source, builtin};
+
+use crate::command::progress::Progress;
+use crate::command::rig_source::load_rig;
+
+/// Effects that are shown one by one.
+const SHOWN: usize = 8;
+
+pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
+    let rig = load_rig(file, &[])?;
+    for key in rig.unused() {
+        say!("{file}: {key} is not used by the chosen model");
+    }
+    say!("{file}: a valid rig ({})", rig.name());
+    // The built-in rigs say in their comments what each value rests on.
+    if builtin(file).is_some() || quick {
+        return Ok(());
+    }
+    let counts = values::count(&rig).into_iter().filter(|(source, count)| {
+        *count > 0 && matches!(source, Source::Typical | Source::Unknown | Source::Default)
+    });
+    let counts: Vec<String> = counts.map(|(source, count)| format!("{count} {}", source.word())).collect();
+    if !counts.is_empty() {
+        say!("{file}: {} values; those of them that move the piston most in its test:", counts.join(", "));
+        rank(&rig)?;
+    }
+    Ok(())
+}
+
+fn rank(rig: &Rig) -> Result<()> {
+    let mut progress = Progress::new("trying values");
+    let found = sensitivity(rig, |done, all| progress.at(done as u64, all as u64));
+    progress.done();
+    let Sensitivity { effects, floor_m } = found?;
+    let matters = effects.iter().filter(|effect| effect.moves_m.is_none_or(|moves| moves > floor_m));
+    for effect in matters.take(SHOWN) {
+        say!("  {}", line(rig, effect));
+    }
+    if effects.len() > SHOWN {
+        let next =
+            effects[SHOWN].moves_m.map_or("as much".to_owned(), |moves| format!("{:.2} mm", 1e3 * moves));
+        say!("  {} others: {next} at most, each by itself", effects.len() - SHOWN);
+    }
+    say!("  (less than {:.3} mm tells nothing: neighbours of the run are as far away)", 1e3 * floor_m);
+    Ok(())
+}
+
+/// "load.mass_kg  8 kg, typical, 6 to 10: 12.35 mm".
+fn line(rig: &Rig, effect: &Effect) -> String {
+    let [low, high] = effect.ends;
+    let unit = effect.key.unit();
+    let value = rig.number_at(effect.key.path).unwrap_or(f64::NAN);
+    let moves =
+        effect.moves_m.map_or("no run at an end of it".to_owned(), |moves| format!("{:.2} mm", 1e3 * moves));
+    let source = effect.origin.source.word();
+    let [value, low, high] = [value, low, high].map(digits);
+    let value = format!("{value} {unit}");
+    format!("{:<38} {:<22} {source}, tried {low} to {high}: {moves}", effect.key.path, value.trim_end())
+}
+
+/// Four digits of a number, in powers of ten only where it needs them.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        rounded.to_string()
+    }
+}

@@ -1,0 +1,135 @@
+//! `pneudrive rig new` and `rig parts`.
+
+use std::io::{BufRead, IsTerminal, stdin};
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use pneudrive_design::own_drive::rig_file;
+use pneudrive_design::parts::{self, Family, Part};
+use pneudrive_design::question::{Answers, QUESTIONS, Question};
+use pneudrive_design::values;
+use pneudrive_records::whole_file;
+use pneudrive_sim::Rig;
+
+use crate::cli::NewRig;
+
+/// Questions that an answer to another one makes idle.
+const IDLE: &[(&str, &[&str])] = &[
+    ("cylinder", &["bore", "rod"]),
+    ("valve", &["conductance", "flow", "kv", "cv"]),
+    ("conductance", &["flow", "kv", "cv"]),
+    ("flow", &["kv", "cv"]),
+    ("kv", &["cv"]),
+    ("tube", &["tube-bore"]),
+];
+
+pub(super) fn execute(arguments: &NewRig) -> Result<()> {
+    let file = &arguments.file;
+    if file.exists() && !arguments.overwrite {
+        bail!("{} is there already: name another file, or say --overwrite", file.display());
+    }
+    let mut answers = arguments.answers.0.clone();
+    if !arguments.no_questions && stdin().is_terminal() {
+        ask(&mut answers, &mut stdin().lock())?;
+    }
+    let name = name_of(file)?;
+    let text = rig_file(&name, &answers).map_err(|wrong| {
+        let lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
+        anyhow::anyhow!("{}", lines.join("\n"))
+    })?;
+    whole_file::put(file, &text).with_context(|| format!("cannot write {}", file.display()))?;
+    let rig = Rig::read(&name, &text)?;
+    let counts = values::count(&rig).map(|(source, count)| format!("{count} {}", source.word()));
+    say!("{}: a rig of {} values", file.display(), counts.join(", "));
+    let file = file.display();
+    say!("next: pneudrive simulate {file} --out sim");
+    say!("      pneudrive tune {file} --settled 1 --out tuned");
+    Ok(())
+}
+
+fn name_of(file: &Path) -> Result<String> {
+    let stem = file.file_stem().and_then(|stem| stem.to_str());
+    stem.map(str::to_owned).with_context(|| format!("{} is no name of a file", file.display()))
+}
+
+/// Asks what is still open, a line a question; an empty line takes what holds without an answer.
+fn ask(answers: &mut Answers, input: &mut impl BufRead) -> Result<()> {
+    tell!("An empty line takes what stands in brackets. Any unit of the quantity will do.");
+    for question in QUESTIONS {
+        while answers.text(question.name).is_none() && !is_idle(answers, question) {
+            tell!("{}", prompt(question));
+            let mut line = String::new();
+            if input.read_line(&mut line)? == 0 {
+                return Ok(());
+            }
+            answers.answer(question, &line);
+            match check(answers, question) {
+                Ok(()) if answers.text(question.name).is_some() || !question.without.is_empty() => break,
+                Ok(()) => tell!("  this one is needed, such as \"{}\"", question.example),
+                Err(message) => {
+                    tell!("  {message}");
+                    answers.answer(question, "");
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn prompt(question: &Question) -> String {
+    let without = if question.without.is_empty() { "needed" } else { question.without };
+    format!("{}, such as \"{}\" [{without}]:", question.prompt, question.example)
+}
+
+/// Whether another answer has made a question idle.
+fn is_idle(answers: &Answers, question: &Question) -> bool {
+    IDLE.iter().any(|(other, idle)| answers.text(other).is_some() && idle.contains(&question.name))
+}
+
+/// What is wrong with an answer by itself.
+fn check(answers: &Answers, question: &Question) -> Result<(), String> {
+    let family = Family::ALL.into_iter().find(|family| family.word() == question.name);
+    match (family, answers.text(question.name)) {
+        (_, None) => Ok(()),
+        (Some(family), Some(name)) => parts::find(family, name).map(|_| ()),
+        (None, Some(_)) => answers.reading(question.name).map(|_| ()).map_err(|refusal| refusal.message),
+    }
+}
+
+/// The catalogue: all parts, or one in full.
+pub(super) fn list_parts(name: Option<&str>) -> Result<()> {
+    let all: Vec<Part> = Family::ALL.into_iter().flat_map(parts::parts).collect();
+    let Some(name) = name else {
+        for part in &all {
+            say!("{:<10} {:<26} {}", part.family.word(), part.name, in_a_line(part));
+        }
+        return Ok(());
+    };
+    let Some(part) = all.iter().find(|part| part.name == name) else {
+        bail!("the catalogue has no {name} (`pneudrive rig parts` lists it)");
+    };
+    say!("{} ({})", part.name, part.family.word());
+    for (fact, text) in part.facts.iter().filter(|(fact, _)| fact != "class") {
+        say!("  {fact}: {text}");
+    }
+    for figure in &part.figures {
+        let range = figure.range.as_ref().map(|[low, high]| format!("{low} to {high}"));
+        let value = figure.value.clone().or(range).unwrap_or_else(|| "unknown".to_owned());
+        say!("  {:<32} {value:<28} {}", figure.name.replace('_', " "), figure.basis);
+    }
+    Ok(())
+}
+
+/// The figures by which a part is chosen.
+fn in_a_line(part: &Part) -> String {
+    let names =
+        ["bore", "rod", "nominal_flow", "sonic_conductance", "inner_diameter", "resolution", "response_time"];
+    let value = |name: &&str| {
+        let figure = part.figure(name)?;
+        let range = figure.range.as_ref().map(|[low, high]| format!("{low} to {high}"));
+        Some(format!("{} {}", name.replace('_', " "), figure.value.clone().or(range)?))
+    };
+    let figures: Vec<String> = names.iter().filter_map(value).collect();
+    let about = part.fact("standard").or_else(|| part.fact("about")).or_else(|| part.fact("kind"));
+    [about.map(str::to_owned), Some(figures.join(", "))].into_iter().flatten().collect::<Vec<_>>().join("; ")
+}
