@@ -327,8 +327,9 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
         self.parts.network.begin_step(h);
     }
 
-    fn only_core_moves(&self) -> bool {
-        self.parts.operator.has_closed_form() && self.parts.lag.is_none() && self.parts.sensor_lag.is_none()
+    fn n_moving(&self) -> usize {
+        let lags = self.parts.lag.is_some() || self.parts.sensor_lag.is_some();
+        if lags || !self.parts.operator.has_closed_form() { STATES } else { CORE }
     }
 
     fn oscillates(&self) -> bool {

@@ -107,7 +107,7 @@ impl Plant {
         let assembly = Assembly::new(parts, &x);
         Plant {
             assembly,
-            integrator: Integrator::with_core(accuracy.method, accuracy.tolerance, SCALE, x),
+            integrator: Integrator::of_parts(accuracy.method, accuracy.tolerance, SCALE, x),
             sensors: Sensors::new(rig, seed),
             sensor_faults: SensorFaults::new(&rig.fault_events()),
             start_us: rig.microseconds(&keys::controller::START_S),
@@ -370,7 +370,7 @@ mod tests {
     use crate::assembly::CORE;
     use crate::rig::BUILTIN;
 
-    /// Every built-in rig with commands to and fro, held, flying, in its stops: `System::only_core_moves` leaves what rests
+    /// Every built-in rig with commands to and fro, held, flying, in its stops: `System::n_moving` leaves what rests
     /// out of the sums of a step.
     #[test]
     fn while_the_core_moves_alone_nothing_else_does() {
@@ -384,7 +384,7 @@ mod tests {
                 plant.next_sample().expect("a sample");
                 let t = plant.sample_time_of(plant.k);
                 let x = plant.integrator.state(t);
-                if plant.assembly.only_core_moves() {
+                if plant.assembly.n_moving() == CORE {
                     alone += 1;
                     let slope = plant.assembly.derivative(t, &x);
                     assert_eq!(slope[CORE..], [0.0; STATES - CORE], "{name} at {t} s");

@@ -10,6 +10,8 @@ pub(crate) struct DenseOutput<const N: usize> {
     pub start: f64,
     pub width: f64,
     pub coefficients: [[f64; N]; 6],
+    /// How many states move in it: the others stay at r1.
+    pub n_moving: usize,
     /// Whether it is as exact as the step.
     pub refined: bool,
 }
@@ -26,7 +28,7 @@ impl<const N: usize> DenseOutput<N> {
         let [r1, r2, r3, r4, r5, r6] = &self.coefficients;
         let rest = 1.0 - theta;
         let mut x = *r1;
-        for i in 0..N {
+        for i in 0..self.n_moving.min(N) {
             let quartic = r4[i] + rest * (r5[i] + theta * r6[i]);
             x[i] += theta * (r2[i] + rest * (r3[i] + theta * quartic));
         }
@@ -50,7 +52,7 @@ impl<const N: usize> DenseOutput<N> {
     /// and slope at its ends: of order 5, where that of the method itself is of order 4.
     pub fn refine(&mut self, slopes: &[[f64; N]; 2]) {
         let [_, r2, r3, r4, r5, r6] = &mut self.coefficients;
-        for i in 0..N {
+        for i in 0..self.n_moving.min(N) {
             // Derivatives of the cubic part there, and what is left for theta^2 (1-theta)^2 (r5 + theta r6).
             let quarter = self.width * slopes[0][i] - (r2[i] + 0.5 * r3[i] + 0.3125 * r4[i]);
             let half = self.width * slopes[1][i] - (r2[i] + 0.25 * r4[i]);

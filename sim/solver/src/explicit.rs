@@ -28,13 +28,13 @@ impl<const N: usize> Progress<N> {
         derivative: [f64; N],
         h: f64,
     ) -> TrialStep<N> {
-        let (stages, x) = self.stages::<M, G, E>(tableau, system, derivative, h);
-        let error = self.error_norm(&combined::<M, N>(tableau.error, &stages, h), &x);
+        let (stages, x, end_derivative) = self.stages::<M, G, E>(tableau, system, derivative, h);
+        let error = self.error_norm(&combined(tableau.error, &stages, h), &x);
         let accepted = if error <= 1.0 {
             Some(AcceptedStep {
                 dense: self.dense_output_of::<M>(tableau, &stages, &x, h),
                 x,
-                end_derivative: Some(stages[tableau.last_stage()]),
+                end_derivative: Some(end_derivative),
                 stiffness: self.stiffness_of::<M>(tableau, &stages, &x),
             })
         } else {
@@ -43,7 +43,7 @@ impl<const N: usize> Progress<N> {
         TrialStep { error, order: tableau.error_order, accepted }
     }
 
-    /// The derivatives of all stages and the state at the end; the last stage is the derivative there.
+    /// The derivatives of all stages, and the state and the derivative at the end; the last stage is the latter.
     #[inline(always)]
     fn stages<const M: usize, const G: usize, const E: usize>(
         &mut self,
@@ -51,20 +51,20 @@ impl<const N: usize> Progress<N> {
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],
         h: f64,
-    ) -> ([[f64; N]; MAX_STAGES], [f64; N]) {
-        let mut stages = [[0.0; N]; MAX_STAGES];
-        stages[0] = derivative;
+    ) -> ([[f64; M]; MAX_STAGES], [f64; N], [f64; N]) {
+        let mut stages = [[0.0; M]; MAX_STAGES];
+        stages[0].copy_from_slice(&derivative[..M]);
         let mut x = self.x;
         self.stage::<1, M, G, E>(tableau, system, &mut stages, &mut x, h);
         self.stage::<2, M, G, E>(tableau, system, &mut stages, &mut x, h);
         self.stage::<3, M, G, E>(tableau, system, &mut stages, &mut x, h);
         self.stage::<4, M, G, E>(tableau, system, &mut stages, &mut x, h);
-        self.stage::<5, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        let mut slope = self.stage::<5, M, G, E>(tableau, system, &mut stages, &mut x, h);
         if tableau.last_stage() == 6 {
-            self.stage::<6, M, G, E>(tableau, system, &mut stages, &mut x, h);
+            slope = self.stage::<6, M, G, E>(tableau, system, &mut stages, &mut x, h);
         }
         self.statistics.n_rhs_evaluations += tableau.weights.len() as u64;
-        (stages, x)
+        (stages, x, slope)
     }
 
     /// The derivative of one stage, at the state that the ones before it lead to.
@@ -73,15 +73,17 @@ impl<const N: usize> Progress<N> {
         &self,
         tableau: &Tableau,
         system: &mut impl System<N, G, E>,
-        stages: &mut [[f64; N]; MAX_STAGES],
+        stages: &mut [[f64; M]; MAX_STAGES],
         x: &mut [f64; N],
         h: f64,
-    ) {
-        let moved = combined::<M, N>(tableau.weights[STAGE - 1], stages, h);
+    ) -> [f64; N] {
+        let moved = combined(tableau.weights[STAGE - 1], stages, h);
         for i in 0..M {
             x[i] = self.x[i] + moved[i];
         }
-        stages[STAGE] = system.derivative(self.t + h * tableau.nodes[STAGE - 1], x);
+        let slope = system.derivative(self.t + h * tableau.nodes[STAGE - 1], x);
+        stages[STAGE].copy_from_slice(&slope[..M]);
+        slope
     }
 
     /// h times the fastest rate of decay: the last two stages are slopes at the same time, at states that
@@ -90,11 +92,11 @@ impl<const N: usize> Progress<N> {
     fn stiffness_of<const M: usize>(
         &self,
         tableau: &Tableau,
-        stages: &[[f64; N]; MAX_STAGES],
+        stages: &[[f64; M]; MAX_STAGES],
         x: &[f64; N],
     ) -> f64 {
         let last = tableau.last_stage();
-        let apart = combined::<M, N>(tableau.apart, stages, 1.0);
+        let apart = combined(tableau.apart, stages, 1.0);
         let (mut states, mut slopes) = (0.0, 0.0);
         for i in 0..M {
             let per_scale = 1.0 / self.scale[i].max(x[i].abs());
@@ -109,12 +111,12 @@ impl<const N: usize> Progress<N> {
     fn dense_output_of<const M: usize>(
         &self,
         tableau: &Tableau,
-        stages: &[[f64; N]; MAX_STAGES],
+        stages: &[[f64; M]; MAX_STAGES],
         x: &[f64; N],
         h: f64,
     ) -> DenseOutput<N> {
         let end = &stages[tableau.last_stage()];
-        let quartic = combined::<M, N>(tableau.dense, stages, h);
+        let quartic = combined(tableau.dense, stages, h);
         let mut coefficients = [[0.0; N]; 6];
         coefficients[0] = self.x;
         coefficients[4][..M].copy_from_slice(&quartic);
@@ -125,17 +127,13 @@ impl<const N: usize> Progress<N> {
             coefficients[2][i] = bend;
             coefficients[3][i] = rise - h * end[i] - bend;
         }
-        DenseOutput { start: self.t, width: h, coefficients, refined: false }
+        DenseOutput { start: self.t, width: h, coefficients, n_moving: M, refined: false }
     }
 }
 
 /// h times the weighted sum of the stages.
 #[inline(always)]
-fn combined<const M: usize, const N: usize>(
-    weights: &[f64],
-    stages: &[[f64; N]; MAX_STAGES],
-    h: f64,
-) -> [f64; M] {
+fn combined<const M: usize>(weights: &[f64], stages: &[[f64; M]; MAX_STAGES], h: f64) -> [f64; M] {
     let mut sum = [0.0; M];
     for (&weight, stage) in weights.iter().zip(stages) {
         if weight != 0.0 {

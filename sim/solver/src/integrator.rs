@@ -27,7 +27,13 @@ const FIRST_STEP: f64 = 1e-5;
 
 /// An integration of a [`System`] of N states, G guards and E end guards, and where it is.
 #[derive(Clone, Debug)]
-pub struct Integrator<const N: usize, const G: usize, const E: usize, const CORE: usize = N> {
+pub struct Integrator<
+    const N: usize,
+    const G: usize,
+    const E: usize,
+    const FEW: usize = N,
+    const SOME: usize = N,
+> {
     tableau: &'static Tableau,
     now: Progress<N>,
     /// dx/dt at t, if it is known in the present modes.
@@ -61,20 +67,22 @@ struct Proposal {
     limited: bool,
 }
 
-impl<const N: usize, const G: usize, const E: usize> Integrator<N, G, E, N> {
+impl<const N: usize, const G: usize, const E: usize> Integrator<N, G, E> {
     /// An integration from `x` at t = 0. A step's error may be `tolerance` times the larger of a state and its
     /// `scale`.
     #[must_use]
     pub fn new(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
-        Integrator::with_core(method, tolerance, scale, x)
+        Integrator::of_parts(method, tolerance, scale, x)
     }
 }
 
-impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrator<N, G, E, CORE> {
-    /// The same of a system of which at times only the first CORE states move ([`System::only_core_moves`]):
-    /// explicit steps then leave the others alone.
+impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOME: usize>
+    Integrator<N, G, E, FEW, SOME>
+{
+    /// The same of a system of which at times only the first FEW or the first SOME states move
+    /// ([`System::n_moving`]): steps then leave the others alone.
     #[must_use]
-    pub fn with_core(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
+    pub fn of_parts(method: Method, tolerance: f64, scale: [f64; N], x: [f64; N]) -> Self {
         Integrator {
             tableau: Tableau::of(method),
             now: Progress { t: 0.0, x, tolerance, scale, statistics: Statistics::default() },
@@ -317,12 +325,25 @@ impl<const N: usize, const G: usize, const E: usize, const CORE: usize> Integrat
         h: f64,
     ) -> TrialStep<N> {
         system.begin_step(h);
+        match system.n_moving() {
+            n if n <= FEW => self.try_step_of::<FEW>(system, derivative, linearization, h),
+            n if n <= SOME => self.try_step_of::<SOME>(system, derivative, linearization, h),
+            _ => self.try_step_of::<N>(system, derivative, linearization, h),
+        }
+    }
+
+    /// The same where the first M states move.
+    #[inline(always)]
+    fn try_step_of<const M: usize>(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        derivative: [f64; N],
+        linearization: Option<&Linearization<N>>,
+        h: f64,
+    ) -> TrialStep<N> {
         match linearization {
-            Some(linearization) => self.now.rosenbrock_step(system, derivative, linearization, h),
-            None if system.only_core_moves() => {
-                self.now.explicit_step::<CORE, G, E>(self.tableau, system, derivative, h)
-            }
-            None => self.now.explicit_step::<N, G, E>(self.tableau, system, derivative, h),
+            Some(linearization) => self.now.rosenbrock_step::<M, G, E>(system, derivative, linearization, h),
+            None => self.now.explicit_step::<M, G, E>(self.tableau, system, derivative, h),
         }
     }
 

@@ -64,7 +64,7 @@ const DENSE: [[f64; 5]; 2] = [
     ],
 ];
 
-/// The derivatives of dx/dt by the states and by time at the beginning of a step.
+/// The derivatives of dx/dt by the states that there are and by time at the beginning of a step.
 pub(crate) struct Linearization<const N: usize> {
     jacobian: [[f64; N]; N],
     by_time: [f64; N],
@@ -78,7 +78,8 @@ impl<const N: usize> Progress<N> {
         derivative: [f64; N],
     ) -> Linearization<N> {
         let mut jacobian = [[0.0; N]; N];
-        for j in 0..N {
+        let n_states = system.n_states();
+        for j in 0..n_states {
             let mut x = self.x;
             x[j] += self.moved_by(j);
             let moved = system.derivative(self.t, &x);
@@ -88,7 +89,7 @@ impl<const N: usize> Progress<N> {
             }
         }
         let later = system.derivative(self.t + MOMENT, &self.x);
-        self.statistics.n_rhs_evaluations += N as u64 + 1;
+        self.statistics.n_rhs_evaluations += n_states as u64 + 1;
         Linearization { jacobian, by_time: std::array::from_fn(|i| (later[i] - derivative[i]) / MOMENT) }
     }
 
@@ -97,45 +98,55 @@ impl<const N: usize> Progress<N> {
         part * self.scale[state].max(self.x[state].abs())
     }
 
-    pub(crate) fn rosenbrock_step<const G: usize, const E: usize>(
+    /// A trial step in which the first M states move.
+    pub(crate) fn rosenbrock_step<const M: usize, const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],
         linearization: &Linearization<N>,
         h: f64,
     ) -> TrialStep<N> {
-        let u = self.increments(system, derivative, linearization, h);
-        let x = std::array::from_fn(|i| self.x[i] + combined(A[5], &u, i) + u[5][i]);
+        let u = self.increments::<M, G, E>(system, derivative, linearization, h);
+        let mut x = self.x;
+        for (i, x) in x.iter_mut().enumerate().take(M) {
+            *x += combined(A[5], &u, i);
+            *x += u[5][i];
+        }
         let error = self.error_norm(&u[5], &x);
         let accepted = (error <= 1.0).then(|| AcceptedStep {
             dense: DenseOutput {
                 start: self.t,
                 width: h,
                 coefficients: self.interpolant(&u, &x),
+                n_moving: M,
                 refined: true,
             },
             x,
             end_derivative: None,
-            stiffness: h * self.fastest(&linearization.jacobian),
+            stiffness: h * self.fastest::<M>(&linearization.jacobian),
         });
         TrialStep { error, order: ERROR_ORDER, accepted }
     }
 
-    fn increments<const G: usize, const E: usize>(
+    fn increments<const M: usize, const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
         derivative: [f64; N],
         linearization: &Linearization<N>,
         h: f64,
-    ) -> [[f64; N]; STAGES] {
-        let factors = Factors::of(linearization.jacobian, 1.0 / (h * GAMMA));
-        let mut u = [[0.0; N]; STAGES];
+    ) -> [[f64; M]; STAGES] {
+        let moving = std::array::from_fn(|i| std::array::from_fn(|j| linearization.jacobian[i][j]));
+        let factors = Factors::<M>::of(moving, 1.0 / (h * GAMMA));
+        let mut u = [[0.0; M]; STAGES];
         for stage in 0..STAGES {
             let f = if stage == 0 {
                 derivative
             } else {
                 self.statistics.n_rhs_evaluations += 1;
-                let x = std::array::from_fn(|i| self.x[i] + combined(A[stage], &u, i));
+                let mut x = self.x;
+                for (i, x) in x.iter_mut().enumerate().take(M) {
+                    *x += combined(A[stage], &u, i);
+                }
                 system.derivative(self.t + ALPHA[stage] * h, &x)
             };
             let by_time = h * GAMMA_I[stage];
@@ -146,19 +157,25 @@ impl<const N: usize> Progress<N> {
         u
     }
 
-    fn interpolant(&self, u: &[[f64; N]; STAGES], x: &[f64; N]) -> [[f64; N]; 6] {
-        let [quadratic, cubic] = DENSE.map(|row| std::array::from_fn(|i| combined(&row, u, i)));
-        [self.x, std::array::from_fn(|i| x[i] - self.x[i]), quadratic, cubic, [0.0; N], [0.0; N]]
+    fn interpolant<const M: usize>(&self, u: &[[f64; M]; STAGES], x: &[f64; N]) -> [[f64; N]; 6] {
+        let mut coefficients = [[0.0; N]; 6];
+        coefficients[0] = self.x;
+        for i in 0..M {
+            coefficients[1][i] = x[i] - self.x[i];
+            coefficients[2][i] = combined(&DENSE[0], u, i);
+            coefficients[3][i] = combined(&DENSE[1], u, i);
+        }
+        coefficients
     }
 
     /// A bound on the rates of decay, 1/s: the norm of J in the states' scales.
-    fn fastest(&self, jacobian: &[[f64; N]; N]) -> f64 {
-        let scale: [f64; N] = std::array::from_fn(|i| self.scale[i].max(self.x[i].abs()));
-        let row = |i: usize| (0..N).map(|j| jacobian[i][j].abs() * scale[j]).sum::<f64>() / scale[i];
-        (0..N).map(row).fold(0.0, f64::max)
+    fn fastest<const M: usize>(&self, jacobian: &[[f64; N]; N]) -> f64 {
+        let scale: [f64; M] = std::array::from_fn(|i| self.scale[i].max(self.x[i].abs()));
+        let row = |i: usize| (0..M).map(|j| jacobian[i][j].abs() * scale[j]).sum::<f64>() / scale[i];
+        (0..M).map(row).fold(0.0, f64::max)
     }
 }
 
-fn combined<const N: usize>(weights: &[f64], u: &[[f64; N]; STAGES], i: usize) -> f64 {
+fn combined<const M: usize>(weights: &[f64], u: &[[f64; M]; STAGES], i: usize) -> f64 {
     weights.iter().zip(u).map(|(weight, u)| weight * u[i]).sum()
 }

@@ -47,10 +47,14 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
         false
     }
 
-    /// Whether the states behind the first CORE ones ([`crate::Integrator::with_core`]) have no derivative in the
-    /// present modes.
-    fn only_core_moves(&self) -> bool {
-        false
+    /// How many states the system has, whatever its modes: the first ones. Those behind them never move.
+    fn n_states(&self) -> usize {
+        N
+    }
+
+    /// How many of them move in the present modes: again the first ones. The others have no derivative.
+    fn n_moving(&self) -> usize {
+        self.n_states()
     }
 
     /// Changes the modes at an event, and the state where it jumps. Tells what that makes of dx/dt.

@@ -56,7 +56,7 @@ mod tests {
         }
         let mut assembly = Assembly::new(parts, &x);
         let mut integrator: Integrator<STATES, GUARDS, END_GUARDS, CORE> =
-            Integrator::with_core(Method::DormandPrince, 1e-11, SCALE, x);
+            Integrator::of_parts(Method::DormandPrince, 1e-11, SCALE, x);
         for k in 1..10 {
             let t = 2e-3 * f64::from(k);
             integrator.integrate_to(&mut assembly, t, f64::INFINITY).expect("integrated");

@@ -244,7 +244,7 @@ fn implicit_errors(h: f64) -> (f64, f64) {
         let slopes = integrator.now.linearize(&mut Smooth(riccati), slope);
         // Whatever its error, the step is accepted.
         integrator.now.tolerance = 1.0;
-        let trial = integrator.now.rosenbrock_step(&mut Smooth(riccati), slope, &slopes, h);
+        let trial = integrator.now.rosenbrock_step::<1, 0, 0>(&mut Smooth(riccati), slope, &slopes, h);
         integrator.now.tolerance = 1e-11;
         let accepted = trial.accepted.expect("a small error");
         let middle = integrator.now.t + 0.5 * h;
@@ -261,4 +261,62 @@ fn the_implicit_method_is_of_order_4() {
     assert!((order - 4.0).abs() < 0.4, "{order}");
     let inside = (coarse.1 / fine.1).log2();
     assert!(inside > 3.3, "{inside}");
+}
+
+/// A fast decay of x towards cos t, behind it an oscillator that may rest, and a state that always does.
+struct Partly {
+    n_moving: usize,
+}
+
+impl System<4, 0, 0> for Partly {
+    fn derivative(&mut self, t: f64, x: &[f64; 4]) -> [f64; 4] {
+        let [fast] = chase(t, &[x[0]]);
+        if self.n_moving == 1 { [fast, 0.0, 0.0, 0.0] } else { [fast, x[2], -x[1], 0.0] }
+    }
+    fn n_states(&self) -> usize {
+        self.n_moving
+    }
+    fn guards(&mut self, _: f64, _: &[f64; 4]) -> [f64; 0] {
+        []
+    }
+    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; 4]) -> Derivative {
+        Derivative::Discontinuous
+    }
+}
+
+#[test]
+fn states_that_rest_change_no_bit_of_the_others_and_cost_no_derivative() {
+    for (n_moving, saved) in [(1, 3), (3, 1)] {
+        let x = [1.0, 1.0, 0.0, 7.0];
+        let mut whole = Integrator::<4, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0; 4], x);
+        let mut in_parts = Integrator::<4, 0, 0, 1, 3>::of_parts(Method::DormandPrince, 1e-8, [1.0; 4], x);
+        whole.integrate_to(&mut Partly { n_moving }, 3.0, 3.0).expect("a solution");
+        in_parts.integrate_to(&mut Partly { n_moving }, 3.0, 3.0).expect("a solution");
+        assert!(whole.stiffness.implicit && in_parts.stiffness.implicit);
+        assert_eq!(in_parts.statistics(), whole.statistics());
+        for t in [2.999, 3.0] {
+            assert_eq!(in_parts.state(t).map(f64::to_bits), whole.state(t).map(f64::to_bits), "{n_moving}");
+        }
+        let mut all = Integrator::<4, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0; 4], x);
+        all.integrate_to(&mut AllMove(Partly { n_moving }), 3.0, 3.0).expect("a solution");
+        let (all, part) = (all.statistics(), in_parts.statistics());
+        assert_eq!((all.n_steps, all.n_rejected_steps), (part.n_steps, part.n_rejected_steps));
+        let linearized = (all.n_rhs_evaluations - part.n_rhs_evaluations) / saved;
+        assert!(linearized > 10 && (all.n_rhs_evaluations - part.n_rhs_evaluations) % saved == 0);
+    }
+}
+
+/// The same system, which does not say that states rest.
+struct AllMove(Partly);
+
+impl System<4, 0, 0> for AllMove {
+    fn derivative(&mut self, t: f64, x: &[f64; 4]) -> [f64; 4] {
+        self.0.derivative(t, x)
+    }
+    fn guards(&mut self, _: f64, _: &[f64; 4]) -> [f64; 0] {
+        []
+    }
+    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; 4]) -> Derivative {
+        Derivative::Discontinuous
+    }
 }
