@@ -5,9 +5,10 @@
 //! command -> amplifier, hysteresis, coil -> spool -> lands -> network of flows -> chambers -> piston -> load
 //! ```
 //!
-//! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers,
-//! position and velocity of the spool, and the pressure ratios of lagged tubes. The modes say on which smooth piece of the equations the
-//! system is; the order of what happens at one instant is EQUATIONS section 11.
+//! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers, position and velocity of the
+//! spool, the pressure ratios of lagged tubes, the pressures that lagged sensors tell of, and the states of the load's
+//! friction. The modes say on which smooth piece of the equations the system is; the order of what happens at one
+//! instant is EQUATIONS section 11.
 
 mod air;
 pub(crate) mod build;
@@ -16,18 +17,20 @@ mod following;
 mod lag;
 mod lands;
 pub(crate) mod layout;
+mod load;
 mod next_event;
 mod ports;
 mod sensed;
 mod valve_state;
 
 pub(crate) use lag::Lag;
-pub(crate) use layout::{CORE, END_GUARDS, GUARDS, SCALE, STATES, StateVector, slot};
+pub(crate) use layout::{END_GUARDS, GUARDS, STATES, StateVector, scale_of, slot};
+pub(crate) use load::Effects;
 
 use crate::component::actuator::Actuator;
-use crate::component::air::{Air, Station};
+use crate::component::air::Station;
 use crate::component::faults::Schedule;
-use crate::component::friction::Contact;
+use crate::component::friction::{self, Contact};
 use crate::component::gas::Gas;
 use crate::component::load::Load;
 use crate::component::operator::{Operator, Request, SpoolState};
@@ -36,12 +39,15 @@ use crate::component::valve::flow_force::{FlowForce, NodeFlows, Source, ValveFlo
 use crate::component::valve::{Restrictions, Valve};
 use crate::continuous::ContinuousLaw;
 use crate::network::{Network, Nodes};
-use crate::number::{Number, Pair};
+use crate::number::Number;
 use lands::Lands;
-use layout::{SPOOL_GUARDS, guard, spool_state};
-use pneudrive_solver::{Derivative, Event, StepLimit, System};
+use layout::{CORE, SPOOL_GUARDS, USUAL, guard, spool_state};
+use pneudrive_solver::{Derivative, Event, Integrator, StepLimit, System};
 use ports::Ports;
 pub use valve_state::ValveState;
+
+/// The integration of an assembly.
+pub(crate) type Integration = Integrator<STATES, GUARDS, END_GUARDS, CORE, USUAL>;
 
 /// The physical drive and the modes that it is in.
 #[derive(Clone, Debug)]
@@ -79,20 +85,11 @@ pub(crate) struct Parts {
     pub faults: Schedule,
 }
 
-/// What follows from a state alone.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Effects {
-    pub air: Air<Pair>,
-    pub actuator_force: f64,
-    pub friction_force: f64,
-    pub acceleration: f64,
-}
-
 impl Assembly {
     /// The drive at rest in the state `x` with a null command, its bodies tested for breakaway.
     pub fn new(parts: Parts, x: &StateVector) -> Assembly {
         let mut assembly = Assembly {
-            load_contact: Contact::Stuck,
+            load_contact: parts.friction_at_rest(x).0,
             load_side: parts.load.stops.side(x[slot::POSITION]),
             restrictions: parts.valve.restrictions(&parts.gas),
             lands: Lands::at(&parts.valve, 0.0),
@@ -101,7 +98,6 @@ impl Assembly {
             solved: None,
             parts,
         };
-        assembly.load_contact = assembly.parts.load.friction.at_rest(assembly.applied_to_load(x));
         assembly.lands = Lands::at(&assembly.parts.valve, assembly.spool_to_lands(0.0, x));
         assembly.find_port_directions(0.0, x);
         assembly.pass_faults(0.0, &mut { *x });
@@ -194,29 +190,6 @@ impl Assembly {
         };
         self.parts.flow_force.force(&self.parts.gas, &flows)
     }
-
-    fn applied_to_load(&self, x: &StateVector) -> f64 {
-        let [p1, p2] = slot::EXNER.map(|i| self.parts.gas.pressure(x[i]));
-        self.applied_of(self.parts.actuator.force(p1, p2), x)
-    }
-
-    /// The same for a force of the cylinder.
-    fn applied_of(&self, actuator_force: f64, x: &StateVector) -> f64 {
-        self.parts.load.applied_force(actuator_force, self.load_side, x[slot::POSITION], x[slot::VELOCITY])
-    }
-
-    /// What follows from a state alone.
-    pub fn effects(&self, x: &StateVector) -> Effects {
-        let air = self.air(x);
-        let actuator_force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
-        let applied = self.applied_of(actuator_force, x);
-        Effects {
-            air,
-            actuator_force,
-            friction_force: self.parts.load.friction.force(self.load_contact, applied),
-            acceleration: self.parts.load.acceleration(applied, self.load_contact),
-        }
-    }
 }
 
 impl Assembly {
@@ -243,10 +216,8 @@ impl Assembly {
             slope[slot::EXNER[i]] = exners.lane(i);
         }
         let force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));
-        let applied = self.applied_of(force, x);
         self.follow_pressures(air.pressure.to_array(), x, &mut slope);
-        slope[slot::POSITION] = x[slot::VELOCITY];
-        slope[slot::VELOCITY] = self.parts.load.acceleration(applied, self.load_contact);
+        self.move_load(force, x, &mut slope);
         if let Some(lag) = &self.parts.lag {
             let in_tubes = Station { temperature: carried, ..air.station() };
             let returning = self.parts.network.returning_temperature(&nodes);
@@ -256,29 +227,6 @@ impl Assembly {
             }
         }
         slope
-    }
-
-    /// A mode of the load or an entry of the profile ends: the continuous command jumps, or its rate does.
-    fn cross_load(&mut self, index: usize, t: f64, x: &mut StateVector) {
-        self.follow(x);
-        match index {
-            guard::LOAD_FRICTION => {
-                if self.load_contact != Contact::Stuck {
-                    x[slot::VELOCITY] = 0.0;
-                }
-                let applied = self.applied_to_load(x);
-                self.load_contact = self.parts.load.friction.after(self.load_contact, applied);
-            }
-            guard::LOAD_STOPS => {
-                self.load_side = self.parts.load.stops.after(self.load_side, x[slot::POSITION])
-            }
-            _ => {
-                if let Some(law) = &mut self.parts.continuous {
-                    law.cross(x[slot::POSITION]);
-                }
-            }
-        }
-        self.tell_jump(t, x);
     }
 }
 
@@ -297,11 +245,9 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     fn guards(&mut self, t: f64, x: &StateVector) -> [f64; GUARDS] {
         self.follow(x);
         self.follow_rate(t, x);
-        let on_load = self.applied_to_load(x);
         let flow_force = self.flow_force(t, x);
         let mut guards = [0.0; GUARDS];
-        guards[guard::LOAD_FRICTION] =
-            self.parts.load.friction.guard(self.load_contact, on_load, x[slot::VELOCITY]);
+        guards[guard::LOAD_FRICTION] = self.friction_guard(x);
         guards[guard::LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
         [guards[guard::PROFILE[0]], guards[guard::PROFILE[1]]] =
             self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
@@ -327,9 +273,18 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
         self.parts.network.begin_step(h);
     }
 
+    fn n_states(&self) -> usize {
+        if self.parts.load.friction.scale().is_empty() { STATES - friction::STATES } else { STATES }
+    }
+
     fn n_moving(&self) -> usize {
-        let lags = self.parts.lag.is_some() || self.parts.sensor_lag.is_some();
-        if lags || !self.parts.operator.has_closed_form() { STATES } else { CORE }
+        if self.parts.sensor_lag.is_some() || !self.parts.load.friction.scale().is_empty() {
+            STATES
+        } else if self.parts.lag.is_some() || !self.parts.operator.has_closed_form() {
+            USUAL
+        } else {
+            CORE
+        }
     }
 
     fn oscillates(&self) -> bool {

@@ -202,7 +202,7 @@ pub(crate) fn whole_microseconds(seconds: f64) -> Option<u64> {
 
 /// What is wrong with the values of a rig, each at a key.
 #[derive(Debug, Default)]
-pub(crate) struct Findings(pub Vec<(&'static str, String)>);
+pub struct Findings(pub Vec<(&'static str, String)>);
 
 impl Findings {
     /// Notes what is wrong at a key.

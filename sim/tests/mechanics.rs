@@ -2,7 +2,7 @@
 //! forms.
 
 use pneudrive_sim::Method;
-use pneudrive_sim::component::friction::{Contact, DryFriction};
+use pneudrive_sim::component::friction::{Body, Contact, DryFriction, Friction, FrictionModel, States};
 use pneudrive_sim::component::load::Load;
 use pneudrive_sim::component::stop::{Side, Stops};
 use pneudrive_solver::{Derivative, Event, Integrator, System};
@@ -22,14 +22,18 @@ impl Pulled {
     fn applied(&self, t: f64, x: &[f64; 2]) -> f64 {
         self.load.applied_force(self.spring * (self.pull * t - x[0]), self.side, x[0], x[1])
     }
+
+    fn body(&self, t: f64, x: &[f64; 2]) -> Body {
+        self.load.body(self.applied(t, x), x[1], (self.contact, States::default()))
+    }
 }
 
 impl System<2, 2, 0> for Pulled {
     fn derivative(&mut self, t: f64, x: &[f64; 2]) -> [f64; 2] {
-        [x[1], self.load.acceleration(self.applied(t, x), self.contact)]
+        [x[1], self.load.acceleration(&self.body(t, x))]
     }
     fn guards(&mut self, t: f64, x: &[f64; 2]) -> [f64; 2] {
-        let friction = self.load.friction.guard(self.contact, self.applied(t, x), x[1]);
+        let friction = self.load.friction.guard(&self.body(t, x));
         [friction, self.load.stops.guard(self.side, x[0])]
     }
     fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; 2]) -> Derivative {
@@ -49,7 +53,15 @@ impl System<2, 2, 0> for Pulled {
 const MASS: f64 = 1.6;
 
 fn load(friction: DryFriction, force: f64, viscous: f64, stops: Stops) -> Load {
-    Load { mass: MASS, viscous, constant_force: force, spring: 0.0, uphill: 0.0, friction, stops }
+    Load {
+        mass: MASS,
+        viscous,
+        constant_force: force,
+        spring: 0.0,
+        uphill: 0.0,
+        friction: Friction::Coulomb(friction),
+        stops,
+    }
 }
 
 fn integrator(x: [f64; 2]) -> Integrator<2, 2, 0> {
@@ -136,7 +148,7 @@ fn thrown(damping_ratio: f64, force: f64) -> Pulled {
         load: load(DryFriction::symmetric(0.0, 0.0), force, 0.0, stops),
         spring: 0.0,
         pull: 0.0,
-        contact: Contact::Frictionless,
+        contact: Contact::Free,
         side: Side::Free,
         changes: Vec::new(),
     }

@@ -19,7 +19,7 @@ use crate::values::Rig;
 pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
     let gas = Gas::of(rig);
     let actuator = Actuator::of(rig);
-    let x = initial_state(rig, &gas, &actuator);
+    let mut x = initial_state(rig, &gas, &actuator);
     let parts = Parts {
         gas,
         valve: Valve::of(rig),
@@ -35,6 +35,9 @@ pub(crate) fn drive(rig: &Rig) -> (Parts, StateVector) {
         continuous: ContinuousLaw::of(rig),
         faults: Schedule::new(&rig.fault_events()).later_by(rig.microseconds(&keys::controller::START_S)),
     };
+    for (place, state) in slot::FRICTION.into_iter().zip(parts.friction_at_rest(&x).1) {
+        x[place] = state;
+    }
     (parts, x)
 }
 

@@ -8,6 +8,7 @@ use super::layout::spool_state;
 use super::{Assembly, StateVector, slot};
 use crate::component::load::Motion;
 use crate::component::operator;
+use crate::continuous::ContinuousLaw;
 use pneudrive_solver::Derivative;
 
 impl Assembly {
@@ -30,9 +31,14 @@ impl Assembly {
 
     /// What the continuous controller asks for, counts.
     fn demand(&self, x: &StateVector) -> Option<f64> {
-        let law = self.parts.continuous.as_ref()?;
-        let acceleration = self.parts.load.acceleration(self.applied_to_load(x), self.load_contact);
-        Some(law.demand(x[slot::POSITION], x[slot::VELOCITY], acceleration))
+        self.parts.continuous.as_ref().map(|law| self.demand_of(law, x))
+    }
+
+    /// The same of its law.
+    #[inline(never)]
+    fn demand_of(&self, law: &ContinuousLaw, x: &StateVector) -> f64 {
+        let acceleration = self.parts.load.acceleration(&self.body(x));
+        law.demand(x[slot::POSITION], x[slot::VELOCITY], acceleration)
     }
 
     /// Tells the operator the rate of the demand, if a mode of it depends on that.
@@ -55,7 +61,7 @@ impl Assembly {
             acceleration: slope[slot::VELOCITY],
         };
         let force_rate = self.parts.actuator.force_rate(p1, p2);
-        let jerk = self.parts.load.jerk(force_rate, self.load_contact, self.load_side, motion);
+        let jerk = self.parts.load.jerk(force_rate, self.load_side, motion, &self.body(x));
         let law = self.parts.continuous.as_ref()?;
         Some(law.demand_rate(motion.velocity, motion.acceleration, jerk))
     }

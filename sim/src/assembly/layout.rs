@@ -1,5 +1,6 @@
 //! Where each state and each guard of the assembly stands: one list, from which all places follow.
 
+use crate::component::friction::{self, Friction, States};
 use crate::component::operator::{self, SpoolState};
 
 /// A list of names, each with how many entries it has, becomes their places and the number of all.
@@ -31,6 +32,8 @@ const fn places<const COUNT: usize>(first: usize) -> [usize; COUNT] {
 
 /// Places in the state vector, SI.
 pub(crate) mod slot {
+    use super::friction;
+
     layout! {
         COUNT at 0;
         POSITION,
@@ -43,6 +46,8 @@ pub(crate) mod slot {
         RATIO: 3,
         /// Pressures that lagged sensors tell of, Pa.
         SENSED: 2,
+        /// Those of the model of the load's friction.
+        FRICTION: friction::STATES,
     }
 }
 
@@ -72,9 +77,11 @@ pub(crate) mod guard {
 
 /// Number of states.
 pub(crate) const STATES: usize = slot::COUNT;
-/// Those of load and air come first: they move alone where the spool has a closed form, and neither tubes nor
-/// pressure sensors lag.
+/// Position, velocity and air come first: they move alone where the spool has a closed form, nothing lags and the load's
+/// friction has no states.
 pub(crate) const CORE: usize = slot::SPOOL;
+/// Those of the spool and of lagged tubes come next: behind them are those of lagged sensors and of the load's friction.
+pub(crate) const USUAL: usize = slot::SENSED[0];
 /// Guards read from the state.
 pub(crate) const GUARDS: usize = guard::COUNT;
 /// Guards that need the flows: the direction of the air in each port.
@@ -87,7 +94,7 @@ pub(crate) type StateVector = [f64; STATES];
 
 /// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
 /// to themselves, hence small), m, m/s; ratios of pressures; Pa.
-pub(crate) const SCALE: StateVector = {
+const SCALE: StateVector = {
     let mut scale = [1.0; STATES];
     scale[slot::POSITION] = 0.1;
     scale[slot::MASS[0]] = 1e-5;
@@ -97,6 +104,21 @@ pub(crate) const SCALE: StateVector = {
     scale[slot::SENSED[1]] = 1e5;
     scale
 };
+
+/// The same, with what the friction of a load says of its states.
+pub(crate) fn scale_of(friction: &Friction) -> StateVector {
+    let mut scale = SCALE;
+    for (place, large) in slot::FRICTION.into_iter().zip(friction.scale()) {
+        scale[place] = *large;
+    }
+    scale
+}
+
+/// The states of the load's friction.
+#[inline(always)]
+pub(super) fn friction_states(x: &StateVector) -> States {
+    slot::FRICTION.map(|i| x[i])
+}
 
 /// The spool's part of the state.
 pub(super) fn spool_state(x: &StateVector) -> SpoolState {
@@ -110,7 +132,8 @@ mod tests {
     #[test]
     fn every_place_is_taken_once() {
         let single = [slot::POSITION, slot::VELOCITY, slot::SPOOL, slot::SPOOL_VELOCITY];
-        let mut all = [&single[..], &slot::MASS, &slot::EXNER, &slot::RATIO, &slot::SENSED].concat();
+        let mut all =
+            [&single[..], &slot::MASS, &slot::EXNER, &slot::RATIO, &slot::SENSED, &slot::FRICTION].concat();
         all.sort_unstable();
         assert_eq!(all, (0..STATES).collect::<Vec<_>>());
         let mut guards = vec![guard::LOAD_FRICTION, guard::LOAD_STOPS];

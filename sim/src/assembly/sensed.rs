@@ -30,13 +30,13 @@ impl Assembly {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CORE, END_GUARDS, GUARDS, SCALE, STATES};
+    use super::super::{Integration, scale_of};
     use super::*;
     use crate::assembly::build;
     use crate::follow;
     use crate::plant::{Accuracy, Plant};
     use crate::values::Rig;
-    use pneudrive_solver::{Integrator, Method};
+    use pneudrive_solver::Method;
 
     fn rig(lag: f64, overlap: f64) -> Rig {
         let text = format!(
@@ -54,9 +54,9 @@ mod tests {
         for (place, pressure) in slot::SENSED.into_iter().zip(pressures) {
             x[place] = pressure - step;
         }
+        let scale = scale_of(&parts.load.friction);
         let mut assembly = Assembly::new(parts, &x);
-        let mut integrator: Integrator<STATES, GUARDS, END_GUARDS, CORE> =
-            Integrator::of_parts(Method::DormandPrince, 1e-11, SCALE, x);
+        let mut integrator = Integration::of_parts(Method::DormandPrince, 1e-11, scale, x);
         for k in 1..10 {
             let t = 2e-3 * f64::from(k);
             integrator.integrate_to(&mut assembly, t, f64::INFINITY).expect("integrated");

@@ -11,6 +11,7 @@
 //! first instant of constant speed, at which nothing accelerates the mass.
 
 use super::{Characteristic, Figure, Graph, Reading, Series, Unfit};
+use crate::component::friction::FrictionModel;
 use crate::component::load::Load;
 use crate::component::operator;
 use crate::keys;
@@ -101,6 +102,8 @@ impl Gauges {
 /// The rise of the supply for one way, and the first reading at which the load moves.
 struct Rise {
     way: Way,
+    /// Speed up to which the load is held, m/s.
+    creep: f64,
     readings: Vec<Gauges>,
     moving: Option<usize>,
 }
@@ -141,8 +144,8 @@ fn rise(rig: &Rig, way: Way) -> Result<Rise, IntegrationError> {
     ];
     let rig = rig.with_numbers(&start).expect("air at the pressure of the surroundings, within the stroke");
     let mut plant = Plant::new(&rig, Accuracy::default(), 0).with_timing((1e6 * PERIOD_S) as u64, 1);
-    let mut rise = Rise { way, readings: Vec::new(), moving: None };
     let load = Load::of(&rig);
+    let mut rise = Rise { way, creep: load.friction.creep(), readings: Vec::new(), moving: None };
     for k in 0..ALONE + STEPS {
         let supply = exhaust + (full - exhaust) * f64::from(k.saturating_sub(ALONE)) / f64::from(STEPS);
         plant.set_supply_pressure(supply);
@@ -181,7 +184,7 @@ impl Rise {
     /// Takes note of the first motion; tells whether the time after it is over.
     fn is_over(&mut self) -> bool {
         let last = self.readings.len() - 1;
-        if self.moving.is_none() && self.readings[last].velocity != 0.0 {
+        if self.moving.is_none() && self.readings[last].velocity.abs() > self.creep {
             self.moving = Some(last);
         }
         self.moving.is_some_and(|moving| last > moving + AFTER)

@@ -5,11 +5,11 @@
 //! ```
 //!
 //! Positive means extension. F_const acts along +y (EQUATIONS section 6); L_e is the force of the
-//! end stops ([`crate::component::stop`]), F_r the dry friction ([`crate::component::friction`]). The
-//! applied force is all but F_r: what a stuck load is tested with.
+//! end stops ([`crate::component::stop`]), F_r the friction but for its viscous part
+//! ([`crate::component::friction`]). The applied force is all but F_r: what a stuck load is tested with.
 
 use crate::component::actuator;
-use crate::component::friction::{Contact, DryFriction};
+use crate::component::friction::{Body, Contact, Friction, FrictionModel, States};
 use crate::component::stop::{Side, Stops};
 use crate::key::{keys, words};
 use crate::values::Rig;
@@ -42,7 +42,7 @@ impl Load {
             constant_force: rig.get(&keys::CONSTANT_FORCE_N),
             spring: rig.get(&keys::SPRING_N_PER_M),
             uphill: libm::sin(rig.get(&keys::INCLINE_DEG).to_radians()),
-            friction: DryFriction::of_load(rig),
+            friction: Friction::of(rig),
             stops: Stops::of_load(rig, rig.get(&actuator::keys::STROKE_M), mass),
         }
     }
@@ -64,8 +64,8 @@ pub struct Load {
     pub spring: f64,
     /// Sine of the incline: of the angle at which extension goes uphill.
     pub uphill: f64,
-    /// Stiction and Coulomb friction by direction.
-    pub friction: DryFriction,
+    /// Friction, but for its viscous part.
+    pub friction: Friction,
     /// The ends of the stroke.
     pub stops: Stops,
 }
@@ -88,38 +88,47 @@ impl Load {
         self.constant_force - self.spring * position - self.mass * GRAVITY * self.uphill
     }
 
-    /// All forces but dry friction, N.
+    /// All forces but F_r, N.
     #[must_use]
     pub fn applied_force(&self, actuator: f64, side: Side, position: f64, velocity: f64) -> f64 {
         actuator + self.standing_force(position) - self.viscous * velocity
             + self.stops.force(side, position, velocity)
     }
 
+    /// The load as its friction has it, under an applied force (N) at a velocity (m/s).
+    #[must_use]
+    #[inline(always)]
+    pub fn body(&self, applied: f64, velocity: f64, (contact, states): (Contact, States)) -> Body {
+        Body { mass: self.mass, viscous: self.viscous, applied, velocity, contact, states }
+    }
+
     /// y'', m/s^2; exactly 0 while stuck.
     #[must_use]
-    pub fn acceleration(&self, applied: f64, contact: Contact) -> f64 {
-        match contact {
+    #[inline(always)]
+    pub fn acceleration(&self, body: &Body) -> f64 {
+        match body.contact {
             Contact::Stuck => 0.0,
-            _ => (applied - self.friction.force(contact, applied)) / self.mass,
+            _ => (body.applied - self.friction.force(body)) / self.mass,
         }
     }
 
-    /// y''', m/s^3, for the rate of the actuator's force in N/s; exactly 0 while stuck. A slip has the
-    /// same dry friction all the time.
+    /// y''', m/s^3, for the rate of the actuator's force in N/s; exactly 0 while stuck.
     #[must_use]
-    pub fn jerk(&self, actuator_rate: f64, contact: Contact, side: Side, motion: Motion) -> f64 {
-        if contact == Contact::Stuck {
+    pub fn jerk(&self, actuator_rate: f64, side: Side, motion: Motion, body: &Body) -> f64 {
+        if body.contact == Contact::Stuck {
             return 0.0;
         }
         let Motion { position, velocity, acceleration } = motion;
         let stops = self.stops.force_rate(side, position, velocity, acceleration);
-        (actuator_rate - self.spring * velocity - self.viscous * acceleration + stops) / self.mass
+        let applied_rate = actuator_rate - self.spring * velocity - self.viscous * acceleration + stops;
+        (applied_rate - self.friction.force_rate(body, acceleration, applied_rate)) / self.mass
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::component::friction::DryFriction;
 
     fn load() -> Load {
         Load {
@@ -128,9 +137,14 @@ mod tests {
             constant_force: 5.0,
             spring: 100.0,
             uphill: 0.5,
-            friction: DryFriction::symmetric(20.0, 10.0),
+            friction: Friction::Coulomb(DryFriction::symmetric(20.0, 10.0)),
             stops: Stops::new(0.0, 0.3, 1e6, 1e-3, 0.5, 2.0),
         }
+    }
+
+    /// The load that does this under an applied force, at a velocity.
+    fn body(contact: Contact, applied: f64, velocity: f64) -> Body {
+        load().body(applied, velocity, (contact, States::default()))
     }
 
     #[test]
@@ -146,18 +160,20 @@ mod tests {
             let position = motion.position + motion.velocity * t + 0.5 * motion.acceleration * t * t;
             let velocity = motion.velocity + motion.acceleration * t;
             let applied = load.applied_force(50.0 + 900.0 * t, Side::High, position, velocity);
-            load.acceleration(applied, Contact::Extending)
+            load.acceleration(&body(Contact::Extending, applied, velocity))
         };
         let slope = (at(1e-7) - at(-1e-7)) / 2e-7;
-        let jerk = load.jerk(900.0, Contact::Extending, Side::High, motion);
+        let jerk = |contact| load.jerk(900.0, Side::High, motion, &body(contact, 0.0, motion.velocity));
+        let stuck = jerk(Contact::Stuck);
+        let jerk = jerk(Contact::Extending);
         assert!((jerk / slope - 1.0).abs() < 1e-6, "{jerk} {slope}");
-        assert_eq!(load.jerk(900.0, Contact::Stuck, Side::High, motion), 0.0);
+        assert_eq!(stuck, 0.0);
     }
 
     #[test]
     fn a_stuck_load_does_not_accelerate_and_a_slipping_one_loses_the_coulomb_force() {
-        assert_eq!(load().acceleration(15.0, Contact::Stuck), 0.0);
-        assert_eq!(load().acceleration(15.0, Contact::Extending), 2.5);
-        assert_eq!(load().acceleration(-15.0, Contact::Retracting), -2.5);
+        assert_eq!(load().acceleration(&body(Contact::Stuck, 15.0, 0.0)), 0.0);
+        assert_eq!(load().acceleration(&body(Contact::Extending, 15.0, 0.0)), 2.5);
+        assert_eq!(load().acceleration(&body(Contact::Retracting, -15.0, 0.0)), -2.5);
     }
 }

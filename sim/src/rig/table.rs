@@ -7,9 +7,14 @@ keys! {
     NAME: Option<String> = other("name", Kind::Text, Preset::Absent("the name of the file"), "", "What the rig is called in reports and TARGET files.");
 }
 
-/// The lists of the components.
+/// The lists of the components: of each, or of its models.
 #[rustfmt::skip]
-static LISTS: &[&[&Key]] = &[
+static LISTS: &[&[&[&Key]]] = &[
+    BEFORE_FRICTION, crate::component::friction::KEYS, BEHIND_FRICTION,
+];
+
+#[rustfmt::skip]
+static BEFORE_FRICTION: &[&[&Key]] = &[
     keys::ALL,
     crate::keys::gas::ALL, crate::keys::supply::ALL, crate::keys::exhaust::ALL,
     crate::keys::controller::ALL, crate::keys::encoder::ALL, crate::keys::sensors::ALL,
@@ -18,7 +23,12 @@ static LISTS: &[&[&Key]] = &[
     crate::keys::valve::ALL, crate::keys::flow_force::ALL, crate::keys::discharge::ALL, crate::keys::iso6358::ALL,
     crate::keys::tubing::ALL,
     crate::keys::actuator::ALL, crate::keys::leakage::ALL, crate::keys::walls::ALL,
-    crate::keys::load::ALL, crate::keys::friction::ALL, crate::keys::stop::ALL,
+    crate::keys::load::ALL,
+];
+
+#[rustfmt::skip]
+static BEHIND_FRICTION: &[&[&Key]] = &[
+    crate::keys::stop::ALL,
     crate::keys::faults::ALL, crate::keys::positive_gain::ALL,
     crate::keys::safety::ALL,
     crate::keys::test::ALL,
@@ -26,7 +36,7 @@ static LISTS: &[&[&Key]] = &[
 
 /// Every key of a rig file.
 pub fn all_keys() -> impl Iterator<Item = &'static Key> {
-    LISTS.iter().copied().flatten().copied()
+    LISTS.iter().copied().flatten().copied().flatten().copied()
 }
 
 /// The key with a path.

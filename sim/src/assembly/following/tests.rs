@@ -1,6 +1,6 @@
 //! The command of the continuous controller and the hysteresis on it, looked at in a transient.
 
-use super::super::{END_GUARDS, GUARDS, SCALE, STATES};
+use super::super::{END_GUARDS, GUARDS, STATES, scale_of};
 use super::*;
 use crate::assembly::build;
 use crate::component::friction::Contact;
@@ -22,8 +22,9 @@ impl Transient {
         let settings: Vec<String> = settings.iter().cloned().chain([continuous]).collect();
         let rig = Rig::read_with("test", "", &settings).expect("valid");
         let (parts, x) = build::drive(&rig);
+        let scale = scale_of(&parts.load.friction);
         let assembly = Assembly::new(parts, &x);
-        let integrator = Integrator::new(Method::DormandPrince, 1e-11, SCALE, x);
+        let integrator = Integrator::new(Method::DormandPrince, 1e-11, scale, x);
         let mut transient = Transient { assembly, integrator };
         transient.aim(0.0, target);
         transient
