@@ -79,14 +79,18 @@ pub struct Key {
     pub kind: Kind,
     /// What holds without it.
     pub preset: Preset,
-    /// Models of the same table that use it; empty: all.
+    /// Models that use it; empty: all.
     pub models: &'static [&'static str],
+    /// The key that has one of the models; None: `model` of the same table.
+    pub chosen_by: Option<&'static Key>,
     /// Name in the thesis, or "".
     pub thesis: &'static str,
     /// What it is.
     pub meaning: &'static str,
     /// Whether `--spread` draws it: a physical value that is never known exactly.
     pub spread: bool,
+    /// Whether it is known to a factor of two only, before there are data.
+    pub vague: bool,
 }
 
 impl Key {
@@ -133,7 +137,17 @@ impl<T> Typed<T> {
         thesis: &'static str,
         meaning: &'static str,
     ) -> Self {
-        let key = Key { path, kind, preset, models: &[], thesis, meaning, spread: false };
+        let key = Key {
+            path,
+            kind,
+            preset,
+            models: &[],
+            chosen_by: None,
+            thesis,
+            meaning,
+            spread: false,
+            vague: false,
+        };
         Typed { key, value: PhantomData }
     }
 
@@ -141,6 +155,22 @@ impl<T> Typed<T> {
     #[must_use]
     pub(crate) const fn of(self, models: &'static [&'static str]) -> Self {
         Typed { key: Key { models, ..self.key }, ..self }
+    }
+
+    /// The key of some of the models that another key than `model` of the table has.
+    #[must_use]
+    pub(crate) const fn chosen_by<C: Choice>(
+        self,
+        chooser: &'static Typed<C>,
+        models: &'static [&'static str],
+    ) -> Self {
+        Typed { key: Key { models, chosen_by: Some(&chooser.key), ..self.key }, ..self }
+    }
+
+    /// A value that is known to a factor of two only: of friction, leakage and the like.
+    #[must_use]
+    pub(crate) const fn vague(self) -> Self {
+        Typed { key: Key { vague: true, ..self.key }, ..self }
     }
 
     /// A physical value that is never known exactly.

@@ -29,7 +29,7 @@ pub use problem::{Problem, Problems};
 pub use quantity::{Reading, read as read_quantity};
 pub use read::value_of_setting;
 pub use spread::SpreadError;
-pub use table::{all_keys, find_key};
+pub use table::{all_keys, chooser, find_key};
 pub use toml_file::TomlFile;
 
 pub use crate::component::valve::MAX_DISCHARGE;

@@ -3,7 +3,7 @@
 
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::{BUILTIN, builtin};
-use pneudrive_sim::rig::{Key, Kind, all_keys};
+use pneudrive_sim::rig::{Key, Kind, all_keys, chooser};
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -46,7 +46,8 @@ fn companions(key: &Key) -> Vec<String> {
         settings.extend(["valve.sonic_conductance_m3_per_s_pa=2e-8", "valve.critical_ratio=0.3"]);
     }
     let mut settings: Vec<String> = settings.into_iter().map(str::to_owned).collect();
-    settings.extend(key.models.first().map(|model| format!("{}.model={model}", key.table())));
+    let model = key.models.first().zip(chooser(key));
+    settings.extend(model.map(|(model, chooser)| format!("{}={model}", chooser.path)));
     settings
 }
 

@@ -9,7 +9,8 @@ use std::time::Duration;
 use anyhow::{Result, anyhow, bail};
 use pneudrive_records::judged::{Judged, Spacing};
 use pneudrive_records::run_folder::StoredRun;
-use pneudrive_sim::component::{operator, valve};
+use pneudrive_sim::component::{friction, operator, valve};
+use pneudrive_sim::key::Choice;
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Decision, Rig, run};
 
@@ -204,7 +205,19 @@ fn plans(source: &(String, String), settings: &[String]) -> Result<Vec<Plan>> {
             }
         }
     }
+    plans.extend(frictions(&reference));
     Ok(plans)
+}
+
+/// The rungs of the other models of the load's friction.
+fn frictions(reference: &Rig) -> impl Iterator<Item = Plan> {
+    let key = &keys::friction::FRICTION;
+    let own = reference.get(key).word();
+    let others = friction::Model::WORDS.iter().map(|(model, _)| *model).filter(move |model| *model != own);
+    others.filter_map(move |model| {
+        let rig = reference.with_settings(&[format!("{}={model}", key.path)]).ok()?;
+        Some(Plan { component: "friction of the load", model, rig })
+    })
 }
 
 /// Whether the keys mean something on a rig as it is: an operator that it has, a valve that has a node.
@@ -265,7 +278,7 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
     Page {
         title: format!("{name}: the ladder of fidelity"),
         notes: vec![
-            "The reference has every model in its most complete form that the rig file has figures for. On each rung one component has another model; its transient is compared with that of the reference. In closed loop a difference of the position is what the controller leaves of it; --set controller.loop=open with moves as commands shows the bare one.".to_owned(),
+            "The reference has every model in its most complete form that the rig file has figures for. On each rung one component has another model, with the defaults of the keys that the file lacks; its transient is compared with that of the reference. In closed loop a difference of the position is what the controller leaves of it; --set controller.loop=open with moves as commands shows the bare one.".to_owned(),
             "In brackets: the range over neighbours of both, whose mass and starting position differ by next to nothing. The first row tells how far the neighbours of the reference are from it: a difference of that size says nothing of a model.".to_owned(),
             format!("Evaluations and iterations are counted and the same everywhere; times are of the machine that made this page, over those of the reference, which was run beside each rung: of the shortest of {TIMES} runs of both, and in brackets the least and the most of a pair. A wide range says that the machine was busy."),
         ],

@@ -12,10 +12,10 @@ use crate::values::{Findings, Rig};
 
 keys! {
     FRICTION: Model = choice("load.friction", "", "Model of the friction.");
-    STATIC_EXTEND_N: f64 = number("load.static_extend_n", 70.0, 0.0, 1e5, "C(46)", "Stiction, extending.").spread();
-    COULOMB_EXTEND_N: f64 = number("load.coulomb_extend_n", 40.0, 0.0, 1e5, "C(47)", "Coulomb friction, extending.").spread();
-    STATIC_RETRACT_N: f64 = number("load.static_retract_n", 40.0, 0.0, 1e5, "C(48)", "Stiction, retracting.").spread();
-    COULOMB_RETRACT_N: f64 = number("load.coulomb_retract_n", 11.0, 0.0, 1e5, "C(49)", "Coulomb friction, retracting.").spread();
+    STATIC_EXTEND_N: f64 = number("load.static_extend_n", 70.0, 0.0, 1e5, "C(46)", "Stiction, extending.").spread().vague();
+    COULOMB_EXTEND_N: f64 = number("load.coulomb_extend_n", 40.0, 0.0, 1e5, "C(47)", "Coulomb friction, extending.").spread().vague();
+    STATIC_RETRACT_N: f64 = number("load.static_retract_n", 40.0, 0.0, 1e5, "C(48)", "Stiction, retracting.").spread().vague();
+    COULOMB_RETRACT_N: f64 = number("load.coulomb_retract_n", 11.0, 0.0, 1e5, "C(49)", "Coulomb friction, retracting.").spread().vague();
 }
 
 /// A body on its friction at one instant.

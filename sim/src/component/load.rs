@@ -25,7 +25,7 @@ words! {
 keys! {
     MODEL: Model = choice("load.model", "L(21)", "Kind of load.");
     MASS_KG: f64 = number("load.mass_kg", 1.6, 1e-3, 1e5, "C(17)", "Moving mass.").spread();
-    VISCOUS_N_S_PER_M: f64 = number("load.viscous_n_s_per_m", 30.0, 0.0, 1e6, "C(18)", "Viscous friction.").spread();
+    VISCOUS_N_S_PER_M: f64 = number("load.viscous_n_s_per_m", 30.0, 0.0, 1e6, "C(18)", "Viscous friction.").spread().vague();
     CONSTANT_FORCE_N: f64 = number("load.constant_force_n", 0.0, -1e6, 1e6, "C(19)", "Constant force in the direction of extension.");
     SPRING_N_PER_M: f64 = number("load.spring_n_per_m", 0.0, 0.0, 1e6, "", "Spring to the retracted end.");
     INCLINE_DEG: f64 = number("load.incline_deg", 0.0, -90.0, 90.0, "", "Angle at which extension goes uphill.");

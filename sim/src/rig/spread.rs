@@ -5,7 +5,7 @@ use rand_chacha::rand_core::SeedableRng;
 
 use super::table::all_keys;
 use crate::component::valve::MAX_DISCHARGE;
-use crate::key::Kind;
+use crate::key::{Key, Kind};
 use crate::keys;
 use crate::random::unit_interval;
 use crate::values::{Rig, Value};
@@ -37,7 +37,7 @@ impl Rig {
         }
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut rig = self.clone();
-        for key in all_keys().filter(|key| key.spread) {
+        for key in self.uncertain() {
             let draw = 2.0 * unit_interval(&mut random) - 1.0;
             if let (Some(Value::Number(value)), Kind::Number { min, max }) =
                 (rig.values.get_mut(key.path), key.kind)
@@ -50,6 +50,15 @@ impl Rig {
         let noise = &keys::sensors::NOISE_COUNTS;
         rig.put(noise.path, Some(Value::Number(self.get(noise).max(NOISE_COUNTS))));
         Ok(rig.checked("the rig that was drawn")?)
+    }
+
+    /// The keys that are drawn, in order. Those that belong to a choice besides the model of their table come last, and
+    /// only where it is made: a model that is added changes no draw of the others.
+    fn uncertain(&self) -> impl Iterator<Item = &'static Key> {
+        let spread = |of_choice: bool| {
+            all_keys().filter(move |key| key.spread && key.chosen_by.is_some() == of_choice)
+        };
+        spread(false).chain(spread(true).filter(|key| self.uses(key)))
     }
 
     fn keep_coulomb_below_static(&mut self) {

@@ -45,6 +45,12 @@ pub fn find_key(path: &str) -> Option<&'static Key> {
     all_keys().find(|key| key.path == path)
 }
 
+/// The key that has the model which a key belongs to, if there are several.
+#[must_use]
+pub fn chooser(key: &Key) -> Option<&'static Key> {
+    key.chosen_by.or_else(|| find_key(&format!("{}.model", key.table())))
+}
+
 /// The value that holds without a key, if one does.
 pub(super) fn preset_value(preset: &Preset) -> Option<Value> {
     Some(match preset {
@@ -86,19 +92,11 @@ impl Rig {
         all_keys().filter(unused).map(|key| key.path).collect()
     }
 
-    /// Whether the model that is chosen in its table uses a key.
+    /// Whether the model that is chosen uses a key.
     #[must_use]
     pub fn uses(&self, key: &Key) -> bool {
-        key.models.is_empty() || self.model_of(key.table()).is_some_and(|model| key.models.contains(&model))
-    }
-
-    /// The model that is chosen in a table, if the table has one.
-    #[must_use]
-    pub fn model_of(&self, table: &str) -> Option<&str> {
-        match self.value(&format!("{table}.model")) {
-            Some(Value::Word(word)) => Some(word),
-            _ => None,
-        }
+        let word = || chooser(key).and_then(|chooser| self.word_at(chooser.path));
+        key.models.is_empty() || word().is_some_and(|model| key.models.contains(&model))
     }
 }
 
@@ -122,6 +120,17 @@ mod tests {
         tables.dedup();
         let once: std::collections::BTreeSet<&str> = tables.iter().copied().collect();
         assert_eq!(tables.len(), once.len(), "{tables:?}");
+    }
+
+    #[test]
+    fn the_models_of_a_key_are_words_of_the_key_that_chooses_among_them() {
+        for key in all_keys().filter(|key| !key.models.is_empty()) {
+            let Some(Kind::Choice(words)) = chooser(key).map(|chooser| chooser.kind) else {
+                panic!("{} has models, and no key chooses among them", key.path)
+            };
+            let known = |model: &&str| words.iter().any(|(word, _)| word == model);
+            assert!(key.models.iter().all(known), "{}: {:?}", key.path, key.models);
+        }
     }
 
     #[test]

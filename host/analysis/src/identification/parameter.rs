@@ -5,7 +5,7 @@ use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::leakage;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::MAX_DISCHARGE;
-use pneudrive_sim::rig::{Key, Kind, all_keys, find_key};
+use pneudrive_sim::rig::{Key, Kind, all_keys, chooser, find_key};
 
 /// Tables whose numbers are physical; of `[test]` the initial state is.
 const TABLES: [&str; 9] =
@@ -32,24 +32,16 @@ const DIFFERENCES: [(&str, f64); 8] = [
     ("test.position_m", 1e-3),
 ];
 
-/// Prior standard deviation of the logarithm, where it is not [`USUAL`]: friction and leakage are known to a factor of
-/// two, pressures by a gauge.
-const LOGARITHMS: [(&str, f64); 14] = [
+/// Prior standard deviation of the logarithm of what a gauge tells.
+const LOGARITHMS: [(&str, f64); 4] = [
     ("supply.pressure_pa", 0.1),
     ("exhaust.pressure_pa", 0.05),
     ("test.pressure_1_pa", 0.1),
     ("test.pressure_2_pa", 0.1),
-    ("operator.static_friction_n", 0.7),
-    ("operator.coulomb_friction_n", 0.7),
-    ("operator.hysteresis_percent", 0.7),
-    ("actuator.leakage_coefficient", 0.7),
-    ("actuator.passage_clearance_m", 0.7),
-    ("load.viscous_n_s_per_m", 0.7),
-    ("load.static_extend_n", 0.7),
-    ("load.coulomb_extend_n", 0.7),
-    ("load.static_retract_n", 0.7),
-    ("load.coulomb_retract_n", 0.7),
 ];
+
+/// The same of what is known to a factor of two.
+const VAGUE: f64 = 0.7;
 
 /// Prior standard deviation of any other logarithm.
 const USUAL: f64 = 0.3;
@@ -100,9 +92,9 @@ impl Parameter {
             return Err(not_physical(path));
         }
         if !rig.uses(key) {
-            let table = key.table();
-            let model = rig.model_of(table).unwrap_or_default();
-            bail!("{path} cannot be fitted: the rig's {table}.model = {model:?} does not use it");
+            let chooser = chooser(key).map_or("model", |chooser| chooser.path);
+            let model = rig.word_at(chooser).unwrap_or_default();
+            bail!("{path} cannot be fitted: the rig's {chooser} = {model:?} does not use it");
         }
         let start = rig
             .number_at(path)
@@ -111,7 +103,7 @@ impl Parameter {
             |table: &[(&str, f64)]| table.iter().find(|(known, _)| *known == path).map(|(_, size)| *size);
         let (scale, prior) = match known(&DIFFERENCES) {
             Some(size) => (Scale::Difference(size), 1.0),
-            None => (Scale::Logarithm, known(&LOGARITHMS).unwrap_or(USUAL)),
+            None => (Scale::Logarithm, known(&LOGARITHMS).unwrap_or(if key.vague { VAGUE } else { USUAL })),
         };
         if matches!(scale, Scale::Logarithm) && start <= 0.0 {
             bail!(

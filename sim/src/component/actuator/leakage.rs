@@ -43,9 +43,9 @@ words! {
 
 keys! {
     LEAKAGE: Model = choice("actuator.leakage", "L(18)", "Leakage past the piston.");
-    LEAKAGE_COEFFICIENT: f64 = number("actuator.leakage_coefficient", 0.0, 0.0, 1e-6, "C(55)", "Laminar leakage, kg/(s Pa).");
+    LEAKAGE_COEFFICIENT: f64 = number("actuator.leakage_coefficient", 0.0, 0.0, 1e-6, "C(55)", "Laminar leakage, kg/(s Pa).").vague();
     PASSAGE_RESISTANCE: f64 = number("actuator.passage_resistance", 20.0, 1e-3, 1e6, "C(56)", "Egli's resistance of the leakage passage.");
-    PASSAGE_CLEARANCE_M: f64 = number("actuator.passage_clearance_m", 1e-5, 1e-9, 1e-2, "C(57)", "Clearance of the leakage passage; the thesis's table has 1e-4, a slip.");
+    PASSAGE_CLEARANCE_M: f64 = number("actuator.passage_clearance_m", 1e-5, 1e-9, 1e-2, "C(57)", "Clearance of the leakage passage; the thesis's table has 1e-4, a slip.").vague();
 }
 
 impl Leakage {

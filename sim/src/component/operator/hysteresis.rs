@@ -11,7 +11,7 @@ use crate::key::keys;
 use crate::values::Rig;
 
 keys! {
-    HYSTERESIS_PERCENT: f64 = number("operator.hysteresis_percent", 5.0, 0.0, 100.0, "C(29)", "Width of the hysteresis loop, of the spool's range from end to end (2 mm in servo-drive B).").of(SOLENOIDS).spread();
+    HYSTERESIS_PERCENT: f64 = number("operator.hysteresis_percent", 5.0, 0.0, 100.0, "C(29)", "Width of the hysteresis loop, of the spool's range from end to end (2 mm in servo-drive B).").of(SOLENOIDS).spread().vague();
 }
 
 /// Half of the hysteresis loop, m: the loop is `hysteresis_percent` of the spool's range wide, from end to end.

@@ -13,8 +13,8 @@ keys! {
     FORCE_GAIN_N_PER_MM: f64 = number("operator.force_gain_n_per_mm", 25.0, 1e-3, 1e5, "C(81)", "Force of the coil per mm of command.").of(&["solenoid"]).spread();
     SPRING_N_PER_MM: f64 = number("operator.spring_n_per_mm", 25.0, 1e-3, 1e5, "C(82)", "Stiffness of the spool's spring.").of(&["solenoid"]).spread();
     SPRING_PRELOAD_N: f64 = number("operator.spring_preload_n", 25.0, 0.0, 1e5, "C(83)", "Compression of the spring at mid-travel, which the mid-range of the coil balances.").of(&["solenoid"]);
-    STATIC_FRICTION_N: f64 = number("operator.static_friction_n", 3.0, 0.0, 1e4, "C(84)", "Stiction of the spool.").of(&["solenoid"]).spread();
-    COULOMB_FRICTION_N: f64 = number("operator.coulomb_friction_n", 2.0, 0.0, 1e4, "C(85)", "Coulomb friction of the spool.").of(&["solenoid"]).spread();
+    STATIC_FRICTION_N: f64 = number("operator.static_friction_n", 3.0, 0.0, 1e4, "C(84)", "Stiction of the spool.").of(&["solenoid"]).spread().vague();
+    COULOMB_FRICTION_N: f64 = number("operator.coulomb_friction_n", 2.0, 0.0, 1e4, "C(85)", "Coulomb friction of the spool.").of(&["solenoid"]).spread().vague();
     SPOOL_MASS_KG: f64 = number("operator.spool_mass_kg", 0.023, 1e-5, 100.0, "C(86)", "Mass of the spool with the core.").of(&["solenoid"]).spread();
     DAMPING_N_S_PER_M: f64 = number("operator.damping_n_s_per_m", 2.3, 0.0, 1e5, "", "Viscous damping of the spool; not in the thesis, C(51) times C(86).").of(&["solenoid"]).spread();
     STOP_STIFFNESS_N_PER_M: f64 = number("operator.stop_stiffness_n_per_m", 100_000.0, 1.0, 1e10, "C(91)", "Stiffness of the spool's stops.").of(&["solenoid"]);
