@@ -327,6 +327,17 @@ mod tests {
         }
     }
 
+    /// Bristles creep before they let go, the earlier the sooner friction falls with the speed.
+    #[test]
+    fn a_load_on_bristles_is_held_until_it_slides() {
+        let bristles = ["load.friction=lugre", "load.film_growth_s=100", "load.stribeck_exponent=2"];
+        let found = measure(&rig(&bristles)).expect("a load");
+        for (way, stiction) in [("extending", 70.0), ("retracting", 40.0)] {
+            let read = figure(&found, &format!("static friction, {way}")).value().expect("it slides");
+            assert!((1.0 - 0.05..1.0).contains(&(read / stiction)), "{way}: {read} N");
+        }
+    }
+
     #[test]
     fn a_load_that_the_supply_cannot_move_has_no_friction_to_read() {
         let held = ["load.static_extend_n=2000", "load.static_retract_n=2000"];

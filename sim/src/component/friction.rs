@@ -4,6 +4,7 @@
 //! common to all models.
 
 pub mod dry;
+pub mod lugre;
 
 pub use dry::{Contact, DryFriction};
 
@@ -191,4 +192,5 @@ const fn most(counts: &[usize]) -> usize {
 
 models! {
     "coulomb" => Coulomb(dry::DryFriction), "Stiction and Coulomb friction.";
+    "lugre" => LuGre(lugre::LuGre), "Bristles under a film of lubricant.";
 }

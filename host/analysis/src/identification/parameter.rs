@@ -264,6 +264,17 @@ mod tests {
         assert!(leaks.contains(&"actuator.leakage_coefficient"));
     }
 
+    /// A model of friction brings its keys with it.
+    #[test]
+    fn keys_of_a_model_of_friction_are_fitted_where_the_load_has_it() {
+        let paths = |text: &str| -> Vec<&str> { usual(&rig(text)).iter().map(|p| p.key.path).collect() };
+        let (bristles, lugre) = ("load.bristle_stiffness_n_per_m", "[load]\nfriction = \"lugre\"\n");
+        assert!(paths(lugre).contains(&bristles) && !paths("").contains(&bristles));
+        let refused = Parameter::of(&rig(""), bristles).expect_err("refused").to_string();
+        assert!(refused.contains("load.friction = \"coulomb\" does not use it"), "{refused}");
+        assert!(Parameter::of(&rig(lugre), bristles).expect("fitted").prior > 0.5);
+    }
+
     #[test]
     fn what_is_no_physical_number_of_this_rig_is_refused_with_the_reason() {
         let refused = |path: &str| Parameter::of(&rig(""), path).expect_err("refused").to_string();
