@@ -81,8 +81,6 @@ pub struct State {
     law: Memory,
     observation: Observation,
     spool: Spool,
-    /// The present sample is an exit (thesis 6.3.2): its output gives a stepper no pulse.
-    exits: bool,
     /// The encoder's own count, and what is taken off it to make a position.
     encoder: i32,
     origin: i32,
@@ -199,7 +197,6 @@ impl State {
 
     fn begin_anew(&mut self, sequencer: Sequencer) {
         self.sequencer = sequencer;
-        self.exits = false;
         self.estimator.forget();
         self.law = Memory::default();
         self.observation = Observation::default();
@@ -242,7 +239,7 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
     let target = state.target(config, sequence, motion.position);
     state.watch(config, input, &motion);
     let demand = state.demand(config, &target, &motion, input);
-    let command = if target.exits { state.hold_command() } else { config.drive.limit(demand) };
+    let command = if target.exits { state.command_at_exit(config, demand) } else { config.drive.limit(demand) };
     let command = state.supervisor.permit(&config.law, command);
     state.observation = Observation {
         running: target.running,
@@ -337,11 +334,16 @@ impl State {
         }
     }
 
-    /// The command that was in force before, at an exit.
+    /// At an exit (thesis 6.3.2) the valve of a closed loop stays as it is: the command that was in force before, or where
+    /// a stepper's spool is.
     #[cold]
-    fn hold_command(&mut self) -> i16 {
-        self.exits = true;
-        self.observation.command
+    #[inline(never)]
+    fn command_at_exit(&self, config: &Config, demand: i32) -> i16 {
+        match (config.law.control_loop, config.drive) {
+            (Loop::Open, _) => config.drive.limit(demand),
+            (Loop::Closed, DriveConfig::Dac(_)) => self.observation.command,
+            (Loop::Closed, DriveConfig::Stepper { .. }) => self.spool.counted().steps(),
+        }
     }
 
     /// A sample of the homing run.
@@ -372,8 +374,7 @@ pub fn output(config: &Config, state: &mut State) -> Command {
         DriveConfig::Dac(_) => Command { counts, step: 0, drive_enable: drives },
         DriveConfig::Stepper { .. } => {
             let drive_enable = drives || state.spool.walks();
-            let step = if core::mem::take(&mut state.exits) { 0 } else { state.spool.step_toward(counts) };
-            Command { counts, step, drive_enable }
+            Command { counts, step: state.spool.step_toward(counts), drive_enable }
         }
     }
 }

@@ -11,7 +11,8 @@
 //!   or after `monitoring` samples on end inside it (exact stop);
 //! - or at the forced exit, arrived or not.
 //!
-//! At such an exit the thesis has the new position only, and no spool command: the valve stays where it is for a period.
+//! At such an exit the thesis has the new position only, and no spool command: the valve of a closed loop stays as it is for
+//! a period.
 //!
 //! A sequence may repeat: its moves come again and again, a round after the other, until the run is over.
 //!
