@@ -306,21 +306,39 @@ impl State {
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
         let closed = config.law.control_loop == Loop::Closed;
         let mode = self.supervisor.mode();
-        let must_move = match mode {
-            Mode::Running | Mode::Done => closed,
-            Mode::Homing => self.homing.must_move(&config.homing),
-            Mode::Disarmed | Mode::Fault(_) | Mode::Armed => false,
-        };
-        let from_null = if must_move {
-            i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
-        } else {
-            0
+        let holds_or_runs = matches!(mode, Mode::Running | Mode::Done);
+        let from_null = match holds_or_runs {
+            true if closed => self.from_null(config),
+            true => 0,
+            false => self.from_null_while_homing(config),
         };
         let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);
-        if mode == Mode::Armed || (mode == Mode::Done && !closed) {
-            self.supervisor.watch_null(&config.limits, motion.position, self.spool_is_open(config));
+        if !holds_or_runs || (!closed && mode == Mode::Done) {
+            self.watch_at_null(config, motion.position, mode);
         }
+    }
+
+    /// In a mode that may drive nothing: whether an enabled drive moves all the same.
+    #[cold]
+    #[inline(never)]
+    fn watch_at_null(&mut self, config: &Config, position: i32, mode: Mode) {
+        if matches!(mode, Mode::Armed | Mode::Done) {
+            self.supervisor.watch_null(&config.limits, position, self.spool_is_open(config));
+        }
+    }
+
+    /// How far the command in force is from the valve's null, counts.
+    fn from_null(&self, config: &Config) -> u32 {
+        i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
+    }
+
+    /// The same while a homing run must move; else 0.
+    #[cold]
+    #[inline(never)]
+    fn from_null_while_homing(&self, config: &Config) -> u32 {
+        let must_move = self.supervisor.mode() == Mode::Homing && self.homing.must_move(&config.homing);
+        if must_move { self.from_null(config) } else { 0 }
     }
 
     fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {

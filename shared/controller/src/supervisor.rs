@@ -236,8 +236,6 @@ impl Supervisor {
     }
 
     /// Trips when a drive moves whose command is null. `spool_is_open`: a stepper's spool is still on its way to the null.
-    #[cold]
-    #[inline(never)]
     pub(crate) fn watch_null(&mut self, limits: &Limits, position: i32, spool_is_open: bool) {
         if self.watch.runs_away(limits, position, spool_is_open) {
             self.trip(Fault::MotionAtNull);
