@@ -1,5 +1,5 @@
 //! What a run is made of, in time: `cargo bench -p pneudrive-sim`. What it costs in counts, on any machine, is in
-//! docs/speed.md.
+//! docs/counts.md.
 
 use std::hint::black_box;
 

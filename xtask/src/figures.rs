@@ -23,7 +23,7 @@ pub struct Document {
 pub const FIRMWARE: Document = Document { path: "docs/firmware-figures.md", command: "cargo xtask figures" };
 
 /// What the simulator's runs cost.
-pub const SPEED: Document = Document { path: "docs/speed.md", command: "cargo xtask cost" };
+pub const SPEED: Document = Document { path: "docs/counts.md", command: "cargo xtask cost" };
 
 /// The document's text before the lines of a table, these lines, and the text behind them. A table stands between
 /// `<!-- NAME -->` and `<!-- end -->`.
@@ -114,7 +114,7 @@ mod tests {
         let error = hold(SPEED, "instructions", "| servo-a | 1 |\n").expect_err("other figures");
         let said = format!("{error:#}");
         assert!(
-            said.contains("instructions of docs/speed.md") && said.contains("cargo xtask cost"),
+            said.contains("instructions of docs/counts.md") && said.contains("cargo xtask cost"),
             "{said}"
         );
     }

@@ -1,4 +1,4 @@
-//! The instructions that the simulator needs for a run, counted by valgrind, and the table of docs/speed.md that holds
+//! The instructions that the simulator needs for a run, counted by valgrind, and the table of docs/counts.md that holds
 //! them.
 //!
 //! They repeat to the last few on one machine; another processor family has others, and is told so.

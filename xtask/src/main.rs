@@ -52,7 +52,7 @@ enum Command {
     /// Measure the instructions of the control in the emulator, read flash, memory and stack from the images, and
     /// write the tables of docs/firmware-figures.md anew
     Figures,
-    /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/speed.md
+    /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/counts.md
     /// anew
     Cost,
     /// Replace the golden hashes of results that have changed (hil-tests/golden.toml)

@@ -2,9 +2,12 @@
 //! of many runs in turns. The tables of docs/speed.md are what one machine printed.
 //!
 //! ```text
-//! cargo run --release -p pneudrive-sim --example speed
+//! cargo run --release -p pneudrive-sim --example speed            # the table
+//! cargo run --release -p pneudrive-sim --example speed -- figure  # docs/speed.svg
 //! ```
 
+mod curve;
+mod figure;
 #[path = "../../tests/cases/loosest.rs"]
 mod loosest;
 
@@ -13,17 +16,20 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use loosest::LOOSEST;
-use pneudrive_sim::{Accuracy, Rig, run};
+use pneudrive_sim::trace::{MotionRow, Row};
+use pneudrive_sim::{Accuracy, Record, Rig, Runner};
 
 /// Times that each run is taken.
 const ROUNDS: usize = 60;
 
-/// A run to be timed.
+/// A run to be timed, with all columns of its trace and with those of the motion alone.
 struct Timed {
     title: String,
     rig: Rig,
     accuracy: Accuracy,
-    best: Duration,
+    whole: Runner<Row>,
+    motion: Runner<MotionRow>,
+    best: [Duration; 2],
 }
 
 impl Timed {
@@ -36,31 +42,74 @@ impl Timed {
         let own = Accuracy::of(&rig);
         let accuracy = Accuracy { tolerance: tolerance.unwrap_or(own.tolerance), ..own };
         let title = std::iter::once(case.to_owned()).chain(settings).collect::<Vec<_>>().join(", ");
-        Timed { title, rig, accuracy, best: Duration::MAX }
+        let (whole, motion) = (Runner::new(&rig, accuracy), Runner::new(&rig, accuracy));
+        Timed { title, rig, accuracy, whole, motion, best: [Duration::MAX; 2] }
     }
 
     fn take(&mut self) {
-        let begin = Instant::now();
-        black_box(run(&self.rig, self.accuracy)).expect("a transient");
-        self.best = self.best.min(begin.elapsed());
+        self.best[0] = self.best[0].min(time(&mut self.whole));
+        self.best[1] = self.best[1].min(time(&mut self.motion));
     }
 
-    fn row(&self) -> String {
-        let run = run(&self.rig, self.accuracy).expect("a transient");
+    fn row(&mut self) -> String {
+        let run = self.whole.run().expect("a transient");
         let (evaluations, samples) =
             (run.work.integrator.n_rhs_evaluations as f64, run.observations.len() as f64);
         format!(
-            "| {} | {:.0e} | {:.1} | {:.2} | {:.0} |",
+            "| {} | {:.0e} | {:.1} | {:.2} | {:.0} | {:.0} |",
             self.title,
             self.accuracy.tolerance,
             evaluations / samples,
-            1e3 * self.best.as_secs_f64(),
-            self.rig.get(&keys::test::DURATION_S) / self.best.as_secs_f64(),
+            1e3 * self.best[0].as_secs_f64(),
+            self.speed(0),
+            self.speed(1),
         )
+    }
+
+    /// Simulated seconds a wall second.
+    fn speed(&self, of: usize) -> f64 {
+        self.rig.get(&keys::test::DURATION_S) / self.best[of].as_secs_f64()
     }
 }
 
+fn time<R: Record>(runner: &mut Runner<R>) -> Duration {
+    let begin = Instant::now();
+    black_box(runner.run()).expect("a transient");
+    begin.elapsed()
+}
+
 fn main() {
+    match std::env::args().nth(1).as_deref() {
+        Some("figure") => write_figure(),
+        _ => print_table(),
+    }
+}
+
+/// Of other programs, on a machine like ours: at which deviation (m) they make how many simulated seconds a second.
+const BESIDE_A: [(&str, f64, f64); 4] = [
+    ("specialised program", 1e-6, 9500.0),
+    ("CVODE Adams", 1e-6, 1030.0),
+    ("CVODE BDF", 1e-6, 410.0),
+    ("SciPy", 1e-6, 6.0),
+];
+const BESIDE_B: [(&str, f64, f64); 4] = [
+    ("specialised program", 1e-6, 281.0),
+    ("CVODE Adams", 1e-6, 55.0),
+    ("CVODE BDF", 1e-6, 31.0),
+    ("SciPy", 1e-6, 2.0),
+];
+
+fn write_figure() {
+    let [a, b] = ["A_closed", "B_closed_damped"].map(curve::of);
+    let svg = figure::of(&[
+        figure::Case { name: "A_closed", colour: "#1f5fa8", curve: &a, others: &BESIDE_A },
+        figure::Case { name: "B_closed_damped", colour: "#b8452a", curve: &b, others: &BESIDE_B },
+    ]);
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/speed.svg");
+    std::fs::write(path, svg).expect("docs can be written");
+}
+
+fn print_table() {
     let mut runs: Vec<Timed> = Vec::new();
     for (case, tolerance) in LOOSEST {
         runs.push(Timed::new(case, &[], None));
@@ -69,7 +118,9 @@ fn main() {
     for _ in 0..ROUNDS {
         runs.iter_mut().for_each(Timed::take);
     }
-    println!("| case | tolerance | evaluations a sample | ms a run | simulated s a s |");
-    println!("|---|---|---|---|---|");
-    runs.iter().for_each(|timed| println!("{}", timed.row()));
+    println!(
+        "| case | tolerance | evaluations a sample | ms a run | simulated s a s | of the motion alone |"
+    );
+    println!("|---|---|---|---|---|---|");
+    runs.iter_mut().for_each(|timed| println!("{}", timed.row()));
 }

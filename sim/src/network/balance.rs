@@ -10,7 +10,7 @@
 //! tubes. That over the flow in the supply tube stands apart, as it joins the two nodes.
 //!
 //! Nearly always air flows from the supply into both nodes and out of both into the exhaust. Where that is known
-//! (`USUAL`), nothing asks which way it goes: the same numbers come out of half the work, to the last bit.
+//! (`USUAL`), nothing asks which way it goes: two thirds of the work give the same numbers, to the last bit.
 
 use super::Network;
 use super::mixing::Mixture;
