@@ -37,7 +37,7 @@ fn rig_check_names_file_line_and_key() {
         ),
     ] {
         fs::write(folder.path().join(name), text).expect("written");
-        assert_eq!(transcript(folder.path(), &format!("rig check {name}")), expected);
+        assert_eq!(transcript(folder.path(), &format!("rig check --quick {name}")), expected);
     }
 }
 

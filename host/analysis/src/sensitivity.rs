@@ -89,25 +89,17 @@ fn open_values(rig: &Rig) -> Vec<Effect> {
             return None;
         }
         let ends = origin.range.unwrap_or([value * (1.0 - CHANGE), value * (1.0 + CHANGE)]);
-        let [min, max] = friction_bounds(rig, key).unwrap_or([min, max]);
-        let ends = ends.map(|end| end.clamp(min, max));
+        let ends = ends.map(|end| allowed(rig, key, *value, end.clamp(min, max)));
         (ends != [*value; 2]).then_some(Effect { key, origin, ends, moves_m: Some(0.0) })
     };
     rig.entries().filter_map(open).collect()
 }
 
-/// Between which values a friction may lie by itself: Coulomb friction is not above stiction.
-fn friction_bounds(rig: &Rig, key: &Key) -> Option<[f64; 2]> {
-    use pneudrive_sim::keys::friction::{
-        COULOMB_EXTEND_N, COULOMB_RETRACT_N, STATIC_EXTEND_N, STATIC_RETRACT_N,
-    };
-    [(&COULOMB_EXTEND_N, &STATIC_EXTEND_N), (&COULOMB_RETRACT_N, &STATIC_RETRACT_N)].into_iter().find_map(
-        |(coulomb, stiction)| match key.path {
-            path if path == coulomb.path => Some([0.0, rig.get(stiction)]),
-            path if path == stiction.path => Some([rig.get(coulomb), f64::MAX]),
-            _ => None,
-        },
-    )
+/// The end of a range, or as far towards it as the other values allow: Coulomb friction is not above stiction.
+fn allowed(rig: &Rig, key: &'static Key, value: f64, end: f64) -> f64 {
+    let towards = [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01].map(|part| value + part * (end - value));
+    let allows = |changed: &f64| rig.with_numbers(&[(key.path, *changed)]).is_ok();
+    towards.into_iter().find(allows).unwrap_or(value)
 }
 
 /// How far the piston is from where it is in the nominal run, at most, m.

@@ -239,7 +239,8 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
     let target = state.target(config, sequence, motion.position);
     state.watch(config, input, &motion);
     let demand = state.demand(config, &target, &motion, input);
-    let command = if target.exits { state.command_at_exit(config, demand) } else { config.drive.limit(demand) };
+    let command =
+        if target.exits { state.command_at_exit(config, demand) } else { config.drive.limit(demand) };
     let command = state.supervisor.permit(&config.law, command);
     state.observation = Observation {
         running: target.running,
@@ -308,9 +309,9 @@ impl State {
         let mode = self.supervisor.mode();
         let holds_or_runs = matches!(mode, Mode::Running | Mode::Done);
         let from_null = match holds_or_runs {
-            true if closed => self.from_null(config),
+            true if closed => self.distance_from_null(config),
             true => 0,
-            false => self.from_null_while_homing(config),
+            false => self.distance_while_homing(config),
         };
         let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);
@@ -329,16 +330,16 @@ impl State {
     }
 
     /// How far the command in force is from the valve's null, counts.
-    fn from_null(&self, config: &Config) -> u32 {
+    fn distance_from_null(&self, config: &Config) -> u32 {
         i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
     }
 
     /// The same while a homing run must move; else 0.
     #[cold]
     #[inline(never)]
-    fn from_null_while_homing(&self, config: &Config) -> u32 {
+    fn distance_while_homing(&self, config: &Config) -> u32 {
         let must_move = self.supervisor.mode() == Mode::Homing && self.homing.must_move(&config.homing);
-        if must_move { self.from_null(config) } else { 0 }
+        if must_move { self.distance_from_null(config) } else { 0 }
     }
 
     fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {

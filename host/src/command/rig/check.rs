@@ -34,7 +34,7 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
 }
 
 fn rank(rig: &Rig) -> Result<()> {
-    let mut progress = Progress::new("trying values");
+    let mut progress = Progress::of("trying values", "runs");
     let found = sensitivity(rig, |done, all| progress.at(done as u64, all as u64));
     progress.done();
     let Sensitivity { effects, floor_m } = found?;
