@@ -3,14 +3,15 @@
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
+use pneudrive_sim::Rig;
 use xtask::cargo::{image_folder, root};
 use xtask::firmware;
 
-use crate::{QemuTarget, body};
+use crate::{QemuTarget, Target, body};
 
 /// The file in which a rounding is changed, in a copy of the sources.
 const FILE: &str = "shared/controller/src/law.rs";
@@ -20,21 +21,32 @@ const FILE: &str = "shared/controller/src/law.rs";
 const TOWARD_ZERO: &str = "divide_toward_zero(saturate(sum), config.scale)";
 const LESS: &str = " - i32::from(saturate(sum) < 0 && saturate(sum).unsigned_abs() % config.scale != 0)";
 
-/// Builds the image with the changed rounding, compares a run with the simulation, and tells how the test
-/// failed.
+/// Builds the emulated board's image with the changed rounding, compares a run with the simulation, and tells how the
+/// test failed.
 ///
 /// # Errors
 /// When the test passes, or fails for another reason.
 pub fn prove() -> Result<String> {
+    let rig = rig();
+    failure(&QemuTarget::start_image(&rig, &changed(firmware::EMULATED)?)?, &rig)
+}
+
+/// An image of the inner workspace with the changed rounding.
+///
+/// # Errors
+/// When it cannot be built, or the rounding is not found.
+pub fn changed(image: &str) -> Result<PathBuf> {
     let copy = tempfile::tempdir().context("no folder for a copy of the sources")?;
     copy_sources(copy.path())?;
     change(&copy.path().join(FILE))?;
-    let image = firmware::build_in(
-        &copy.path().join("firmware"),
-        &image_folder()?.join("rounding"),
-        firmware::EMULATED,
-    )?;
-    failure(&image)
+    firmware::build_in(&copy.path().join("firmware"), &image_folder()?.join("rounding"), image)
+}
+
+/// A run in which the rounding matters.
+#[must_use]
+pub fn rig() -> Rig {
+    let moves = "test.moves=[[0.0, 8192], [0.3, 16384]]";
+    body::rig("servo-b-tuned", &["test.duration_s=1", moves])
 }
 
 /// What is in the repository, as it is now.
@@ -57,12 +69,12 @@ fn change(file: &Path) -> Result<()> {
     Ok(fs::write(file, text.replace(TOWARD_ZERO, &format!("{TOWARD_ZERO}{LESS}")))?)
 }
 
-/// How the equality test fails with an image.
-fn failure(image: &Path) -> Result<String> {
-    let moves = "test.moves=[[0.0, 8192], [0.3, 16384]]";
-    let rig = body::rig("servo-b-tuned", &["test.duration_s=1", moves]);
-    let target = QemuTarget::start_image(&rig, image)?;
-    let outcome = catch_unwind(AssertUnwindSafe(|| body::assert_equal_in_every_integer(&target, &rig)));
+/// How the equality test fails on a rung with a changed image.
+///
+/// # Errors
+/// When it passes, or fails for another reason.
+pub fn failure(target: &dyn Target, rig: &Rig) -> Result<String> {
+    let outcome = catch_unwind(AssertUnwindSafe(|| body::assert_equal_in_every_integer(target, rig)));
     let Err(panic) = outcome else {
         bail!("the records are equal: the test does not see the changed rounding")
     };

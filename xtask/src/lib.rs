@@ -6,6 +6,7 @@
 //! | [`tally`] | what passed, what failed, and going on after a failure |
 //! | [`cargo`] | how cargo and rustup are called, and where they build |
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
+//! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
 //! | [`nucleo`] | builds the image for the Nucleo board and judges its size and its interrupt |
 //! | [`targets`] | what must compile for other systems |
 //! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
@@ -22,6 +23,7 @@
 pub mod cargo;
 pub mod figures;
 pub mod firmware;
+pub mod flashed;
 pub mod forbidden;
 pub mod frame;
 pub mod image;

@@ -41,6 +41,12 @@ enum Command {
         /// Only bodies with one of these words in their name
         bodies: Vec<String>,
     },
+    /// Every test body, deadlines and hazards on the image that is flashed, executed with models of its peripherals
+    Flashed {
+        /// Write the table of docs/hazards.md anew
+        #[arg(long)]
+        write: bool,
+    },
     /// Ten minutes of a drive's time in the emulator, compared with the simulation sample by sample
     Soak {
         /// So many seconds instead
@@ -84,6 +90,7 @@ fn main() -> ExitCode {
         Command::Docs => steps::docs(&mut tally),
         Command::Probe => steps::probe(&mut tally),
         Command::Hil { bodies } => steps::hil(&mut tally, &bodies),
+        Command::Flashed { write } => steps::flashed(&mut tally, write),
         Command::Soak { seconds } => steps::soak(&mut tally, seconds),
         Command::ProveRounding => steps::prove_rounding(&mut tally),
         Command::Figures => steps::figures(&mut tally),

@@ -1,7 +1,7 @@
 //! The commands. Each adds what it did to a [`Tally`].
 
 use std::io::{BufRead, BufReader};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
-use crate::{firmware, instructions, memory, nucleo, probe, targets};
+use crate::{firmware, flashed, instructions, memory, nucleo, probe, targets};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -19,6 +19,7 @@ pub fn fmt(tally: &mut Tally, check: bool) {
     // Without --all, which follows the paths to the outer workspace.
     let images = [&["fmt"], check].concat();
     tally.check("format of firmware/", || run(&mut in_firmware(&images, &cargo::image_folder()?)));
+    tally.check("format of hil-tests/flashed-image/", || run(&mut flashed::cargo(&images)?));
 }
 
 /// Clippy on both workspaces; a warning is an error.
@@ -40,6 +41,8 @@ pub enum Group {
     Web,
     /// What must compile for other systems: analysis for a browser, the command for Windows
     Targets,
+    /// A short run of the image that is flashed
+    Flashed,
 }
 
 /// One group of tests; its tools are installed, or it fails.
@@ -50,7 +53,30 @@ pub fn test_group(tally: &mut Tally, group: Group) {
             pages(tally);
         }
         Group::Targets => targets::check_all(tally),
+        Group::Flashed => {
+            ensure_flashed(tally);
+            tally.check("lint of hil-tests/flashed-image/", || {
+                run(&mut flashed::cargo(&["clippy", "--all-targets", "--", "-D", "warnings"])?)
+            });
+            short_flashed(tally);
+        }
     }
+}
+
+fn ensure_flashed(tally: &mut Tally) {
+    for tool in flashed::TOOLS {
+        tally.check(tool.program, || tool.ensure());
+    }
+}
+
+fn short_flashed(tally: &mut Tally) {
+    tests_by(tally, "a short run of the flashed image", flashed::short);
+}
+
+/// Every body on the image that is flashed.
+pub fn flashed(tally: &mut Tally, write: bool) {
+    ensure_flashed(tally);
+    tests_by(tally, "the flashed image", || flashed::all(write));
 }
 
 /// All tests on the PC, then what can be said of the boards without one. Groups whose tools are missing are left out.
@@ -62,6 +88,13 @@ pub fn test(tally: &mut Tally) {
         tally.leave_out(format!("no page was opened, as there is no Chromium ({})", CHROMIUM.how()));
     }
     targets::check_installed(tally);
+    match flashed::TOOLS.into_iter().find(|tool| !tool.is_there()) {
+        None => short_flashed(tally),
+        Some(tool) => {
+            let (program, how) = (tool.program, tool.how());
+            tally.leave_out(format!("the flashed image was not run, as there is no {program} ({how})"));
+        }
+    }
 }
 
 fn pages(tally: &mut Tally) {
@@ -90,8 +123,13 @@ fn test_without_groups(tally: &mut Tally) {
 
 /// Tests that count one by one.
 fn tests(tally: &mut Tally, name: &str, arguments: &[&str]) {
+    tests_by(tally, name, || Ok(in_root(arguments)));
+}
+
+/// The same of a call of cargo.
+fn tests_by(tally: &mut Tally, name: &str, call: impl FnOnce() -> Result<Command>) {
     let before = tally.failed();
-    match tally.timed(name, |tally| follow_tests(tally, arguments)) {
+    match tally.timed(name, |tally| follow_tests(tally, &mut call()?)) {
         Ok(true) => {}
         Ok(false) if tally.failed() > before => {}
         Ok(false) => tally.fail(1, format!("{name}: cargo test did not come to its end")),
@@ -100,8 +138,7 @@ fn tests(tally: &mut Tally, name: &str, arguments: &[&str]) {
 }
 
 /// Runs the tests, shows their output as it comes and counts them; whether cargo was content.
-fn follow_tests(tally: &mut Tally, arguments: &[&str]) -> Result<bool> {
-    let mut command = in_root(arguments);
+fn follow_tests(tally: &mut Tally, command: &mut Command) -> Result<bool> {
     let mut child = command.stdout(Stdio::piped()).spawn().context("cargo can't be started")?;
     if let Some(stdout) = child.stdout.take() {
         for line in BufReader::new(stdout).split(b'\n') {

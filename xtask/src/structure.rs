@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 14] = [
+const CRATES: [&str; 15] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
@@ -32,6 +32,7 @@ const CRATES: [&str; 14] = [
     "host/design",
     "host",
     "hil-tests",
+    "hil-tests/flashed-image",
     "xtask",
 ];
 

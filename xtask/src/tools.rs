@@ -1,5 +1,5 @@
-//! The programs that tests need beside Rust: the emulator of the boards' processor, a counter of instructions, and a
-//! browser.
+//! The programs that tests need beside Rust: the emulator of the boards' processor, a counter of instructions, a
+//! browser, and what the emulator of the flashed image is built with.
 
 use std::process::{Command, Stdio};
 
@@ -25,6 +25,12 @@ pub const VALGRIND: Tool = Tool { program: "valgrind", how: "apt-get install val
 /// The browser that opens the pages.
 pub const CHROMIUM: Tool =
     Tool { program: "chromium", how: "apt-get install chromium, brew install --cask chromium, ..." };
+
+/// What builds the emulator of the flashed image.
+pub const CMAKE: Tool = Tool { program: "cmake", how: "apt-get install cmake, brew install cmake, ..." };
+
+/// What reads the headers of that emulator.
+pub const CLANG: Tool = Tool { program: "clang", how: "apt-get install clang, brew install llvm, ..." };
 
 impl Tool {
     /// Whether it is there.

@@ -113,7 +113,10 @@ impl Bench {
         }
         let (first, last) = self.samples.unwrap_or((at, at));
         if at > last {
-            self.take_timing(at - last, output_at.filter(|output| *output > last).map(|output| output - last));
+            self.take_timing(
+                at - last,
+                output_at.filter(|output| *output > last).map(|output| output - last),
+            );
             self.advance(at - last, driven).map_err(|error| error.to_string())?;
         }
         self.samples = Some((first, at));

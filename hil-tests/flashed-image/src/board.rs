@@ -1,5 +1,10 @@
 //! The board: its peripherals at their addresses, brought up to the present whenever one is touched.
 //!
+//! | module | holds |
+//! |---|---|
+//! | [`bus`] | which peripheral is at which address |
+//! | [`idle`] | what may be left out of a task that only polls |
+//!
 //! Nothing here runs on its own. A peripheral knows when something will happen to it, and [`Board::settle`] makes it
 //! happen once that time has come; [`Board::horizon`] tells how far the processor may go before somebody must look.
 //! While the idle task only polls, its rounds are left out and the time goes on to the next event.
@@ -24,7 +29,7 @@ use crate::peripheral::usart::Usart;
 use crate::peripheral::watchdog::Watchdog;
 use crate::register::Words;
 use crate::tap::Tap;
-use crate::time::{Corner, MICROSECOND, Ticks};
+use crate::time::{Corner, Ticks};
 
 /// Ports of pins.
 const A: usize = 0;
@@ -124,7 +129,7 @@ impl Board {
         let mut board = Board {
             now: 0,
             corner,
-            flash: Flash::new(Vec::from(cells), corner),
+            flash: Flash::new(cells, corner),
             bench,
             stop: None,
             halted: false,
@@ -165,7 +170,7 @@ impl Board {
 
     /// What a reset leaves: memory, flash, wires, and the time.
     pub fn reset(&mut self, cause: Cause) {
-        let bench_enabled = self.enabled();
+        let was_enabled = self.enabled();
         self.rcc = Rcc::new(cause);
         self.rcc.crystal = self.crystal;
         (self.pwr, self.ports) = (Pwr::default(), after_reset());
@@ -182,7 +187,7 @@ impl Board {
         }
         (self.stop, self.locked_up, self.matched, self.awaited) = (None, false, [None; 2], [None; 2]);
         self.coming.clear();
-        if bench_enabled {
+        if was_enabled {
             self.enable_log.push((self.now, false));
         }
     }
@@ -359,12 +364,6 @@ impl Board {
             let most = most.into_iter().nth(task).expect("two tasks");
             *most = (*most).max(late);
         }
-    }
-
-    /// A sample or output that is this late was left out or is about to be.
-    #[must_use]
-    pub fn microseconds(&self) -> u64 {
-        self.now / MICROSECOND
     }
 }
 

@@ -4,6 +4,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
+use nix::time::{ClockId, clock_gettime};
 use pneudrive_sim::Rig;
 
 use crate::bench::Bench;
@@ -17,11 +18,16 @@ use crate::time::{Corner, MICROSECOND, MILLISECOND, Ticks};
 /// How far the board goes between two looks at the line.
 const TURN: Ticks = MILLISECOND;
 
-/// In a run the board may be so far ahead of a host that says nothing; well below the silence that trips a drive.
+/// In a run the board may be so far ahead of a host that says nothing; well below the silence that trips a drive. From
+/// there on it goes slower than the wall's clock by so much, as the host may be waiting for the PC.
 const AHEAD: Ticks = 300 * MILLISECOND;
+const SLOWER: u32 = 4;
 
 /// Longest rest between two looks at the line.
 const REST: Duration = Duration::from_micros(500);
+
+/// Something that is done to the machine, on its thread.
+pub type Job = Box<dyn FnOnce(&mut Machine) + Send>;
 
 /// A board that has power, or had.
 pub struct Machine {
@@ -37,6 +43,12 @@ pub struct Machine {
     /// Every byte of the host whose number is a multiple of this is hit by noise; None: none.
     noise: Option<u64>,
     bytes: u64,
+    /// Nothing of what the host says comes through.
+    cut: bool,
+    /// What is done once so many samples have been taken.
+    due: Option<(u64, Job)>,
+    /// When that was done.
+    pub injected: Option<Ticks>,
     /// What the board and its plant have cost.
     pub cost: Cost,
 }
@@ -46,7 +58,7 @@ pub struct Machine {
 pub struct Cost {
     /// Samples of the plant.
     pub samples: u64,
-    /// Time that the processor was executed in while the plant was alive.
+    /// Time of the PC's processor for them, with what the board did meanwhile.
     pub took: Duration,
 }
 
@@ -67,6 +79,9 @@ impl Machine {
             heard: (0, Instant::now()),
             noise: None,
             bytes: 0,
+            cut: false,
+            due: None,
+            injected: None,
             cost: Cost::default(),
         })
     }
@@ -90,9 +105,36 @@ impl Machine {
         self.processor.board()
     }
 
+    /// The processor goes on at an address, as after a broken pointer.
+    ///
+    /// # Errors
+    /// When the emulator does not let it.
+    pub fn jump(&mut self, address: u32) -> Result<()> {
+        self.processor.jump(address)
+    }
+
     /// Every so manyth byte of the host is hit by noise from now on; None: none.
     pub fn disturb(&mut self, every: Option<u64>) {
         self.noise = every;
+    }
+
+    /// The line is cut on its way to the board, or whole again.
+    pub fn cut_line(&mut self, cut: bool) {
+        self.cut = cut;
+    }
+
+    /// Something is done once so many samples of runs have been taken.
+    pub fn inject_at(&mut self, sample: u64, job: Job) {
+        self.due = Some((sample, job));
+    }
+
+    fn inject(&mut self) {
+        let sampled = self.board().bench.sampled;
+        if let Some((_, job)) = self.due.take_if(|(sample, _)| *sample <= sampled) {
+            let now = self.board().now;
+            self.injected = Some(now);
+            job(self);
+        }
     }
 
     /// Listens, goes on for a while, and talks.
@@ -104,14 +146,15 @@ impl Machine {
             sleep(REST);
             return Ok(());
         }
+        self.inject();
         self.listen();
         let until = self.board().now + TURN;
-        let (begun, sampled) = (Instant::now(), self.board().bench.sampled);
+        let (begun, sampled) = (processor_time(), self.board().bench.sampled);
         let outcome = self.processor.run(until);
         let samples = self.board().bench.sampled - sampled;
         if samples > 0 {
             self.cost.samples += samples;
-            self.cost.took += begun.elapsed();
+            self.cost.took += processor_time().saturating_sub(begun);
         }
         let said = std::mem::take(&mut self.board().said);
         self.line.say(&said);
@@ -128,7 +171,10 @@ impl Machine {
     }
 
     fn listen(&mut self) {
-        let bytes = self.line.heard();
+        let mut bytes = self.line.heard();
+        if self.cut {
+            bytes.clear();
+        }
         let mut board = self.processor.board();
         if !bytes.is_empty() {
             self.heard = (board.now, Instant::now());
@@ -144,10 +190,15 @@ impl Machine {
     fn keep_pace(&self) {
         let (since, then) = self.heard;
         let board = self.board();
-        let ahead = if board.bench.lives() { AHEAD } else { TURN };
+        let (ahead, slower) = if board.bench.lives() { (AHEAD, SLOWER) } else { (TURN, 1) };
         let board_time = Duration::from_micros((board.now - since).saturating_sub(ahead) / MICROSECOND);
-        sleep(board_time.saturating_sub(then.elapsed()).min(REST));
+        sleep((slower * board_time).saturating_sub(then.elapsed()).min(REST));
     }
+}
+
+/// What this thread has had of the PC's processor: other programs do not count.
+fn processor_time() -> Duration {
+    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID).map_or(Duration::ZERO, Duration::from)
 }
 
 fn powered(image: &Image, rig: &Rig, corner: Corner, mut cells: Vec<u8>) -> Result<Processor> {

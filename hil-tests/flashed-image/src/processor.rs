@@ -12,9 +12,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use anyhow::{Result, anyhow};
-use unicorn_engine::{ArmCpuModel, Arch, Mode, Prot, RegisterARM, Unicorn, uc_error};
+use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn, uc_error};
 
-use crate::board::{Board, BIT_BAND, PERIPHERALS, Stop};
+use crate::board::{BIT_BAND, Board, PERIPHERALS, Stop};
 use crate::peripheral::dma::Memory;
 use crate::peripheral::flash;
 use crate::peripheral::system::{HARD_FAULT, Mask, NMI};
@@ -167,6 +167,14 @@ impl Processor {
     pub fn restart(&mut self, cause: crate::peripheral::rcc::Cause) -> Result<()> {
         self.board.borrow_mut().reset(cause);
         self.reset().map_err(told)
+    }
+
+    /// The next instruction is that at an address.
+    ///
+    /// # Errors
+    /// When the emulator does not take it.
+    pub fn jump(&mut self, address: u32) -> Result<()> {
+        self.core.reg_write(RegisterARM::PC, address.into()).map_err(told)
     }
 
     /// Saves the registers on the stack and goes to the vector.

@@ -1,27 +1,24 @@
 //! The flashed image as a rung of the tests.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
 use anyhow::{Context, Result, anyhow};
-use pneudrive::client::Client;
 use pneudrive_hil_tests::{Supplied, Target};
+use pneudrive_link::client::Client;
 use pneudrive_nucleo_plan::flash::layout;
 use pneudrive_sim::{Accuracy, Plant, Rig};
 
 use crate::image::Image;
 use crate::line::Line;
-use crate::machine::Machine;
+use crate::machine::{Job, Machine};
 use crate::peripheral::flash::Cut;
 use crate::time::Corner;
 
 /// The variable that names an image that is there already; without it, one is built.
 pub const IMAGE: &str = "PNEUDRIVE_FLASHED_IMAGE";
-
-/// Something that is done to the machine, on its thread.
-type Job = Box<dyn FnOnce(&mut Machine) + Send>;
 
 /// A board that runs on a thread of its own. It is switched off when dropped.
 pub struct FlashedTarget {
@@ -40,7 +37,15 @@ impl FlashedTarget {
     /// # Errors
     /// When the image cannot be built, or does not answer.
     pub fn start(rig: &Rig, corner: Corner) -> Result<FlashedTarget> {
-        let target = FlashedTarget::switched_on(rig, corner)?;
+        FlashedTarget::start_image(rig, corner, image()?)
+    }
+
+    /// The same with another image.
+    ///
+    /// # Errors
+    /// When there is none, or it does not answer.
+    pub fn start_image(rig: &Rig, corner: Corner, image: &Path) -> Result<FlashedTarget> {
+        let target = FlashedTarget::switched_on(rig, corner, image)?;
         let mut client = target.connect()?;
         client.import_parameters(&rig.parameters())?;
         client.reference(target.beginning)?;
@@ -50,16 +55,18 @@ impl FlashedTarget {
     /// A board as it is delivered.
     ///
     /// # Errors
-    /// When the image cannot be built.
-    pub fn switched_on(rig: &Rig, corner: Corner) -> Result<FlashedTarget> {
-        let (image, line) = (Image::read(image()?)?, Line::open()?);
+    /// When there is no such image.
+    pub fn switched_on(rig: &Rig, corner: Corner, image: &Path) -> Result<FlashedTarget> {
+        let (image, line) = (Image::read(image)?, Line::open()?);
         let port = line.port()?;
         let beginning = Plant::new(rig, Accuracy::of(rig), 0).sample()?.position;
         let (jobs, work) = channel();
         let rig = rig.clone();
         let thread = std::thread::spawn(move || {
             // A machine that ends early hangs up: whoever talks to it notices.
-            if let Err(error) = Machine::new(image, &rig, corner, line).and_then(|machine| serve(machine, &work)) {
+            if let Err(error) =
+                Machine::new(image, &rig, corner, line).and_then(|machine| serve(machine, &work))
+            {
                 eprintln!("the board with the flashed image: {error:#}");
             }
         });
@@ -167,8 +174,8 @@ pub fn image() -> Result<&'static PathBuf> {
 }
 
 /// The image of the Nucleo board, with the cylinder at its pins.
-const IMAGE_NAME: &str = "nucleo-f446";
+pub const NUCLEO: &str = "nucleo-f446";
 
-fn build(folder: &std::path::Path) -> Result<PathBuf> {
-    xtask::firmware::build(folder, IMAGE_NAME, &[]).context("the image that is flashed")
+fn build(folder: &Path) -> Result<PathBuf> {
+    xtask::firmware::build(folder, NUCLEO, &[]).context("the image that is flashed")
 }

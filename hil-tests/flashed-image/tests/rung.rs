@@ -1,10 +1,11 @@
 //! The headline on the image that is flashed: its records are the simulation in every integer, whether an instruction
-//! takes one cycle or six.
+//! takes one cycle or two. What becomes of it at six: `deadlines.rs`.
 
-use pneudrive_flashed_image::target::FlashedTarget;
-use pneudrive_flashed_image::time::{Corner, FAST, SLOW};
-use pneudrive_hil_tests::{Supplied, Target, body};
-use pneudrive_sim::Rig;
+use pneudrive_flashed_image::target::{FlashedTarget, NUCLEO};
+use pneudrive_flashed_image::time::{Corner, FAST, LAID_OUT_FOR};
+use pneudrive_hil_tests::body::soak;
+use pneudrive_hil_tests::{Supplied, Target, body, rounding};
+use pneudrive_sim::{Accuracy, Rig, run};
 
 fn started(rig: &Rig, corner: Corner) -> FlashedTarget {
     FlashedTarget::start(rig, corner).unwrap_or_else(|error| panic!("no board: {error:#}"))
@@ -15,7 +16,7 @@ fn fast(rig: &Rig) -> Box<dyn Target> {
 }
 
 fn slow(rig: &Rig) -> Box<dyn Target> {
-    Box::new(started(rig, SLOW))
+    Box::new(started(rig, LAID_OUT_FOR))
 }
 
 fn supplied(rig: &Rig) -> Box<dyn Supplied> {
@@ -146,8 +147,28 @@ fn a_silent_host_trips_the_flashed_image_by_name() {
     body::punctuality::a_silent_host_trips_by_name(slow);
 }
 
+/// With one rounding changed in the image, and nowhere else, the comparison fails.
 #[test]
-fn runs_again_and_again_on_the_flashed_image_are_the_simulation() {
-    let soaked = body::soak::soak(&started(&body::soak::drive(), SLOW), 11.0);
-    println!("{soaked:?}");
+fn a_changed_rounding_in_the_flashed_image_is_seen() {
+    let (rig, image) = (rounding::rig(), rounding::changed(NUCLEO).expect("an image"));
+    let target = FlashedTarget::start_image(&rig, FAST, &image).expect("a board");
+    println!("{}", rounding::failure(&target, &rig).expect("it is seen"));
+}
+
+/// The converter has 4096 codes and ends at +2047 counts, where the simulation goes to +2048: at the pin the two are one.
+/// A record leaves the simulation after a command of +2047, and never before. Once the drive stage ends where the converter
+/// does, this test fails, and `body::soak` takes its place.
+#[test]
+fn a_record_leaves_the_simulation_only_where_the_converter_has_no_code() {
+    let rig = soak::run_of(1);
+    let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
+    let record = body::run_and_record(&started(&rig, LAID_OUT_FOR), &rig);
+    let pairs = || record.samples.iter().zip(&simulated);
+    let differ = pairs().position(|(on_rig, seen)| {
+        (on_rig.position, on_rig.pressure_1, on_rig.pressure_2, on_rig.spool, on_rig.command)
+            != (seen.position, seen.pressure_1, seen.pressure_2, seen.spool, seen.command)
+    });
+    let ambiguous = simulated.iter().position(|seen| seen.command == 2047);
+    println!("first command of +2047 at sample {ambiguous:?}, first difference at {differ:?}");
+    assert!(differ.expect("they differ") > ambiguous.expect("there is one"));
 }

@@ -59,6 +59,19 @@ fn moves_of(numbers: &mut Numbers) -> Rig {
     rig("servo-b-tuned", &[&format!("{moves}]"), &format!("test.duration_s={RUN_S}")])
 }
 
+/// The drive with the moves of a run; the first run is number 0.
+///
+/// # Panics
+/// Never: it is built in.
+#[must_use]
+pub fn run_of(number: u32) -> Rig {
+    let mut numbers = Numbers(1);
+    for _ in 0..number {
+        let _ = moves_of(&mut numbers);
+    }
+    moves_of(&mut numbers)
+}
+
 fn simulated(rig: &Rig) -> Vec<Observation> {
     let run = run(rig, Accuracy::of(rig)).expect("a transient");
     assert_eq!(run.fault, None, "{}", rig.name());

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use toml_edit::{DocumentMut, Item};
 
 /// The crates, from the lowest layer up, with their folders. Those of one layer do not know each other.
-const LAYERS: [&[(&str, &str)]; 8] = [
+const LAYERS: [&[(&str, &str)]; 9] = [
     &[("pneudrive-controller", "shared/controller"), ("pneudrive-solver", "sim/solver")],
     &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
     &[
@@ -23,6 +23,7 @@ const LAYERS: [&[(&str, &str)]; 8] = [
     &[("pneudrive", "host")],
     &[("xtask", "xtask")],
     &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],
+    &[("pneudrive-flashed-image", "hil-tests/flashed-image")],
 ];
 
 /// Dependencies that do not go down.

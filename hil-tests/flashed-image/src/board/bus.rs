@@ -151,7 +151,9 @@ impl Board {
             Place::Flash => self.flash.read(offset),
             Place::Dma1 => self.dma_1.read(offset),
             Place::Dma2 => self.dma_2.read(offset),
-            Place::Counter => self.system.read_counter(offset, self.now, self.clocks.unwrap_or(NO_CLOCK).core),
+            Place::Counter => {
+                self.system.read_counter(offset, self.now, self.clocks.unwrap_or(NO_CLOCK).core)
+            }
             Place::System => self.system.read(offset),
             Place::Debug => self.debug.get(offset),
         }

@@ -143,7 +143,7 @@ mod tests {
     fn microseconds() -> ControlTimer {
         let mut timer = ControlTimer::new(8, 0);
         for (offset, value) in [(PSC, 89), (EGR, 1), (CR1, 1), (DIER, CHANNELS)] {
-            timer.write(Write::of(offset, 4, value), 0);
+            timer.write(Write::of(offset, 4, value.into()), 0);
         }
         timer
     }

@@ -45,10 +45,6 @@ impl Dac {
     /// What stands at the pin, V.
     #[must_use]
     pub fn volts(&self) -> f64 {
-        if self.0.bit(CR, 0) {
-            REFERENCE_V * f64::from(self.0.field(DHR12R1, 0, 12)) / CODES
-        } else {
-            0.0
-        }
+        if self.0.bit(CR, 0) { REFERENCE_V * f64::from(self.0.field(DHR12R1, 0, 12)) / CODES } else { 0.0 }
     }
 }

@@ -183,7 +183,7 @@ mod tests {
 
     fn unlocked() -> Flash {
         let mut flash = Flash::new(vec![0xff; BYTES], FAST);
-        KEYS.map(|key| flash.write(Write::of(KEYR, 4, key.into())));
+        KEYS.into_iter().for_each(|key| assert_eq!(flash.write(Write::of(KEYR, 4, key.into())), 0));
         flash
     }
 
@@ -213,9 +213,9 @@ mod tests {
         let mut flash = unlocked();
         flash.cut_power(Cut { operation: 1, percent: 50 });
         flash.write(Write::of(CR, 4, 1 << LOCK));
-        KEYS.map(|key| flash.write(Write::of(KEYR, 4, key.into())));
+        KEYS.into_iter().for_each(|key| assert_eq!(flash.write(Write::of(KEYR, 4, key.into())), 0));
         flash.write(Write::of(CR, 4, 1 << PG));
-        (0..16).for_each(|k| drop(flash.program(0x4000 + k, 1, 0)));
+        (0..16).for_each(|k| assert_eq!(flash.program(0x4000 + k, 1, 0), 16 * MICROSECOND));
         assert!(flash.dark);
         assert_eq!((flash.load(0x4008, 1), flash.load(0x4009, 1)), (0, 0xff));
     }

@@ -82,7 +82,8 @@ mod tests {
     fn a_pulse_comes_after_the_compare_value_and_lasts_to_the_reload_value() {
         let mut timer = PulseTimer::new(8);
         let set = [(PSC, 89), (EGR, 1), (CCMR1, 7 << 4), (CCER, 1), (CCR1, 10), (ARR, 19)];
-        set.map(|(offset, value)| timer.write(Write::of(offset, 4, value), 0));
+        set.into_iter()
+            .for_each(|(offset, value)| assert_eq!(timer.write(Write::of(offset, 4, value), 0), None));
         let pulse = Pulse { rises: 10 * MICROSECOND, falls: 20 * MICROSECOND };
         assert_eq!(timer.write(Write::of(CR1, 4, 1 << ONE_PULSE | 1), 0), Some(pulse));
         assert_eq!(timer.read(CR1, 19 * MICROSECOND) & 1, 1);

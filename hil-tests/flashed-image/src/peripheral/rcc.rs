@@ -168,8 +168,8 @@ impl Rcc {
             2 => self.pll_hz()?,
             _ => return None,
         };
-        let ahb = system >> [1, 2, 3, 4, 6, 7, 8, 9][self.words.field(CFGR, 4, 3) as usize]
-            * self.words.field(CFGR, 7, 1);
+        let shift = [1, 2, 3, 4, 6, 7, 8, 9][self.words.field(CFGR, 4, 3) as usize];
+        let ahb = if self.words.bit(CFGR, 7) { system >> shift } else { system };
         let divided = |low: u32| {
             let prescaler = self.words.field(CFGR, low, 3);
             if prescaler < 4 { (ahb, ahb) } else { (ahb >> (prescaler - 3), ahb >> (prescaler - 4)) }

@@ -1,0 +1,54 @@
+//! The image that is flashed on the Nucleo board, executed with models of its peripherals: a workspace of its own, since
+//! the emulator of its processor (Unicorn) is under GPL-2.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::cargo::{built, in_inner, root};
+use crate::tools::{CLANG, CMAKE, Tool};
+
+/// What the emulator is built with, and what tells Rust of it.
+pub const TOOLS: [&Tool; 2] = [&CMAKE, &CLANG];
+
+/// The short body, which CI runs.
+const SHORT: [&str; 6] =
+    ["test", "--test", "rung", "--", "a_short_run_of_the_flashed_image_is_the_simulation", "--nocapture"];
+
+/// Every body, at one thread: a body's board and its plant take two.
+const ALL: [&str; 5] = ["test", "--no-fail-fast", "--", "--nocapture", "--test-threads=1"];
+
+/// The workspace.
+#[must_use]
+pub fn workspace() -> PathBuf {
+    root().join("hil-tests/flashed-image")
+}
+
+/// A cargo call there. What it shares with the outer workspace is built once.
+///
+/// # Errors
+/// When CARGO_TARGET_DIR is relative and the current folder is gone.
+pub fn cargo(arguments: &[&str]) -> Result<Command> {
+    Ok(in_inner(&workspace(), arguments, &built("")?))
+}
+
+/// One short run, at one cycle an instruction and at two.
+///
+/// # Errors
+/// As [`cargo`].
+pub fn short() -> Result<Command> {
+    cargo(&SHORT)
+}
+
+/// Every body, deadlines and hazards; `write` has the table of docs/hazards.md written anew.
+///
+/// # Errors
+/// As [`cargo`].
+pub fn all(write: bool) -> Result<Command> {
+    let mut command = cargo(&ALL)?;
+    if write {
+        command.env("PNEUDRIVE_WRITE_HAZARDS", "1");
+    }
+    Ok(command)
+}
