@@ -108,11 +108,6 @@ fn a_homing_run_of_the_emulated_board_finds_the_stop() {
 }
 
 #[test]
-fn a_dead_encoder_is_not_homed() {
-    body::axis::a_dead_encoder_is_not_homed(emulated_board);
-}
-
-#[test]
 fn moves_of_the_emulated_board_wait_for_the_arrival() {
     body::axis::moves_on_arrival(emulated_board);
 }

@@ -153,11 +153,6 @@ fn a_homing_run_of_the_virtual_rig_finds_the_stop() {
 }
 
 #[test]
-fn a_dead_encoder_is_not_homed() {
-    body::axis::a_dead_encoder_is_not_homed(virtual_rig);
-}
-
-#[test]
 fn moves_of_the_virtual_rig_wait_for_the_arrival() {
     body::axis::moves_on_arrival(virtual_rig);
 }

@@ -86,7 +86,7 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     )
     .expect("written");
     let said = device("config import cut.txt");
-    assert!(said.contains("cut.txt: its first line tells of 57 parameters, and 6 are there"), "{said}");
+    assert!(said.contains("cut.txt: its first line tells of 56 parameters, and 6 are there"), "{said}");
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
     assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
     assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));

@@ -192,7 +192,6 @@ pub enum ReplayError {
 pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
     let header = Header::of(file)?;
     let mut config = Config::new(&header.parameters).map_err(ReplayError::Inconsistent)?;
-    config.motion.commands_at_exit = older::is_older(file);
     let older = older::is_older(file).then(|| older::Watch::instead(&mut config, &header.parameters));
     let recorded = samples(file)?;
     let mut best: Option<Replay> = None;

@@ -130,13 +130,11 @@ impl Default for Config {
                 monitoring: 0,
                 dwell: 0,
                 forced_exit: 1093,
-                commands_at_exit: false,
             },
             homing: HomingConfig {
                 kind: HomingKind::Stop,
                 command: -200,
                 position: 0,
-                back_off: 400,
                 still_samples: 384,
                 still_counts: 40,
                 timeout_samples: 7692,
@@ -254,7 +252,6 @@ fn motion(parameters: &Parameters, period_us: NonZeroU32) -> MotionConfig {
         dwell: samples(unsigned(id::DWELL_US), period_us),
         // A move at sample s ends with the first sample at which the time is over, as a timed one would.
         forced_exit: unsigned(id::FORCED_EXIT_US).div_ceil(period_us.get()),
-        commands_at_exit: false,
     }
 }
 
@@ -264,8 +261,6 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
         kind: if parameters.scalar(id::HOMING_SWITCH) == 0 { HomingKind::Stop } else { HomingKind::Switch },
         command: parameters.scalar(id::HOMING_COMMAND_COUNTS) as i16,
         position: parameters.scalar(id::HOMING_POSITION_COUNTS),
-        // Less would not be told from standing still.
-        back_off: unsigned(id::HOMING_BACK_OFF_COUNTS).max(unsigned(id::NO_MOTION_COUNTS).saturating_add(1)),
         still_counts: unsigned(id::NO_MOTION_COUNTS),
         still_samples: samples_of_ms(unsigned(id::HOMING_STILL_MS), period_us),
         timeout_samples: samples_of_ms(unsigned(id::HOMING_TIMEOUT_MS), period_us),

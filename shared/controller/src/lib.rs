@@ -239,9 +239,7 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
     let target = state.target(config, sequence, motion.position);
     state.watch(config, input, &motion);
     let demand = state.demand(config, &target, &motion, input);
-    let command =
-        if target.exits { state.command_at_exit(config, demand) } else { config.drive.limit(demand) };
-    let command = state.supervisor.permit(&config.law, command);
+    let command = state.supervisor.permit(&config.law, config.drive.limit(demand));
     state.observation = Observation {
         running: target.running,
         setpoint: target.setpoint,
@@ -256,7 +254,6 @@ struct Target {
     running: bool,
     setpoint: i32,
     error: i32,
-    exits: bool,
 }
 
 /// The stages of [`sample`], in their order. What was seen goes into the observation at once; what the
@@ -300,46 +297,24 @@ impl State {
         }
         let setpoint = self.sequencer.setpoint();
         let error = law::error(&config.law, setpoint, position);
-        let exits = running && self.sequencer.judge(&config.motion, error);
-        Target { running, setpoint, error, exits }
+        if running {
+            self.sequencer.judge(&config.motion, error);
+        }
+        Target { running, setpoint, error }
     }
 
     fn watch(&mut self, config: &Config, input: &Sample, motion: &Motion) {
-        let closed = config.law.control_loop == Loop::Closed;
-        let mode = self.supervisor.mode();
-        let holds_or_runs = matches!(mode, Mode::Running | Mode::Done);
-        let from_null = match holds_or_runs {
-            true if closed => self.distance_from_null(config),
-            true => 0,
-            false => self.distance_while_homing(config),
+        let holds_or_runs = matches!(self.supervisor.mode(), Mode::Running | Mode::Done);
+        let from_null = if holds_or_runs && config.law.control_loop == Loop::Closed {
+            i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
+        } else {
+            0
         };
         let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);
-        if !holds_or_runs || (!closed && mode == Mode::Done) {
-            self.watch_at_null(config, motion.position, mode);
+        if !holds_or_runs {
+            self.supervisor.watch_null(&config.limits, motion.position, self.spool_is_open(config));
         }
-    }
-
-    /// In a mode that may drive nothing: whether an enabled drive moves all the same.
-    #[cold]
-    #[inline(never)]
-    fn watch_at_null(&mut self, config: &Config, position: i32, mode: Mode) {
-        if matches!(mode, Mode::Armed | Mode::Done) {
-            self.supervisor.watch_null(&config.limits, position, self.spool_is_open(config));
-        }
-    }
-
-    /// How far the command in force is from the valve's null, counts.
-    fn distance_from_null(&self, config: &Config) -> u32 {
-        i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset))
-    }
-
-    /// The same while a homing run must move; else 0.
-    #[cold]
-    #[inline(never)]
-    fn distance_while_homing(&self, config: &Config) -> u32 {
-        let must_move = self.supervisor.mode() == Mode::Homing && self.homing.must_move(&config.homing);
-        if must_move { self.distance_from_null(config) } else { 0 }
     }
 
     fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {
@@ -350,18 +325,6 @@ impl State {
         match config.law.control_loop {
             Loop::Open if self.supervisor.is_referenced() => config.limits.hold_back(demand, motion.position),
             _ => demand,
-        }
-    }
-
-    /// At an exit (thesis 6.3.2) the valve of a closed loop stays as it is: the command that was in force before, or where
-    /// a stepper's spool is.
-    #[cold]
-    #[inline(never)]
-    fn command_at_exit(&self, config: &Config, demand: i32) -> i16 {
-        match (config.law.control_loop, config.drive) {
-            (Loop::Open, _) => config.drive.limit(demand),
-            (Loop::Closed, DriveConfig::Dac(_)) => self.observation.command,
-            (Loop::Closed, DriveConfig::Stepper { .. }) => self.spool.counted().steps(),
         }
     }
 

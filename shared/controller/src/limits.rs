@@ -5,8 +5,8 @@
 //! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
 //! | a raw pressure near an end of its converter, for some samples | [`Fault::SensorRange`] |
-//! | a valve that is open and moves nothing: of a closed loop that runs or holds, and of a homing run that leaves its stop or looks for its switch | [`Fault::NoMotion`] |
-//! | an axis that moves though its valve is at null: armed, or behind the moves of an open loop | [`Fault::MotionAtNull`] |
+//! | in a run and behind its moves, a closed loop that opens the valve and does not move | [`Fault::NoMotion`] |
+//! | an armed drive that moves though its valve is at null | [`Fault::MotionAtNull`] |
 //!
 //! The last but one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
 //! stuck spool. What an open valve must move is the sum of its opening over the time:
@@ -52,11 +52,8 @@ pub struct Limits {
     pub end_max: i32,
 }
 
-/// Over so many samples motion at null is judged.
+/// Over so many samples the motion of an armed drive is judged.
 pub const NULL_SAMPLES: u32 = 64;
-
-/// An axis that was driven may coast for so many samples before its motion at null is judged: 1 s at 1.3 ms.
-const COASTING_SAMPLES: i32 = 768;
 
 /// How long an open valve may move nothing: the more it is open, the shorter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,7 +113,7 @@ pub(crate) struct Evidence<'a> {
     pub input: &'a Sample,
     /// Whether counts mean positions.
     pub referenced: bool,
-    /// How far the command in force is from the null, if it must move the axis; else 0.
+    /// How far the command in force is from the null, if it is that of a closed loop which runs or holds; else 0.
     pub from_null: u32,
 }
 
@@ -125,10 +122,9 @@ pub(crate) struct Evidence<'a> {
 pub(crate) struct Watch {
     bad_sensor: u32,
     standstill: Standstill,
-    /// Where an axis was when the present [`NULL_SAMPLES`] at null began, and how many of them have passed; negative
-    /// while it may coast.
+    /// Where an armed drive was when the present [`NULL_SAMPLES`] began, and how many of them have passed.
     null_from: i32,
-    null_samples: i32,
+    null_samples: u32,
 }
 
 impl Watch {
@@ -157,23 +153,12 @@ impl Watch {
         self.bad_sensor >= limits.sensor_samples
     }
 
-    /// That of an axis whose valve has just come to its null.
-    pub fn of_a_coasting_axis() -> Watch {
-        Watch { null_samples: -COASTING_SAMPLES, ..Watch::default() }
-    }
-
-    /// The axis may coast from here on.
-    pub fn coasts(&mut self) {
-        self.null_samples = -COASTING_SAMPLES;
-    }
-
-    /// Whether an axis moves though its valve is at null. `open`: the spool is still on the way there.
+    /// Whether an armed drive moves though its valve is at null. `open`: its spool is still on the way there.
     pub fn runs_away(&mut self, limits: &Limits, position: i32, open: bool) -> bool {
-        if open || self.null_samples <= 0 {
+        if open || self.null_samples == 0 {
             self.null_from = position;
         }
-        let next = self.null_samples.wrapping_add(1);
-        self.null_samples = if next == NULL_SAMPLES as i32 { 0 } else { next };
+        self.null_samples = (self.null_samples + 1) % NULL_SAMPLES;
         position.abs_diff(self.null_from) > limits.null_motion
     }
 

@@ -11,9 +11,6 @@
 //!   or after `monitoring` samples on end inside it (exact stop);
 //! - or at the forced exit, arrived or not.
 //!
-//! At such an exit the thesis has the new position only, and no spool command: the valve of a closed loop stays as it is for
-//! a period.
-//!
 //! A sequence may repeat: its moves come again and again, a round after the other, until the run is over.
 //!
 //! Before the first move a closed loop holds the count of sample k = 0, and an open loop is at null.
@@ -134,8 +131,6 @@ pub struct MotionConfig {
     pub dwell: u32,
     /// A move ends after so many samples, arrived or not.
     pub forced_exit: u32,
-    /// A command is given at an exit, too: older firmware did so, and its records are replayed so.
-    pub commands_at_exit: bool,
 }
 
 /// How the move in force stands.
@@ -243,8 +238,8 @@ impl Sequencer {
         self.ended = false;
     }
 
-    /// Judges the move in force by the error at this sample. Whether that is an exit, at which no command is given.
-    pub(crate) fn judge(&mut self, config: &MotionConfig, error: i32) -> bool {
+    /// Judges the move in force by the error at this sample.
+    pub(crate) fn judge(&mut self, config: &MotionConfig, error: i32) {
         if error.unsigned_abs() > config.tolerance {
             self.outside_at = self.taken;
         }
@@ -252,12 +247,10 @@ impl Sequencer {
             self.arrival = Arrival::Arrived;
             self.arrived_at = self.taken;
         }
-        if !config.on_arrival || self.ended || !self.is_through(config) {
-            return false;
+        if config.on_arrival && self.is_through(config) {
+            self.ended = true;
+            self.close();
         }
-        self.ended = true;
-        self.close();
-        !config.commands_at_exit
     }
 
     /// Whether the move in force has rested for its dwell, or has taken too long.
@@ -320,14 +313,8 @@ mod tests {
     use core::num::NonZeroU32;
     use std::vec::Vec;
 
-    const TIMED: MotionConfig = MotionConfig {
-        on_arrival: false,
-        tolerance: 2,
-        monitoring: 0,
-        dwell: 0,
-        forced_exit: 100,
-        commands_at_exit: false,
-    };
+    const TIMED: MotionConfig =
+        MotionConfig { on_arrival: false, tolerance: 2, monitoring: 0, dwell: 0, forced_exit: 100 };
     const FAST: MotionConfig = MotionConfig { on_arrival: true, ..TIMED };
 
     /// Where the axis is.

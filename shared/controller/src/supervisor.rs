@@ -142,10 +142,9 @@ impl Supervisor {
     pub fn arm(&mut self) -> Result<(), Refusal> {
         match self.mode {
             Mode::Running | Mode::Homing => Err(Refusal::Running),
-            before => {
+            _ => {
                 self.mode = Mode::Armed;
-                self.watch =
-                    if before == Mode::Done { Watch::of_a_coasting_axis() } else { Watch::default() };
+                self.watch = Watch::default();
                 Ok(())
             }
         }
@@ -205,7 +204,7 @@ impl Supervisor {
     pub(crate) fn homed(&mut self) {
         self.mode = Mode::Armed;
         self.referenced = true;
-        self.watch = Watch::of_a_coasting_axis();
+        self.watch = Watch::default();
     }
 
     /// Disables the drive and latches the fault. The first fault stays.
@@ -219,7 +218,6 @@ impl Supervisor {
     pub(crate) fn finish(&mut self) {
         if self.mode == Mode::Running {
             self.mode = Mode::Done;
-            self.watch.coasts();
         }
     }
 
@@ -235,9 +233,11 @@ impl Supervisor {
         }
     }
 
-    /// Trips when a drive moves whose command is null. `spool_is_open`: a stepper's spool is still on its way to the null.
+    /// Trips when an armed drive moves. `spool_is_open`: a stepper's spool is still on its way to the null.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn watch_null(&mut self, limits: &Limits, position: i32, spool_is_open: bool) {
-        if self.watch.runs_away(limits, position, spool_is_open) {
+        if self.mode == Mode::Armed && self.watch.runs_away(limits, position, spool_is_open) {
             self.trip(Fault::MotionAtNull);
         }
     }

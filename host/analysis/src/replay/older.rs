@@ -5,7 +5,6 @@
 //! | rule | older firmware |
 //! |---|---|
 //! | no motion ([`pneudrive_controller::limits`]) | noticed only while the command was more than half of the largest one, whatever the null offset |
-//! | exits ([`pneudrive_controller::sequencer`]) | a command was given at them, too |
 //! | end positions that the header does not name | none |
 
 use pneudrive_controller::law::Loop;
