@@ -85,7 +85,7 @@ const PAGES: [(&str, usize, usize); 10] = [
     ("frequency-response.html", 2, 4),
     ("pressure-drop.html", 1, 3),
     ("impulse.html", 5, 13),
-    ("ladder.html", 4, 31),
+    ("ladder.html", 4, 35),
     ("tune.html", 8, 12),
 ];
 
