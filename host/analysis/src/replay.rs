@@ -12,7 +12,7 @@
 //! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it.
 //!   What comes from outside (a stop, a late sample, a silent host) is in no sample: the record ends before
 //!   it.
-//! - **Older rules** ([`older`]). A record is replayed by the rules of the firmware that made it.
+//! - **Older rules** (`replay/older.rs`). A record is replayed by the rules of the firmware that made it.
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
 //!   learned, whether a run that begins with a setpoint that is held anyway began with a move to it.
 //!
