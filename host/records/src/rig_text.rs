@@ -1,7 +1,7 @@
 //! Rig files as text: other values in the places of old ones, and all comments kept.
 
 use anyhow::{Context, Result, anyhow};
-use toml_edit::{DocumentMut, Item, Table, Value};
+use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 /// The text with these settings, `key=value`, each with a comment on where it comes from.
 ///
@@ -27,6 +27,7 @@ pub fn without(text: &str, table: &str, keys: &[&str]) -> Result<String> {
     let mut document: DocumentMut = text.parse().context("the rig file")?;
     if let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) {
         for key in keys {
+            remove_other_spelling(table, key);
             table.remove(key);
         }
     }
@@ -40,7 +41,21 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
         return;
     };
     let table = document.entry(table).or_insert(Item::Table(Table::new()));
+    if let Some(table) = table.as_table_like_mut() {
+        remove_other_spelling(table, name);
+    }
     table[name] = item;
+}
+
+/// A file may spell a key without its unit, `mass = "8 kg"`: both at once would give it twice.
+fn remove_other_spelling(table: &mut dyn TableLike, name: &str) {
+    let (stem, unit) = pneudrive_sim::rig::unit(name);
+    let spelled = |other: &str| !unit.is_empty() && other.eq_ignore_ascii_case(stem);
+    let others: Vec<String> =
+        table.iter().map(|(other, _)| other.to_owned()).filter(|other| spelled(other)).collect();
+    for other in others {
+        table.remove(&other);
+    }
 }
 
 /// The text of a rig file with these values, by path, as run.json has them.
@@ -95,5 +110,16 @@ mod tests {
         assert_eq!(without(text, "test", &["moves"]).expect("TOML"), text);
         assert!(with_settings("[load", &settings, "measured").is_err());
         assert!(with_settings(text, &["load.mass_kg".to_owned()], "measured").is_err());
+    }
+
+    #[test]
+    fn a_key_that_the_file_spells_without_its_unit_is_not_given_twice() {
+        let text = "[load]\nmass = \"8 kg\"\nincline = \"5 deg\"\n";
+        let with = with_settings(text, &["load.mass_kg=2.5".to_owned()], "measured").expect("TOML");
+        let rig =
+            pneudrive_sim::Rig::read("fitted.toml", &with).unwrap_or_else(|problems| panic!("{problems}"));
+        assert_eq!(rig.number_at("load.mass_kg"), Some(2.5));
+        assert_eq!(rig.number_at("load.incline_deg"), Some(5.0));
+        assert_eq!(without(text, "load", &["mass_kg"]).expect("TOML"), "[load]\nincline = \"5 deg\"\n");
     }
 }
