@@ -1,8 +1,8 @@
 //! Test bodies that every rung is put through. They panic, as tests do.
 
 pub mod axis;
+pub mod jitter;
 pub mod keeping;
-pub mod punctuality;
 mod run;
 pub mod soak;
 pub mod stream;

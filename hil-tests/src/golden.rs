@@ -105,7 +105,7 @@ fn hash(text: &str) -> String {
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn stated() -> Result<Goldens> {
+pub fn golden_file() -> Result<Goldens> {
     let text = std::fs::read_to_string(FILE).context(FILE)?;
     let document: DocumentMut = text.parse().context(FILE)?;
     let golden = |(name, entry): (&str, &Item)| -> Result<(String, Golden)> {
@@ -122,11 +122,11 @@ pub fn stated() -> Result<Goldens> {
 ///
 /// # Errors
 /// When there are such.
-pub fn compare(found: &BTreeMap<String, String>, stated: &Goldens, kind: &str) -> Result<()> {
+pub fn compare(found: &BTreeMap<String, String>, golden_file: &Goldens, kind: &str) -> Result<()> {
     let changed =
-        found.iter().filter(|(name, crc)| stated.get(*name).is_none_or(|golden| golden.crc64 != **crc));
+        found.iter().filter(|(name, crc)| golden_file.get(*name).is_none_or(|golden| golden.crc64 != **crc));
     let changed: Vec<&str> = changed.map(|(name, _)| name.as_str()).collect();
-    let gone = stated.keys().filter(|name| name.starts_with(kind) && !found.contains_key(*name));
+    let gone = golden_file.keys().filter(|name| name.starts_with(kind) && !found.contains_key(*name));
     let gone: Vec<&str> = gone.map(String::as_str).collect();
     ensure!(
         changed.is_empty() && gone.is_empty(),
@@ -157,7 +157,7 @@ pub fn bless(cause: &str) -> Result<Vec<String>> {
             "CHANGELOG.md has no line with the words {cause:?}; write there why results change, and give its words"
         );
     }
-    let before = if std::path::Path::new(FILE).exists() { stated()? } else { Goldens::new() };
+    let before = if std::path::Path::new(FILE).exists() { golden_file()? } else { Goldens::new() };
     let mut found = traces()?;
     found.extend(records(virtual_rig)?);
     let mut changed = Vec::new();

@@ -27,9 +27,9 @@ pub mod shell;
 
 use anyhow::Result;
 use pneudrive_link::client::Client;
-use pneudrive_rigs::kept_flash::KeptFlash;
-use pneudrive_rigs::punctuality::LateSample;
-use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_rigs::persistent_flash::PersistentFlash;
+use pneudrive_rigs::timing::LateSample;
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 #[cfg(unix)]
@@ -87,37 +87,37 @@ pub struct VirtualTarget {
     name: String,
     rig: Background,
     model: Rig,
-    door: String,
+    listener: String,
     pace: Pace,
-    flash: KeptFlash,
+    flash: PersistentFlash,
     late: LateSample,
 }
 
 impl VirtualTarget {
-    /// A virtual rig that is its model exactly, listening at `door` (`tcp:127.0.0.1:0` or `pty`), as
+    /// A virtual rig that is its model exactly, listening at `listener` (`tcp:127.0.0.1:0` or `pty`), as
     /// fast as it goes.
     ///
     /// # Errors
     /// When the door cannot be opened.
-    pub fn start(rig: &Rig, door: &str) -> Result<VirtualTarget> {
-        VirtualTarget::at_pace(rig, door, Pace { fast: true, live: false })
+    pub fn start(rig: &Rig, listener: &str) -> Result<VirtualTarget> {
+        VirtualTarget::at_pace(rig, listener, Pace { fast: true, live: false })
     }
 
     /// The same in real time.
     ///
     /// # Errors
     /// When the door cannot be opened.
-    pub fn start_in_step(rig: &Rig, door: &str) -> Result<VirtualTarget> {
-        VirtualTarget::at_pace(rig, door, Pace { fast: false, live: false })
+    pub fn start_in_step(rig: &Rig, listener: &str) -> Result<VirtualTarget> {
+        VirtualTarget::at_pace(rig, listener, Pace { fast: false, live: false })
     }
 
-    fn at_pace(model: &Rig, door: &str, pace: Pace) -> Result<VirtualTarget> {
-        let (flash, model, door) = (KeptFlash::default(), model.clone(), door.to_owned());
+    fn at_pace(model: &Rig, listener: &str, pace: Pace) -> Result<VirtualTarget> {
+        let (flash, model, listener) = (PersistentFlash::default(), model.clone(), listener.to_owned());
         let virtual_rig = VirtualRig::with_flash(model.clone(), 0, pace, flash.clone())?;
         let late = virtual_rig.late_sample().clone();
-        let rig = Background::start(virtual_rig, Door::open(&door)?);
+        let rig = Background::start(virtual_rig, Listener::open(&listener)?);
         let name = format!("virtual rig on {}", rig.port());
-        Ok(VirtualTarget { name, rig, model, door, pace, flash, late })
+        Ok(VirtualTarget { name, rig, model, listener, pace, flash, late })
     }
 }
 
@@ -140,7 +140,7 @@ impl Supplied for VirtualTarget {
         self.flash.switch_on();
         let rig = VirtualRig::with_flash(self.model.clone(), 0, self.pace, self.flash.clone())?;
         self.late = rig.late_sample().clone();
-        self.rig = Background::start(rig, Door::open(&self.door)?);
+        self.rig = Background::start(rig, Listener::open(&self.listener)?);
         Ok(())
     }
 }

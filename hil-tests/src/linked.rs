@@ -89,21 +89,21 @@ struct NativeBoard {
     board: LockStep<FlashStore<RamFlash, Memory>>,
     link: PlantLink<TcpLine>,
     microseconds: Microseconds,
-    door: TcpListener,
+    listener: TcpListener,
     callers: Vec<(TcpStream, Server)>,
 }
 
 impl NativeBoard {
-    fn new(door: TcpListener, plant: TcpListener) -> NativeBoard {
+    fn new(listener: TcpListener, plant: TcpListener) -> NativeBoard {
         let kept = FlashStore::take_up(RamFlash::default(), RamFlash::layout(), [0; MEMORY_BYTES]);
         let mut board = LockStep::new("native", kept.expect("the layout is that of this flash").0);
         let mut control = Box::<Control>::default();
         control.set_referenced().expect("a new drive is disarmed");
         control.take_up(&mut board);
         let microseconds = Microseconds(Instant::now());
-        let line = TcpLine { door: plant, plant: None, answer: Vec::new(), awaited: 0 };
+        let line = TcpLine { listener: plant, plant: None, answer: Vec::new(), awaited: 0 };
         let link = PlantLink::new(line, 1000, &microseconds);
-        NativeBoard { control, board, link, microseconds, door, callers: Vec::new() }
+        NativeBoard { control, board, link, microseconds, listener, callers: Vec::new() }
     }
 
     fn serve(mut self, stop: &AtomicBool) {
@@ -119,7 +119,7 @@ impl NativeBoard {
 
     /// Requests that have come, whatever the plant is doing.
     fn listen(&mut self) {
-        if let Some(caller) = accepted(&self.door) {
+        if let Some(caller) = accepted(&self.listener) {
             self.callers.push((caller, Server::default()));
         }
         let NativeBoard { control, board, callers, .. } = self;
@@ -134,8 +134,8 @@ impl NativeBoard {
     }
 }
 
-fn accepted(door: &TcpListener) -> Option<TcpStream> {
-    let (caller, _) = door.accept().ok()?;
+fn accepted(listener: &TcpListener) -> Option<TcpStream> {
+    let (caller, _) = listener.accept().ok()?;
     caller.set_nonblocking(true).ok()?;
     caller.set_nodelay(true).ok()?;
     Some(caller)
@@ -165,7 +165,7 @@ impl Stopwatch for Microseconds {
 
 /// The second port; one plant at a time calls there.
 struct TcpLine {
-    door: TcpListener,
+    listener: TcpListener,
     plant: Option<TcpStream>,
     answer: Vec<u8>,
     awaited: usize,
@@ -185,7 +185,7 @@ impl TcpLine {
 
 impl Line for TcpLine {
     fn ask<const N: usize>(&mut self, bytes: [u8; N], answer_bytes: usize) {
-        self.plant = accepted(&self.door).or(self.plant.take());
+        self.plant = accepted(&self.listener).or(self.plant.take());
         self.answer.clear();
         self.awaited = answer_bytes;
         if self.plant.as_mut().is_some_and(|plant| plant.write_all(&bytes).is_err()) {

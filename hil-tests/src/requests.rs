@@ -10,7 +10,7 @@ use crate::{QemuTarget, Target, body};
 /// The most that a request may take while the drive is enabled, instructions. Requests are carried out after
 /// an output; with the thesis's timing 800 us are left then until the next sample, and this is 444 us at 180 MHz
 /// and two cycles an instruction.
-pub const MOST: u64 = 40_000;
+pub const MAX_INSTRUCTIONS: u64 = 40_000;
 
 /// A request and the most instructions of it that are carried out in one go.
 pub type Request = (&'static str, u64);

@@ -166,12 +166,12 @@ fn the_watchdog_ends_a_stalled_loop_and_the_drive_comes_up_disabled_with_the_rea
 
 #[test]
 fn a_late_sample_trips_the_emulated_board_by_name() {
-    body::punctuality::a_late_sample_trips_by_name(|rig| Box::new(started(rig)));
+    body::jitter::a_late_sample_trips_by_name(|rig| Box::new(started(rig)));
 }
 
 #[test]
 fn a_silent_host_trips_the_emulated_board_by_name() {
-    body::punctuality::a_silent_host_trips_by_name(|rig| {
+    body::jitter::a_silent_host_trips_by_name(|rig| {
         Box::new(QemuTarget::start_in_step(rig).unwrap_or_else(|error| panic!("{error:#}")))
     });
 }

@@ -23,16 +23,16 @@ fn an_emulated_board_is_put_into_service_run_recorded_and_overlaid_from_the_comm
     assert!(shell.device("reference 8192").starts_with("referenced"));
 
     let run = "servo-b-tuned --set test.duration_s=0.4";
-    let said = shell.says(&format!("run {run} --port {port} --stream run.csv"));
-    assert!(said.contains("run.csv: 308 samples, none missing\nservo-b-tuned: done\n"), "{said}");
-    let said = shell.says(&format!("monitor --port {port} --every 0.01 --count 2 --csv values.csv"));
-    assert!(said.starts_with("done ") && shell.has("values.csv"), "{said}");
+    let printed = shell.says(&format!("run {run} --port {port} --stream run.csv"));
+    assert!(printed.contains("run.csv: 308 samples, none missing\nservo-b-tuned: done\n"), "{printed}");
+    let printed = shell.says(&format!("monitor --port {port} --every 0.01 --count 2 --csv values.csv"));
+    assert!(printed.starts_with("done ") && shell.has("values.csv"), "{printed}");
     assert!(shell.device("status").starts_with("mode        done, holding\n"));
     assert!(shell.says(&format!("record --port {port}")).contains("TARGET01.DAT: 308 samples"));
     let _ = shell.says(&format!("simulate {run} --out sim"));
-    let said = shell.says("overlay TARGET01.DAT sim --out page.html");
+    let printed = shell.says("overlay TARGET01.DAT sim --out page.html");
     assert!(shell.has("page.html"));
-    let position = said.lines().find(|line| line.starts_with("position")).expect("a row");
+    let position = printed.lines().find(|line| line.starts_with("position")).expect("a row");
     let figures: Vec<f64> = position.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     assert!(figures[3] <= 0.01206, "the rig is its model: within a count of the encoder: {position}");
     assert!(shell.device("disarm").starts_with("disarmed"));

@@ -110,8 +110,8 @@ fn rows_of_a_trace_in_between_change_nothing() {
 #[test]
 fn a_pty_carries_the_same_record_as_tcp() {
     let rig = rig("servo-b-tuned", &["test.duration_s=0.5"]);
-    let over = |door: &str| {
-        let target = VirtualTarget::start(&rig, door).expect("a virtual rig");
+    let over = |listener: &str| {
+        let target = VirtualTarget::start(&rig, listener).expect("a virtual rig");
         run_and_record(&target, &rig).samples
     };
     assert_eq!(over("pty"), over("tcp:127.0.0.1:0"));
@@ -185,14 +185,14 @@ fn a_damaged_configuration_on_the_virtual_rig_is_named_and_arms_nothing_before_o
 
 #[test]
 fn a_late_sample_trips_the_virtual_rig_by_name() {
-    body::punctuality::a_late_sample_trips_by_name(|rig| {
+    body::jitter::a_late_sample_trips_by_name(|rig| {
         Box::new(VirtualTarget::start(rig, "tcp:127.0.0.1:0").expect("a virtual rig"))
     });
 }
 
 #[test]
 fn a_silent_host_trips_the_virtual_rig_by_name() {
-    body::punctuality::a_silent_host_trips_by_name(|rig| {
+    body::jitter::a_silent_host_trips_by_name(|rig| {
         Box::new(VirtualTarget::start_in_step(rig, "tcp:127.0.0.1:0").expect("a virtual rig"))
     });
 }

@@ -15,10 +15,10 @@ use pneudrive_sim::trace::{EXTRAS, Extra};
 
 pub use choices::{Integration, MethodName, Neighbours, RigChoice};
 pub use design::NewRig;
-pub use device::{ConfigAction, Device, DeviceAction, Place, ValveAction};
+pub use device::{ConfigAction, Device, DeviceAction, Position, ValveAction};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
 pub use link::{Monitor, PortChoice, Record, Run};
-pub use transients::{Align, Channel, Eval, Identify, Overlay, Spectrum, Stretch, Window};
+pub use transients::{Align, Channel, Eval, Identify, Interval, Overlay, Spectrum, Window};
 
 use crate::exit;
 use percent::percent;
@@ -221,7 +221,7 @@ pub struct Virtual {
     #[command(flatten)]
     pub rig: RigChoice,
     /// Where to listen: pty, or tcp:HOST:PORT (port 0 for any free port)
-    #[arg(long, value_name = "pty|tcp:ADDR", value_parser = door)]
+    #[arg(long, value_name = "pty|tcp:ADDR", value_parser = listen_address)]
     pub listen: String,
     /// Run tests as fast as possible instead of in real time
     #[arg(long)]
@@ -238,7 +238,7 @@ pub struct Virtual {
 }
 
 /// Where a virtual rig can listen.
-fn door(text: &str) -> Result<String, String> {
+fn listen_address(text: &str) -> Result<String, String> {
     match text.strip_prefix("tcp:") {
         Some(address) if address.trim_start_matches('/').contains(':') => Ok(text.to_owned()),
         None if text == "pty" => Ok(text.to_owned()),

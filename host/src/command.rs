@@ -40,7 +40,7 @@ use crate::output::{self, Stream};
 #[must_use]
 pub fn main() -> Exit {
     let _ = hear_of_limits();
-    output::tell_notes();
+    output::report_notes();
     let parsed = taking_negative_numbers(Cli::command())
         .try_get_matches()
         .and_then(|matches| Cli::from_arg_matches(&matches));

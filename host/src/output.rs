@@ -43,7 +43,7 @@ impl log::Log for Notes {
 }
 
 /// Has notes told from now on.
-pub fn tell_notes() {
+pub fn report_notes() {
     static NOTES: Notes = Notes;
     // Whoever uses this crate as a library may have a log already: the notes go there.
     if log::set_logger(&NOTES).is_ok() {

@@ -77,8 +77,8 @@ fn recorded(rig: &Rig, run: &Run, seed: u64) -> Transient {
 fn downloaded(folder: &Path, rig: &Rig) -> Transient {
     let port = virtual_rig_of(rig.clone());
     ok(folder, &format!("run {} --port {}", rig.name(), port.port()));
-    let said = ok(folder, &format!("record --port {}", port.port()));
-    let name = said.split(':').next().expect("a file");
+    let printed = ok(folder, &format!("record --port {}", port.port()));
+    let name = printed.split(':').next().expect("a file");
     Transient::read(&folder.join(name)).expect("a record")
 }
 

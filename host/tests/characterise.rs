@@ -25,9 +25,9 @@ fn rows(text: &str) -> Vec<Vec<String>> {
 fn all_curves_of_a_servo_drive_are_drawn_and_stored() {
     let folder = folder();
     let parts = "--set valve.flow_force=analytical --set actuator.leakage=adiabatic --set valve.null_drift_mm_per_h=0.01";
-    let said = ok(folder.path(), &format!("characterise servo-b all {parts} --out char"));
+    let printed = ok(folder.path(), &format!("characterise servo-b all {parts} --out char"));
     for curve in &CURVES {
-        assert!(said.contains(&format!("{}: {}", curve.name, curve.about)), "{said}");
+        assert!(printed.contains(&format!("{}: {}", curve.name, curve.about)), "{printed}");
         let names = ["csv", "html"].map(|kind| format!("char/{}.{kind}", curve.name));
         exists(folder.path(), &[&names[0], &names[1]]);
         let csv = fs::read_to_string(folder.path().join(&names[0])).expect("written");
@@ -41,10 +41,10 @@ fn all_curves_of_a_servo_drive_are_drawn_and_stored() {
 #[test]
 fn the_null_of_a_rig_is_the_one_that_it_was_given() {
     let folder = folder();
-    let said =
+    let printed =
         ok(folder.path(), "characterise servo-b pressure-gain --set valve.null_offset_mm=0.037 --out .");
-    let nulls: Vec<&str> = said.lines().filter(|line| line.starts_with("null, ")).collect();
-    assert_eq!(nulls.len(), 6, "its own supply pressure and those of the thesis: {said}");
+    let nulls: Vec<&str> = printed.lines().filter(|line| line.starts_with("null, ")).collect();
+    assert_eq!(nulls.len(), 6, "its own supply pressure and those of the thesis: {printed}");
     for null in nulls {
         let millimetres: f64 =
             null.split_whitespace().nth_back(2).and_then(|word| word.parse().ok()).expect("a number");
@@ -67,11 +67,11 @@ fn a_curve_that_a_rig_has_not_is_refused_and_left_out_of_all() {
         ),
         ("bang-bang hysteresis", "bang-bang has no hysteresis: an on-off operator has three places"),
     ] {
-        let said = transcript(folder.path(), &format!("characterise {arguments} --out out"));
-        assert!(said.contains(&format!("! error: {says}")) && said.ends_with("= 1"), "{said}");
+        let printed = transcript(folder.path(), &format!("characterise {arguments} --out out"));
+        assert!(printed.contains(&format!("! error: {says}")) && printed.ends_with("= 1"), "{printed}");
     }
-    let said = ok(folder.path(), "characterise burrows all --out all");
-    assert!(said.contains("pressure-drop: left out, as it has no tubes"), "{said}");
+    let printed = ok(folder.path(), "characterise burrows all --out all");
+    assert!(printed.contains("pressure-drop: left out, as it has no tubes"), "{printed}");
     exists(folder.path(), &["all/flow-gain.csv", "all/valve-models.html"]);
     assert!(!folder.path().join("all/pressure-drop.csv").exists());
 }
@@ -81,39 +81,46 @@ fn a_curve_that_a_rig_has_not_is_refused_and_left_out_of_all() {
 fn a_test_that_stops_on_the_bench_is_not_a_part_that_the_rig_lacks() {
     let folder = folder();
     let pile_up = "--set operator.coulomb_friction_n=3.35 --set operator.dither_mm=0.4";
-    let said = transcript(folder.path(), &format!("characterise servo-b-thesis dither {pile_up} --out ."));
+    let printed = transcript(folder.path(), &format!("characterise servo-b-thesis dither {pile_up} --out ."));
     assert!(
-        said.contains("! error: the test \"dither\" of servo-b-thesis stopped: events pile up at t ="),
-        "{said}"
+        printed.contains("! error: the test \"dither\" of servo-b-thesis stopped: events pile up at t ="),
+        "{printed}"
     );
     assert!(
-        said.contains("another value of the spool's friction or dither") && said.ends_with("= 1"),
-        "{said}"
+        printed.contains("another value of the spool's friction or dither") && printed.ends_with("= 1"),
+        "{printed}"
     );
-    assert!(!said.contains("has no dither"), "{said}");
-    let said = transcript(folder.path(), &format!("characterise servo-b-thesis all {pile_up} --out all"));
-    assert!(said.contains("! error: the test \"dither\" of servo-b-thesis stopped: "), "{said}");
-    assert!(!said.contains("dither: left out") && said.ends_with("= 1"), "{said}");
+    assert!(!printed.contains("has no dither"), "{printed}");
+    let printed = transcript(folder.path(), &format!("characterise servo-b-thesis all {pile_up} --out all"));
+    assert!(printed.contains("! error: the test \"dither\" of servo-b-thesis stopped: "), "{printed}");
+    assert!(!printed.contains("dither: left out") && printed.ends_with("= 1"), "{printed}");
     exists(folder.path(), &["all/pressure-drop.csv", "all/land-area.html"]);
 }
 
 #[test]
 fn a_curve_that_there_is_not_is_wrong_use_and_a_file_of_the_users_stays() {
     let folder = folder();
-    let said = transcript(folder.path(), "characterise servo-b gain --out .");
-    assert!(said.contains("choose one of flow-gain, pressure-gain,") && said.ends_with("= 2"), "{said}");
+    let printed = transcript(folder.path(), "characterise servo-b gain --out .");
+    assert!(
+        printed.contains("choose one of flow-gain, pressure-gain,") && printed.ends_with("= 2"),
+        "{printed}"
+    );
     for mine in ["flow-gain.csv", "valve-models.html"] {
         fs::write(folder.path().join(mine), "mine").expect("written");
-        let said = transcript(folder.path(), "characterise servo-b all --out .");
-        assert!(said.contains(&format!("{mine} is not of this program")) && said.ends_with("= 1"), "{said}");
+        let printed = transcript(folder.path(), "characterise servo-b all --out .");
+        assert!(
+            printed.contains(&format!("{mine} is not of this program")) && printed.ends_with("= 1"),
+            "{printed}"
+        );
         assert_eq!(fs::read_to_string(folder.path().join(mine)).expect("there"), "mine");
         fs::remove_file(folder.path().join(mine)).expect("there");
     }
 }
 
 /// The value, its uncertainty and its unit in the row of a figure.
-fn figure(said: &str, name: &str) -> [String; 3] {
-    let row = said.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name}: {said}"));
+fn figure(printed: &str, name: &str) -> [String; 3] {
+    let row =
+        printed.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name}: {printed}"));
     let cells: Vec<&str> = row[name.len()..].split_whitespace().collect();
     cells.try_into().map(|cells: [&str; 3]| cells.map(str::to_owned)).unwrap_or_else(|_| panic!("{row}"))
 }
@@ -124,33 +131,33 @@ fn the_frequency_response_tells_resonance_bandwidth_and_quarter_turn_to_the_digi
     let folder = folder();
     let linear = "--set operator.model=\"solenoid-empirical\" --set operator.hysteresis_percent=0 \
         --set operator.stiffness_per_mass_per_s2=394784.176 --set operator.damping_per_s=502.6548";
-    let said = ok(folder.path(), &format!("characterise servo-b frequency-response {linear} --out ."));
+    let printed = ok(folder.path(), &format!("characterise servo-b frequency-response {linear} --out ."));
     for (name, expected, unit) in [
         ("largest gain at 0.400 mm", 2.6945, "dB"),
         ("its frequency at 0.400 mm", 82.46, "Hz"),
         ("-3 dB of the gain at 2 Hz, at 0.400 mm", 137.4, "Hz"),
         ("-90 degrees at 0.400 mm", 100.0, "Hz"),
     ] {
-        let [value, within, of] = figure(&said, name);
+        let [value, within, of] = figure(&printed, name);
         let decimals = |text: &str| text.split('.').nth(1).map_or(0, str::len);
-        assert_eq!((of.as_str(), decimals(&value)), (unit, decimals(&within)), "{said}");
+        assert_eq!((of.as_str(), decimals(&value)), (unit, decimals(&within)), "{printed}");
         let [value, within]: [f64; 2] = [value, within].map(|text| text.parse().expect("a number"));
-        assert!((value - expected).abs() <= within && within < 0.01 * expected.abs(), "{name}: {said}");
+        assert!((value - expected).abs() <= within && within < 0.01 * expected.abs(), "{name}: {printed}");
     }
     let slow = linear.replace("394784.176", "20").replace("502.6548", "15");
-    let said = ok(folder.path(), &format!("characterise servo-b frequency-response {slow} --out ."));
+    let printed = ok(folder.path(), &format!("characterise servo-b frequency-response {slow} --out ."));
     let outside = "-90 degrees at 0.400 mm                 not seen, frequency 2.00 to 300 Hz";
-    assert!(said.contains(outside), "{said}");
+    assert!(printed.contains(outside), "{printed}");
 }
 
 #[test]
 fn the_hysteresis_is_told_of_the_range_of_the_rig() {
     let folder = folder();
     let still = "--set operator.static_friction_n=0 --set operator.coulomb_friction_n=0";
-    let said = ok(
+    let printed = ok(
         folder.path(),
         &format!("characterise servo-b hysteresis {still} --set valve.spool_travel_mm=0.5 --out ."),
     );
-    let [value, within, unit] = figure(&said, "width at mid-travel, without dither, of the range of 1 mm");
-    assert_eq!((value.as_str(), within.as_str(), unit.as_str()), ("5.00", "0.02", "%"), "{said}");
+    let [value, within, unit] = figure(&printed, "width at mid-travel, without dither, of the range of 1 mm");
+    assert_eq!((value.as_str(), within.as_str(), unit.as_str()), ("5.00", "0.02", "%"), "{printed}");
 }

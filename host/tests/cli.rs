@@ -12,10 +12,11 @@ use program::{exists, folder, ok, transcript, unhurried_rig, virtual_rig, with_l
 #[test]
 fn the_demo_does_the_whole_job_and_numbers_its_records() {
     let folder = folder();
-    let said = ok(folder.path(), "demo");
+    let printed = ok(folder.path(), "demo");
     exists(folder.path(), &["TARGET01.DAT", "run.json", "trace.csv", "report.html"]);
     for channel in ["position", "pressure 1", "pressure 2", "spool", "command", "error"] {
-        let row = said.lines().find(|line| line.starts_with(channel)).expect("a row in the deviation table");
+        let row =
+            printed.lines().find(|line| line.starts_with(channel)).expect("a row in the deviation table");
         let figures: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         assert!(figures.iter().any(|figure| *figure != 0.0), "the spread makes a difference: {row}");
     }
@@ -35,8 +36,8 @@ fn the_same_seed_demonstrates_the_same() {
 #[test]
 fn without_arguments_the_help_says_where_to_start() {
     let folder = folder();
-    let said = transcript(folder.path(), "");
-    assert!(said.contains("Start with: pneudrive demo") && said.ends_with("= 2"), "{said}");
+    let printed = transcript(folder.path(), "");
+    assert!(printed.contains("Start with: pneudrive demo") && printed.ends_with("= 2"), "{printed}");
 }
 
 #[test]
@@ -74,8 +75,8 @@ fn a_negative_number_is_judged_as_a_number() {
         ("sweep s.toml --threads -2", "invalid value '-2' for '--threads <N>'"),
         ("monitor --port pty:x --every -1", "invalid value '-1' for '--every <S>'"),
     ] {
-        let said = transcript(folder.path(), arguments);
-        assert!(said.contains(says) && said.ends_with("= 2"), "{arguments}: {said}");
+        let printed = transcript(folder.path(), arguments);
+        assert!(printed.contains(says) && printed.ends_with("= 2"), "{arguments}: {printed}");
     }
 }
 
@@ -115,15 +116,15 @@ fn a_test_is_run_recorded_and_overlaid_from_the_command_line() {
     let rig = virtual_rig("servo-b-tuned");
     let port = rig.port();
     let run = "servo-b-tuned --set test.duration_s=0.4";
-    let said = transcript(folder.path(), &format!("run {run} --port {port}"));
-    assert!(said.contains("servo-b-tuned: done\nthe drive holds its last setpoint"), "{said}");
+    let printed = transcript(folder.path(), &format!("run {run} --port {port}"));
+    assert!(printed.contains("servo-b-tuned: done\nthe drive holds its last setpoint"), "{printed}");
     assert!(
         transcript(folder.path(), &format!("record --port {port}")).contains("TARGET01.DAT: 308 samples")
     );
     ok(folder.path(), &format!("simulate {run} --out sim"));
-    let said = ok(folder.path(), "overlay TARGET01.DAT sim --out page.html");
+    let printed = ok(folder.path(), "overlay TARGET01.DAT sim --out page.html");
     exists(folder.path(), &["page.html"]);
-    let position = said.lines().find(|line| line.starts_with("position")).expect("a row");
+    let position = printed.lines().find(|line| line.starts_with("position")).expect("a row");
     let figures: Vec<f64> = position.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     assert!(figures[3] <= 0.01206, "the rig is its model: within a count of the encoder: {position}");
 }
@@ -178,8 +179,11 @@ fn a_record_that_cannot_be_replayed_is_refused_and_an_unknown_parameter_named() 
     let folder = recorded();
     let text = fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("written");
     fs::write(folder.path().join("damaged.dat"), text.replace("\n1,", "\n1,1")).expect("written");
-    let said = transcript(folder.path(), "replay damaged.dat");
-    assert!(said.starts_with("! error: damaged.dat: it is damaged, cut or changed: the CRC is"), "{said}");
+    let printed = transcript(folder.path(), "replay damaged.dat");
+    assert!(
+        printed.starts_with("! error: damaged.dat: it is damaged, cut or changed: the CRC is"),
+        "{printed}"
+    );
     let thin = with_line(&text, "decimation", Some("2"));
     fs::write(folder.path().join("thin.dat"), thin).expect("written");
     assert_eq!(
@@ -189,9 +193,12 @@ fn a_record_that_cannot_be_replayed_is_refused_and_an_unknown_parameter_named() 
     );
     let newer = with_line(&text, "param.jerk_limit", Some("4"));
     fs::write(folder.path().join("newer.dat"), newer).expect("written");
-    let said = transcript(folder.path(), "replay newer.dat");
-    assert!(said.contains("! note: jerk_limit: in the file, but this version does not know it"), "{said}");
-    assert!(said.ends_with("= 0"), "{said}");
+    let printed = transcript(folder.path(), "replay newer.dat");
+    assert!(
+        printed.contains("! note: jerk_limit: in the file, but this version does not know it"),
+        "{printed}"
+    );
+    assert!(printed.ends_with("= 0"), "{printed}");
 }
 
 #[test]
@@ -199,40 +206,42 @@ fn a_run_with_other_parameters_than_the_file_says_so() {
     let folder = folder();
     let rig = virtual_rig("servo-b");
     let run = format!("run servo-b-tuned --set test.duration_s=0.05 --port {}", rig.port());
-    let said = transcript(folder.path(), &run);
-    assert!(said.contains("! note: the rig's parameters differ from servo-b-tuned"), "{said}");
-    let said = transcript(folder.path(), &format!("{run} --config"));
-    assert!(!said.contains("note:") && said.ends_with("= 0"), "{said}");
+    let printed = transcript(folder.path(), &run);
+    assert!(printed.contains("! note: the rig's parameters differ from servo-b-tuned"), "{printed}");
+    let printed = transcript(folder.path(), &format!("{run} --config"));
+    assert!(!printed.contains("note:") && printed.ends_with("= 0"), "{printed}");
 }
 
 #[test]
 fn damaged_and_foreign_files_are_refused_by_what_is_wrong_with_them() {
     let folder = folder();
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
-    let said = |arguments: &str| {
-        let said = transcript(folder.path(), arguments);
-        assert!(said.ends_with("= 1"), "{said}");
-        said
+    let printed = |arguments: &str| {
+        let printed = transcript(folder.path(), arguments);
+        assert!(printed.ends_with("= 1"), "{printed}");
+        printed
     };
     write("empty.dat", "");
     write("foreign.dat", "hello\n");
-    assert!(said("overlay empty.dat empty.dat").contains("error: empty.dat: the file ends before its data"));
-    assert!(said("overlay foreign.dat empty.dat").contains("error: foreign.dat: line 1: expected"));
+    assert!(
+        printed("overlay empty.dat empty.dat").contains("error: empty.dat: the file ends before its data")
+    );
+    assert!(printed("overlay foreign.dat empty.dat").contains("error: foreign.dat: line 1: expected"));
     ok(folder.path(), "simulate servo-b --set test.duration_s=0.01 --out run");
     let trace = fs::read_to_string(folder.path().join("run/trace.csv")).expect("written");
     write("run/trace.csv", &trace[..trace.len() - 40]);
-    assert!(said("overlay run run").contains("trace.csv: line 9: expected 18 numbers"));
+    assert!(printed("overlay run run").contains("trace.csv: line 9: expected 18 numbers"));
     write("run/run.json", "{");
-    assert!(said("overlay run run").contains("run.json is not JSON"));
+    assert!(printed("overlay run run").contains("run.json is not JSON"));
 }
 
 #[test]
 fn a_port_that_is_not_there_is_named_with_what_to_do() {
     let folder = folder();
-    let said = transcript(folder.path(), "device --port tcp://127.0.0.1:1 info");
-    assert!(said.contains("cannot reach a rig at tcp://127.0.0.1:1; is one listening there"), "{said}");
-    let said = transcript(folder.path(), "device --port /dev/no-such-port info");
-    assert!(said.contains("cannot open /dev/no-such-port"), "{said}");
+    let printed = transcript(folder.path(), "device --port tcp://127.0.0.1:1 info");
+    assert!(printed.contains("cannot reach a rig at tcp://127.0.0.1:1; is one listening there"), "{printed}");
+    let printed = transcript(folder.path(), "device --port /dev/no-such-port info");
+    assert!(printed.contains("cannot open /dev/no-such-port"), "{printed}");
 }
 
 #[test]
@@ -241,9 +250,9 @@ fn someone_who_is_no_rig_is_noticed() {
     let port = listener.local_addr().expect("an address").port();
     let silent = std::thread::spawn(move || listener.accept());
     let folder = folder();
-    let said = transcript(folder.path(), &format!("device --port tcp://127.0.0.1:{port} info"));
-    assert!(said.contains("no answer from") || said.contains("the link to"), "{said}");
-    assert!(said.ends_with("= 4"), "{said}");
+    let printed = transcript(folder.path(), &format!("device --port tcp://127.0.0.1:{port} info"));
+    assert!(printed.contains("no answer from") || printed.contains("the link to"), "{printed}");
+    assert!(printed.ends_with("= 4"), "{printed}");
     let _ = silent.join();
 }
 
@@ -261,10 +270,10 @@ fn a_virtual_rig_on_a_pty_is_talked_to_by_its_name() {
     BufReader::new(rig.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
     let port = line.trim().rsplit(' ').next().expect("a port").to_owned();
     let folder = folder();
-    let said = transcript(folder.path(), &format!("device --port {port} status"));
+    let printed = transcript(folder.path(), &format!("device --port {port} status"));
     rig.kill().expect("it runs");
     let _ = rig.wait();
-    assert!(said.starts_with("mode        disarmed\n"), "{line}{said}");
+    assert!(printed.starts_with("mode        disarmed\n"), "{line}{printed}");
 }
 
 /// Once its steps were taken for the counts of a sensor: -1.25 mm, for every stepper rig.
@@ -275,10 +284,10 @@ fn the_spool_of_a_stepper_is_not_compared_as_if_a_sensor_had_measured_it() {
     ok(folder.path(), &format!("run servo-a-tuned --config --port {port}"));
     ok(folder.path(), &format!("record --port {port}"));
     ok(folder.path(), "simulate servo-a-tuned --out sim --no-report");
-    let said = ok(folder.path(), "overlay TARGET01.DAT sim");
+    let printed = ok(folder.path(), "overlay TARGET01.DAT sim");
     assert!(
-        said.contains("\npressure 2 ") && said.contains("\ncommand ") && !said.contains("\nspool "),
-        "{said}"
+        printed.contains("\npressure 2 ") && printed.contains("\ncommand ") && !printed.contains("\nspool "),
+        "{printed}"
     );
 }
 
@@ -318,8 +327,8 @@ fn a_trace_that_was_cut_at_the_end_of_a_line_is_refused() {
     let text = std::fs::read_to_string(&path).expect("written");
     let part: String = text.lines().take(500).map(|line| format!("{line}\n")).collect();
     std::fs::write(&path, part).expect("written");
-    let said = transcript(folder.path(), "eval out");
-    assert!(said.contains("trace.csv has 499 of the 2385 rows of its run: it was cut"), "{said}");
+    let printed = transcript(folder.path(), "eval out");
+    assert!(printed.contains("trace.csv has 499 of the 2385 rows of its run: it was cut"), "{printed}");
 }
 
 /// Once a rig file that was cut by a full disk came with exit code 0.
@@ -329,8 +338,8 @@ fn an_output_that_cannot_be_written_is_an_error() {
     let full = std::fs::File::options().write(true).open("/dev/full").expect("a full device");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
     let output = command.args(["rig", "show", "servo-b"]).stdout(full).output().expect("it runs");
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
-    assert!(said.starts_with("error: cannot write to standard output"), "{said}");
+    let printed = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(printed.starts_with("error: cannot write to standard output"), "{printed}");
     assert_eq!(output.status.code(), Some(8));
 }
 
@@ -340,14 +349,15 @@ fn a_stream_that_cannot_be_written_leaves_the_last_record_on_the_rig() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
     let port = rig.port();
     ok(folder.path(), &format!("run servo-b-tuned --port {port}"));
-    let said = transcript(folder.path(), &format!("run servo-b-tuned --port {port} --stream none/run.csv"));
-    assert!(said.contains("cannot make none/run.csv") && said.ends_with("= 3"), "{said}");
+    let printed =
+        transcript(folder.path(), &format!("run servo-b-tuned --port {port} --stream none/run.csv"));
+    assert!(printed.contains("cannot make none/run.csv") && printed.ends_with("= 3"), "{printed}");
     ok(folder.path(), &format!("record --port {port}"));
     assert!(folder.path().join("TARGET01.DAT").exists());
     ok(folder.path(), &format!("device --port {port} disarm"));
     ok(folder.path(), &format!("device --port {port} arm"));
-    let said = transcript(folder.path(), &format!("record --port {port}"));
-    assert!(said.contains("is armed: it has no record until a run has made one"), "{said}");
+    let printed = transcript(folder.path(), &format!("record --port {port}"));
+    assert!(printed.contains("is armed: it has no record until a run has made one"), "{printed}");
 }
 
 /// Ctrl-C is how a run without an end ends: the drive is disarmed, the file is whole, nothing has failed.
@@ -367,11 +377,11 @@ fn a_run_until_stopped_ends_with_ctrl_c() {
     let interrupt = format!("kill -INT {}", program.id());
     assert!(Command::new("sh").args(["-c", &interrupt]).status().expect("a shell").success());
     let output = program.wait_with_output().expect("it was started");
-    let said = String::from_utf8(output.stdout).expect("UTF-8");
-    assert!(output.status.success(), "{said}");
-    assert!(said.ends_with("servo-b-tuned: ended as you asked, the drive is disarmed\n"), "{said}");
+    let printed = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(output.status.success(), "{printed}");
+    assert!(printed.ends_with("servo-b-tuned: ended as you asked, the drive is disarmed\n"), "{printed}");
     let text = std::fs::read_to_string(&path).expect("written");
-    assert!(text.contains("\n# samples = ") && text.contains("\n# missing = 0\n# crc32 = "), "{said}");
+    assert!(text.contains("\n# samples = ") && text.contains("\n# missing = 0\n# crc32 = "), "{printed}");
     let status = ok(folder.path(), &format!("device --port {} status", rig.port()));
     assert!(status.starts_with("mode        disarmed\n"), "{status}");
 }

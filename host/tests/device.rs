@@ -15,8 +15,11 @@ fn an_axis_that_is_homed_counts_from_its_stop() {
     assert!(device("home").contains("the drive is not armed; arm it first"));
     assert!(device("status").starts_with("mode        disarmed\n"), "refused without a trip");
     device("arm");
-    let said = device("home");
-    assert!(said.starts_with("homed: the axis stands at ") && said.ends_with(" mm, armed\n= 0"), "{said}");
+    let printed = device("home");
+    assert!(
+        printed.starts_with("homed: the axis stands at ") && printed.ends_with(" mm, armed\n= 0"),
+        "{printed}"
+    );
     assert!(device("status").starts_with("mode        armed\nreferenced  yes\n"));
     assert_eq!(device("faults"), "no faults\n= 0");
     assert!(device("stop").starts_with("stopped"));
@@ -44,8 +47,8 @@ fn ctrl_c_stops_a_homing_run() {
     let interrupt = format!("kill -INT {}", program.id());
     assert!(Command::new("sh").args(["-c", &interrupt]).status().expect("a shell").success());
     let output = program.wait_with_output().expect("it was started");
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
-    assert!(said.contains("the homing run was stopped, as you asked"), "{said}");
+    let printed = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(printed.contains("the homing run was stopped, as you asked"), "{printed}");
     assert!(transcript(folder.path(), &device("status")).starts_with("mode        fault stop: "));
 }
 
@@ -75,8 +78,8 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     device("disarm");
 
     fs::write(folder.path().join("wrong.txt"), "period_us = 1300\nspeed = 3\n").expect("written");
-    let said = device("config import wrong.txt");
-    assert!(said.contains("wrong.txt: line 2: there is no parameter speed"), "{said}");
+    let printed = device("config import wrong.txt");
+    assert!(printed.contains("wrong.txt: line 2: there is no parameter speed"), "{printed}");
     assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
 
     let whole = fs::read_to_string(folder.path().join("parameters.txt")).expect("exported");
@@ -85,8 +88,8 @@ fn parameters_are_stored_exported_and_taken_over_again() {
         &whole[..whole.find("controller.velocity_gain").expect("a line")],
     )
     .expect("written");
-    let said = device("config import cut.txt");
-    assert!(said.contains("cut.txt: its first line tells of 56 parameters, and 6 are there"), "{said}");
+    let printed = device("config import cut.txt");
+    assert!(printed.contains("cut.txt: its first line tells of 56 parameters, and 6 are there"), "{printed}");
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
     assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
     assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));
@@ -122,10 +125,16 @@ fn figures_are_in_mm_kpa_and_s_and_in_counts_on_request() {
     assert_eq!(device("reference 98.72mm"), "referenced: the axis stands at 98.726 mm\n= 0");
     assert_eq!(device("reference 8193 --counts"), "referenced: the axis stands at 8193 counts\n= 0");
     assert!(device("reference 98.72cm").contains("is not a whole number"));
-    let said = device("status");
-    assert!(said.contains("\nposition    98.726 mm\n") && said.contains(" kPa\nspool       "), "{said}");
-    let said = device("status --counts");
-    assert!(said.contains("\nposition    8193 counts\n") && said.contains(" raw\nspool       "), "{said}");
+    let printed = device("status");
+    assert!(
+        printed.contains("\nposition    98.726 mm\n") && printed.contains(" kPa\nspool       "),
+        "{printed}"
+    );
+    let printed = device("status --counts");
+    assert!(
+        printed.contains("\nposition    8193 counts\n") && printed.contains(" raw\nspool       "),
+        "{printed}"
+    );
     let monitor = |more: &str| {
         transcript(folder.path(), &format!("monitor --port {} --every 0.01 --count 1{more}", rig.port()))
     };
@@ -147,18 +156,18 @@ fn a_setting_that_the_test_of_a_rig_does_not_take_is_refused() {
         )
     };
     for key in ["load.mass_kg=9", "test.position_m=0.1", "supply.temperature_k=290"] {
-        let said = run(&format!("--config --set {key}"));
-        assert!(said.contains("a rig is not told this") && said.ends_with("= 1"), "{key}: {said}");
+        let printed = run(&format!("--config --set {key}"));
+        assert!(printed.contains("a rig is not told this") && printed.ends_with("= 1"), "{key}: {printed}");
     }
-    let said = run("--set controller.velocity_gain=5");
+    let printed = run("--set controller.velocity_gain=5");
     assert!(
-        said.contains("--set controller.velocity_gain: a run downloads the test alone; --config"),
-        "{said}"
+        printed.contains("--set controller.velocity_gain: a run downloads the test alone; --config"),
+        "{printed}"
     );
     assert!(run("--set controller.velocity_gain=5 --config").ends_with("= 0"));
     assert!(run("--set controller.loop=open").contains("controller.loop = closed on the rig and"));
-    let said = run("--set test.decimation=2");
-    assert!(said.ends_with("= 0"), "{said}");
+    let printed = run("--set test.decimation=2");
+    assert!(printed.ends_with("= 0"), "{printed}");
 }
 
 #[test]
@@ -174,8 +183,8 @@ fn moves_that_wait_for_each_other_end_the_run_and_are_counted() {
         "exit_on_dead_band = true\nmonitoring_s = 0.05\ntolerance_counts = 30\nscale = 65536 ",
     );
     fs::write(folder.path().join("targets.toml"), base).expect("written");
-    let said = transcript(folder.path(), &format!("run targets.toml --config --port {port}"));
-    assert!(said.contains("servo-a-tuned: done"), "{said}");
+    let printed = transcript(folder.path(), &format!("run targets.toml --config --port {port}"));
+    assert!(printed.contains("servo-a-tuned: done"), "{printed}");
     let status = transcript(folder.path(), &format!("device --port {port} status"));
     assert!(status.contains("moves       number 3 arrived, 0 not reached\n"), "{status}");
 }

@@ -17,8 +17,8 @@ fn code(folder: &Path, arguments: &str) -> i32 {
 #[test]
 fn the_help_lists_the_codes() {
     let folder = folder();
-    let said = ok(folder.path(), "--help");
-    assert!(said.contains(help().trim_end()), "{said}");
+    let printed = ok(folder.path(), "--help");
+    assert!(printed.contains(help().trim_end()), "{printed}");
     assert!(EXITS.len() > 8);
 }
 
@@ -29,8 +29,8 @@ fn what_is_done_ends_with_0_and_wrong_use_with_2() {
     // A trip of a simulated drive is what was asked for.
     let open = "[[faults.event]]\nkind = \"sensor-open\"\nsensor = \"pressure-1\"\nat_s = 0.1\n";
     fs::write(folder.path().join("open.toml"), open).expect("written");
-    let said = transcript(folder.path(), "simulate open.toml --ensemble 1 --no-report --out run");
-    assert!(said.contains("tripped at sample") && said.ends_with("= 0"), "{said}");
+    let printed = transcript(folder.path(), "simulate open.toml --ensemble 1 --no-report --out run");
+    assert!(printed.contains("tripped at sample") && printed.ends_with("= 0"), "{printed}");
     assert_eq!(code(folder.path(), "simulate servo-b"), 2);
 }
 
@@ -127,8 +127,8 @@ fn a_drive_that_another_program_commands_ends_with_5() {
     let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
     let mut owner = pneudrive_link::client::Client::connect(rig.port()).expect("a rig");
     owner.arm().expect("armed");
-    let said = transcript(folder.path(), &format!("device --port {} disarm", rig.port()));
-    assert!(said.contains("commands the drive") && said.ends_with("= 5"), "{said}");
+    let printed = transcript(folder.path(), &format!("device --port {} disarm", rig.port()));
+    assert!(printed.contains("commands the drive") && printed.ends_with("= 5"), "{printed}");
 }
 
 #[test]
@@ -165,16 +165,20 @@ fn data_that_do_not_bear_it_out_end_with_7() {
     let rig = virtual_rig_of(real);
     ok(folder.path(), &format!("run rig.toml --config --port {}", rig.port()));
     ok(folder.path(), &format!("record --port {}", rig.port()));
-    let said = transcript(folder.path(), "identify rig.toml TARGET01.DAT --fit operator.spring_n_per_mm");
-    assert!(said.contains("too few samples to judge") && said.ends_with("= 7"), "{said}");
+    let printed = transcript(folder.path(), "identify rig.toml TARGET01.DAT --fit operator.spring_n_per_mm");
+    assert!(printed.contains("too few samples to judge") && printed.ends_with("= 7"), "{printed}");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_file_that_cannot_be_written_ends_with_8() {
     let folder = folder();
-    let said = limited(folder.path(), 8, "simulate servo-b --set test.duration_s=1 --ensemble 1 --out run");
-    assert!(said.contains("cannot write run/trace.csv: File too large") && said.ends_with("= 8"), "{said}");
+    let printed =
+        limited(folder.path(), 8, "simulate servo-b --set test.duration_s=1 --ensemble 1 --out run");
+    assert!(
+        printed.contains("cannot write run/trace.csv: File too large") && printed.ends_with("= 8"),
+        "{printed}"
+    );
 }
 
 /// A file-size limit in KiB, as a shell sets it; once it killed the program.

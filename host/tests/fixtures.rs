@@ -60,11 +60,11 @@ fn older_files_are_read_with_a_note_of_what_nothing_covers() {
         ("STREAM-2.txt", None),
     ] {
         let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-        let said = program::transcript(&folder, &format!("replay {name}"));
-        assert!(said.ends_with("= 0"), "{said}");
+        let printed = program::transcript(&folder, &format!("replay {name}"));
+        assert!(printed.ends_with("= 0"), "{printed}");
         match note {
-            Some(note) => assert!(said.contains(&format!("! note: {name}: {note}")), "{said}"),
-            None => assert!(!said.contains("CRC"), "{said}"),
+            Some(note) => assert!(printed.contains(&format!("! note: {name}: {note}")), "{printed}"),
+            None => assert!(!printed.contains("CRC"), "{printed}"),
         }
     }
 }

@@ -28,9 +28,12 @@ fn a_record_gives_a_simulation_its_moves_gains_and_initial_state() {
                  --set controller.velocity_gain=1500 --set controller.gain_profile=[1024,512]";
     ok(folder.path(), &format!("run servo-b-tuned {asked} --config --port {}", rig.port()));
     ok(folder.path(), &format!("record --port {}", rig.port()));
-    let said =
+    let printed =
         ok(folder.path(), "simulate servo-b-tuned --from TARGET01.DAT --ensemble 1 --no-report --out again");
-    assert!(said.contains("controller.velocity_gain is 1500, as recorded; the rig file has 2000"), "{said}");
+    assert!(
+        printed.contains("controller.velocity_gain is 1500, as recorded; the rig file has 2000"),
+        "{printed}"
+    );
     let keys = &run_json(folder.path(), "again")["keys"];
     assert_eq!(keys["controller.velocity_gain"], 1500);
     let targets: Vec<i64> =
@@ -62,8 +65,8 @@ fn a_record_in_open_loop_gives_its_commands() {
     {
         let asked = format!("--set controller.loop=open --set test.moves={moves} --set test.duration_s=0.39");
         ok(folder.path(), &format!("run servo-b-tuned {asked} --config --port {}", rig.port()));
-        let said = ok(folder.path(), &format!("record --port {}", rig.port()));
-        let name = said.split(':').next().expect("a file");
+        let printed = ok(folder.path(), &format!("record --port {}", rig.port()));
+        let name = printed.split(':').next().expect("a file");
         ok(
             folder.path(),
             &format!("simulate servo-b-tuned --from {name} --ensemble 1 --no-report --out open"),
@@ -79,8 +82,9 @@ fn a_run_goes_on_from_the_end_of_another() {
     let held =
         "servo-b-tuned --set test.moves=[[0.0,8192]] --set test.duration_s=1 --set operator.dither_mm=0";
     ok(folder.path(), &format!("simulate {held} --ensemble 1 --no-report --out one"));
-    let said = ok(folder.path(), &format!("simulate {held} --from one --ensemble 1 --no-report --out two"));
-    assert!(said.contains("are those of the run of servo-b-tuned at its end, 0.9997 s"), "{said}");
+    let printed =
+        ok(folder.path(), &format!("simulate {held} --from one --ensemble 1 --no-report --out two"));
+    assert!(printed.contains("are those of the run of servo-b-tuned at its end, 0.9997 s"), "{printed}");
     // Position, pressures, temperatures.
     for place in [5, 8, 9, 10, 11] {
         let end = column(folder.path(), "one", place).last().copied().expect("rows");
@@ -94,8 +98,8 @@ fn a_run_goes_on_from_the_end_of_another() {
     );
     let moving = "simulate servo-b-tuned --set test.duration_s=0.36 --ensemble 1 --no-report --out moving";
     ok(folder.path(), moving);
-    let said = transcript(folder.path(), "simulate servo-b-tuned --from moving --ensemble 1 --out on");
-    assert!(said.contains("moving cannot be started from: its drive still moves at"), "{said}");
+    let printed = transcript(folder.path(), "simulate servo-b-tuned --from moving --ensemble 1 --out on");
+    assert!(printed.contains("moving cannot be started from: its drive still moves at"), "{printed}");
 }
 
 #[test]
@@ -104,11 +108,11 @@ fn a_record_of_another_rig_and_what_is_no_transient_are_refused() {
     ok(folder.path(), &format!("run servo-b-tuned --set test.duration_s=0.2 --port {}", rig.port()));
     ok(folder.path(), &format!("record --port {}", rig.port()));
     let fine = "--set encoder.mm_per_count=0.01";
-    let said =
+    let printed =
         transcript(folder.path(), &format!("simulate servo-b-tuned {fine} --from TARGET01.DAT --out x"));
-    assert!(said.contains("its encoder counts 0.01205 mm, that of servo-b-tuned 0.01 mm"), "{said}");
+    assert!(printed.contains("its encoder counts 0.01205 mm, that of servo-b-tuned 0.01 mm"), "{printed}");
     fs::write(folder.path().join("page.html"), "<p>no").expect("written");
-    let said = transcript(folder.path(), "simulate servo-b-tuned --from page.html --out x");
-    assert!(said.ends_with("= 1"), "{said}");
+    let printed = transcript(folder.path(), "simulate servo-b-tuned --from page.html --out x");
+    assert!(printed.ends_with("= 1"), "{printed}");
     assert!(!folder.path().join("x/trace.csv").exists());
 }

@@ -21,7 +21,7 @@ use program::{folder, ok, virtual_rig};
 const LONGEST: Duration = Duration::from_secs(10);
 
 /// Kilobytes of memory that a command may not need more than.
-const MOST_MEMORY_KB: u64 = 200 * 1024;
+const MAX_MEMORY_KB: u64 = 200 * 1024;
 
 /// Commands at a time: they wait for the most part.
 const AT_ONCE: usize = 6;
@@ -30,7 +30,7 @@ const AT_ONCE: usize = 6;
 struct Watched {
     child: Child,
     begun: Instant,
-    most_memory_kb: u64,
+    max_memory_kb: u64,
 }
 
 impl Watched {
@@ -40,7 +40,7 @@ impl Watched {
         let out = std::fs::File::create(folder.join("out")).expect("a file");
         let err = std::fs::File::create(folder.join("err")).expect("a file");
         let child = command.stdout(out).stderr(err).stdin(Stdio::null()).spawn().expect("the program runs");
-        Watched { child, begun: Instant::now(), most_memory_kb: 0 }
+        Watched { child, begun: Instant::now(), max_memory_kb: 0 }
     }
 
     /// Its exit code once it has ended; None if a signal has ended it, an error if nothing has by then.
@@ -50,7 +50,7 @@ impl Watched {
             let memory = read_to_string(&status).unwrap_or_default();
             let peak = memory.lines().find_map(|line| line.strip_prefix("VmHWM:"));
             let peak = peak.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok());
-            self.most_memory_kb = self.most_memory_kb.max(peak.unwrap_or(0));
+            self.max_memory_kb = self.max_memory_kb.max(peak.unwrap_or(0));
             if let Some(ended) = self.child.try_wait().expect("it was started") {
                 return Ok(ended.code());
             }
@@ -69,7 +69,7 @@ impl Watched {
 }
 
 /// What was said, stderr behind `!`.
-fn said(folder: &Path) -> String {
+fn printed(folder: &Path) -> String {
     let text = |name: &str| -> String {
         read_to_string(folder.join(name))
             .expect("UTF-8")
@@ -103,18 +103,18 @@ fn wrong(lie: &Told, command: &str, expected: &str) -> Option<String> {
     let mut program = Watched::start(folder.path(), &command.replace("PORT", rig.port()));
     let code = match program.end(LONGEST) {
         Ok(Some(code)) if ENDS.contains(&code) => code,
-        Ok(code) => return Some(format!("ended with {code:?}: {}", said(folder.path()))),
-        Err(endless) => return Some(format!("{endless}: {}", said(folder.path()))),
+        Ok(code) => return Some(format!("ended with {code:?}: {}", printed(folder.path()))),
+        Err(endless) => return Some(format!("{endless}: {}", printed(folder.path()))),
     };
-    let said = format!("{}= {code}", said(folder.path()));
-    if !said.contains(expected) || (code != 0 && !said.contains("! error: ")) {
-        return Some(format!("{expected:?} is missing in {said}"));
+    let printed = format!("{}= {code}", printed(folder.path()));
+    if !printed.contains(expected) || (code != 0 && !printed.contains("! error: ")) {
+        return Some(format!("{expected:?} is missing in {printed}"));
     }
-    if !is_clean(&said) {
-        return Some(format!("moves the cursor: {said:?}"));
+    if !is_clean(&printed) {
+        return Some(format!("moves the cursor: {printed:?}"));
     }
-    if program.most_memory_kb > MOST_MEMORY_KB {
-        return Some(format!("took {} KB of memory: {said}", program.most_memory_kb));
+    if program.max_memory_kb > MAX_MEMORY_KB {
+        return Some(format!("took {} KB of memory: {printed}", program.max_memory_kb));
     }
     wrong_file(folder.path())
 }
@@ -200,7 +200,7 @@ fn ctrl_c_ends_a_command_whatever_the_rig_says() {
                 assert!(
                     matches!(ended, Ok(None | Some(0 | 1 | 130))),
                     "{name}: {command}: {ended:?}: {}",
-                    said(folder.path())
+                    printed(folder.path())
                 );
             });
         }

@@ -5,7 +5,7 @@ mod program;
 use std::fs;
 use std::path::Path;
 
-use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
@@ -32,7 +32,7 @@ fn recorded_with(folder: &Path, text: &str, hidden: &[(&'static str, f64)]) {
     let rig = Rig::read("rig.toml", text).expect("valid");
     let real = rig.with_numbers(hidden).expect("valid");
     let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
-    let rig = Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"));
+    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
     ok(folder, &format!("run rig.toml --port {}", rig.port()));
     ok(folder, &format!("record --port {}", rig.port()));
     rig.stop().expect("it served");
@@ -206,7 +206,7 @@ fn plan(folder: &Path, real: Rig, options: &str) -> String {
 fn plan_from(folder: &Path, file: &str, real: Rig, options: &str) -> String {
     fs::write(folder.join("rig.toml"), file).expect("written");
     let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
-    let rig = Background::start(rig, Door::open("tcp:127.0.0.1:0").expect("a port"));
+    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
     let printed = transcript(folder, &format!("identify rig.toml --plan {} {options}", rig.port()));
     let left = ok(folder, &format!("device --port {} config get open_loop", rig.port()));
     assert!(left.contains("open_loop = 0"), "the rig is not left as it was: {left}");

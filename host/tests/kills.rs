@@ -252,13 +252,13 @@ fn what_a_killed_program_has_begun_to_write_the_next_one_removes_and_says_so() {
                 if command.starts_with("simulate") { fs::create_dir(path) } else { fs::write(path, "half") };
             made.expect("made");
         }
-        let said = transcript(folder.path(), command);
-        assert!(said.ends_with("= 0"), "{said}");
+        let printed = transcript(folder.path(), command);
+        assert!(printed.ends_with("= 0"), "{printed}");
         for path in left {
             assert!(!path.exists(), "{} is still there", path.display());
         }
-        let told = said.lines().filter(|line| line.contains("interrupted program")).count();
-        assert_eq!(told, if command.starts_with("simulate") { 1 } else { names.len() }, "{said}");
+        let told = printed.lines().filter(|line| line.contains("interrupted program")).count();
+        assert_eq!(told, if command.starts_with("simulate") { 1 } else { names.len() }, "{printed}");
     }
 }
 
@@ -302,8 +302,8 @@ fn a_part_file_that_is_a_pipe_or_a_link_is_refused_and_what_the_link_leads_to_st
     let (part, mine) = (folder.path().join(part), folder.path().join("mine"));
     fs::write(&mine, "mine").expect("written");
     let refused = |what: &str| {
-        let said = transcript(folder.path(), &format!("record --port {}", rig.port()));
-        assert!(said.contains("it is no plain file") && said.ends_with("= 1"), "{what}: {said}");
+        let printed = transcript(folder.path(), &format!("record --port {}", rig.port()));
+        assert!(printed.contains("it is no plain file") && printed.ends_with("= 1"), "{what}: {printed}");
         fs::remove_file(&part).expect("there");
     };
     std::os::unix::fs::symlink(&mine, &part).expect("a link");

@@ -44,8 +44,8 @@ fn rig_check_names_file_line_and_key() {
 #[cfg(unix)]
 #[test]
 fn a_rig_without_an_end_is_refused() {
-    let said = transcript(folder().path(), "rig check /dev/zero");
-    assert!(said.contains("cannot read /dev/zero: it is longer than 1048576 bytes"), "{said}");
+    let printed = transcript(folder().path(), "rig check /dev/zero");
+    assert!(printed.contains("cannot read /dev/zero: it is longer than 1048576 bytes"), "{printed}");
 }
 
 #[test]
@@ -130,10 +130,10 @@ fn simulate_takes_the_test_of_another_file_and_rows_at_a_period() {
 fn a_foreign_run_json_is_not_overwritten() {
     let folder = folder();
     fs::write(folder.path().join("run.json"), "{\"mine\": true}").expect("written");
-    let said = transcript(folder.path(), "simulate servo-b --set test.duration_s=0.01 --out .");
+    let printed = transcript(folder.path(), "simulate servo-b --set test.duration_s=0.01 --out .");
     assert!(
-        said.contains("is not of this program; choose another folder") && said.ends_with("= 1"),
-        "{said}"
+        printed.contains("is not of this program; choose another folder") && printed.ends_with("= 1"),
+        "{printed}"
     );
     assert_eq!(fs::read_to_string(folder.path().join("run.json")).expect("there"), "{\"mine\": true}");
 }
@@ -149,8 +149,8 @@ fn a_run_without_a_page_takes_the_page_of_the_run_before_away() {
 }
 
 /// The rows of the second move of a table of moves: the run itself, the least and the most of its neighbours.
-fn second_move(said: &str) -> Vec<&str> {
-    said.lines().skip_while(|line| !line.starts_with("2 ")).take(3).collect()
+fn second_move(printed: &str) -> Vec<&str> {
+    printed.lines().skip_while(|line| !line.starts_with("2 ")).take(3).collect()
 }
 
 #[test]
@@ -179,8 +179,11 @@ fn a_run_that_comes_out_otherwise_today_is_told_by_its_trace_alone() {
     let text = fs::read_to_string(&path).expect("written");
     let mass = text.lines().find(|line| line.contains("\"load.mass_kg\"")).expect("a key").to_owned();
     fs::write(&path, text.replace(&mass, "    \"load.mass_kg\": 12.3,")).expect("written");
-    let said = ok(folder.path(), "eval run");
-    assert!(said.contains("Its figures are of the trace alone") && !said.contains("least"), "{said}");
+    let printed = ok(folder.path(), "eval run");
+    assert!(
+        printed.contains("Its figures are of the trace alone") && !printed.contains("least"),
+        "{printed}"
+    );
     let refused = transcript(folder.path(), "eval run/run.json --ensemble 4");
     assert!(refused.ends_with("= 1"), "{refused}");
 }

@@ -36,10 +36,10 @@ impl Served {
     }
 
     /// What stands on its terminal up to a line with `last`.
-    fn said_until(&mut self, last: &str) -> String {
-        let mut said = String::new();
-        while !said.contains(last) && self.terminal.read_line(&mut said).expect("a line") > 0 {}
-        said
+    fn printed_until(&mut self, last: &str) -> String {
+        let mut printed = String::new();
+        while !printed.contains(last) && self.terminal.read_line(&mut printed).expect("a line") > 0 {}
+        printed
     }
 }
 
@@ -69,8 +69,8 @@ fn every_run_has_its_own_noise_and_a_seed_repeats_the_sequence() {
     let mut rig = Served::start(noisy);
     let [first, second] = two_runs(folder.path(), &rig.port);
     assert_ne!(first, second, "the same noise in every run is averaged away by no number of runs");
-    let said = rig.said_until("run 2");
-    assert!(said.contains("--seed 5") && said.contains("run 1"), "{said}");
+    let printed = rig.printed_until("run 2");
+    assert!(printed.contains("--seed 5") && printed.contains("run 1"), "{printed}");
     let info = ok(folder.path(), &format!("device --port {} info", rig.port));
     assert!(info.contains("virtual rig, seed 5"), "{info}");
     let again = Served::start(noisy);

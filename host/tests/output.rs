@@ -87,11 +87,11 @@ fn no_command_breaks_down_with_its_output_and_each_leaves_its_files() {
     for (arguments, file) in COMMANDS {
         for (fates, code) in [([Fate::Gone, Fate::Read], 141), ([Fate::Full, Fate::Read], 8)] {
             let (ended, output) = run(prepared.path(), arguments, fates);
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
-            assert_eq!(ended, code, "{arguments}, {fates:?}: {said}");
-            assert!(!said.contains("panicked"), "{arguments}: {said}");
-            let told = said.contains("error: cannot write to standard output: No space left");
-            assert_eq!(told, fates[0] == Fate::Full, "{arguments}: {said}");
+            let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(ended, code, "{arguments}, {fates:?}: {printed}");
+            assert!(!printed.contains("panicked"), "{arguments}: {printed}");
+            let told = printed.contains("error: cannot write to standard output: No space left");
+            assert_eq!(told, fates[0] == Fate::Full, "{arguments}: {printed}");
             let made = prepared.path().join(file);
             assert!(file.is_empty() || made.is_file(), "{arguments}, {fates:?}: {file} is not there");
             let _ = std::fs::remove_file(prepared.path().join("made.html"));
@@ -112,14 +112,17 @@ fn an_error_that_cannot_be_told_ends_with_its_code_all_the_same() {
     }
     let simulate = "simulate servo-b --set test.duration_s=0.02 --no-report --out run";
     let (code, output) = run(folder.path(), simulate, [Fate::Read, Fate::Full]);
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(code == 8 && said.contains("error: cannot write to standard error: No space left"), "{said}");
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        code == 8 && printed.contains("error: cannot write to standard error: No space left"),
+        "{printed}"
+    );
     assert_eq!(run(folder.path(), simulate, [Fate::Read, Fate::Gone]).0, 141);
 }
 
 fn mode(rig: &Background, folder: &Path) -> String {
-    let said = transcript(folder, &format!("device --port {} status", rig.port()));
-    said.lines().next().unwrap_or_default().trim_start_matches("mode").trim().to_owned()
+    let printed = transcript(folder, &format!("device --port {} status", rig.port()));
+    printed.lines().next().unwrap_or_default().trim_start_matches("mode").trim().to_owned()
 }
 
 fn wait_until_it_runs(rig: &Background, folder: &Path) {
@@ -163,8 +166,8 @@ fn a_drive_is_stopped_where_its_progress_cannot_be_written() {
     let full = |arguments: &str| {
         let begun = Instant::now();
         let (code, output) = run(folder.path(), arguments, [Fate::Read, Fate::Full]);
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(code == 8 && said.contains("cannot write to standard error"), "{code}: {said}");
+        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(code == 8 && printed.contains("cannot write to standard error"), "{code}: {printed}");
         assert!(begun.elapsed() < Duration::from_secs(3), "it was not run to its end");
         mode(&rig, folder.path())
     };
@@ -190,9 +193,9 @@ fn a_drive_is_stopped_when_the_file_of_its_stream_cannot_grow() {
     // In KiB: a second or so.
     shell.current_dir(folder.path()).args(["-c", &format!("ulimit -f 32; exec {program} {run}")]);
     let output = shell.output().expect("a shell");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(said.contains("cannot write run.csv: File too large"), "{said}");
-    assert_eq!(output.status.code(), Some(8), "{said}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(printed.contains("cannot write run.csv: File too large"), "{printed}");
+    assert_eq!(output.status.code(), Some(8), "{printed}");
     assert_eq!(mode(&rig, folder.path()), "fault stop: a stop was requested");
 }
 
@@ -205,11 +208,11 @@ fn a_run_until_stopped_disarms_the_drive_when_nobody_reads_it_any_more() {
     drop(program.stdout.take());
     assert_eq!(program.wait().expect("it was started").code(), Some(141));
     assert_eq!(mode(&rig, folder.path()), "disarmed");
-    let mut said = String::new();
-    program.stderr.take().expect("read").read_to_string(&mut said).expect("UTF-8");
+    let mut printed = String::new();
+    program.stderr.take().expect("read").read_to_string(&mut printed).expect("UTF-8");
     assert!(
-        said.contains("error: the run was ended and the drive disarmed, as what this program says"),
-        "{said}"
+        printed.contains("error: the run was ended and the drive disarmed, as what this program says"),
+        "{printed}"
     );
     let text = std::fs::read_to_string(folder.path().join("run.csv")).expect("written");
     assert!(text.contains("\n# samples = "), "the stream has its end");
@@ -223,6 +226,6 @@ fn who_looks_on_ends_when_nobody_reads_it_and_a_rig_stays() {
     assert_eq!(run(folder.path(), &monitor, [Fate::Full, Fate::Read]).0, 8);
     let unheard = "virtual servo-b --listen tcp:127.0.0.1:0";
     let (code, output) = run(folder.path(), unheard, [Fate::Full, Fate::Read]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(code == 8 && said.contains("nobody learns the port of the rig"), "{said}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(code == 8 && printed.contains("nobody learns the port of the rig"), "{printed}");
 }

@@ -16,7 +16,7 @@ use pneudrive_link::port::Wire;
 use simulated_link::{Random, SimulatedRig, any_samples};
 
 /// What a client says of a port that is read so.
-fn said_of(reader: impl Read + Send + 'static) -> String {
+fn printed_by(reader: impl Read + Send + 'static) -> String {
     let client = Client::over(Box::new(Wire::new(reader, io::sink())), "the port");
     client.err().expect("nobody answers").to_string()
 }
@@ -60,11 +60,11 @@ impl Write for Full {
 fn a_read_that_does_not_keep_its_time_out_changes_nothing() {
     let hasty = Hasty::default();
     let begun = Instant::now();
-    assert!(said_of(hasty.clone()).starts_with("no answer from the port within 1.5 s"));
+    assert!(printed_by(hasty.clone()).starts_with("no answer from the port within 1.5 s"));
     let looks_a_ms = hasty.0.load(Ordering::Relaxed) as f64 / begun.elapsed().as_secs_f64() / 1e3;
     assert!(looks_a_ms < 6.0, "{looks_a_ms:.0} looks a ms: the processor has nothing else to do");
-    let (_held, never) = channel();
-    assert!(said_of(Stuck(never)).starts_with("no answer from the port within 1.5 s"));
+    let (_far_end, never) = channel();
+    assert!(printed_by(Stuck(never)).starts_with("no answer from the port within 1.5 s"));
 }
 
 #[test]
@@ -126,8 +126,8 @@ mod pty {
         let held = Client::connect(rig.port()).expect("an answer");
         let error = port::open(rig.port()).err().expect("it is held").to_string();
         assert_eq!(error, format!("another program has {path} open; end it first"));
-        let said = transcript(folder().path(), &format!("device --port {} info", rig.port()));
-        assert_eq!(said, format!("! error: another program has {path} open; end it first\n= 4"));
+        let printed = transcript(folder().path(), &format!("device --port {} info", rig.port()));
+        assert_eq!(printed, format!("! error: another program has {path} open; end it first\n= 4"));
         drop(held);
         Client::connect(rig.port()).expect("free again");
     }

@@ -15,8 +15,9 @@ fn stated(rig: &str) -> Vec<String> {
 fn judged(rig: &str, settled_mm: &str) -> Vec<String> {
     let folder = folder();
     let asked = format!("tune {rig} --generations 0 --time 3 --settled {settled_mm} --out t");
-    let said = ok(folder.path(), &asked);
-    let row = said.lines().find(|line| line.starts_with("of the file")).expect("the row of the file's gains");
+    let printed = ok(folder.path(), &asked);
+    let row =
+        printed.lines().find(|line| line.starts_with("of the file")).expect("the row of the file's gains");
     row.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).skip(1).map(str::to_owned).collect()
 }
 

@@ -7,7 +7,7 @@ fn pneudrive(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pneudrive")).args(arguments).output().expect("pneudrive")
 }
 
-fn said(output: &Output) -> String {
+fn printed(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).expect("UTF-8")
 }
 
@@ -20,7 +20,7 @@ fn a_resolved_rig_is_in_si_and_says_where_values_come_from() {
     fs::write(&file, OWN).expect("a file");
     let shown = pneudrive(&["rig", "show", &file.to_string_lossy(), "--resolved"]);
     assert!(shown.status.success());
-    let text = said(&shown);
+    let text = printed(&shown);
     for expected in [
         "pressure_pa = 701300.0                       # given\n",
         "bore_m = 0.032                               # given: data sheet\n",
@@ -33,13 +33,13 @@ fn a_resolved_rig_is_in_si_and_says_where_values_come_from() {
     fs::write(&resolved, &text).expect("a file");
     let difference = pneudrive(&["rig", "diff", &file.to_string_lossy(), &resolved.to_string_lossy()]);
     assert!(difference.status.success());
-    assert_eq!(said(&difference), "", "the resolved file is the same rig");
+    assert_eq!(printed(&difference), "", "the resolved file is the same rig");
 }
 
 #[test]
 fn json_of_a_rig_is_read_by_key() {
     let shown = pneudrive(&["rig", "show", "servo-b", "--json", "--set", "load.mass=\"2 kg\""]);
-    let json: serde_json::Value = serde_json::from_str(&said(&shown)).expect("JSON");
+    let json: serde_json::Value = serde_json::from_str(&printed(&shown)).expect("JSON");
     assert_eq!(json["load.mass_kg"]["value"], 2.0);
     assert_eq!(json["load.mass_kg"]["unit"], "kg");
     assert_eq!(json["load.mass_kg"]["origin"], "given");
@@ -47,7 +47,7 @@ fn json_of_a_rig_is_read_by_key() {
 
 #[test]
 fn two_rigs_differ_key_by_key() {
-    let text = said(&pneudrive(&["rig", "diff", "servo-b", "servo-b-tuned"]));
+    let text = printed(&pneudrive(&["rig", "diff", "servo-b", "servo-b-tuned"]));
     assert!(text.contains("controller.velocity_gain "), "{text}");
     assert!(text.lines().all(|line| line.contains(" -> ")), "{text}");
 }
@@ -72,8 +72,8 @@ fn a_drive_of_ones_own_is_made_simulated_and_explained() {
         "--no-questions",
     ]);
     assert!(made.status.success(), "{made:?}");
-    assert!(said(&made).contains("press.toml: a rig of "), "{}", said(&made));
-    assert!(said(&pneudrive(&["rig", "check", &name])).contains("a valid rig (press)"));
+    assert!(printed(&made).contains("press.toml: a rig of "), "{}", printed(&made));
+    assert!(printed(&pneudrive(&["rig", "check", &name])).contains("a valid rig (press)"));
     let sim = folder.path().join("sim");
     let run = pneudrive(&["simulate", &name, "--out", &sim.to_string_lossy(), "--ensemble", "1"]);
     assert!(run.status.success(), "{run:?}");
@@ -115,8 +115,8 @@ fn what_a_data_sheet_cannot_mean_is_named_with_its_option() {
 
 #[test]
 fn the_catalogue_tells_its_sources() {
-    let all = said(&pneudrive(&["rig", "parts"]));
+    let all = printed(&pneudrive(&["rig", "parts"]));
     assert!(all.contains("iso-15552-32") && all.contains("proportional-5-3-350"), "{all}");
-    let one = said(&pneudrive(&["rig", "parts", "iso-15552-32"]));
+    let one = printed(&pneudrive(&["rig", "parts", "iso-15552-32"]));
     assert!(one.contains("rod") && one.contains("12 mm") && one.contains("(vendor)"), "{one}");
 }

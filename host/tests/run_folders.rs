@@ -105,8 +105,11 @@ fn the_page_and_run_json_tell_of_one_run_and_a_changed_trace_is_refused() {
         let text = fs::read_to_string(path(name)).expect("there");
         fs::write(path(name), text.replacen("0.0013,", "0.0014,", 1)).expect("written");
         let refused = pneudrive(folder.path(), "eval run");
-        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-        assert!(!refused.status.success() && said.contains(&format!("{name} is not the file")), "{said}");
+        let printed = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            !refused.status.success() && printed.contains(&format!("{name} is not the file")),
+            "{printed}"
+        );
         fs::write(path(name), text).expect("written");
     }
     ok(folder.path(), "eval run");

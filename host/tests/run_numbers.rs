@@ -24,8 +24,8 @@ fn description(folder: &Path, run: &str) -> Value {
 fn the_runs_of_a_folder_are_counted_and_dated() {
     let folder = folder();
     for number in 1..=3 {
-        let said = ok(folder.path(), &format!("simulate servo-b {SHORT} --out a"));
-        assert!(said.contains(&format!("run.json; run {number}")), "{said}");
+        let printed = ok(folder.path(), &format!("simulate servo-b {SHORT} --out a"));
+        assert!(printed.contains(&format!("run.json; run {number}")), "{printed}");
         let run = description(folder.path(), "a");
         assert_eq!((run["run"].as_u64(), run["rig"].as_str()), (Some(number), Some("servo-b")));
         let date = run["date"].as_str().expect("a date");
@@ -50,8 +50,8 @@ fn with_a_fixed_date_a_run_is_written_byte_for_byte_again() {
     assert_eq!(text(folder.path(), "a/run.json"), text(folder.path(), "b/run.json"));
     assert_eq!(description(folder.path(), "a")["date"], "2023-11-14T22:13:20Z");
     let refused = simulate("c", "today");
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(!refused.status.success() && said.contains("SOURCE_DATE_EPOCH is \"today\""), "{said}");
+    let printed = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && printed.contains("SOURCE_DATE_EPOCH is \"today\""), "{printed}");
     assert!(!folder.path().join("c/trace.csv").exists());
 }
 
@@ -61,9 +61,9 @@ fn the_run_of_another_rig_stays_unless_it_is_to_be_replaced() {
     ok(folder.path(), &format!("simulate servo-b {SHORT} --out a"));
     let before = text(folder.path(), "a/trace.csv");
     for command in [format!("simulate servo-c {SHORT} --out a"), "demo --rig servo-c --out a".to_owned()] {
-        let said = transcript(folder.path(), &command);
-        assert!(said.contains("a has a run of servo-b; choose another folder for servo-c"), "{said}");
-        assert!(said.contains("or replace it with --overwrite") && said.ends_with("= 1"), "{said}");
+        let printed = transcript(folder.path(), &command);
+        assert!(printed.contains("a has a run of servo-b; choose another folder for servo-c"), "{printed}");
+        assert!(printed.contains("or replace it with --overwrite") && printed.ends_with("= 1"), "{printed}");
         assert_eq!(text(folder.path(), "a/trace.csv"), before);
     }
     assert!(!folder.path().join("a/TARGET01.DAT").exists(), "refused before the work");

@@ -136,8 +136,8 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
     let port = rig.port();
     let run = format!("run servo-b-tuned --set test.duration_s=0.4 --port {port} --stream run.csv --every 2");
-    let said = transcript(folder.path(), &run);
-    assert!(said.contains("run.csv: 154 samples, none missing\nservo-b-tuned: done\n"), "{said}");
+    let printed = transcript(folder.path(), &run);
+    assert!(printed.contains("run.csv: 154 samples, none missing\nservo-b-tuned: done\n"), "{printed}");
     let text = fs::read_to_string(folder.path().join("run.csv")).expect("written");
     assert!(
         text.starts_with("# format = pneudrive-stream 2\n# test = servo-b-tuned\n# decimation = 2\n"),
@@ -157,9 +157,10 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     let again = transcript(folder.path(), &run);
     assert!(again.contains("run.csv is there already") && again.ends_with("= 1"), "{again}");
 
-    let said = ok(folder.path(), &format!("monitor --port {port} --every 0.01 --count 3 --csv values.csv"));
-    assert_eq!(said.lines().count(), 3);
-    assert!(said.starts_with("done ") && said.contains(" kPa  at 0.399 s"), "{said}");
+    let printed =
+        ok(folder.path(), &format!("monitor --port {port} --every 0.01 --count 3 --csv values.csv"));
+    assert_eq!(printed.lines().count(), 3);
+    assert!(printed.starts_with("done ") && printed.contains(" kPa  at 0.399 s"), "{printed}");
     let values = fs::read_to_string(folder.path().join("values.csv")).expect("written");
     assert_eq!(values.lines().count(), 4, "{values}");
     assert!(values.starts_with("time_s,mode,index,setpoint_counts,"), "{values}");
@@ -173,11 +174,11 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
 #[test]
 fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
-    let said = |arguments: &str| transcript(folder.path(), arguments);
+    let printed = |arguments: &str| transcript(folder.path(), arguments);
     let port = rig.port();
     let run = format!("run servo-b-tuned --config --set test.duration_s=0.4 --port {port} --stream run.txt");
-    assert!(said(&run).contains("run.txt: 308 samples, none missing"));
-    let replayed = said("replay run.txt");
+    assert!(printed(&run).contains("run.txt: 308 samples, none missing"));
+    let replayed = printed("replay run.txt");
     assert!(replayed.starts_with("run.txt: 308 samples, every command as recorded\n"), "{replayed}");
     assert!(replayed.ends_with("= 0"), "{replayed}");
     ok(folder.path(), &format!("record --port {port}"));
@@ -189,14 +190,17 @@ fn a_streamed_run_is_replayed_evaluated_and_overlaid_as_a_record_is() {
         csv.lines().map(|line| line.split(',').nth(2).unwrap_or_default().to_owned()).collect()
     };
     assert_eq!(positions(&streamed), positions(&recorded));
-    let said_of_both = said("overlay TARGET01.DAT run.txt");
-    assert!(said_of_both.ends_with("= 0") && said_of_both.contains("deviation of run.txt"), "{said_of_both}");
+    let printed_by_both = printed("overlay TARGET01.DAT run.txt");
+    assert!(
+        printed_by_both.ends_with("= 0") && printed_by_both.contains("deviation of run.txt"),
+        "{printed_by_both}"
+    );
 }
 
 #[test]
 fn a_streamed_run_with_a_gap_is_read_beside_the_gap_and_a_long_one_in_parts() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
-    let said = |arguments: &str| transcript(folder.path(), arguments);
+    let printed = |arguments: &str| transcript(folder.path(), arguments);
     let port = rig.port();
     ok(
         folder.path(),
@@ -209,19 +213,19 @@ fn a_streamed_run_with_a_gap_is_read_beside_the_gap_and_a_long_one_in_parts() {
     let gap = format!("{}# gap = 1 samples before index 101\n{}", &text[..at], &text[at + line..]);
     let changed = gap.replace("# samples = 308\n# missing = 0", "# samples = 307\n# missing = 1");
     fs::write(folder.path().join("gap.txt"), &changed).expect("written");
-    assert!(said("eval gap.txt").contains("its samples are damaged or changed"));
+    assert!(printed("eval gap.txt").contains("its samples are damaged or changed"));
     let gap = changed[..changed.find("# crc32").expect("an end")].to_owned();
     fs::write(folder.path().join("gap.txt"), gap).expect("written");
-    let refused = said("eval gap.txt");
+    let refused = printed("eval gap.txt");
     assert!(refused.contains("gap.txt: samples are missing between 0.1287 s and 0.1313 s"), "{refused}");
-    assert!(said("eval gap.txt --from 0.14").ends_with("= 0"));
-    assert!(said("overlay TARGET01.DAT gap.txt").contains("gap.txt: samples are missing between"));
-    assert!(said("overlay TARGET01.DAT gap.txt --from 0.14").ends_with("= 0"));
-    assert!(said("replay gap.txt").ends_with("= 1"));
+    assert!(printed("eval gap.txt --from 0.14").ends_with("= 0"));
+    assert!(printed("overlay TARGET01.DAT gap.txt").contains("gap.txt: samples are missing between"));
+    assert!(printed("overlay TARGET01.DAT gap.txt --from 0.14").ends_with("= 0"));
+    assert!(printed("replay gap.txt").ends_with("= 1"));
 
     let head = text.find("\n0,").expect("a sample") + 1;
     let many: String = (0..250_001).map(|k| format!("{k},8192,1332,1638,0,0,2047\n")).collect();
     fs::write(folder.path().join("long.txt"), text[..head].to_owned() + &many).expect("written");
-    assert!(said("eval long.txt").contains("long.txt has 250001 samples there"));
-    assert!(said("eval long.txt --from 10 --to 11").ends_with("= 0"));
+    assert!(printed("eval long.txt").contains("long.txt has 250001 samples there"));
+    assert!(printed("eval long.txt --from 10 --to 11").ends_with("= 0"));
 }

@@ -67,7 +67,7 @@ fn every_study_runs_and_each_statement_has_the_verdict_that_it_had() {
 fn the_documentation_has_the_counts_and_the_verdicts_of_the_last_whole_run() {
     let all: Vec<Verdict> = VERDICTS.iter().flat_map(|(_, verdicts)| verdicts.iter().copied()).collect();
     let count = |wanted: Verdict| all.iter().filter(|verdict| **verdict == wanted).count();
-    let said = format!(
+    let printed = format!(
         "{} statements of the thesis about its drives: it shows {} of them, differs in {}, {} depend on where the drive starts, and {} cannot be decided",
         all.len(),
         count(Agrees),
@@ -76,7 +76,7 @@ fn the_documentation_has_the_counts_and_the_verdicts_of_the_last_whole_run() {
         count(Open)
     );
     let page = include_str!("../../docs/trust.md").replace('\n', " ");
-    assert!(page.contains(&said), "docs/trust.md has other counts than: {said}");
+    assert!(page.contains(&printed), "docs/trust.md has other counts than: {printed}");
     let table = include_str!("../../docs/thesis.md");
     for (study, (name, verdicts)) in STUDIES.iter().zip(VERDICTS) {
         assert_eq!((study.name, study.statements.len()), (name, verdicts.len()));
@@ -90,12 +90,12 @@ fn the_documentation_has_the_counts_and_the_verdicts_of_the_last_whole_run() {
 #[test]
 fn a_study_leaves_its_page_and_tells_what_it_found() {
     let folder = folder();
-    let said = ok(folder.path(), "study burrows --starts 2 --out st");
+    let printed = ok(folder.path(), "study burrows --starts 2 --out st");
     exists(folder.path(), &["st/burrows.html"]);
     assert!(!folder.path().join("st/index.html").exists());
-    assert!(said.contains("  thesis   The valve works in three states"), "{said}");
-    assert!(said.contains("Starts that agree: 2 of 2, 100 % (34 to 100 %);"), "{said}");
-    assert_eq!(said.matches("  verdict  ").count(), 2, "{said}");
+    assert!(printed.contains("  thesis   The valve works in three states"), "{printed}");
+    assert!(printed.contains("Starts that agree: 2 of 2, 100 % (34 to 100 %);"), "{printed}");
+    assert_eq!(printed.matches("  verdict  ").count(), 2, "{printed}");
     let page = fs::read_to_string(folder.path().join("st/burrows.html")).expect("written");
     assert!(page.contains("Each drive was run from 2 starts"));
 }
@@ -103,15 +103,21 @@ fn a_study_leaves_its_page_and_tells_what_it_found() {
 #[test]
 fn the_list_names_every_study_and_wrong_use_and_files_of_the_users_are_refused() {
     let folder = folder();
-    let said = ok(folder.path(), "study list");
-    assert!(STUDIES.iter().all(|study| said.contains(study.name) && said.contains(study.section)), "{said}");
+    let printed = ok(folder.path(), "study list");
+    assert!(
+        STUDIES.iter().all(|study| printed.contains(study.name) && printed.contains(study.section)),
+        "{printed}"
+    );
     for wrong in ["study nothing --out .", "study impulse", "study all", "study impulse --starts 0 --out ."] {
         assert!(transcript(folder.path(), wrong).ends_with("= 2"), "{wrong}");
     }
     for mine in ["impulse.html", "index.html"] {
         fs::write(folder.path().join(mine), "mine").expect("written");
-        let said = transcript(folder.path(), "study all --out .");
-        assert!(said.contains(&format!("{mine} is not of this program")) && said.ends_with("= 1"), "{said}");
+        let printed = transcript(folder.path(), "study all --out .");
+        assert!(
+            printed.contains(&format!("{mine} is not of this program")) && printed.ends_with("= 1"),
+            "{printed}"
+        );
         assert_eq!(fs::read_to_string(folder.path().join(mine)).expect("there"), "mine");
         fs::remove_file(folder.path().join(mine)).expect("there");
     }

@@ -40,13 +40,16 @@ fn folder_with(sweep: &str) -> tempfile::TempDir {
 #[test]
 fn the_result_is_the_same_in_every_bit_with_one_thread_with_two_and_in_shards() {
     let folder = folder_with(SWEEP);
-    let said = ok(folder.path(), "sweep s.toml --threads 1");
-    assert!(said.contains("8 points, 4 failed.") && said.contains("the best point (most speed)"), "{said}");
+    let printed = ok(folder.path(), "sweep s.toml --threads 1");
+    assert!(
+        printed.contains("8 points, 4 failed.") && printed.contains("the best point (most speed)"),
+        "{printed}"
+    );
     exists(folder.path(), &["s/sweep.csv", "s/sweep.html", "s/sweep.journal"]);
     ok(folder.path(), "sweep s.toml --threads 2 --out two");
     for shard in 1..=3 {
-        let said = ok(folder.path(), &format!("sweep s.toml --shard {shard}/3 --out shard{shard}"));
-        assert!(said.contains("of 8 points; pneudrive merge puts the shards together"), "{said}");
+        let printed = ok(folder.path(), &format!("sweep s.toml --shard {shard}/3 --out shard{shard}"));
+        assert!(printed.contains("of 8 points; pneudrive merge puts the shards together"), "{printed}");
         assert!(!folder.path().join(format!("shard{shard}/sweep.csv")).exists());
     }
     ok(folder.path(), "merge shard3 shard1 shard2 --out merged");
@@ -75,8 +78,11 @@ fn a_point_that_fails_stands_in_the_result_with_its_reason_and_the_others_go_on(
     }
     let alone = SWEEP.replace("[40.0, 75.0]", "[75.0]");
     fs::write(folder.path().join("s.toml"), alone).expect("written");
-    let said = transcript(folder.path(), "sweep s.toml --out alone");
-    assert!(said.contains("! error: every point failed; the first: ") && said.ends_with("= 1"), "{said}");
+    let printed = transcript(folder.path(), "sweep s.toml --out alone");
+    assert!(
+        printed.contains("! error: every point failed; the first: ") && printed.ends_with("= 1"),
+        "{printed}"
+    );
 }
 
 /// Two rigs of their own, no draws.
@@ -129,10 +135,10 @@ fn a_run_that_trips_is_told_by_its_fault_and_is_not_the_best() {
         "test.duration_s = 0.1\nfaults.event = [{ at_s = 0.05, kind = \"encoder-jump\", counts = 4000 }]",
     );
     let folder = folder_with(&text);
-    let said = ok(folder.path(), "sweep s.toml");
+    let printed = ok(folder.path(), "sweep s.toml");
     assert!(
-        said.contains("4 points, 4 ended by a fault.") && said.contains("no allowed point has a value"),
-        "{said}"
+        printed.contains("4 points, 4 ended by a fault.") && printed.contains("no allowed point has a value"),
+        "{printed}"
     );
     let csv = written(folder.path(), "s/sweep.csv");
     assert!(csv.lines().skip(1).all(|line| line.ends_with(",encoder-step,")), "{csv}");
@@ -147,17 +153,17 @@ fn a_journal_that_was_cut_at_any_byte_is_gone_on_with_to_the_same_result() {
     for place in places {
         fs::remove_file(folder.path().join("s/sweep.csv")).expect("there");
         fs::write(folder.path().join("s/sweep.journal"), &journal.as_bytes()[..place]).expect("written");
-        let said = ok(folder.path(), "sweep s.toml --threads 1");
+        let printed = ok(folder.path(), "sweep s.toml --threads 1");
         assert_eq!(written(folder.path(), "s/sweep.csv"), whole, "cut at {place}");
         // No point whose line was whole is run again; a line may lack its end alone.
-        let there = said
+        let there = printed
             .split_once(" points are there")
             .map_or("0", |(front, _)| front.rsplit(' ').next().unwrap_or("0"));
         let there: usize = there.parse().expect("a number");
         let kept = rows(&journal[..place]);
         assert!(
             there == kept || there == rows(&format!("{}\n", &journal[..place])),
-            "cut at {place}: {said}"
+            "cut at {place}: {printed}"
         );
     }
 }
@@ -186,9 +192,9 @@ fn a_sweep_that_is_killed_goes_on_where_it_was() {
     }
     let _ = program.kill();
     program.wait().expect("it was started");
-    let said = ok(folder.path(), "sweep s.toml");
+    let printed = ok(folder.path(), "sweep s.toml");
     ok(folder.path(), "sweep s.toml --out whole");
-    assert!(said.contains("points are there already"), "{said}");
+    assert!(printed.contains("points are there already"), "{printed}");
     assert_eq!(written(folder.path(), "s/sweep.csv"), written(folder.path(), "whole/sweep.csv"));
 }
 
@@ -198,18 +204,21 @@ fn a_journal_of_another_sweep_and_files_of_the_users_are_refused_and_stay() {
     ok(folder.path(), "sweep s.toml --out out");
     let before = written(folder.path(), "out/sweep.journal");
     fs::write(folder.path().join("s.toml"), SWEEP.replace("[4e5, 6e5]", "[4e5, 5e5]")).expect("written");
-    let said = transcript(folder.path(), "sweep s.toml --out out");
+    let printed = transcript(folder.path(), "sweep s.toml --out out");
     assert!(
-        said.contains("sweep.journal is of another sweep (s.toml); delete it") && said.ends_with("= 1"),
-        "{said}"
+        printed.contains("sweep.journal is of another sweep (s.toml); delete it") && printed.ends_with("= 1"),
+        "{printed}"
     );
     assert_eq!(written(folder.path(), "out/sweep.journal"), before);
     for mine in ["sweep.csv", "sweep.html", "sweep.journal"] {
         let place = format!("mine-{mine}");
         fs::create_dir(folder.path().join(&place)).expect("made");
         fs::write(folder.path().join(&place).join(mine), "mine").expect("written");
-        let said = transcript(folder.path(), &format!("sweep s.toml --out {place}"));
-        assert!(said.contains(&format!("{mine} is not of this program")) && said.ends_with("= 1"), "{said}");
+        let printed = transcript(folder.path(), &format!("sweep s.toml --out {place}"));
+        assert!(
+            printed.contains(&format!("{mine} is not of this program")) && printed.ends_with("= 1"),
+            "{printed}"
+        );
         assert_eq!(written(folder.path(), &format!("{place}/{mine}")), "mine");
     }
 }
@@ -220,8 +229,8 @@ fn another_goal_needs_no_run_again() {
     ok(folder.path(), "sweep s.toml");
     let rows_before = rows(&written(folder.path(), "s/sweep.journal"));
     fs::write(folder.path().join("s.toml"), SWEEP.replace("maximise", "minimise")).expect("written");
-    let said = ok(folder.path(), "sweep s.toml");
-    assert!(said.contains("8 points are there already") && said.contains("(least speed)"), "{said}");
+    let printed = ok(folder.path(), "sweep s.toml");
+    assert!(printed.contains("8 points are there already") && printed.contains("(least speed)"), "{printed}");
     assert_eq!(rows(&written(folder.path(), "s/sweep.journal")), rows_before);
 }
 
@@ -229,33 +238,36 @@ fn another_goal_needs_no_run_again() {
 fn shards_with_gaps_or_of_other_sweeps_are_not_merged() {
     let folder = folder_with(SWEEP);
     ok(folder.path(), "sweep s.toml --shard 1/2 --out one");
-    let said = transcript(folder.path(), "merge one --out all");
-    assert!(said.contains("4 of 8 points are missing (1, 3, 5 and 1 more); run their shards"), "{said}");
+    let printed = transcript(folder.path(), "merge one --out all");
+    assert!(
+        printed.contains("4 of 8 points are missing (1, 3, 5 and 1 more); run their shards"),
+        "{printed}"
+    );
     fs::write(folder.path().join("s.toml"), SWEEP.replace("count = 4", "count = 5")).expect("written");
     ok(folder.path(), "sweep s.toml --shard 2/2 --out two");
-    let said = transcript(folder.path(), "merge one two --out all");
-    assert!(said.contains("two is of another sweep (s.toml)") && said.ends_with("= 1"), "{said}");
+    let printed = transcript(folder.path(), "merge one two --out all");
+    assert!(printed.contains("two is of another sweep (s.toml)") && printed.ends_with("= 1"), "{printed}");
     assert!(!folder.path().join("all").exists());
     assert!(transcript(folder.path(), "merge nothing --out all").ends_with("= 3"));
     for shard in ["0/2", "3/2", "1", "a/b"] {
-        let said = transcript(folder.path(), &format!("sweep s.toml --shard {shard}"));
-        assert!(said.contains("write I/N with I from 1 to N") && said.ends_with("= 2"), "{said}");
+        let printed = transcript(folder.path(), &format!("sweep s.toml --shard {shard}"));
+        assert!(printed.contains("write I/N with I from 1 to N") && printed.ends_with("= 2"), "{printed}");
     }
 }
 
 #[test]
 fn a_sweep_says_how_large_it_is_before_it_begins_and_how_long_it_will_take() {
     let folder = folder_with(&SWEEP.replace("[40.0, 75.0]", "[40.0, 41.0]"));
-    let said = transcript(folder.path(), "sweep s.toml --threads 2");
-    let lines: Vec<&str> = said.lines().filter(|line| line.starts_with("! sweeping")).collect();
+    let printed = transcript(folder.path(), "sweep s.toml --threads 2");
+    let lines: Vec<&str> = printed.lines().filter(|line| line.starts_with("! sweeping")).collect();
     assert_eq!(lines[0], "! sweeping: 2 combinations x 4 draws = 8 points, on 2 threads");
-    assert!(lines[1].ends_with("for the other 6, by what the first 2 took"), "{said}");
-    assert!(said.ends_with("= 0"), "{said}");
-    let said = transcript(folder.path(), "sweep s.toml --threads 2");
-    assert!(said.contains("= 8 points, 0 of them still to be run, on 2 threads\n"), "{said}");
+    assert!(lines[1].ends_with("for the other 6, by what the first 2 took"), "{printed}");
+    assert!(printed.ends_with("= 0"), "{printed}");
+    let printed = transcript(folder.path(), "sweep s.toml --threads 2");
+    assert!(printed.contains("= 8 points, 0 of them still to be run, on 2 threads\n"), "{printed}");
     fs::write(folder.path().join("s.toml"), GRID).expect("written");
-    let said = transcript(folder.path(), "sweep s.toml --threads 2 --ensemble 3 --out grid");
-    assert!(said.contains("! sweeping: 2 points x 3 runs, on 2 threads\n"), "{said}");
+    let printed = transcript(folder.path(), "sweep s.toml --threads 2 --ensemble 3 --out grid");
+    assert!(printed.contains("! sweeping: 2 points x 3 runs, on 2 threads\n"), "{printed}");
 }
 
 /// Nobody is at a terminal: what was run goes on with --yes.
@@ -266,10 +278,10 @@ fn a_sweep_of_hours_is_not_begun_unasked() {
         supply.pressure_pa = { from = 4e5, to = 6e5, steps = 1000 }\n[metrics]";
     let text = GRID.replace("test.duration_s = 0.6\n[vary]\nload.mass_kg = [10.0, 20.0]\n[metrics]", many);
     let folder = folder_with(&text);
-    let said = transcript(folder.path(), "sweep s.toml --threads 1");
-    assert!(said.contains("! sweeping: 1000000 points, on 1 threads\n"), "{said}");
+    let printed = transcript(folder.path(), "sweep s.toml --threads 1");
+    assert!(printed.contains("! sweeping: 1000000 points, on 1 threads\n"), "{printed}");
     let refused = "! error: the sweep would last about ";
-    assert!(said.contains(refused) && said.ends_with("; begin it with --yes\n= 2"), "{said}");
+    assert!(printed.contains(refused) && printed.ends_with("; begin it with --yes\n= 2"), "{printed}");
     let journal = written(folder.path(), "s/sweep.journal");
     assert_eq!(journal.lines().count(), 3, "what was run stays: {journal}");
     assert!(!folder.path().join("s/sweep.csv").exists());
@@ -283,8 +295,8 @@ fn a_journal_that_is_no_plain_file_is_refused() {
     fs::create_dir(folder.path().join("s")).expect("a folder");
     let pipe = folder.path().join("s/sweep.journal");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
-    let said = transcript(folder.path(), "sweep s.toml");
-    assert!(said.contains("sweep.journal: it is no plain file, but a link, a pipe"), "{said}");
+    let printed = transcript(folder.path(), "sweep s.toml");
+    assert!(printed.contains("sweep.journal: it is no plain file, but a link, a pipe"), "{printed}");
 }
 
 #[test]
@@ -293,10 +305,13 @@ fn the_example_runs_and_has_a_best_point() {
     let text = fs::read_to_string(example).expect("the example");
     // One draw instead of eight: the rest is the same.
     let folder = folder_with(&text.replace("count = 8", "count = 1"));
-    let said = ok(folder.path(), "sweep s.toml");
-    assert!(text.contains("count = 8") && said.contains("3 points, "), "{said}");
-    assert!(said.contains("the best point (least settling_s)") && said.contains("velocity_gain"), "{said}");
-    assert!(!said.contains("failed") && !said.contains("fault"), "{said}");
+    let printed = ok(folder.path(), "sweep s.toml");
+    assert!(text.contains("count = 8") && printed.contains("3 points, "), "{printed}");
+    assert!(
+        printed.contains("the best point (least settling_s)") && printed.contains("velocity_gain"),
+        "{printed}"
+    );
+    assert!(!printed.contains("failed") && !printed.contains("fault"), "{printed}");
 }
 
 /// A run that ends while the drive still moves shows no overshoot, no settling and no limit cycle: none of them may
@@ -320,8 +335,8 @@ steady_error_mm = { figure = "steady_error_mm", move = 2 }
 limit_cycle_mm = { max = 0.0 }
 "#;
     let folder = folder_with(text);
-    let said = ok(folder.path(), "sweep s.toml");
-    assert!(said.contains("2 points, 1 allowed."), "{said}");
+    let printed = ok(folder.path(), "sweep s.toml");
+    assert!(printed.contains("2 points, 1 allowed."), "{printed}");
     let csv = written(folder.path(), "s/sweep.csv");
     let [cut, whole] = [1, 2].map(|line| csv.lines().nth(line).expect("a point"));
     assert_eq!(cut, "0,0.42,,,,,,,yes,,", "{csv}");

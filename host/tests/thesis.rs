@@ -56,8 +56,8 @@ fn the_audit_counts_its_rows() {
     let count = |word: &str| rows.iter().filter(|row| row[2] == word).count();
     let [works, differs, missing] = ["works", "differs", "missing"].map(count);
     assert_eq!(works + differs + missing, rows.len(), "every row is one of the three");
-    let said = format!("**{} items: {works} work, {differs} differ, {missing} are missing.**", rows.len());
-    assert!(audit.contains(&said), "the audit says otherwise than: {said}");
+    let printed = format!("**{} items: {works} work, {differs} differ, {missing} are missing.**", rows.len());
+    assert!(audit.contains(&printed), "the audit says otherwise than: {printed}");
     let unexplained = rows.iter().find(|row| row[2] != "works" && row.get(3).is_none_or(|why| why.len() < 5));
     assert_eq!(unexplained, None, "what differs or is missing says why");
 }
@@ -65,10 +65,10 @@ fn the_audit_counts_its_rows() {
 #[test]
 fn a_section_leaves_its_page_and_its_numbers_and_tells_how_long_it_takes() {
     let folder = folder();
-    let said = ok(folder.path(), "thesis --only 7.1.3 --out t");
+    let printed = ok(folder.path(), "thesis --only 7.1.3 --out t");
     exists(folder.path(), &["t/thesis.html", "t/thesis.toml"]);
-    assert!(said.starts_with("3 tables, figures and sections of the thesis: "), "{said}");
-    assert!(said.contains("11 printed numbers: ") && !said.contains("sentences"), "{said}");
+    assert!(printed.starts_with("3 tables, figures and sections of the thesis: "), "{printed}");
+    assert!(printed.contains("11 printed numbers: ") && !printed.contains("sentences"), "{printed}");
     let page = fs::read_to_string(folder.path().join("t/thesis.html")).expect("written");
     assert!(page.contains("7.1.3.1, Tab. 7.2") && !page.contains("7.1.2.1"), "one section alone");
     assert!(
@@ -86,8 +86,8 @@ fn a_section_leaves_its_page_and_its_numbers_and_tells_how_long_it_takes() {
 #[test]
 fn a_study_is_a_section_with_the_swings_of_its_starts() {
     let folder = folder();
-    let said = ok(folder.path(), "thesis --only 7.3.3 --starts 2 --out .");
-    assert!(said.contains("2 sentences: "), "{said}");
+    let printed = ok(folder.path(), "thesis --only 7.3.3 --starts 2 --out .");
+    assert!(printed.contains("2 sentences: "), "{printed}");
     let page = fs::read_to_string(folder.path().join("thesis.html")).expect("written");
     assert!(page.contains("The valve works in three states") && page.contains("2 of 2, 100 % (34 to 100 %)"));
 }
@@ -96,15 +96,21 @@ fn a_study_is_a_section_with_the_swings_of_its_starts() {
 fn a_section_that_there_is_not_and_a_file_of_the_users_are_refused() {
     let folder = folder();
     for wrong in ["--only 9", "--only 7.", "--only 7.1.2.11", "--starts 0"] {
-        let said = transcript(folder.path(), &format!("thesis {wrong} --out ."));
-        assert!(said.ends_with("= 2"), "{wrong}: {said}");
+        let printed = transcript(folder.path(), &format!("thesis {wrong} --out ."));
+        assert!(printed.ends_with("= 2"), "{wrong}: {printed}");
     }
-    let said = transcript(folder.path(), "thesis --only 9 --out .");
-    assert!(said.contains("nothing of section 9 is reproduced; choose one of 7.1.1.3, 7.1.2.1,"), "{said}");
+    let printed = transcript(folder.path(), "thesis --only 9 --out .");
+    assert!(
+        printed.contains("nothing of section 9 is reproduced; choose one of 7.1.1.3, 7.1.2.1,"),
+        "{printed}"
+    );
     for mine in ["thesis.html", "thesis.toml"] {
         fs::write(folder.path().join(mine), "mine").expect("written");
-        let said = transcript(folder.path(), "thesis --only 7.1.5 --out .");
-        assert!(said.contains(&format!("{mine} is not of this program")) && said.ends_with("= 1"), "{said}");
+        let printed = transcript(folder.path(), "thesis --only 7.1.5 --out .");
+        assert!(
+            printed.contains(&format!("{mine} is not of this program")) && printed.ends_with("= 1"),
+            "{printed}"
+        );
         assert_eq!(fs::read_to_string(folder.path().join(mine)).expect("there"), "mine");
         fs::remove_file(folder.path().join(mine)).expect("there");
     }

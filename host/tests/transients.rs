@@ -61,17 +61,18 @@ fn all_refuse(folder: &Path, name: &str, says: &str) {
     let before = contents(folder);
     for reader in READERS {
         let arguments = reader.replace("{}", name);
-        let said = transcript(folder, &arguments);
+        let printed = transcript(folder, &arguments);
         let code = if folder.join(name).exists() { 1 } else { 3 };
-        assert!(said.ends_with(&format!("= {code}")), "{arguments}: {said}");
-        assert!(said.contains(&format!("! error: {says}")), "{arguments}: {said}");
+        assert!(printed.ends_with(&format!("= {code}")), "{arguments}: {printed}");
+        assert!(printed.contains(&format!("! error: {says}")), "{arguments}: {printed}");
     }
     assert_eq!(contents(folder), before, "{name}: a file has changed");
 }
 
 /// The numbers in the row of a table that begins with `first`.
-fn figures(said: &str, first: &str) -> Vec<f64> {
-    let row = said.lines().find(|line| line.starts_with(first)).unwrap_or_else(|| panic!("{first}: {said}"));
+fn figures(printed: &str, first: &str) -> Vec<f64> {
+    let row =
+        printed.lines().find(|line| line.starts_with(first)).unwrap_or_else(|| panic!("{first}: {printed}"));
     row.split_whitespace().skip(1).map(|word| word.parse().unwrap_or(f64::NAN)).collect()
 }
 
@@ -108,12 +109,12 @@ fn a_record_is_not_evaluated_with_the_cylinder_of_another_rig_unsaid() {
         ("short.toml", "TARGET01.DAT is not of short: it goes from 98.7 to"),
         ("fine.toml", "TARGET01.DAT is not of fine: its encoder counts 0.01205 mm, that of fine 0.01 mm"),
     ] {
-        let said = transcript(folder.path(), &format!("eval TARGET01.DAT --rig {rig}"));
-        assert!(said.contains(&format!("! error: {says}")) && said.ends_with("= 1"), "{said}");
+        let printed = transcript(folder.path(), &format!("eval TARGET01.DAT --rig {rig}"));
+        assert!(printed.contains(&format!("! error: {says}")) && printed.ends_with("= 1"), "{printed}");
     }
-    let said = ok(folder.path(), "eval TARGET01.DAT --rig servo-c");
+    let printed = ok(folder.path(), "eval TARGET01.DAT --rig servo-c");
     let named = "The test is called servo-b-tuned, the rig servo-c: the air is right only if servo-c has its cylinder.";
-    assert!(said.contains(named), "{said}");
+    assert!(printed.contains(named), "{printed}");
     assert!(!ok(folder.path(), "eval TARGET01.DAT --rig servo-b-tuned").contains("The test is called"));
 }
 
@@ -159,22 +160,22 @@ fn a_run_may_have_the_air_inside_its_valve_and_a_record_be_laid_over_the_ports()
     assert!(wrong.contains("there is no column pressure; `pneudrive simulate --help` lists them"), "{wrong}");
 }
 
-fn figures_of<'a>(said: &'a str, channel: &str) -> Vec<&'a str> {
-    let line = said.lines().find(|line| line.starts_with(channel));
-    line.unwrap_or_else(|| panic!("{channel}: {said}")).split_whitespace().collect()
+fn figures_of<'a>(printed: &'a str, channel: &str) -> Vec<&'a str> {
+    let line = printed.lines().find(|line| line.starts_with(channel));
+    line.unwrap_or_else(|| panic!("{channel}: {printed}")).split_whitespace().collect()
 }
 
 #[test]
 fn a_part_names_the_move_that_it_cuts() {
     let folder = transients();
-    let said = ok(folder.path(), "eval TARGET01.DAT --from 0.32 --to 0.4");
-    assert!(said.contains("Move 2 begins earlier: only the figures of its end are known."), "{said}");
-    assert!(said.contains("The last move goes on behind 0.39"), "{said}");
-    assert!(said.lines().any(|line| line.starts_with("2  ")), "{said}");
+    let printed = ok(folder.path(), "eval TARGET01.DAT --from 0.32 --to 0.4");
+    assert!(printed.contains("Move 2 begins earlier: only the figures of its end are known."), "{printed}");
+    assert!(printed.contains("The last move goes on behind 0.39"), "{printed}");
+    assert!(printed.lines().any(|line| line.starts_with("2  ")), "{printed}");
 }
 
 #[test]
-fn a_stretch_holds_the_samples_in_it_and_no_others() {
+fn an_interval_holds_the_samples_in_it_and_no_others() {
     let folder = transients();
     ok(folder.path(), "eval TARGET01.DAT --from 0.1 --to 0.2 --csv part.csv");
     let csv = fs::read_to_string(folder.path().join("part.csv")).expect("written");
@@ -207,13 +208,13 @@ fn a_run_shifted_in_time_is_found_by_its_move_and_by_correlation() {
     let folder = transients();
     late(folder.path(), 0.0527);
     for align in ["move", "correlation"] {
-        let said = ok(folder.path(), &format!("overlay run late --align {align} --out {align}.html"));
-        assert!(said.starts_with("late is shifted by -52.700 ms.\n"), "{said}");
-        assert!(figures(&said, "position")[3] < 1e-3, "mm: {said}");
+        let printed = ok(folder.path(), &format!("overlay run late --align {align} --out {align}.html"));
+        assert!(printed.starts_with("late is shifted by -52.700 ms.\n"), "{printed}");
+        assert!(figures(&printed, "position")[3] < 1e-3, "mm: {printed}");
         exists(folder.path(), &[&format!("{align}.html")]);
     }
-    let said = ok(folder.path(), "overlay run late");
-    assert!(figures(&said, "position")[3] > 10.0, "mm, where they are not aligned: {said}");
+    let printed = ok(folder.path(), "overlay run late");
+    assert!(figures(&printed, "position")[3] > 10.0, "mm, where they are not aligned: {printed}");
 }
 
 /// The dither of the spool is what its spectrum holds while the drive stands.
@@ -221,10 +222,10 @@ fn a_run_shifted_in_time_is_found_by_its_move_and_by_correlation() {
 fn the_spectrum_of_the_spool_has_its_peak_at_the_dither() {
     let folder = transients();
     for source in ["TARGET01.DAT", "run"] {
-        let said = ok(folder.path(), &format!("spectrum {source} spool --to 0.3 --ascii {source}.txt"));
+        let printed = ok(folder.path(), &format!("spectrum {source} spool --to 0.3 --ascii {source}.txt"));
         let first_number = |line: &str| line.split_whitespace().next()?.parse::<f64>().ok();
-        let frequency = said.lines().find_map(first_number).expect("a peak");
-        assert!((frequency - 50.0).abs() < 1.0, "{said}");
+        let frequency = printed.lines().find_map(first_number).expect("a peak");
+        assert!((frequency - 50.0).abs() < 1.0, "{printed}");
         let ascii = fs::read_to_string(folder.path().join(format!("{source}.txt"))).expect("written");
         let integers: Vec<i32> = ascii.lines().map(|line| line.parse().expect("an integer")).collect();
         assert_eq!(integers.len(), 231);
@@ -235,8 +236,10 @@ fn the_spectrum_of_the_spool_has_its_peak_at_the_dither() {
 #[test]
 fn two_spectra_of_one_unit_share_a_graph() {
     let folder = transients();
-    let said = ok(folder.path(), "spectrum TARGET01.DAT pressure-1 --with run --with-channel pressure-2");
-    assert!(said.contains("peaks of pressure 1, TARGET01.DAT") && said.contains("peaks of pressure 2, run"));
+    let printed = ok(folder.path(), "spectrum TARGET01.DAT pressure-1 --with run --with-channel pressure-2");
+    assert!(
+        printed.contains("peaks of pressure 1, TARGET01.DAT") && printed.contains("peaks of pressure 2, run")
+    );
     let page = fs::read_to_string(folder.path().join("spectrum.html")).expect("written");
     assert_eq!(page.matches("amplitude, kPa").count(), 3, "a heading a table, and one axis");
 }
@@ -345,7 +348,7 @@ fn a_folder_that_is_no_run_or_a_damaged_one_is_refused_by_file_and_line() {
 }
 
 #[test]
-fn a_stretch_without_samples_is_refused_with_what_there_is() {
+fn an_interval_without_samples_is_refused_with_what_there_is() {
     let folder = transients();
     let before = contents(folder.path());
     for (arguments, says) in [
@@ -361,8 +364,11 @@ fn a_stretch_without_samples_is_refused_with_what_there_is() {
             "TARGET01.DAT has fewer than two samples there",
         ),
     ] {
-        let said = transcript(folder.path(), arguments);
-        assert!(said.contains(&format!("! error: {says}")) && said.ends_with("= 1"), "{arguments}: {said}");
+        let printed = transcript(folder.path(), arguments);
+        assert!(
+            printed.contains(&format!("! error: {says}")) && printed.ends_with("= 1"),
+            "{arguments}: {printed}"
+        );
     }
     assert_eq!(contents(folder.path()), before);
 }

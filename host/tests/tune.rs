@@ -12,12 +12,12 @@ const SHORT: &str = "tune servo-a --set controller.gain_profile=[65535] --settle
 #[test]
 fn a_tuning_leaves_a_page_and_a_rig_that_can_be_simulated() {
     let folder = folder();
-    let said = ok(folder.path(), &format!("{SHORT} --out t"));
+    let printed = ok(folder.path(), &format!("{SHORT} --out t"));
     exists(folder.path(), &["t/tune.html", "t/tuned.toml"]);
-    let first = said.lines().find(|line| !line.contains("runs")).expect("a verdict");
-    assert!(first.starts_with("The goal is met in ") && first.contains(" of 5, "), "{said}");
-    assert!(first.contains("of the fresh draws (in brackets 95 % intervals)"), "{said}");
-    assert!(said.contains("of 21 trials that the gains were tuned on"), "{said}");
+    let first = printed.lines().find(|line| !line.contains("runs")).expect("a verdict");
+    assert!(first.starts_with("The goal is met in ") && first.contains(" of 5, "), "{printed}");
+    assert!(first.contains("of the fresh draws (in brackets 95 % intervals)"), "{printed}");
+    assert!(printed.contains("of 21 trials that the gains were tuned on"), "{printed}");
     let page = fs::read_to_string(folder.path().join("t/tune.html")).expect("written");
     let parts = [
         "The goal is met in",
@@ -46,8 +46,8 @@ fn what_is_somebody_elses_is_not_written_over_and_what_is_no_number_is_refused()
     let folder = folder();
     fs::create_dir(folder.path().join("t")).expect("made");
     fs::write(folder.path().join("t/tuned.toml"), "name = \"mine\"\n").expect("written");
-    let said = transcript(folder.path(), &format!("{SHORT} --out t"));
-    assert!(said.contains("tuned.toml") && said.ends_with("= 1"), "{said}");
+    let printed = transcript(folder.path(), &format!("{SHORT} --out t"));
+    assert!(printed.contains("tuned.toml") && printed.ends_with("= 1"), "{printed}");
     assert_eq!(fs::read_to_string(folder.path().join("t/tuned.toml")).expect("there"), "name = \"mine\"\n");
     for wrong in ["--settled 0", "--load 60%", "--population 1", "--step=-3"] {
         assert!(
@@ -67,13 +67,13 @@ fn a_held_key_stays_in_the_file_that_is_left() {
     assert!(text.contains("velocity_gain = 777  # set for pneudrive tune"), "{text}");
     assert!(text.contains("acceleration_window_samples = 3  # set for pneudrive tune"), "{text}");
     assert!(text.contains("name = \"mine\"  # set for pneudrive tune"), "{text}");
-    for (wrong, said) in [
+    for (wrong, printed) in [
         ("load.mass_kg=2", "the spread draws load.mass_kg"),
         ("load.mass_kg", "the spread draws load.mass_kg"),
         ("operator.ditter_mm=0", "did you mean dither_mm?"),
     ] {
         let told = transcript(folder.path(), &format!("tune servo-b --out u --fix {wrong}"));
-        assert!(told.contains(said) && told.ends_with("= 1"), "{told}");
+        assert!(told.contains(printed) && told.ends_with("= 1"), "{told}");
     }
     assert!(transcript(folder.path(), "tune servo-b --out u --step 299").contains("does not fit between"));
 }

@@ -210,7 +210,7 @@ fn programs_that_never_read_do_not_slow_the_others() {
     let folder = folder();
     let timed = |deaf: usize| {
         let rig = unhurried_rig("servo-b-tuned");
-        let _held: Vec<TcpStream> = (0..deaf).map(|_| never_reads(rig.port())).collect();
+        let _far_end: Vec<TcpStream> = (0..deaf).map(|_| never_reads(rig.port())).collect();
         // Until their buffers are full.
         std::thread::sleep(Duration::from_millis(if deaf > 0 { 1500 } else { 0 }));
         let begun = Instant::now();

@@ -17,8 +17,8 @@ struct Counts {
     rigs: u32,
     decided: u32,
     wrong: u32,
-    parted: u32,
-    parted_before: u32,
+    diverged: u32,
+    diverged_before: u32,
     evaluations: f64,
 }
 
@@ -38,8 +38,8 @@ impl Counts {
         let (off, off_before) = (apart(&usual, &fine), apart(&before, &fine));
         self.rigs += 1;
         self.decided += u32::from(decision.is_decided());
-        self.parted += u32::from(off > AGREES);
-        self.parted_before += u32::from(off_before > AGREES);
+        self.diverged += u32::from(off > AGREES);
+        self.diverged_before += u32::from(off_before > AGREES);
         let evaluations = |run: &Run| run.work.integrator.n_rhs_evaluations as f64;
         self.evaluations += (evaluations(&usual) / evaluations(&before)).ln();
         if decision.is_decided() && off > AGREES {
@@ -54,8 +54,8 @@ fn main() {
     let (rigs, first) = (argument(1).unwrap_or(60), argument(2).unwrap_or(0));
     let mut counts = Counts::default();
     (first..first + rigs).for_each(|seed| counts.judge(seed));
-    let Counts { rigs, decided, wrong, parted, parted_before, evaluations } = counts;
+    let Counts { rigs, decided, wrong, diverged, diverged_before, evaluations } = counts;
     println!("{rigs} closed loops: {decided} decided, {wrong} of these more than 10 um from a run at 1e-12");
-    println!("{parted} parted from it by more than 10 um, at the tolerance of draws {parted_before}");
+    println!("{diverged} parted from it by more than 10 um, at the tolerance of draws {diverged_before}");
     println!("{:.2} times the evaluations of draws in the mean", (evaluations / f64::from(rigs)).exp());
 }

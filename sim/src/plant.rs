@@ -185,7 +185,7 @@ impl Plant {
     /// What the sensors make of a reading at the present sample instant.
     pub fn sample_of(&mut self, reading: &Reading) -> Sample {
         let sample = self.sensors.read(reading.position, reading.pressures, reading.spool);
-        self.sensor_faults.spoil(self.k * self.period_us, sample)
+        self.sensor_faults.corrupt(self.k * self.period_us, sample)
     }
 
     /// From sample k to sample k + 1, with `command` in force from the output in between.

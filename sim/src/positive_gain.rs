@@ -97,7 +97,7 @@ impl PositiveGain {
     /// What the faulty law makes of a sample: the same with another command, which is null where the
     /// supervisor lets none through.
     #[must_use]
-    pub fn spoil(&self, mode: Mode, seen: Observation) -> Observation {
+    pub fn corrupt(&self, mode: Mode, seen: Observation) -> Observation {
         let command = match mode {
             Mode::Running | Mode::Done => self.limited(self.demand(&seen)),
             _ => 0,
@@ -174,7 +174,7 @@ mod tests {
     }
 
     fn command(law: &PositiveGain, seen: Observation) -> i16 {
-        law.spoil(Mode::Running, seen).command
+        law.corrupt(Mode::Running, seen).command
     }
 
     /// By hand, with the profile 8192, 6144, 4096, 2048 ... of 4 counts each, gains of 1, scale 256.
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn the_supervisor_keeps_the_last_word() {
         let tripped = Mode::Fault(pneudrive_controller::Fault::Stop);
-        assert_eq!(faulty(&[]).spoil(tripped, seen(3, 0, 0)).command, 0);
+        assert_eq!(faulty(&[]).corrupt(tripped, seen(3, 0, 0)).command, 0);
     }
 
     #[test]
@@ -232,12 +232,12 @@ mod tests {
         // 256 * 600 / 65536 = 2.3
         let pulses: Vec<i8> = (0..4)
             .map(|_| {
-                let seen = law.spoil(Mode::Running, seen(-600, 0, 0));
+                let seen = law.corrupt(Mode::Running, seen(-600, 0, 0));
                 assert_eq!(seen.command, 2);
                 law.output(&seen, Command::OFF).step
             })
             .collect();
         assert_eq!(pulses, [1, 1, 0, 0]);
-        assert_eq!(law.spoil(Mode::Running, seen(0, 0, 0)).spool, 2);
+        assert_eq!(law.corrupt(Mode::Running, seen(0, 0, 0)).spool, 2);
     }
 }

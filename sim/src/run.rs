@@ -244,7 +244,7 @@ impl Drive {
             seen.command = command;
         }
         if let Some(bug) = &self.bug {
-            seen = bug.spoil(self.state.supervisor.mode(), seen);
+            seen = bug.corrupt(self.state.supervisor.mode(), seen);
         }
         (seen, command)
     }

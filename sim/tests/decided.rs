@@ -55,15 +55,15 @@ fn of_sixty_drawn_closed_loops_all_that_say_so_are_decided_and_nine_in_ten_say_s
         assert!(run.off < AGREES, "{}: {:e} m off, {:?}", run.name, run.off, run.decision);
     }
     let decided = judged.iter().filter(|run| run.decision.is_decided()).count();
-    let parted = judged.iter().filter(|run| run.off_in_all >= AGREES).count();
-    println!("{decided} of {} decided, {parted} parted from 1e-12", judged.len());
+    let diverged = judged.iter().filter(|run| run.off_in_all >= AGREES).count();
+    println!("{decided} of {} decided, {diverged} parted from 1e-12", judged.len());
     assert!(decided * 10 >= judged.len() * 9, "{decided} of {}", judged.len());
 }
 
 /// The former default tolerances, at which one run in eight had another transient: that is told.
 #[test]
 fn a_coarse_run_that_flips_a_count_says_from_when_on_it_is_undecided() {
-    let mut parted = 0;
+    let mut diverged = 0;
     for seed in 0..40 {
         let drawn::Drawn { name, rig } = drawn::closed_loop(seed);
         let coarse = Accuracy { tolerance: 1e-8, ..Accuracy::of(&rig) };
@@ -73,9 +73,9 @@ fn a_coarse_run_that_flips_a_count_says_from_when_on_it_is_undecided() {
         let until = decision.undecided_from_s.unwrap_or(f64::INFINITY);
         let off = apart(&run_coarsely, &fine, until);
         assert!(off < AGREES, "{name}: {off:e} m off, {decision:?}");
-        parted += u32::from(apart(&run_coarsely, &fine, f64::INFINITY) >= AGREES);
+        diverged += u32::from(apart(&run_coarsely, &fine, f64::INFINITY) >= AGREES);
     }
-    assert!(parted >= 5, "only {parted} parted");
+    assert!(diverged >= 5, "only {diverged} parted");
 }
 
 /// Whatever the tolerance, a run is held against another one, and never against itself.

@@ -81,7 +81,7 @@ pub struct Board {
     /// The processor has locked up in a fault.
     pub locked_up: bool,
     /// What the board has said to the host, and nobody has taken yet.
-    pub said: Vec<u8>,
+    pub unread: Vec<u8>,
     /// Faults of the processor: what the emulator says of each, and where.
     pub faults: Vec<String>,
     /// How late the control was.
@@ -134,7 +134,7 @@ impl Board {
             stop: None,
             halted: false,
             locked_up: false,
-            said: Vec::new(),
+            unread: Vec::new(),
             faults: Vec::new(),
             lateness: Lateness::default(),
             enable_log: Vec::new(),
@@ -214,7 +214,7 @@ impl Board {
         if let Some(bytes) = self.usart.sent(self.now) {
             self.idle.something_happens();
             self.dma_1.complete(SENDER);
-            self.said.extend(bytes);
+            self.unread.extend(bytes);
         }
         if self.watchdog.bites_at().is_some_and(|bites| bites <= self.now) {
             self.stop.get_or_insert(Stop::Reset(Cause::Watchdog));

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 
 /// The line.
 pub struct Line {
-    door: TcpListener,
+    listener: TcpListener,
     host: Option<TcpStream>,
 }
 
@@ -17,9 +17,9 @@ impl Line {
     /// # Errors
     /// When there is none.
     pub fn open() -> Result<Line> {
-        let door = TcpListener::bind("127.0.0.1:0").context("no port for the board's line")?;
-        door.set_nonblocking(true)?;
-        Ok(Line { door, host: None })
+        let listener = TcpListener::bind("127.0.0.1:0").context("no port for the board's line")?;
+        listener.set_nonblocking(true)?;
+        Ok(Line { listener, host: None })
     }
 
     /// The port's name for a client.
@@ -27,13 +27,13 @@ impl Line {
     /// # Errors
     /// When the system does not tell it.
     pub fn port(&self) -> Result<String> {
-        Ok(format!("tcp://{}", self.door.local_addr()?))
+        Ok(format!("tcp://{}", self.listener.local_addr()?))
     }
 
     /// What the host has said meanwhile.
     pub fn heard(&mut self) -> Vec<u8> {
         if self.host.is_none() {
-            self.host = self.door.accept().ok().and_then(|(host, _)| ready(host).ok());
+            self.host = self.listener.accept().ok().and_then(|(host, _)| ready(host).ok());
         }
         let Some(host) = &mut self.host else { return Vec::new() };
         let mut bytes = [0; 4096];

@@ -156,8 +156,8 @@ impl Machine {
             self.cost.samples += samples;
             self.cost.took += processor_time().saturating_sub(begun);
         }
-        let said = std::mem::take(&mut self.board().said);
-        self.line.say(&said);
+        let unread = std::mem::take(&mut self.board().unread);
+        self.line.say(&unread);
         match outcome {
             Ok(()) => self.keep_pace(),
             Err(Stop::Reset(cause)) => self.processor.restart(cause)?,

@@ -77,7 +77,7 @@ pub struct Processor {
     board: Rc<RefCell<Board>>,
 }
 
-fn told(error: uc_error) -> anyhow::Error {
+fn emulator_error(error: uc_error) -> anyhow::Error {
     anyhow!("the emulator of the processor: {error:?}")
 }
 
@@ -88,9 +88,9 @@ impl Processor {
     /// When the emulator cannot be set up.
     pub fn new(board: Board) -> Result<Processor> {
         let board = Rc::new(RefCell::new(board));
-        let core = emulator(&board).map_err(told)?;
+        let core = emulator(&board).map_err(emulator_error)?;
         let mut processor = Processor { core, board };
-        processor.reset().map_err(told)?;
+        processor.reset().map_err(emulator_error)?;
         Ok(processor)
     }
 
@@ -120,7 +120,7 @@ impl Processor {
                     continue;
                 }
             }
-            self.step().map_err(|error| Stop::Broken(told(error).to_string()))?;
+            self.step().map_err(|error| Stop::Broken(emulator_error(error).to_string()))?;
         }
     }
 
@@ -166,7 +166,7 @@ impl Processor {
     /// When the emulator does not take it.
     pub fn restart(&mut self, cause: crate::peripheral::rcc::Cause) -> Result<()> {
         self.board.borrow_mut().reset(cause);
-        self.reset().map_err(told)
+        self.reset().map_err(emulator_error)
     }
 
     /// The next instruction is that at an address.
@@ -174,7 +174,7 @@ impl Processor {
     /// # Errors
     /// When the emulator does not take it.
     pub fn jump(&mut self, address: u32) -> Result<()> {
-        self.core.reg_write(RegisterARM::PC, address.into()).map_err(told)
+        self.core.reg_write(RegisterARM::PC, address.into()).map_err(emulator_error)
     }
 
     /// Saves the registers on the stack and goes to the vector.

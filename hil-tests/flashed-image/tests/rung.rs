@@ -144,7 +144,7 @@ fn what_is_stored_is_in_force_after_a_power_cut() {
 
 #[test]
 fn a_silent_host_trips_the_flashed_image_by_name() {
-    body::punctuality::a_silent_host_trips_by_name(slow);
+    body::jitter::a_silent_host_trips_by_name(slow);
 }
 
 /// With one rounding changed in the image, and nowhere else, the comparison fails.

@@ -4,7 +4,7 @@
 use crate::transient::{COMMAND, POSITION, SETPOINT, Transient};
 
 /// The largest shift that is tried, s.
-const MOST_SHIFT_S: f64 = 1.0;
+const MAX_SHIFT_S: f64 = 1.0;
 
 /// When the first move of a transient begins, s: where the setpoint, or in open loop the command, changes for
 /// the first time, or where the position leaves the counts that it begins on.
@@ -25,7 +25,7 @@ pub fn first_move(transient: &Transient) -> Option<f64> {
 #[must_use]
 pub fn best_shift(reference: &Transient, other: &Transient) -> Option<f64> {
     let period = reference.period_s();
-    let most = (MOST_SHIFT_S / period).round();
+    let most = (MAX_SHIFT_S / period).round();
     let shifts = most.is_finite().then_some(most as i64)?;
     let misfits: Vec<(i64, f64)> = (-shifts..=shifts)
         .filter_map(|step| Some((step, misfit(reference, other, step as f64 * period)?)))

@@ -22,7 +22,7 @@ use std::sync::Mutex;
 use anyhow::{Context, Result};
 use pneudrive_controller::Fault;
 use pneudrive_records::band::Band;
-use pneudrive_records::judged::{Judged, Lost, Spacing};
+use pneudrive_records::judged::{FailedNeighbours, Judged, Spacing};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
 use pneudrive_sim::{Accuracy, Decision, Rig, Run, decide, run, run_watched};
@@ -130,13 +130,13 @@ fn jobs(rig: &Rig, spacing: Spacing) -> (Vec<Job>, Vec<String>) {
 struct Gathered<T> {
     measured: Vec<T>,
     decision: Decision,
-    lost: Lost,
+    lost: FailedNeighbours,
 }
 
 impl<T> Gathered<T> {
     /// In the order of the jobs; `failed` tells why some neighbours are no rigs.
     fn of(done: Vec<Done<T>>, failed: Vec<String>) -> Gathered<T> {
-        let lost = Lost { tripped: Vec::new(), failed };
+        let lost = FailedNeighbours { tripped: Vec::new(), failed };
         let mut all =
             Gathered { measured: Vec::with_capacity(done.len()), decision: Decision::UNKNOWN, lost };
         for one in done {

@@ -15,11 +15,11 @@
 
 mod air;
 mod figures;
+mod interval;
 mod limit_cycle;
 mod motion;
 mod noise;
 mod other_rig;
-mod stretch;
 mod swings;
 mod table;
 
@@ -34,7 +34,7 @@ use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::{Rig, Run};
 
 use crate::transient::Transient;
-use stretch::Stretch;
+use interval::Interval;
 
 /// A move and what was measured of it. What the transient does not show is None.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,13 +100,13 @@ pub fn moves(
     let begins = transient.beginnings();
     let ends = begins.iter().skip(1).copied().chain([transient.time.len()]);
     let course = air::Course::of(transient, chambers);
-    let air = |stretch: &Stretch| course.as_ref()?.between(stretch.begin, stretch.end);
+    let air = |interval: &Interval| course.as_ref()?.between(interval.begin, interval.end);
     let first = transient.cut.moves_before + usize::from(!transient.cut.at_start);
     (first..)
         .zip(begins.iter().zip(ends))
         .map(|(number, (&begin, end))| {
-            let stretch = Stretch { transient, begin, end };
-            let one = Move { number, air: air(&stretch), ..measured(&stretch, motion, tolerance_mm) };
+            let interval = Interval { transient, begin, end };
+            let one = Move { number, air: air(&interval), ..measured(&interval, motion, tolerance_mm) };
             if number > transient.cut.moves_before { one } else { one.without_its_beginning() }
         })
         .collect()
@@ -122,24 +122,24 @@ pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
 /// A move has settled within this distance of its setpoint, mm, unless a user says otherwise.
 pub const TOLERANCE_MM: f64 = 0.05;
 
-fn measured(stretch: &Stretch, motion: &Motion, tolerance_mm: f64) -> Move {
-    let position = stretch.position();
-    let to = stretch.setpoint();
-    let limit_cycle = stretch.limit_cycle();
-    let speeds = &motion.velocity_mm_s[stretch.begin..stretch.end];
+fn measured(interval: &Interval, motion: &Motion, tolerance_mm: f64) -> Move {
+    let position = interval.position();
+    let to = interval.setpoint();
+    let limit_cycle = interval.limit_cycle();
+    let speeds = &motion.velocity_mm_s[interval.begin..interval.end];
     Move {
         number: 0,
         is_cut: false,
-        start_s: stretch.time()[0],
+        start_s: interval.time()[0],
         from_mm: position[0],
         to_mm: to,
         end_mm: position[position.len() - 1],
-        rise_s: to.and_then(|to| stretch.rise(to)),
-        overshoot_mm: to.and_then(|to| stretch.overshoot(to, &limit_cycle)),
-        settling_s: to.and_then(|to| stretch.settling(to, tolerance_mm)),
-        steady_error_mm: to.and_then(|to| stretch.steady_error(to, &limit_cycle)),
-        mean_error_mm: to.map(|to| stretch.mean_error(to)),
-        range_mm: stretch.range(),
+        rise_s: to.and_then(|to| interval.rise(to)),
+        overshoot_mm: to.and_then(|to| interval.overshoot(to, &limit_cycle)),
+        settling_s: to.and_then(|to| interval.settling(to, tolerance_mm)),
+        steady_error_mm: to.and_then(|to| interval.steady_error(to, &limit_cycle)),
+        mean_error_mm: to.map(|to| interval.mean_error(to)),
+        range_mm: interval.range(),
         limit_cycle,
         top_speed_mm_s: speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max),
         air: None,

@@ -57,7 +57,7 @@ use level::Incline;
 use model::Model;
 use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
-use search::Ended;
+use search::Termination;
 use spectrum::Spectrum;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
@@ -74,7 +74,7 @@ const GROWN: f64 = 4.0;
 pub const FAR: f64 = 3.0;
 
 /// A limit holds a value that is so near to it, in u.
-const HELD: f64 = 1e-6;
+const AT_LIMIT: f64 = 1e-6;
 
 /// What a parameter was found to be.
 #[derive(Clone, Debug)]
@@ -183,7 +183,7 @@ pub struct Identification {
     /// What would explain the residuals, where these are more than noise; the best first.
     pub causes: Vec<Explanation>,
     /// Whether the search converged and what remains is noise: else the model does not explain the data, another minimum
-    /// does better, or the samples are too few to tell ([`Spectrum::is_judged`]).
+    /// does better, or the samples are too few to tell ([`Spectrum::is_testable`]).
     pub fits: bool,
     /// Runs of a transient that the fit took.
     pub runs: usize,
@@ -216,7 +216,7 @@ pub fn identify(
         bail!("none of the parameters can be seen in the transients; the drive must move in them");
     }
     let start = vec![0.0; model.unknowns()];
-    let Ended { found, causes } = search::search(&mut model, start, progress)?;
+    let Termination { found, causes } = search::search(&mut model, start, progress)?;
     let posterior = assumed::posterior(&model, &found)?;
     let traces = Traces::of(&model, &found);
     let told = finished(&model, &found, &posterior, silent, (before, &traces));
@@ -235,8 +235,8 @@ impl Model<'_> {
     }
 
     /// Whether a limit holds a parameter at a point.
-    fn is_held(&self, u: &[f64], parameter: usize) -> bool {
-        self.limits().iter().any(|limit| limit.has(parameter) && limit.room(u) < HELD)
+    fn is_at_limit(&self, u: &[f64], parameter: usize) -> bool {
+        self.limits().iter().any(|limit| limit.has(parameter) && limit.room(u) < AT_LIMIT)
     }
 
     /// Takes away the parameters that no sample depends on.
@@ -280,7 +280,7 @@ fn finished(
         estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i, misfit)).collect(),
         assumed: posterior.assumed.clone(),
         incline: posterior.incline,
-        at_limits: model.parameters_where(|i| model.is_held(u, i)),
+        at_limits: model.parameters_where(|i| model.is_at_limit(u, i)),
         far_off: model.parameters_where(|i| u[i].abs() > FAR * model.prior(i)),
         channels,
         causes: Vec::new(),

@@ -17,7 +17,7 @@ use pneudrive_sim::{Accuracy, Decision, Rig, run};
 use crate::deviation::{Deviation, deviations};
 use crate::ensemble::run_ensemble;
 use crate::page::{COLOURS, Curve, Figure, Look, Page, Panel, Table};
-use crate::range::stated;
+use crate::range::with_range;
 use crate::transient::{CHANNELS, POSITION, PRESSURES, Transient};
 
 /// A component and its models, the most complete one first: its name, and its keys.
@@ -319,7 +319,7 @@ pub fn table(rungs: &[Rung]) -> Table {
         "decided",
     ];
     let rms = |rung: &Rung, channel: usize, decimals: usize| {
-        stated(&figures(rung, channel, |one| one.mean_square.sqrt()), decimals)
+        with_range(&figures(rung, channel, |one| one.mean_square.sqrt()), decimals)
     };
     let row = |rung: &Rung| {
         vec![
@@ -327,9 +327,9 @@ pub fn table(rungs: &[Rung]) -> Table {
             rung.model.to_owned(),
             format!("{:.1}", rung.evaluations),
             format!("{:.1}", rung.flow_iterations),
-            stated(&rung.time_over_reference.map(|time| Some(100.0 * time)), 0),
+            with_range(&rung.time_over_reference.map(|time| Some(100.0 * time)), 0),
             rms(rung, POSITION, 4),
-            stated(&figures(rung, POSITION, |one| one.largest), 4),
+            with_range(&figures(rung, POSITION, |one| one.largest), 4),
             rms(rung, PRESSURES[0], 3),
             rms(rung, PRESSURES[1], 3),
             if rung.decision.is_decided() { "yes" } else { "no" }.to_owned(),

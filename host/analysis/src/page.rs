@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 use anyhow::{Context, Result};
 use plotly::Plot;
-use pneudrive_records::own_file::{GENERATOR, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::whole_file::put_pieces;
 
 pub use figure::{COLOURS, Curve, Figure, Look, Panel, Shade};
@@ -61,7 +61,7 @@ impl Page {
     }
 
     fn write_with(&self, path: &Path, lead: Option<&Figure>) -> Result<()> {
-        refuse_foreign(path, GENERATOR)?;
+        refuse_to_replace(path, GENERATOR)?;
         let [head, script, body] = self.pieces("", lead)?;
         put_pieces(path, &[head.as_bytes(), script.as_bytes(), body.as_bytes()])
     }

@@ -30,7 +30,7 @@ impl Range {
 /// The nominal value, which comes first, and between which values all lie, if that is more than the decimals show:
 /// `0.21 (0.20 to 0.23)`. A value that a run does not show counts as `none`.
 #[must_use]
-pub fn stated(values: &[Option<f64>], decimals: usize) -> String {
+pub fn with_range(values: &[Option<f64>], decimals: usize) -> String {
     let word = |value: f64| format!("{value:.decimals$}");
     let range = Range::of(values);
     let nominal = range.value.map_or_else(|| "-".to_owned(), word);
@@ -51,15 +51,15 @@ mod tests {
 
     #[test]
     fn a_range_that_the_digits_do_not_show_is_not_stated() {
-        assert_eq!(stated(&[Some(0.2101), Some(0.2099)], 3), "0.210");
-        assert_eq!(stated(&[Some(0.21), Some(0.2), Some(0.23)], 2), "0.21 (0.20 to 0.23)");
-        assert_eq!(stated(&[Some(1.5)], 1), "1.5");
+        assert_eq!(with_range(&[Some(0.2101), Some(0.2099)], 3), "0.210");
+        assert_eq!(with_range(&[Some(0.21), Some(0.2), Some(0.23)], 2), "0.21 (0.20 to 0.23)");
+        assert_eq!(with_range(&[Some(1.5)], 1), "1.5");
     }
 
     #[test]
     fn what_some_runs_do_not_show_is_told() {
-        assert_eq!(stated(&[None, None], 2), "-");
-        assert_eq!(stated(&[None, Some(0.2), Some(0.3)], 1), "- (0.2 to 0.3, none in 1 of 3 runs)");
-        assert_eq!(stated(&[Some(0.2), Some(0.2), None], 1), "0.2 (0.2, none in 1 of 3 runs)");
+        assert_eq!(with_range(&[None, None], 2), "-");
+        assert_eq!(with_range(&[None, Some(0.2), Some(0.3)], 1), "- (0.2 to 0.3, none in 1 of 3 runs)");
+        assert_eq!(with_range(&[Some(0.2), Some(0.2), None], 1), "0.2 (0.2, none in 1 of 3 runs)");
     }
 }

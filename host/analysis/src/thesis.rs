@@ -35,7 +35,7 @@ use anyhow::Result;
 
 pub use chart::{Chart, Line};
 pub use number::value_of;
-pub use page::{html, said, title};
+pub use page::{html, summary_line, title};
 pub use reading::{Agreement, Found, Reading};
 pub use runs::{lasts, run};
 pub use shown::Shown;

@@ -9,24 +9,24 @@
 //! | module | holds |
 //! |---|---|
 //! | [`gains`] | what is looked for, in units that fit every rig, and the keys that it becomes |
-//! | [`held`] | which keys a user may hold |
+//! | [`fixed`] | which keys a user may hold |
 //! | [`goal`] | what is asked of a step, and what a run costs |
 //! | [`spread`] | the rigs that the drive may turn out to be, and the places and directions of its steps |
 //! | [`trial`] | the step on a rig |
 //! | [`mod@search`] | differential evolution |
 //! | [`drive`] | candidates on many rigs, and how far that is |
-//! | [`obstacle`] | which parameter of the rig is in the way |
+//! | [`limiting_imperfection`] | which parameter of the rig is in the way |
 //! | [`proportion`] | how often a goal is met, and how well that is known |
 //! | [`report`] | the page, and the rig file |
 //!
 //! The same seed finds the same gains, whatever the number of threads.
 
+mod design_variable;
 pub mod drive;
+pub mod fixed;
 pub mod gains;
-mod gene;
 pub mod goal;
-pub mod held;
-pub mod obstacle;
+pub mod limiting_imperfection;
 pub mod proportion;
 pub mod report;
 pub mod search;
@@ -36,9 +36,9 @@ pub mod trial;
 use anyhow::Result;
 
 pub use drive::{Progress, Stage};
-pub use gains::{Place, Space};
+pub use gains::{Optimum, Space};
 pub use goal::{Goal, Performance};
-pub use obstacle::Obstacle;
+pub use limiting_imperfection::LimitingImperfection;
 pub use proportion::Proportion;
 pub use spread::{Relative, Variant};
 
@@ -53,7 +53,7 @@ pub struct Task {
     /// Keys that are typed, as `key=value`.
     pub settings: Vec<String>,
     /// Keys that no search changes, as `key=value`.
-    pub held: Vec<String>,
+    pub fixed: Vec<String>,
     /// What is asked of a step.
     pub goal: Goal,
     /// By how much the rig may be another one.
@@ -71,14 +71,14 @@ impl Task {
     ///
     /// # Errors
     /// When the rig has no gains to look for.
-    pub fn most_runs(&self) -> Result<usize> {
+    pub fn max_runs(&self) -> Result<usize> {
         let drive = Drive::of(self, &[])?;
         let each = spread::tuned_on(&self.spread, self.budget.seed).len();
         let finalists = (FINALISTS + 1) * (each + trial::NEIGHBOURS);
-        let of_suspect = obstacle::budget(&self.budget).runs(each) + each + self.draws;
+        let of_suspect = limiting_imperfection::budget(&self.budget).runs(each) + each + self.draws;
         let suspects = match self.budget.generations {
             0 => 0,
-            _ => obstacle::suspects(&drive.trial.rig).len(),
+            _ => limiting_imperfection::suspects(&drive.trial.rig).len(),
         };
         Ok(self.budget.runs(each) + finalists + 2 * self.draws + suspects * of_suspect)
     }
@@ -90,7 +90,7 @@ pub struct Found {
     /// As `key=value`; none: those of the file.
     pub settings: Vec<String>,
     /// Where they lie in the ranges that were searched; none: those of the file.
-    pub places: Vec<Place>,
+    pub places: Vec<Optimum>,
     /// On what they were tuned on.
     pub tuned_on: Vec<Performance>,
     /// On the rig of the file and its neighbours; none where that was not looked at.
@@ -129,7 +129,7 @@ pub struct Tuned {
     /// The best cost of each generation.
     pub progress: Vec<f64>,
     /// What is in the way, if the goal is not met.
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Vec<LimitingImperfection>,
     /// Runs in all.
     pub runs: usize,
 }
@@ -150,7 +150,7 @@ const FINALISTS: usize = 3;
 /// # Errors
 /// When the rig has no gains to look for, a key cannot be held, or the step does not fit into its stroke.
 pub fn tune(task: &Task, mut progress: impl FnMut(Progress) + Send) -> Result<Tuned> {
-    held::check(task)?;
+    fixed::check(task)?;
     let drive = Drive::of(task, &[])?;
     let (tuned_on, fresh) = (
         spread::tuned_on(&task.spread, task.budget.seed),
@@ -178,7 +178,7 @@ pub fn tune(task: &Task, mut progress: impl FnMut(Progress) + Send) -> Result<Tu
     };
     let met = after.met(&task.goal);
     let obstacles = if met.met < met.of && task.budget.generations > 0 {
-        obstacle::search(task, &drive, &outcome.population, [&tuned_on, &fresh], &mut meter)?
+        limiting_imperfection::search(task, &drive, &outcome.population, [&tuned_on, &fresh], &mut meter)?
     } else {
         Vec::new()
     };

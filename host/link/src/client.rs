@@ -18,8 +18,8 @@ use pneudrive_protocol::{
     ANY_BOOT, Accumulator, CURRENT_VERSION, InBoot, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply,
     ReplyBody, Request, RequestBody, Status, decode_reply, encode_and_know, frame,
 };
-use pneudrive_records::foreign::{NAME, cleaned};
 use pneudrive_records::rig_info::{Info, RigParameters};
+use pneudrive_records::untrusted::{NAME, sanitised};
 use pneudrive_records::words;
 
 pub use owner::Commander;
@@ -39,10 +39,10 @@ const ANSWER_WAIT: Duration = Duration::from_millis(100);
 const ATTEMPTS: u32 = 15;
 
 /// Requests that are known again if the line brings them back: more than are on their way at once.
-const SAID: usize = 32;
+const RECENT_REQUESTS: usize = 32;
 
 /// How long a rig may say nothing of use.
-const PATIENCE: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
+const SILENCE_TIMEOUT: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
 
 /// The token of this program, from the environment variable `PNEUDRIVE_TOKEN`; None where it is empty or not set.
 ///
@@ -83,7 +83,7 @@ pub struct Client {
     /// Last sample of the test that it has downloaded.
     last_sample: Option<u32>,
     repeats: u32,
-    said: Recent<SAID>,
+    recent: Recent<RECENT_REQUESTS>,
     unasked: stream::Unasked,
 }
 
@@ -130,7 +130,7 @@ impl Client {
             record_capacity: 0,
             last_sample: None,
             repeats: 0,
-            said: Recent::default(),
+            recent: Recent::default(),
             unasked: stream::Unasked::default(),
         };
         // Ends whatever an earlier program left half said.
@@ -138,7 +138,7 @@ impl Client {
         if name.starts_with("tcp://")
             && let Some(token) = token()?
         {
-            client.say_token(&token)?;
+            client.send_token(&token)?;
         }
         let info = client.info()?;
         (client.version, client.record_capacity) = (info.version, info.record_capacity);
@@ -186,7 +186,7 @@ impl Client {
         Failure::NoAnswer.error(format!(
             "no answer from {} within {:.1} s; is it a rig, powered and with this firmware, and does no other program talk to it?",
             self.name,
-            PATIENCE.as_secs_f64()
+            SILENCE_TIMEOUT.as_secs_f64()
         ))
     }
 
@@ -198,7 +198,7 @@ impl Client {
             boot => encode_and_know(&InBoot { asked, boot }, &mut frame),
         };
         let (frame, crc32) = framed.ok_or_else(|| anyhow!("a request is too long to send"))?;
-        self.said.add(crc32);
+        self.recent.add(crc32);
         self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
     }
 
@@ -212,7 +212,7 @@ impl Client {
         loop {
             for byte in self.heard.by_ref() {
                 let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
-                if self.said.holds(frame::crc32(message)) {
+                if self.recent.holds(frame::crc32(message)) {
                     continue;
                 }
                 let Ok(reply) = decode_reply(message) else { continue };
@@ -269,9 +269,9 @@ impl Client {
                 }
                 Ok(Info {
                     version,
-                    firmware: cleaned(firmware, NAME),
-                    build: cleaned(build, NAME),
-                    board: cleaned(board, NAME),
+                    firmware: sanitised(firmware, NAME),
+                    build: sanitised(build, NAME),
+                    board: sanitised(board, NAME),
                     record_capacity,
                 })
             }
@@ -358,7 +358,7 @@ impl Client {
         Failure::Tripped.error(format!(
             "{} tripped {}: {} ({}); `pneudrive device arm` leaves the fault",
             self.name,
-            self.place_in_run(status.index),
+            self.index_in_run(status.index),
             words::fault_code_name(status.fault),
             words::fault_meaning(status.fault)
         ))

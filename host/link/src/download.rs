@@ -45,13 +45,13 @@ impl Download {
         if self.asked.len() >= WINDOW {
             return None;
         }
-        let chunk = self.next_lost().or_else(|| self.next_fresh())?;
+        let chunk = self.next_missing().or_else(|| self.next_fresh())?;
         self.asked.push_back(chunk);
         Some(chunk)
     }
 
     /// One that was lost and has not come late.
-    fn next_lost(&mut self) -> Option<usize> {
+    fn next_missing(&mut self) -> Option<usize> {
         while let Some(chunk) = self.lost.pop_front() {
             if !self.there[chunk] {
                 self.repeats += 1;

@@ -36,14 +36,14 @@ pub struct Judged {
     /// How many neighbours it has, and how far away.
     pub spacing: Spacing,
     /// What went wrong with its neighbours.
-    pub lost: Lost,
+    pub lost: FailedNeighbours,
     /// Columns of its trace that not every trace has; its rows hold them.
     pub columns: Vec<&'static Extra>,
 }
 
 /// Neighbours that did not come to the end of their run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Lost {
+pub struct FailedNeighbours {
     /// Faults of those whose supervisor tripped; their figures are among the others.
     pub tripped: Vec<Fault>,
     /// Why the others have no run: beyond the limits of a key, or what the integrator says.

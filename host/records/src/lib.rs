@@ -12,7 +12,7 @@
 //! | [`parameter_names`] | names and values of parameters as a person writes them |
 //! | [`units`] | figures of a device in mm, kPa and s |
 //! | [`window`] | windows of the controller's estimator |
-//! | [`foreign`] | texts of a device, made fit for a terminal and a file |
+//! | [`untrusted`] | texts of a device, made fit for a terminal and a file |
 //! | [`whole_file`], [`own_file`] | files that are there whole or not at all, and which may be replaced |
 //!
 //! Nothing is printed: notes go to the log.
@@ -20,7 +20,6 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod band;
-pub mod foreign;
 pub mod judged;
 pub mod own_file;
 pub mod parameter_names;
@@ -32,6 +31,7 @@ pub mod run_folder;
 pub mod stream_file;
 pub mod target;
 pub mod units;
+pub mod untrusted;
 pub mod whole_file;
 pub mod window;
 pub mod words;

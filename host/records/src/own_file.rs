@@ -28,7 +28,7 @@ pub fn make_writable(folder: &Path) -> Result<()> {
 ///
 /// # Errors
 /// When there is such a file.
-pub fn refuse_foreign(path: &Path, mark: &str) -> Result<()> {
+pub fn refuse_to_replace(path: &Path, mark: &str) -> Result<()> {
     // To read a pipe would be to wait for somebody who writes.
     if is_device(path) {
         return Ok(());

@@ -3,10 +3,10 @@
 use anyhow::{Result, bail};
 use pneudrive_protocol::{CHUNK_SAMPLES, RecordInfo, RecordedSample};
 
-use crate::foreign::{NAME, cleaned};
+use crate::untrusted::{NAME, sanitised};
 
 /// The most samples of a record: the number of a request, 16 bits, tells its chunk.
-const MOST_SAMPLES: usize = u16::MAX as usize * CHUNK_SAMPLES;
+const MAX_SAMPLES: usize = u16::MAX as usize * CHUNK_SAMPLES;
 
 /// What is known of a record before its samples are there.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct RecordHead {
 impl From<&RecordInfo<'_>> for RecordHead {
     fn from(info: &RecordInfo<'_>) -> RecordHead {
         RecordHead {
-            test: cleaned(info.test, NAME),
+            test: sanitised(info.test, NAME),
             samples: info.samples as usize,
             first_index: info.first_index,
             decimation: info.decimation,
@@ -89,7 +89,7 @@ impl RecordHead {
     /// With what is impossible.
     pub fn check(&self, capacity: usize) -> Result<()> {
         let RecordHead { samples, first_index, .. } = *self;
-        if samples > capacity.min(MOST_SAMPLES) {
+        if samples > capacity.min(MAX_SAMPLES) {
             bail!("it says that its record has {samples} samples, and that it has room for {capacity}");
         }
         if first_index > 0 {

@@ -5,9 +5,9 @@ use anyhow::{Result, anyhow};
 use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::{RecordedSample, frame};
 
-use crate::foreign::{NAME, cleaned};
 use crate::parameter_names::parameter_text;
 use crate::rig_info::{Info, RigParameters};
+use crate::untrusted::{NAME, sanitised};
 
 /// Header of the data lines.
 pub(crate) const COLUMNS: &str =
@@ -29,9 +29,9 @@ pub(crate) fn described(
     let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
     put("format", format.to_owned());
     // A header is lines: a name with a line break in it would make a file that cannot be read.
-    put("test", cleaned(test, NAME));
-    put("firmware", cleaned(&info.firmware, NAME));
-    put("build", cleaned(&info.build, NAME));
+    put("test", sanitised(test, NAME));
+    put("firmware", sanitised(&info.firmware, NAME));
+    put("build", sanitised(&info.build, NAME));
     put("sample_period_us", format!("{}", get(id::PERIOD_US)));
     put("mm_per_count", format!("{}", get(id::ENCODER_PM_PER_COUNT) / 1e9));
     put("pressure_scale_pa", format!("{}", scale(id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA)));

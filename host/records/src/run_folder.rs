@@ -24,7 +24,7 @@ use pneudrive_sim::trace::{COLUMNS, to_csv_with};
 use serde_json::json;
 
 use crate::judged::Judged;
-use crate::own_file::{GENERATOR, refuse_foreign};
+use crate::own_file::{GENERATOR, refuse_to_replace};
 
 use crate::band::{self, Band};
 use crate::whole_file::is_device;
@@ -107,15 +107,15 @@ fn refuse_others(folder: &Path) -> Result<()> {
     if json_path.exists() && read_json(&json_path).is_err() {
         bail!("{} is not of this program; choose another folder", json_path.display());
     }
-    refuse_foreign(&folder.join(TRACE), &COLUMNS.join(","))?;
-    refuse_foreign(&folder.join(BAND), &band::header())?;
-    refuse_foreign(&folder.join(PAGE), GENERATOR)
+    refuse_to_replace(&folder.join(TRACE), &COLUMNS.join(","))?;
+    refuse_to_replace(&folder.join(BAND), &band::header())?;
+    refuse_to_replace(&folder.join(PAGE), GENERATOR)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::judged::{Lost, Spacing};
+    use crate::judged::{FailedNeighbours, Spacing};
     use pneudrive_sim::rig::BUILTIN;
     use pneudrive_sim::{Accuracy, Decision, run};
 
@@ -130,7 +130,7 @@ mod tests {
             let (accuracy, spacing) = (Accuracy::of(&rig), Spacing { runs: 2, ..Spacing::default() });
             let run = run(&rig, accuracy).expect("a run");
             let (decision, band) = (Decision::UNKNOWN, Some(Band::of(&run)));
-            let (lost, columns) = (Lost::default(), Vec::new());
+            let (lost, columns) = (FailedNeighbours::default(), Vec::new());
             let judged = Judged { run, accuracy, decision, band, spacing, lost, columns };
             write(folder.path(), &rig, &judged, json!([]), None, Existing::Overwrite).expect("written");
             let read = rig_of(folder.path()).unwrap_or_else(|error| panic!("{}: {error:#}", rig.name()));

@@ -30,7 +30,7 @@ pub(crate) const HEADER_CRC: &str = "header_crc32";
 const CRC: &str = "# crc32 = ";
 
 /// More samples than this do not go into the memory of a small machine.
-const MOST_SAMPLES: usize = 10_000_000;
+const MAX_SAMPLES: usize = 10_000_000;
 
 /// What a stream is written to.
 pub trait Disk: Write {
@@ -193,8 +193,8 @@ fn add_sample(number: usize, line: &str, samples: &mut Vec<(i32, RecordedSample)
     if let Some((before, _)) = samples.last().filter(|(before, _)| *before >= sample.0) {
         bail!("line {}: sample {} comes after sample {before}", number + 1, sample.0);
     }
-    if samples.len() == MOST_SAMPLES {
-        bail!("it has more than {MOST_SAMPLES} samples; cut it in parts, or stream every Nth with --every");
+    if samples.len() == MAX_SAMPLES {
+        bail!("it has more than {MAX_SAMPLES} samples; cut it in parts, or stream every Nth with --every");
     }
     samples.push(sample);
     Ok(())

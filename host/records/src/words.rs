@@ -6,10 +6,10 @@ use pneudrive_controller::{Fault, Refusal};
 use pneudrive_protocol::{ANY_BOOT, CURRENT_VERSION, Presence, Refused, code};
 use pneudrive_sim::Decision;
 
-use crate::judged::Lost;
+use crate::judged::FailedNeighbours;
 
-use crate::foreign::{NAME, SENTENCE, cleaned};
 use crate::parameter_names::Written;
+use crate::untrusted::{NAME, SENTENCE, sanitised};
 
 /// The protocol version of a rig and, if it differs from this program's, the consequences.
 pub fn protocol(version: u16) -> String {
@@ -61,7 +61,7 @@ pub fn decision(decision: &Decision) -> String {
 }
 
 /// What went wrong with the neighbours of a run, if anything.
-pub fn lost(lost: &Lost) -> Option<String> {
+pub fn lost(lost: &FailedNeighbours) -> Option<String> {
     let tripped = (!lost.tripped.is_empty()).then(|| {
         let mut names: Vec<&str> = lost.tripped.iter().map(|fault| fault_name(*fault)).collect();
         names.sort_unstable();
@@ -191,7 +191,7 @@ pub fn refusal(refused: &Refused<'_>) -> String {
         Refused::UnknownParameter { id } => format!("the firmware has no parameter {id}"),
         Refused::OutOfRange { id, value } => out_of_range(*id, *value),
         Refused::Inconsistent { advice } => {
-            format!("the parameters are inconsistent: {}", cleaned(advice, SENTENCE))
+            format!("the parameters are inconsistent: {}", sanitised(advice, SENTENCE))
         }
         Refused::TestTooLong => "the test is too long".to_owned(),
         Refused::MovesOutOfOrder => "the moves are not in order of time".to_owned(),
@@ -251,7 +251,7 @@ pub fn owned(presence: Presence, host: &str, silent_ms: u32) -> String {
 pub fn commander(host: &str) -> String {
     match host {
         "" => "a program with version 4 of the protocol or older".to_owned(),
-        host => cleaned(host, NAME),
+        host => sanitised(host, NAME),
     }
 }
 

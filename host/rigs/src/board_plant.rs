@@ -12,7 +12,7 @@ use pneudrive_link::port::{self, Link};
 use pneudrive_sim::Rig;
 
 use crate::plant_server::{Bus, Hello, PlantServer, SharedRig, Time};
-use crate::punctuality::LateSample;
+use crate::timing::LateSample;
 
 /// How long a board may take to say hello: it does so every fifth of a second.
 const HELLO_WAIT: Duration = Duration::from_secs(5);

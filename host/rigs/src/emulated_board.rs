@@ -26,11 +26,11 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_sim::Rig;
 use tempfile::TempDir;
 
-use crate::kept_flash::KeptFlash;
+use crate::persistent_flash::PersistentFlash;
 use crate::plant_server::{PlantServer, Time};
-use crate::punctuality::LateSample;
 use crate::sample_cost::ICOUNT_SHIFT;
 pub use crate::sample_cost::{Figures, Spread};
+use crate::timing::LateSample;
 use pipes::Pipes;
 
 /// The emulator.
@@ -57,7 +57,7 @@ pub struct EmulatedBoard {
     plant: PlantSide,
     figures: Arc<Mutex<Figures>>,
     late: LateSample,
-    flash: KeptFlash,
+    flash: PersistentFlash,
     power: Powered,
 }
 
@@ -103,7 +103,7 @@ impl EmulatedBoard {
     fn switched_on(image: &Path, plant: PlantSide) -> Result<EmulatedBoard> {
         let listener = TcpListener::bind("127.0.0.1:0").context("no port for the emulated board")?;
         let port = format!("tcp://{}", listener.local_addr()?);
-        let (figures, flash) = (Arc::new(Mutex::new(Figures::default())), KeptFlash::default());
+        let (figures, flash) = (Arc::new(Mutex::new(Figures::default())), PersistentFlash::default());
         let late = LateSample::default();
         let serve = plant.server(&late, &figures)?;
         let power = Powered::on(image, &listener, serve, flash.clone())?;
@@ -131,7 +131,7 @@ impl EmulatedBoard {
 
     /// The board's flash.
     #[must_use]
-    pub fn flash(&self) -> &KeptFlash {
+    pub fn flash(&self) -> &PersistentFlash {
         &self.flash
     }
 
@@ -203,7 +203,7 @@ struct Powered {
 }
 
 impl Powered {
-    fn on(image: &Path, listener: &TcpListener, serve: Serve, mut flash: KeptFlash) -> Result<Powered> {
+    fn on(image: &Path, listener: &TcpListener, serve: Serve, mut flash: PersistentFlash) -> Result<Powered> {
         let folder = tempfile::tempdir().context("no folder for the pipes of the emulated board")?;
         let pipes = |[to_board, from_board]: [&str; 2]| {
             Pipes::make(folder.path(), to_board, from_board).context("no pipes for the emulated board")

@@ -5,8 +5,8 @@
 //! | [`virtual_rig`] | the firmware's application on the simulated plant |
 //! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
 //! | [`board_plant`] | the simulated plant of a real board, over its second serial port |
-//! | [`kept_flash`] | their flash, which outlives them |
-//! | [`punctuality`] | how they keep time |
+//! | [`persistent_flash`] | their flash, which outlives them |
+//! | [`timing`] | how they keep time |
 //!
 //! Nothing is printed: notes go to the log.
 
@@ -16,11 +16,11 @@
 pub mod board_plant;
 #[cfg(unix)]
 pub mod emulated_board;
-pub mod kept_flash;
 mod noise;
+pub mod persistent_flash;
 #[cfg(unix)]
 mod plant_server;
-pub mod punctuality;
 #[cfg(unix)]
 mod sample_cost;
+pub mod timing;
 pub mod virtual_rig;

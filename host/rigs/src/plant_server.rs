@@ -9,8 +9,8 @@ use pneudrive_app::plant_bus::{HELLO, Inputs, Next, Outputs, Tempo, VERSION, req
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::noise::RunSeeds;
-use crate::punctuality::LateSample;
 use crate::sample_cost::Figures;
+use crate::timing::LateSample;
 
 /// The first bytes of a board.
 pub(crate) type Hello = [u8; HELLO.len()];

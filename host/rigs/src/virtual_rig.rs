@@ -7,7 +7,7 @@
 //! followed.
 
 mod caller;
-mod door;
+mod listener;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,13 +25,13 @@ use pneudrive_sim::keys;
 use pneudrive_sim::positive_gain::SWITCHES;
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
-use crate::kept_flash::KeptFlash;
 use crate::noise::RunSeeds;
-use crate::punctuality::LateSample;
+use crate::persistent_flash::PersistentFlash;
+use crate::timing::LateSample;
 
 use caller::Caller;
 pub use caller::Token;
-pub use door::Door;
+pub use listener::Listener;
 
 /// How a virtual rig runs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,7 +46,7 @@ pub struct Pace {
 const SAMPLES_AT_ONCE: u32 = 64;
 
 /// Most samples that are made up for after the computer was busy with something else.
-const MOST_BEHIND: u64 = 1000;
+const MAX_BEHIND: u64 = 1000;
 
 /// Kind of board.
 const NAME: &str = "virtual rig";
@@ -74,11 +74,11 @@ struct VirtualBoard {
     since: Instant,
     failed: Option<IntegrationError>,
     /// What it keeps.
-    store: FlashStore<KeptFlash, Box<Memory>>,
+    store: FlashStore<PersistentFlash, Box<Memory>>,
 }
 
 impl VirtualBoard {
-    fn new(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> VirtualBoard {
+    fn new(rig: Rig, seed: u64, pace: Pace, flash: PersistentFlash) -> VirtualBoard {
         let plant = Plant::new(&rig, Accuracy::of(&rig), seed);
         VirtualBoard {
             period_us: u64::from(rig.period_us().get()),
@@ -127,19 +127,19 @@ impl VirtualBoard {
 /// With the seed of the noise, if there is noise and the name has room for it.
 fn name_of(rig: &Rig, seed: u64) -> String {
     let with_seed = format!("{NAME}, seed {seed}");
-    let told = rig.get(&keys::sensors::NOISE_COUNTS) > 0.0 && with_seed.len() <= LONGEST_NAME;
-    if told { with_seed } else { NAME.to_owned() }
+    let name_with_seed = rig.get(&keys::sensors::NOISE_COUNTS) > 0.0 && with_seed.len() <= LONGEST_NAME;
+    if name_with_seed { with_seed } else { NAME.to_owned() }
 }
 
 /// What is in the flash, and memory that was without power.
-fn store_in(flash: KeptFlash) -> FlashStore<KeptFlash, Box<Memory>> {
+fn store_in(flash: PersistentFlash) -> FlashStore<PersistentFlash, Box<Memory>> {
     let memory = Box::new([0; MEMORY_BYTES]);
     let taken_up = FlashStore::take_up(flash, RamFlash::layout(), memory);
     taken_up.expect("the layout is that of this flash").0
 }
 
 impl Board for VirtualBoard {
-    type Store = FlashStore<KeptFlash, Box<Memory>>;
+    type Store = FlashStore<PersistentFlash, Box<Memory>>;
 
     fn store(&mut self) -> &mut Self::Store {
         &mut self.store
@@ -209,14 +209,14 @@ impl VirtualRig {
     /// # Errors
     /// For a rig with the simulator's own controller.
     pub fn new(rig: Rig, seed: u64, pace: Pace) -> Result<VirtualRig> {
-        VirtualRig::with_flash(rig, seed, pace, KeptFlash::default())
+        VirtualRig::with_flash(rig, seed, pace, PersistentFlash::default())
     }
 
     /// The same with a flash that it has had before: what is stored there is in force.
     ///
     /// # Errors
     /// For a rig with the simulator's own controller.
-    pub fn with_flash(rig: Rig, seed: u64, pace: Pace, flash: KeptFlash) -> Result<VirtualRig> {
+    pub fn with_flash(rig: Rig, seed: u64, pace: Pace, flash: PersistentFlash) -> Result<VirtualRig> {
         if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
             bail!(
                 "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
@@ -252,14 +252,14 @@ impl VirtualRig {
     ///
     /// # Errors
     /// When the simulation cannot go on.
-    pub fn serve(&mut self, door: &mut Door, stop: &AtomicBool) -> Result<()> {
+    pub fn serve(&mut self, listener: &mut Listener, stop: &AtomicBool) -> Result<()> {
         while !stop.load(Ordering::Relaxed) {
-            door.admit();
-            let heard = self.hear(&mut door.callers);
+            listener.admit();
+            let heard = self.hear(&mut listener.callers);
             if self.board.store.flash().is_powered_off() {
                 return Ok(());
             }
-            let sampled = self.catch_up(&mut door.callers)?;
+            let sampled = self.catch_up(&mut listener.callers)?;
             let _ = self.control.tidy_up(&mut self.board);
             if !heard && !sampled {
                 std::thread::sleep(Duration::from_micros(500));
@@ -297,7 +297,7 @@ impl VirtualRig {
         }
         let now_us = self.board.since.elapsed().as_micros() as u64;
         let period = self.board.period_us;
-        if now_us > self.board.time_us + MOST_BEHIND * period {
+        if now_us > self.board.time_us + MAX_BEHIND * period {
             // The computer slept: the rig's clock goes on from where it stands.
             self.board.since += Duration::from_micros(now_us - self.board.time_us);
         }
@@ -340,11 +340,11 @@ pub struct Background {
 impl Background {
     /// Starts serving.
     #[must_use]
-    pub fn start(mut rig: VirtualRig, mut door: Door) -> Background {
-        let port = door.port_name().to_owned();
+    pub fn start(mut rig: VirtualRig, mut listener: Listener) -> Background {
+        let port = listener.port_name().to_owned();
         let stop = Arc::new(AtomicBool::new(false));
         let watched = Arc::clone(&stop);
-        let thread = std::thread::spawn(move || rig.serve(&mut door, &watched));
+        let thread = std::thread::spawn(move || rig.serve(&mut listener, &watched));
         Background { port, stop, thread: Some(thread) }
     }
 

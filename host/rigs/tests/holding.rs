@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, Presence};
-use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 const SETTINGS: [&str; 3] = ["test.duration_s=0.3", "test.moves=[[0.0, 9000]]", "safety.hold_s=1"];
@@ -18,7 +18,7 @@ fn rig() -> Rig {
 fn a_drive_that_its_host_has_left_after_the_run_is_disarmed_when_its_hold_is_over() {
     let pace = Pace { fast: false, live: false };
     let served = VirtualRig::new(rig(), 0, pace).expect("a rig");
-    let served = Background::start(served, Door::open("tcp:127.0.0.1:0").expect("a port"));
+    let served = Background::start(served, Listener::open("tcp:127.0.0.1:0").expect("a port"));
     let mut host = Client::connect(served.port()).expect("an answer");
     host.download_test(&rig()).expect("disarmed");
     host.arm().expect("referenced");

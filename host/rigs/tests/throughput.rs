@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use pneudrive_link::client::{Client, Pieces};
 use pneudrive_link::port::BAUD;
-use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 use serialport::{SerialPort, TTYPort};
 
@@ -110,7 +110,7 @@ fn a_download_through_a_pty_takes_95_percent_of_what_the_line_carries() {
     let test = Rig::builtin("servo-b-tuned").expect("a built-in rig");
     let pace = Pace { fast: true, live: false };
     let served = VirtualRig::new(test.clone(), 0, pace).expect("a rig");
-    let rig = Background::start(served, Door::open("pty").expect("a port"));
+    let rig = Background::start(served, Listener::open("pty").expect("a port"));
     let line = PacedLine::to(rig.port());
     let mut client = Client::connect(&line.port).expect("an answer");
     client.prepare(&test, 4385, None).expect("disarmed");

@@ -39,8 +39,8 @@ pub enum DeviceAction {
     #[command(allow_negative_numbers = true)]
     Reference {
         /// Current position from the retracted end: encoder counts, or with a unit, such as 98.72mm
-        #[arg(value_name = "COUNTS|MM", value_parser = place)]
-        place: Place,
+        #[arg(value_name = "COUNTS|MM", value_parser = position)]
+        position: Position,
     },
     /// Home the axis: move it slowly to its stop or switch, which references the counts. The drive
     /// must be armed
@@ -57,17 +57,17 @@ pub enum DeviceAction {
 
 /// Where an axis stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum Position {
     /// By the encoder, counts.
     Counts(i32),
     /// From the retracted end, mm.
     Millimetres(f64),
 }
 
-fn place(text: &str) -> Result<Place, String> {
-    let Some(mm) = text.strip_suffix("mm") else { return whole_number(text).map(Place::Counts) };
+fn position(text: &str) -> Result<Position, String> {
+    let Some(mm) = text.strip_suffix("mm") else { return whole_number(text).map(Position::Counts) };
     let mm = mm.trim().parse().ok().filter(|mm: &f64| mm.is_finite());
-    mm.map(Place::Millimetres).ok_or_else(|| format!("{text:?} is not a length such as 98.72mm"))
+    mm.map(Position::Millimetres).ok_or_else(|| format!("{text:?} is not a length such as 98.72mm"))
 }
 
 /// Subcommands of `device valve`.

@@ -7,9 +7,9 @@ use pneudrive_analysis::evaluation::TOLERANCE_MM;
 
 use super::{Integration, RigChoice};
 
-/// A stretch of time.
+/// A time interval.
 #[derive(Debug, Args)]
-pub struct Stretch {
+pub struct Interval {
     /// Ignore samples before this time, s from the start of the test
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = instant)]
     pub from: Option<f64>,
@@ -28,9 +28,9 @@ fn instant(text: &str) -> Result<f64, String> {
 pub struct Eval {
     /// A TARGET file, a streamed run, or a run folder
     pub file: PathBuf,
-    /// The stretch to evaluate.
+    /// The interval to evaluate.
     #[command(flatten)]
-    pub stretch: Stretch,
+    pub interval: Interval,
     /// A move has settled within this distance of its setpoint
     #[arg(long, value_name = "MM", default_value_t = TOLERANCE_MM, value_parser = positive)]
     pub tolerance: f64,
@@ -68,9 +68,9 @@ pub struct Spectrum {
     /// The second transient's channel [default: the same]
     #[arg(long, value_enum, requires = "with")]
     pub with_channel: Option<Channel>,
-    /// The stretch of time.
+    /// The interval of time.
     #[command(flatten)]
-    pub stretch: Stretch,
+    pub interval: Interval,
     /// Window function
     #[arg(long, value_enum, default_value_t = Window::Hann)]
     pub window: Window,
@@ -130,9 +130,9 @@ pub struct Overlay {
     /// For runs, use the pressures at the ports of the valve, P_1v and P_2v, instead of those in the chambers
     #[arg(long)]
     pub ports: bool,
-    /// The stretch of the reference to compare.
+    /// The interval of the reference to compare.
     #[command(flatten)]
-    pub stretch: Stretch,
+    pub interval: Interval,
     /// File for the page
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     pub out: PathBuf,

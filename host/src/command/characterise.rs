@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, anyhow, bail};
 use pneudrive_analysis::page::{Curve, Figure, Page, Panel, Table};
-use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::characteristics::{
     CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
@@ -29,8 +29,8 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
     let wanted: Vec<&Wanted> = CURVES.iter().filter(|curve| all || curve.name == arguments.curve).collect();
     for curve in &wanted {
         let [csv, html] = places(&arguments.out, curve);
-        refuse_foreign(&csv, CSV_MARK)?;
-        refuse_foreign(&html, GENERATOR)?;
+        refuse_to_replace(&csv, CSV_MARK)?;
+        refuse_to_replace(&html, GENERATOR)?;
     }
     let mut stopped = Ok(());
     for curve in wanted {

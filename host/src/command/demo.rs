@@ -13,7 +13,7 @@ use pneudrive_records::judged::{Judged, Spacing};
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::{self, StoredRun};
 use pneudrive_records::target::TargetFile;
-use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::overlay::overlay;
@@ -50,7 +50,7 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     say!("1. a virtual rig: {} with true parameters within {percent} % of the file's", model.name());
     let pace = Pace { fast: true, live: false };
     let virtual_rig = VirtualRig::new(real, arguments.seed, pace)?;
-    let rig = Background::start(virtual_rig, Door::open("tcp:127.0.0.1:0")?);
+    let rig = Background::start(virtual_rig, Listener::open("tcp:127.0.0.1:0")?);
     let recorded = on_the_rig(rig.port(), &model, &arguments.out);
     // Why the rig broke down says more than that its link broke.
     rig.stop()?;

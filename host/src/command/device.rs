@@ -14,9 +14,9 @@ use pneudrive_protocol::{
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
 
-use super::firmware_notes::tell_of_boots;
+use super::firmware_notes::report_boots;
 use super::interrupts::Interrupts;
-use crate::cli::{Device, DeviceAction, Place};
+use crate::cli::{Device, DeviceAction, Position};
 use crate::exit::Exit;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
@@ -25,7 +25,7 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Info => info(&mut client),
         DeviceAction::Status => status(&mut client, arguments.counts),
         DeviceAction::Arm => {
-            tell_of_boots(&client);
+            report_boots(&client);
             client.arm().map(|()| say!("armed: the drive is enabled, the valve at null"))
         }
         DeviceAction::Disarm => {
@@ -39,7 +39,7 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Stop => {
             client.stop().map(|()| say!("stopped: the drive is disabled until `device arm`"))
         }
-        DeviceAction::Reference { place } => reference(&mut client, *place, arguments.counts),
+        DeviceAction::Reference { position } => reference(&mut client, *position, arguments.counts),
         DeviceAction::Home => home(&mut client, arguments.counts),
         DeviceAction::Valve(action) => valve::execute(&mut client, *action),
         DeviceAction::Faults => faults(&mut client, arguments.counts),
@@ -60,17 +60,17 @@ fn units(client: &mut Client, counts: bool) -> Units {
 }
 
 /// States where the axis stands.
-fn reference(client: &mut Client, place: Place, counts: bool) -> Result<()> {
+fn reference(client: &mut Client, position: Position, counts: bool) -> Result<()> {
     let units = Units::of(&client.parameters()?);
-    let count = match place {
-        Place::Counts(count) => count,
-        Place::Millimetres(mm) => units.count_at(mm).with_context(|| {
+    let count = match position {
+        Position::Counts(count) => count,
+        Position::Millimetres(mm) => units.count_at(mm).with_context(|| {
             format!("{mm} mm is no count of its encoder, or its scale is not known; state counts")
         })?,
     };
     client.reference(count)?;
-    let place = if counts { format!("{count} counts") } else { units.length(count) };
-    say!("referenced: the axis stands at {place}");
+    let position = if counts { format!("{count} counts") } else { units.length(count) };
+    say!("referenced: the axis stands at {position}");
     Ok(())
 }
 
@@ -121,7 +121,7 @@ fn provenance(state: &ConfigState) -> String {
 
 /// Homes the axis and waits for the end. Ctrl-C stops it.
 fn home(client: &mut Client, counts: bool) -> Result<()> {
-    tell_of_boots(client);
+    report_boots(client);
     let interrupts = Interrupts::watch();
     let timeout_ms = client.parameters()?.values.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
     // The rig trips after its own time-out; an emulated one may be some times slower than the clock.

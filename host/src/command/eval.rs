@@ -10,7 +10,7 @@ use pneudrive_analysis::page::{Curve, Figure, Page, Panel};
 use pneudrive_analysis::report;
 use pneudrive_analysis::transient::{CHANNELS, Transient};
 use pneudrive_records::judged::Spacing;
-use pneudrive_records::own_file::{GENERATOR, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::run_folder::{StoredRun, is_trace, rig_of};
 use pneudrive_records::whole_file::put;
 use pneudrive_records::words;
@@ -18,7 +18,7 @@ use pneudrive_sim::{Accuracy, Rig, Run};
 
 use super::progress::Progress;
 use super::rig_source::load_rig;
-use crate::cli::{Eval, Stretch};
+use crate::cli::{Eval, Interval};
 
 /// Names of the columns behind the channels in a CSV file.
 const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
@@ -27,11 +27,11 @@ const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
 const CSV_MARK: &str = "time_s,setpoint_mm";
 
 pub(super) fn execute(arguments: &Eval) -> Result<()> {
-    refuse_foreign(&arguments.out, GENERATOR)?;
+    refuse_to_replace(&arguments.out, GENERATOR)?;
     if let Some(path) = &arguments.csv {
-        refuse_foreign(path, CSV_MARK)?;
+        refuse_to_replace(path, CSV_MARK)?;
     }
-    let transient = stretch(Transient::read(&arguments.file)?, &arguments.stretch)?;
+    let transient = interval(Transient::read(&arguments.file)?, &arguments.interval)?;
     let motion = Motion::of(&transient);
     let rig = rig_beside(arguments, &transient)?;
     let chambers = rig.as_ref().map(Chambers::of);
@@ -113,7 +113,7 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     let accuracy = stored.accuracy.unwrap_or(Accuracy::of(&rig));
     let mut progress = Progress::new("simulating its neighbours");
     let measure = |rig: &Rig, run: &Run| {
-        let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.stretch);
+        let part = within(&Transient::of_run("", &StoredRun::of(rig, run)), &arguments.interval);
         moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), arguments.tolerance)
     };
     let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |done, all| progress.at(done, all));
@@ -147,18 +147,18 @@ const NOT_FOLLOWED: &str = "Air is left out: there are fewer than six samples to
 const NOT_CHECKED: &str = "This program does not take the values of the run's rig: the air holds only if there are six rows or more to a period of the dither.";
 
 /// Samples: a page of them has 100 MB.
-const MOST_ON_A_PAGE: usize = 250_000;
+const MAX_ON_A_PAGE: usize = 250_000;
 
-fn within(transient: &Transient, stretch: &Stretch) -> Transient {
-    transient.between(stretch.from.unwrap_or(f64::NEG_INFINITY), stretch.to.unwrap_or(f64::INFINITY))
+fn within(transient: &Transient, interval: &Interval) -> Transient {
+    transient.between(interval.from.unwrap_or(f64::NEG_INFINITY), interval.to.unwrap_or(f64::INFINITY))
 }
 
-/// What lies in a stretch of a transient, without a gap.
+/// What lies in an interval of a transient, without a gap.
 ///
 /// # Errors
 /// When nothing does, or more than a page holds.
-pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transient> {
-    let part = within(&transient, stretch);
+pub(super) fn interval(transient: Transient, interval: &Interval) -> Result<Transient> {
+    let part = within(&transient, interval);
     if part.time.len() < 2 {
         match (transient.time.first(), transient.time.last()) {
             (Some(first), Some(last)) => bail!(
@@ -168,7 +168,7 @@ pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transie
             _ => bail!("{} has no samples", transient.name),
         }
     }
-    goes_on_a_page(&part)?;
+    fits_on_a_page(&part)?;
     match part.gaps.first() {
         Some(gap) => Err(missing(&part, gap)),
         None => Ok(part),
@@ -176,10 +176,10 @@ pub(super) fn stretch(transient: Transient, stretch: &Stretch) -> Result<Transie
 }
 
 /// Whether a page of it could be opened.
-pub(super) fn goes_on_a_page(part: &Transient) -> Result<()> {
-    if part.time.len() > MOST_ON_A_PAGE {
+pub(super) fn fits_on_a_page(part: &Transient) -> Result<()> {
+    if part.time.len() > MAX_ON_A_PAGE {
         bail!(
-            "{} has {} samples there, and a page that can be opened {MOST_ON_A_PAGE} at most; choose a stretch by --from and --to",
+            "{} has {} samples there, and a page that can be opened {MAX_ON_A_PAGE} at most; choose an interval by --from and --to",
             part.name,
             part.time.len()
         );
@@ -190,7 +190,7 @@ pub(super) fn goes_on_a_page(part: &Transient) -> Result<()> {
 /// What is wrong with a gap.
 pub(super) fn missing(transient: &Transient, [before, after]: &[f64; 2]) -> Error {
     anyhow!(
-        "{}: samples are missing between {before:.4} s and {after:.4} s; choose a stretch without a gap by --from and --to",
+        "{}: samples are missing between {before:.4} s and {after:.4} s; choose an interval without a gap by --from and --to",
         transient.name
     )
 }

@@ -8,14 +8,14 @@ use pneudrive_records::words;
 use super::wording::few;
 
 /// Says so where a rig does not tell its boots apart, before it is armed or moved.
-pub(super) fn tell_of_boots(client: &Client) {
+pub(super) fn report_boots(client: &Client) {
     if !client.names_its_boot() {
         tell!("note: {}", words::no_boots(client.speaks(6)));
     }
 }
 
 /// Says which parameters the rig's firmware does not have.
-pub(super) fn tell_lacking(parameters: &RigParameters) {
+pub(super) fn report_missing(parameters: &RigParameters) {
     let names = names_of(&parameters.lacking_names());
     if !names.is_empty() {
         tell!(

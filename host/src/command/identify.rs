@@ -14,7 +14,7 @@ use pneudrive_analysis::identification::plan::Recorded;
 use pneudrive_analysis::identification::recording::Recording;
 use pneudrive_analysis::identification::{Identification, identify, report};
 use pneudrive_analysis::page::{Page, Table};
-use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::{Accuracy, Rig};
@@ -60,7 +60,7 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     }
     Err(Exit::NotBorneOut.error(format!(
         "{}; {} has what remains, and --despite-misfit writes {FITTED} nevertheless",
-        refusal(&rig, found.spectrum.is_judged()),
+        refusal(&rig, found.spectrum.is_testable()),
         arguments.out.join(PAGE).display()
     )))
 }
@@ -76,7 +76,7 @@ fn refusal(rig: &Rig, is_judged: bool) -> String {
 /// Writes the fitted rig file, or takes away that of a fit before, whose place this one would have.
 fn write_fitted(arguments: &Identify, found: &Identification) -> Result<Option<PathBuf>> {
     let path = arguments.out.join(FITTED);
-    refuse_foreign(&path, report::FITTED_MARK)?;
+    refuse_to_replace(&path, report::FITTED_MARK)?;
     if !found.fits && !arguments.despite_misfit {
         return match fs::remove_file(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
@@ -117,8 +117,8 @@ fn write(
     tables: Vec<Table>,
 ) -> Result<()> {
     let [numbers, page] = [NUMBERS, PAGE].map(|name| arguments.out.join(name));
-    refuse_foreign(&numbers, report::FORMAT)?;
-    refuse_foreign(&page, GENERATOR)?;
+    refuse_to_replace(&numbers, report::FORMAT)?;
+    refuse_to_replace(&page, GENERATOR)?;
     let fitted = write_fitted(arguments, found)?;
     put(&numbers, &format!("{:#}\n", report::to_json(found, recordings)))?;
     let mut figures = Vec::new();

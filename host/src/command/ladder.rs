@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use pneudrive_analysis::ladder::{climb, page, table};
-use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 
 use super::long_work::Pace;
 use super::progress::Progress;
@@ -14,7 +14,7 @@ use crate::cli::Ladder;
 pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     let place = arguments.out.join("ladder.html");
     make_writable(&arguments.out)?;
-    refuse_foreign(&place, GENERATOR)?;
+    refuse_to_replace(&place, GENERATOR)?;
     let source = rig_text(&arguments.rig.rig)?;
     let mut progress = Progress::of("climbing", "models");
     let spacing = arguments.neighbours.spacing();

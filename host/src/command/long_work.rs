@@ -60,13 +60,13 @@ pub(super) struct Pace {
     what: &'static str,
     yes: bool,
     begun: Instant,
-    told: bool,
+    estimated: bool,
 }
 
 impl Pace {
     /// Work begins now.
     pub fn begin(what: &'static str, yes: bool) -> Pace {
-        Pace { what, yes, begun: Instant::now(), told: false }
+        Pace { what, yes, begun: Instant::now(), estimated: false }
     }
 
     /// So many of its parts are done: after the first one the time for the rest is known, roughly.
@@ -74,10 +74,10 @@ impl Pace {
     /// # Errors
     /// When that is long, and nobody wants it.
     pub fn at(&mut self, done: usize, all: usize) -> Result<()> {
-        if self.told || done == 0 {
+        if self.estimated || done == 0 {
             return Ok(());
         }
-        self.told = true;
+        self.estimated = true;
         let left = all.saturating_sub(done) as u32;
         allow(self.what, self.begun.elapsed() / done as u32 * left, self.yes)
     }

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use pneudrive_analysis::sweep::journal::{About, Journal, Kept, NAME};
 use pneudrive_analysis::sweep::{Row, Sweep};
 
-use super::sweep::{leave, make_place};
+use super::sweep::{leave, make_room};
 use super::wording::few;
 use crate::cli::Merge;
 
@@ -28,7 +28,7 @@ pub(super) fn execute(arguments: &Merge) -> Result<()> {
         add(&mut rows, kept.rows(&sweep), folder)?;
     }
     refuse_gaps(&sweep, &rows)?;
-    make_place(&arguments.out)?;
+    make_room(&arguments.out)?;
     let (mut journal, there) = Journal::open(&arguments.out, &sweep)?;
     for row in rows.values().filter(|row| !there.contains_key(&row.point)) {
         journal.keep(&row.to_csv(&sweep))?;

@@ -6,18 +6,18 @@ use pneudrive_analysis::deviation::{deviations, table};
 use pneudrive_analysis::page::Table;
 use pneudrive_analysis::report;
 use pneudrive_analysis::transient::Transient;
-use pneudrive_records::own_file::{GENERATOR, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 
-use super::eval::{goes_on_a_page, missing, stretch};
+use super::eval::{fits_on_a_page, interval, missing};
 use crate::cli::{Align, Overlay};
 
 pub(super) fn execute(arguments: &Overlay) -> Result<()> {
-    refuse_foreign(&arguments.out, GENERATOR)?;
+    refuse_to_replace(&arguments.out, GENERATOR)?;
     let read = |path| match arguments.ports {
         true => Transient::read(path)?.at_ports(),
         false => Transient::read(path),
     };
-    let mut transients = vec![stretch(read(&arguments.reference)?, &arguments.stretch)?];
+    let mut transients = vec![interval(read(&arguments.reference)?, &arguments.interval)?];
     let mut notes = Vec::new();
     if arguments.ports {
         notes.push("Pressures of runs are those at the ports of the valve, P_1v and P_2v.".to_owned());
@@ -29,7 +29,7 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
             other.shift(shift);
             notes.push(format!("{} is shifted by {:.3} ms.", other.name, 1e3 * shift));
         }
-        goes_on_a_page(&other)?;
+        fits_on_a_page(&other)?;
         is_whole_during(&other, &transients[0])?;
         transients.push(other);
     }

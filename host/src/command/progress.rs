@@ -10,7 +10,7 @@ pub(super) struct Progress {
     what: String,
     /// What is counted.
     of: &'static str,
-    said: u64,
+    printed: u64,
 }
 
 impl Progress {
@@ -25,7 +25,7 @@ impl Progress {
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(what.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
-        Progress { bar, what: what.to_owned(), of, said: 0 }
+        Progress { bar, what: what.to_owned(), of, printed: 0 }
     }
 
     /// Of samples whose end nobody knows.
@@ -38,7 +38,7 @@ impl Progress {
         if progress.bar.is_hidden() {
             tell!("{what}: {advice}");
         }
-        Progress { said: u64::MAX, ..progress }
+        Progress { printed: u64::MAX, ..progress }
     }
 
     /// What was done before does not count for the rate.
@@ -46,15 +46,15 @@ impl Progress {
         self.bar.set_length(all);
         self.bar.set_position(done);
         self.bar.reset_eta();
-        self.said = (4 * done).checked_div(all).unwrap_or(0);
+        self.printed = (4 * done).checked_div(all).unwrap_or(0);
     }
 
     pub fn at(&mut self, done: u64, all: u64) {
         self.bar.set_length(all);
         self.bar.set_position(done.min(all));
         let quarter = (4 * done.min(all)).checked_div(all).unwrap_or(0);
-        if self.bar.is_hidden() && quarter > self.said {
-            self.said = quarter;
+        if self.bar.is_hidden() && quarter > self.printed {
+            self.printed = quarter;
             tell!("{}: {done} of {all} {}", self.what, self.of);
         }
     }

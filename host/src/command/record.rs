@@ -9,7 +9,7 @@ use pneudrive_records::own_file::make_writable;
 use pneudrive_records::record::RecordHead;
 use pneudrive_records::target::TargetFile;
 
-use super::firmware_notes::tell_lacking;
+use super::firmware_notes::report_missing;
 use super::progress::Progress;
 use crate::cli::Record;
 
@@ -29,10 +29,10 @@ pub(super) fn execute(arguments: &Record) -> Result<()> {
 pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile)> {
     let info = client.info()?;
     let parameters = client.parameters()?;
-    tell_lacking(&parameters);
+    report_missing(&parameters);
     let head = client.record_head()?;
     let (mut part, pieces) = PartFile::open(folder, &info, &head)?;
-    tell_parts(folder, &part, pieces.samples(), &head);
+    report_parts(folder, &part, pieces.samples(), &head);
     let record = download(client, &head, &mut part, pieces);
     if record.as_ref().is_err_and(|error| error.is::<RecordChanged>()) {
         part.remove();
@@ -78,7 +78,7 @@ fn kept(part: &PartFile) -> String {
 }
 
 /// Says what is there already, and what is left of other records.
-fn tell_parts(folder: &Path, part: &PartFile, there: usize, head: &RecordHead) {
+fn report_parts(folder: &Path, part: &PartFile, there: usize, head: &RecordHead) {
     if there > 0 {
         tell!("going on with {}: {there} of {} samples are there", part.path().display(), head.samples);
     }

@@ -16,7 +16,7 @@ use pneudrive_sim::component::controller;
 use pneudrive_sim::component::operator;
 use pneudrive_sim::keys;
 
-use super::firmware_notes::{tell_lacking, tell_of_boots};
+use super::firmware_notes::{report_boots, report_missing};
 use super::interrupts::Interrupts;
 use super::progress::Progress;
 use super::rig_source::load_rig;
@@ -43,7 +43,7 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     say!("{}: done", rig.name());
     if rig.get(&keys::controller::LOOP) == controller::Loop::Closed {
         say!("the drive holds its last setpoint; `pneudrive device disarm` releases it");
-        tell_hold(&client.parameters()?);
+        report_hold(&client.parameters()?);
     }
     say!("next: pneudrive record --port {}", arguments.port.port);
     Ok(())
@@ -112,7 +112,7 @@ pub(super) fn run_test(
     }
     refuse_unready(&client.status()?)?;
     warn_of_other_hosts(client)?;
-    tell_of_boots(client);
+    report_boots(client);
     client.disarm()?;
     if !with_parameters {
         compare_parameters(&client.parameters()?.values, &rig.parameters(), rig.name())?;
@@ -122,7 +122,7 @@ pub(super) fn run_test(
     }
     client.prepare(rig, last_sample, with_parameters.then(|| rig.parameters()).as_ref())?;
     let parameters = client.parameters()?;
-    tell_lacking(&parameters);
+    report_missing(&parameters);
     let mut stream = streaming
         .map(|(path, every)| Streaming::begin(client, rig.name(), &parameters, path, every))
         .transpose()?;
@@ -181,7 +181,7 @@ fn follow(
 }
 
 /// Says how long the drive holds without a host.
-fn tell_hold(parameters: &RigParameters) {
+fn report_hold(parameters: &RigParameters) {
     let hold_ms = parameters.values.get(id::HOLD_MS).filter(|_| !parameters.lacking.contains(&id::HOLD_MS));
     match hold_ms {
         Some(ms) => say!("left alone, a rig in real time is disarmed after {} s", f64::from(ms) / 1e3),
@@ -247,7 +247,7 @@ fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> 
 }
 
 /// A parameter and its value, as a rig file has them.
-fn said(id: u16, value: i32) -> String {
+fn formatted(id: u16, value: i32) -> String {
     Written::of(id).map_or_else(String::new, |written| format!("{} = {}", written.name, written.text(value)))
 }
 
@@ -271,8 +271,8 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
         if on_rig != in_file {
             bail!(
                 "{} on the rig and {} in {name}, so its moves would mean something else; --config downloads the parameters of the file",
-                said(id, on_rig.unwrap_or(0)),
-                said(id, in_file.unwrap_or(0))
+                formatted(id, on_rig.unwrap_or(0)),
+                formatted(id, in_file.unwrap_or(0))
             );
         }
     }

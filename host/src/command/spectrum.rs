@@ -7,10 +7,10 @@ use pneudrive_analysis::evaluation::Motion;
 use pneudrive_analysis::page::{Curve, Figure, Page, Panel, Table};
 use pneudrive_analysis::spectrum::{Spectrum, Window, bipolar_12_bit};
 use pneudrive_analysis::transient::{COMMAND, ERROR, POSITION, PRESSURES, SPOOL, Transient};
-use pneudrive_records::own_file::{GENERATOR, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 
-use super::eval::stretch;
+use super::eval::interval;
 use crate::cli::{Channel, Spectrum as Arguments, Window as WindowName};
 
 /// Peaks in a table.
@@ -25,7 +25,7 @@ struct Samples {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
-    refuse_foreign(&arguments.out, GENERATOR)?;
+    refuse_to_replace(&arguments.out, GENERATOR)?;
     if let Some(path) = arguments.ascii.as_ref().filter(|path| path.exists()) {
         bail!("{} is there already; choose another name", path.display());
     }
@@ -54,7 +54,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
 }
 
 fn samples(arguments: &Arguments, path: &Path, channel: Channel) -> Result<Samples> {
-    let transient = stretch(Transient::read(path)?, &arguments.stretch)?;
+    let transient = interval(Transient::read(path)?, &arguments.interval)?;
     let (what, unit, values) = values(&transient, channel);
     if values.iter().any(|value| !value.is_finite()) {
         bail!("{}: its {what} is not known throughout", path.display());

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use pneudrive_analysis::study::{Finding, STUDIES, Studied, Study, index, page, run, statements, summary};
-use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 
 use super::progress::Progress;
 use crate::cli::{ALL, LIST, Study as Arguments};
@@ -19,7 +19,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
         STUDIES.into_iter().filter(|study| all || study.name == arguments.name).collect();
     let place = |name: &str| out.join(format!("{name}.html"));
     for name in studies.iter().map(|study| study.name).chain(all.then_some(INDEX)) {
-        refuse_foreign(&place(name), GENERATOR)?;
+        refuse_to_replace(&place(name), GENERATOR)?;
     }
     let mut progress = Progress::of("studying", "starts");
     let starts = usize::from(arguments.starts);

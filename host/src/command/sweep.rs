@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use pneudrive_analysis::sweep::execution::{execute as run_shard, run_points, todo};
 use pneudrive_analysis::sweep::journal::{Journal, NAME};
 use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, report};
-use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::builtin;
 
@@ -23,7 +23,7 @@ use crate::cli;
 pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     let sweep = read(arguments)?;
     let out = arguments.out.clone().unwrap_or_else(|| folder_of(&arguments.file));
-    make_place(&out)?;
+    make_room(&out)?;
     let (mut journal, mut rows) = Journal::open(&out, &sweep)?;
     let threads = threads::prepare(arguments.threads)?;
     if !rows.is_empty() {
@@ -104,10 +104,10 @@ fn read(arguments: &cli::Sweep) -> Result<Sweep> {
 }
 
 /// Makes sure, before long work, that the result can be left there.
-pub(super) fn make_place(out: &Path) -> Result<()> {
+pub(super) fn make_room(out: &Path) -> Result<()> {
     make_writable(out)?;
-    refuse_foreign(&out.join("sweep.csv"), HEADER_END)?;
-    refuse_foreign(&out.join("sweep.html"), GENERATOR)
+    refuse_to_replace(&out.join("sweep.csv"), HEADER_END)?;
+    refuse_to_replace(&out.join("sweep.html"), GENERATOR)
 }
 
 /// Writes result and page of all points and tells what came out.

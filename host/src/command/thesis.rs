@@ -1,8 +1,8 @@
 //! `pneudrive thesis`.
 
 use anyhow::Result;
-use pneudrive_analysis::thesis::{Exhibit, exhibits, golden, html, lasts, run, said, within};
-use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_analysis::thesis::{Exhibit, exhibits, golden, html, lasts, run, summary_line, within};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 
 use super::long_work::about;
@@ -18,8 +18,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     let wanted = wanted(arguments.only.as_deref())?;
     make_writable(&arguments.out)?;
     let [page, numbers] = [PAGE, NUMBERS].map(|name| arguments.out.join(name));
-    refuse_foreign(&page, GENERATOR)?;
-    refuse_foreign(&numbers, golden::MARK)?;
+    refuse_to_replace(&page, GENERATOR)?;
+    refuse_to_replace(&numbers, golden::MARK)?;
     let starts = usize::from(arguments.starts);
     say!("{} tables, figures and sections of the thesis: {}", wanted.len(), about(lasts(&wanted, starts)));
     let mut progress = Progress::of("reproducing", "experiments");
@@ -28,7 +28,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     let shown = shown?;
     put(&page, &html(&shown))?;
     put(&numbers, &golden::to_toml(&shown))?;
-    say!("{}\n{}, {}", said(&shown), page.display(), numbers.display());
+    say!("{}\n{}, {}", summary_line(&shown), page.display(), numbers.display());
     Ok(())
 }
 

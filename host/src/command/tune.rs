@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use pneudrive_analysis::tuning::search::Budget;
 use pneudrive_analysis::tuning::{Goal, Relative, Stage, Task, report, tune};
-use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_foreign};
+use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::find_key;
 
@@ -18,8 +18,8 @@ use crate::cli::Tune;
 pub(super) fn execute(arguments: &Tune) -> Result<()> {
     let (page, rig) = (arguments.out.join("tune.html"), arguments.out.join("tuned.toml"));
     make_writable(&arguments.out)?;
-    refuse_foreign(&page, GENERATOR)?;
-    refuse_foreign(&rig, report::MARK)?;
+    refuse_to_replace(&page, GENERATOR)?;
+    refuse_to_replace(&rig, report::MARK)?;
     let task = task(arguments)?;
     threads::prepare(arguments.threads)?;
     if let Some(lasts) = lasts(&task)? {
@@ -60,7 +60,7 @@ fn lasts(task: &Task) -> Result<Option<Duration>> {
     let begun = Instant::now();
     let short = Task { draws: 1, budget: Budget { generations: 0, ..task.budget }, ..task.clone() };
     let runs = tune(&short, |_| {})?.runs.max(1);
-    Ok(Some(begun.elapsed().mul_f64(task.most_runs()? as f64 / runs as f64)))
+    Ok(Some(begun.elapsed().mul_f64(task.max_runs()? as f64 / runs as f64)))
 }
 
 /// Draws that are judged in a moment.
@@ -79,7 +79,7 @@ fn task(arguments: &Tune) -> Result<Task> {
     Ok(Task {
         source: rig_text(&arguments.rig.rig)?,
         settings: arguments.rig.settings.clone(),
-        held: held(arguments)?,
+        fixed: fixed(arguments)?,
         goal: Goal {
             step_mm: arguments.step_mm,
             settled_mm: arguments.settled_mm,
@@ -98,7 +98,7 @@ fn task(arguments: &Tune) -> Result<Task> {
 }
 
 /// The keys that are held, as `key=value`: one without a value keeps that of the file.
-fn held(arguments: &Tune) -> Result<Vec<String>> {
+fn fixed(arguments: &Tune) -> Result<Vec<String>> {
     let with_value = |key: &String| {
         if key.contains('=') || find_key(key.trim()).is_none() {
             return Ok(key.clone());

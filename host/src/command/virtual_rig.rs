@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
 use pneudrive_link::client::token;
-use pneudrive_rigs::virtual_rig::{Door, Pace, Token, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Listener, Pace, Token, VirtualRig};
 use pneudrive_sim::keys;
 
 use super::rig_source::load_choice;
@@ -18,8 +18,8 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
         None => nominal,
     };
     let token = token()?.as_deref().map(Token::new).transpose().context("PNEUDRIVE_TOKEN")?;
-    let mut door = Door::open_with(&arguments.listen, token)?;
-    let port = door.port_name().to_owned();
+    let mut listener = Listener::open_with(&arguments.listen, token)?;
+    let port = listener.port_name().to_owned();
     let (name, noise) = (rig.name().to_owned(), rig.get(&keys::sensors::NOISE_COUNTS));
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
@@ -28,7 +28,7 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     if let Some(error) = Stream::Output.failure() {
         return Err(output::verdict().error(format!("nobody learns the port of the rig: {error}")));
     }
-    if door.asks_for_a_token() {
+    if listener.asks_for_a_token() {
         say!("it obeys programs that have the same PNEUDRIVE_TOKEN; the token travels in the clear");
     }
     if noise > 0.0 && arguments.live {
@@ -39,5 +39,5 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
         virtual_rig.on_run(move |run| say!("run {run} begins, with noise {run} of seed {seed}"));
     }
     say!("try: pneudrive device --port {port} info    (end with Ctrl-C)");
-    virtual_rig.serve(&mut door, &AtomicBool::new(false))
+    virtual_rig.serve(&mut listener, &AtomicBool::new(false))
 }

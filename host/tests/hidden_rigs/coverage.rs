@@ -121,14 +121,14 @@ impl fmt::Display for Coverage {
             }
         }
         if !self.widened.is_empty() {
-            self.say_refused(f)?;
+            self.print_refused(f)?;
         }
-        self.say_trials(f)
+        self.print_trials(f)
     }
 }
 
 impl Coverage {
-    fn say_refused(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn print_refused(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f)?;
         writeln!(
             f,
@@ -139,7 +139,7 @@ impl Coverage {
         )
     }
 
-    fn say_trials(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn print_trials(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let trials = f64::from(self.trials);
         writeln!(f)?;
         writeln!(

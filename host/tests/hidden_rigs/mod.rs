@@ -107,9 +107,9 @@ impl Hidden {
         command.current_dir(folder).args(["identify", "model.toml", "--plan", &served.port]);
         let output = command.output().with_context(|| program.display().to_string())?;
         let seconds = begun.elapsed().as_secs_f64();
-        let said = String::from_utf8_lossy(&output.stderr);
+        let printed = String::from_utf8_lossy(&output.stderr);
         let numbers = fs::read_to_string(folder.join("identified/identification.json"));
-        let Ok(numbers) = numbers else { bail!("{}", said.lines().last().unwrap_or("it said nothing")) };
+        let Ok(numbers) = numbers else { bail!("{}", printed.lines().last().unwrap_or("it said nothing")) };
         Trial::of(&serde_json::from_str(&numbers)?, &truth, seconds)
     }
 }

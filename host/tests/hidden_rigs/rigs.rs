@@ -10,7 +10,7 @@ use rand_chacha::rand_core::SeedableRng;
 use super::Hidden;
 
 /// A drive that was levelled lies so many degrees off, standard deviation.
-const LEVELLED: f64 = 2.0;
+const LEVELLING_ERROR_DEG: f64 = 2.0;
 
 /// The valve's null is off by so many mm at most.
 const NULL: f64 = 0.01;
@@ -41,7 +41,7 @@ impl Draw {
 
     /// What a spread does not draw: the null of the valve, and how level the drive lies.
     fn rest(&mut self) -> String {
-        let (null, incline) = (self.within(-NULL, NULL), LEVELLED * self.normal());
+        let (null, incline) = (self.within(-NULL, NULL), LEVELLING_ERROR_DEG * self.normal());
         format!("valve.null_offset_mm = {null}\nload.incline_deg = {incline}\n")
     }
 }

@@ -165,7 +165,7 @@ impl Between {
     }
 
     fn answer(&mut self, bytes: &[u8]) -> bool {
-        let mut said = Vec::new();
+        let mut printed = Vec::new();
         let mut hung_up = false;
         for &byte in bytes {
             let Some(Ok(message)) = self.answered.push(byte) else { continue };
@@ -173,14 +173,14 @@ impl Between {
             let request = self.requests.get(&reply.sequence).and_then(|asked| InSession::decode(asked).ok());
             let Some(InSession { request, .. }) = request else { continue };
             match (self.lie.on_reply)(&mut self.memory, &request.body, &reply) {
-                Says::Truth => said.extend(frame(reply.sequence, reply.body)),
+                Says::Truth => printed.extend(frame(reply.sequence, reply.body)),
                 Says::Nothing => {}
-                Says::Instead(bytes) => said.extend(bytes),
-                Says::Besides(bytes) => said.extend([frame(reply.sequence, reply.body), bytes].concat()),
+                Says::Instead(bytes) => printed.extend(bytes),
+                Says::Besides(bytes) => printed.extend([frame(reply.sequence, reply.body), bytes].concat()),
                 Says::HangUp => hung_up = true,
             }
         }
-        self.say(&said) && !hung_up
+        self.say(&printed) && !hung_up
     }
 
     /// A program that reads nothing is not waited for.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use pneudrive_records::target::TargetFile;
-use pneudrive_rigs::virtual_rig::{Background, Door, Pace, VirtualRig};
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 /// Runs `pneudrive` in a folder with arguments as typed.
@@ -46,8 +46,8 @@ pub fn virtual_rig(name: &str) -> Background {
 }
 
 /// The same, at this door.
-pub fn virtual_rig_at(name: &str, door: &str) -> Background {
-    background(name, door, Pace { fast: true, live: false })
+pub fn virtual_rig_at(name: &str, listener: &str) -> Background {
+    background(name, listener, Pace { fast: true, live: false })
 }
 
 /// A rig whose moves take their time.
@@ -55,8 +55,8 @@ pub fn unhurried_rig(name: &str) -> Background {
     background(name, "tcp:127.0.0.1:0", Pace { fast: false, live: false })
 }
 
-fn background(name: &str, door: &str, pace: Pace) -> Background {
-    start(Rig::builtin(name).expect("a built-in rig"), door, pace)
+fn background(name: &str, listener: &str, pace: Pace) -> Background {
+    start(Rig::builtin(name).expect("a built-in rig"), listener, pace)
 }
 
 /// A fast virtual rig that is not built in.
@@ -64,9 +64,9 @@ pub fn virtual_rig_of(rig: Rig) -> Background {
     start(rig, "tcp:127.0.0.1:0", Pace { fast: true, live: false })
 }
 
-fn start(rig: Rig, door: &str, pace: Pace) -> Background {
+fn start(rig: Rig, listener: &str, pace: Pace) -> Background {
     let rig = VirtualRig::new(rig, 0, pace).expect("a rig");
-    Background::start(rig, Door::open(door).expect("a port"))
+    Background::start(rig, Listener::open(listener).expect("a port"))
 }
 
 /// A TARGET file with a line of its header changed, added before the CRC, or left out.

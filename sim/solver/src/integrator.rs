@@ -20,7 +20,7 @@ const MIN_STEP: f64 = 1e-13;
 const MAX_EVENTS_AT_ONCE: u32 = 64;
 
 /// The time in which [`MAX_STEPS`] may be tried, s.
-const STRETCH: f64 = 1e-3;
+const STEP_COUNT_SPAN_S: f64 = 1e-3;
 
 /// The first step that is tried, s.
 const FIRST_STEP: f64 = 1e-5;
@@ -55,8 +55,8 @@ pub struct Integrator<
     /// Events within [`MIN_STEP`], and since when.
     events_at_once: (u32, f64),
     stiffness: Stiffness,
-    /// When the present [`STRETCH`] began, and the steps tried until then.
-    stretch: (f64, u64),
+    /// When the present [`STEP_COUNT_SPAN_S`] began, and the steps tried until then.
+    step_count_span: (f64, u64),
 }
 
 /// A size that a step is tried with.
@@ -97,7 +97,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             control: StepControl::default(),
             events_at_once: (0, 0.0),
             stiffness: Stiffness::default(),
-            stretch: (0.0, 0),
+            step_count_span: (0.0, 0),
         }
     }
 
@@ -205,10 +205,10 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
     }
 
     fn count_step(&mut self) -> Result<(), IntegrationError> {
-        let (since, before) = self.stretch;
+        let (since, before) = self.step_count_span;
         let tried = self.now.statistics.n_steps + self.now.statistics.n_rejected_steps;
-        if self.now.t - since >= STRETCH {
-            self.stretch = (self.now.t, tried);
+        if self.now.t - since >= STEP_COUNT_SPAN_S {
+            self.step_count_span = (self.now.t, tried);
         } else if tried - before > MAX_STEPS {
             return Err(IntegrationError::NoProgress { at_s: self.now.t });
         }

@@ -18,7 +18,7 @@ impl Assembly {
         if let Some(law) = &mut self.parts.continuous {
             law.set_target(target, x[slot::POSITION]);
         }
-        self.tell_jump(t, x);
+        self.report_jump(t, x);
         Derivative::Discontinuous
     }
 
@@ -68,7 +68,7 @@ impl Assembly {
 
     /// The modes that the demand depends on have changed. What the operator followed last must be the
     /// demand in the modes before.
-    pub(super) fn tell_jump(&mut self, t: f64, x: &StateVector) {
+    pub(super) fn report_jump(&mut self, t: f64, x: &StateVector) {
         if self.parts.operator.remembers_demand()
             && let (Some(demand), Some(rate)) = (self.demand(x), self.demand_rate(t, x))
         {

@@ -91,6 +91,6 @@ impl Assembly {
                 }
             }
         }
-        self.tell_jump(t, x);
+        self.report_jump(t, x);
     }
 }

@@ -33,22 +33,22 @@ const STARTS: [f64; 5] = [0.0, -1e-5, -5e-6, 5e-6, 1e-5];
 /// The error of a drive that holds, mm: its mean from the test's own start, and between which errors it swings from any of
 /// [`STARTS`]. Not a number where the drive does not come to hold from each of them.
 #[derive(Clone, Copy, Debug)]
-struct Held {
+struct ErrorAtRest {
     mean: f64,
     lowest: f64,
     highest: f64,
 }
 
-impl Held {
-    const NOT: Held = Held { mean: f64::NAN, lowest: f64::NAN, highest: f64::NAN };
+impl ErrorAtRest {
+    const NOT: ErrorAtRest = ErrorAtRest { mean: f64::NAN, lowest: f64::NAN, highest: f64::NAN };
 
     /// The same run once more, from another start.
-    fn and(self, other: Held) -> Held {
+    fn and(self, other: ErrorAtRest) -> ErrorAtRest {
         if self.mean.is_nan() || other.mean.is_nan() {
-            return Held::NOT;
+            return ErrorAtRest::NOT;
         }
         let (lowest, highest) = (self.lowest.min(other.lowest), self.highest.max(other.highest));
-        Held { lowest, highest, ..self }
+        ErrorAtRest { lowest, highest, ..self }
     }
 }
 
@@ -64,8 +64,9 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     }
     let rig = rig.without_events();
     let hours: Vec<f64> = (0..=TESTS).map(|i| HOURS * f64::from(i) / f64::from(TESTS)).collect();
-    let held: Result<Vec<[Held; 2]>, Unfit> = hours.iter().map(|&hour| after(&rig, rate, hour)).collect();
-    let held = held?;
+    let at_rest: Result<Vec<[ErrorAtRest; 2]>, Unfit> =
+        hours.iter().map(|&hour| after(&rig, rate, hour)).collect();
+    let at_rest = at_rest?;
     let counts = rate * HOURS / rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 2048.0;
     let moved = [
         Figure::computed(format!("the null moves in {HOURS} h"), rate * HOURS, "mm"),
@@ -76,45 +77,45 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
             "The rig's own test every half an hour, with the null where it has drifted to; errors are those of the last 0.2 s before the next move, their mean, and between which they swing from that start or from one of four within 1e-5 of the stroke. Each test begins with the null offset of the file: what a controller learns in one is not carried on to the next. Within its friction a drive stops somewhere else from another start, so that single curves jump. Where one has no value, the drive tripped from one of these starts or made no such move.".to_owned(),
         ],
         across: "time, h",
-        graphs: vec![Graph { title: "error at rest, mm", series: series(&hours, &held) }],
-        figures: moved.into_iter().chain(figures(&held, rig.get(&keys::encoder::MM_PER_COUNT))).collect(),
+        graphs: vec![Graph { title: "error at rest, mm", series: series(&hours, &at_rest) }],
+        figures: moved.into_iter().chain(figures(&at_rest, rig.get(&keys::encoder::MM_PER_COUNT))).collect(),
         ..Characteristic::default()
     })
 }
 
 /// What the rig's test is left with when its null has drifted for so many hours.
-fn after(rig: &Rig, rate: f64, hour: f64) -> Result<[Held; 2], Unfit> {
+fn after(rig: &Rig, rate: f64, hour: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let null = rig.get(&keys::valve::NULL_OFFSET_MM) + rate * hour;
     let Ok(rig) = rig.with_numbers(&[("valve.null_offset_mm", null)]) else {
         return Err(Unfit::NoPart("its null drifts out of the range of valve.null_offset_mm within a shift"));
     };
-    let mut held = from(&rig, STARTS[0])?;
+    let mut at_rest = from(&rig, STARTS[0])?;
     for &start in &STARTS[1..] {
         let next = from(&rig, start)?;
-        held = [held[0].and(next[0]), held[1].and(next[1])];
+        at_rest = [at_rest[0].and(next[0]), at_rest[1].and(next[1])];
     }
-    Ok(held)
+    Ok(at_rest)
 }
 
 /// What the rig's test is left with if it starts so far from its own start, of the stroke. At the end of the stroke it
 /// starts there.
-fn from(rig: &Rig, of_stroke: f64) -> Result<[Held; 2], Unfit> {
+fn from(rig: &Rig, of_stroke: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let start = (rig.get(&keys::test::POSITION_M) + of_stroke * stroke).clamp(0.0, stroke);
     let rig = rig.with_numbers(&[("test.position_m", start)]).expect("a place on the stroke");
     let run = run(&rig, Accuracy::of(&rig))?;
-    Ok(WAYS.map(|(_, way)| held(&rig, &run, way)))
+    Ok(WAYS.map(|(_, way)| at_rest(&rig, &run, way)))
 }
 
 /// The last hold of a run that follows a move one way.
-fn held(rig: &Rig, run: &Run, way: Ordering) -> Held {
+fn at_rest(rig: &Rig, run: &Run, way: Ordering) -> ErrorAtRest {
     if run.fault.is_some() {
-        return Held::NOT;
+        return ErrorAtRest::NOT;
     }
     let setpoint = |k: usize| run.observations[k].setpoint;
     let goes = |k: &usize| setpoint(*k).cmp(&setpoint(k - 1)) == way;
     let Some(begin) = (1..run.observations.len()).rfind(goes) else {
-        return Held::NOT;
+        return ErrorAtRest::NOT;
     };
     let hold = &run.observations[begin..];
     let length = hold.iter().take_while(|seen| seen.setpoint == hold[0].setpoint).count();
@@ -122,36 +123,36 @@ fn held(rig: &Rig, run: &Run, way: Ordering) -> Held {
     let last = look.min(length / 4).max(1);
     let mm = rig.get(&keys::encoder::MM_PER_COUNT);
     let errors = hold[length - last..length].iter().map(|seen| mm * f64::from(seen.error));
-    Held {
+    ErrorAtRest {
         mean: errors.clone().sum::<f64>() / last as f64,
         lowest: errors.clone().fold(f64::INFINITY, f64::min),
         highest: errors.fold(f64::NEG_INFINITY, f64::max),
     }
 }
 
-fn series(hours: &[f64], held: &[[Held; 2]]) -> Vec<Series> {
-    let of = |way: usize, what: &str, y: fn(&Held) -> f64| Series {
+fn series(hours: &[f64], at_rest: &[[ErrorAtRest; 2]]) -> Vec<Series> {
+    let of = |way: usize, what: &str, y: fn(&ErrorAtRest) -> f64| Series {
         name: format!("{}{what}", WAYS[way].0),
         x: hours.to_vec(),
-        y: held.iter().map(|held| y(&held[way])).collect(),
+        y: at_rest.iter().map(|at_rest| y(&at_rest[way])).collect(),
     };
     let each = |way| {
         [
-            of(way, "", |held| held.mean),
-            of(way, ", lowest", |held| held.lowest),
-            of(way, ", highest", |held| held.highest),
+            of(way, "", |at_rest| at_rest.mean),
+            of(way, ", lowest", |at_rest| at_rest.lowest),
+            of(way, ", highest", |at_rest| at_rest.highest),
         ]
     };
     [0, 1].into_iter().flat_map(each).collect()
 }
 
 /// The error at the beginning and at the end of the shift, to within its swing from any of [`STARTS`] and a count of `count` mm.
-fn figures(held: &[[Held; 2]], count: f64) -> Vec<Figure> {
-    let ends = [(0.0, held[0]), (HOURS, held[held.len() - 1])];
+fn figures(at_rest: &[[ErrorAtRest; 2]], count: f64) -> Vec<Figure> {
+    let ends = [(0.0, at_rest[0]), (HOURS, at_rest[at_rest.len() - 1])];
     let mut figures = Vec::new();
     for (way, (name, _)) in WAYS.iter().enumerate() {
-        for (hour, held) in ends {
-            let Held { mean, lowest, highest } = held[way];
+        for (hour, at_rest) in ends {
+            let ErrorAtRest { mean, lowest, highest } = at_rest[way];
             if mean.is_finite() {
                 let within = (highest - mean).max(mean - lowest) + count;
                 figures.push(Figure::read(format!("error {name}, at {hour} h"), mean, within, "mm"));

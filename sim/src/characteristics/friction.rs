@@ -174,8 +174,8 @@ fn quarter(rig: &Rig, way: Way, k: u32) -> Command {
     let sign = way.sign() as i8;
     if rig.get(&keys::operator::MODEL) == operator::Model::Stepper {
         let steps = (rig.get(&keys::stepper::MAX_STEPS) / 4).max(1);
-        let walks = i64::from(k) < steps;
-        return Command { counts: 0, step: if walks { sign } else { 0 }, drive_enable: true };
+        let creeps = i64::from(k) < steps;
+        return Command { counts: 0, step: if creeps { sign } else { 0 }, drive_enable: true };
     }
     Command { counts: 512 * i16::from(sign), step: 0, drive_enable: true }
 }

@@ -20,7 +20,7 @@ use crate::values::Rig;
 pub(super) const ABOUT: &str = "pressures of blocked ports over the spool, by supply pressure, and the null (7.1.1.2, Fig. 7.3, Tab. 7.1)";
 
 /// How far to either side of the crossing the curves are read, as a part of the travel, and how often.
-const REACH: f64 = 0.1;
+const HALF_WIDTH: f64 = 0.1;
 const INTERVALS: usize = 20;
 
 /// Slope are taken over this part of the travel to either side.
@@ -58,8 +58,8 @@ pub fn read_blocked_ports(rig: &Rig, supply_pa: f64, reading_pa: f64) -> Option<
     let rounded = |pressure: f64| {
         if reading_pa > 0.0 { (pressure / reading_pa).round() * reading_pa } else { pressure }
     };
-    let reach = REACH * bench.valve.travel;
-    let spool = evenly(middle - reach, middle + reach, INTERVALS);
+    let half_width = HALF_WIDTH * bench.valve.travel;
+    let spool = evenly(middle - half_width, middle + half_width, INTERVALS);
     let pressures = spool.iter().map(|&x| bench.blocked(x).map(rounded)).collect();
     Some(Readings { spool, pressures })
 }
@@ -92,7 +92,8 @@ pub fn null_by_least_squares(rig: &Rig, supply_pa: f64, readings: &Readings) -> 
         terms.sum()
     };
     let travel = rig.get(&keys::valve::SPOOL_TRAVEL_MM) * 1e-3;
-    let position = least(&mut squares, middle - REACH * travel / 2.0, middle + REACH * travel / 2.0);
+    let position =
+        least(&mut squares, middle - HALF_WIDTH * travel / 2.0, middle + HALF_WIDTH * travel / 2.0);
     let misfit_pa = (squares(position) / (2 * readings.spool.len()) as f64).sqrt();
     let slopes = readings.spool.iter().flat_map(|x| slopes(&mut bench, x - position));
     let deviation = misfit_pa / slopes.map(|slope| slope * slope).sum::<f64>().sqrt();
@@ -155,8 +156,8 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
 /// P1 and P2 about the null.
 fn curves(rig: &Rig, supply_pa: f64, null: f64, label: &str) -> [Series; 2] {
     let mut bench = ValveBench::new(rig, supply_pa);
-    let reach = REACH * bench.valve.travel;
-    let spool = evenly(null - 3.0 * reach, null + 3.0 * reach, 120);
+    let half_width = HALF_WIDTH * bench.valve.travel;
+    let spool = evenly(null - 3.0 * half_width, null + 3.0 * half_width, 120);
     let pressures: Vec<[f64; 2]> = spool.iter().map(|&x| bench.blocked(x)).collect();
     let x: Vec<f64> = spool.iter().map(|x| x * 1e3).collect();
     [0, 1].map(|port| Series {

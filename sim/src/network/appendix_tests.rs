@@ -2,7 +2,7 @@
 //! sections 1 and 3 where those correct them.
 
 use super::mixing::mean_of_inflows;
-use super::restriction::Place;
+use super::restriction::EndState;
 use super::*;
 use crate::component::valve::{Valve, thesis_valve};
 
@@ -48,9 +48,9 @@ fn gamma_with(network: &Network, p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
     let up = station(p1, t1);
     let square = network.land(
         gas.flow_constant(),
-        &Place::of(&up),
+        &EndState::of(&up),
         &network.approach(&up, flow),
-        &Place::of(&station(p2, 300.0)),
+        &EndState::of(&station(p2, 300.0)),
     );
     square.value.abs().sqrt().copysign(square.value) * (R / N).sqrt()
 }

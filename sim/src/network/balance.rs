@@ -16,7 +16,7 @@ use super::Network;
 use super::mixing::Mixture;
 use super::nodes::{Nodes, Surroundings, pair};
 use super::rest::{Slope, land_line, square_slope};
-use super::restriction::{Place, Side, SquareFlow, Way};
+use super::restriction::{EndState, Side, SquareFlow, Way};
 use crate::component::air::Station;
 use crate::component::tubing::FarEnd;
 use crate::number::{Number, Pair};
@@ -136,7 +136,8 @@ impl Network {
         mixture: &Mixture,
         slopes: Slope,
     ) -> Line {
-        let place = Place { exner: supply.station.exner, per_temperature: pair(self.per_supply_temperature) };
+        let place =
+            EndState { exner: supply.station.exner, per_temperature: pair(self.per_supply_temperature) };
         let conductance = around.valve.supply;
         let node = mixture.place(nodes);
         let square = match USUAL {
@@ -145,7 +146,7 @@ impl Network {
         };
         let at = (nodes.supply, square.value);
         let (residual, by_flow) = self.land_lines::<USUAL>(around, conductance, &supply.station, at, slopes);
-        let pushed = -square.by_place * supply.by_flow;
+        let pushed = -square.by_end_state * supply.by_flow;
         if USUAL {
             let row = [-square.by_node, by_flow - square.by_flow, pair(0.0)];
             return Line { residual, row, by_total: pushed };
@@ -164,7 +165,7 @@ impl Network {
         slopes: Slope,
     ) -> Line {
         let (exhaust, conductance) = (self.exhausts(), around.valve.exhaust);
-        let (place, node) = (Place::of(&exhaust), mixture.place(nodes));
+        let (place, node) = (EndState::of(&exhaust), mixture.place(nodes));
         let square = match USUAL {
             true => self.orifice(conductance, &place, &None, &node, Way::Out),
             false => self.land(conductance, &place, &None, &node),
@@ -191,13 +192,13 @@ impl Network {
         let m = nodes.port_flow();
         let of_chambers = pair(1.0) / around.chambers.temperature;
         let per_temperature = Pair::choose(around.charging, mixture.per_temperature, of_chambers);
-        let behind = Place { exner: tubes.station.exner, per_temperature };
+        let behind = EndState { exner: tubes.station.exner, per_temperature };
         let back = match USUAL {
             true => self.orifice(
                 bore,
                 &behind,
                 &tubes.approach,
-                &Place { exner: nodes.exner, ..behind },
+                &EndState { exner: nodes.exner, ..behind },
                 Way::ByPressure,
             ),
             false => self.port(bore, &behind, &tubes.approach, nodes.exner),
@@ -207,15 +208,15 @@ impl Network {
             Slope::Tangent => pair(2.0) * m.abs(),
             Slope::Secant => Pair::of(|i| square_slope(slopes, m.lane(i), -back.value.lane(i))),
         };
-        let by_flow = size - back.by_flow - back.by_place * tubes.by_flow;
+        let by_flow = size - back.by_flow - back.by_end_state * tubes.by_flow;
         // A port that charges takes no air from the chamber, so that e leaves its temperature alone.
         let by_exhaust = if USUAL { by_flow } else { by_flow - p_e };
         let mut row = [back.by_node, by_flow - p_s, by_exhaust];
         let mut by_total = -p_t;
         if let Some([w_s, w_e, w_t]) = by_warmth {
-            row[1] += back.by_place * w_s;
-            row[2] += back.by_place * w_e;
-            by_total += back.by_place * w_t;
+            row[1] += back.by_end_state * w_s;
+            row[2] += back.by_end_state * w_e;
+            by_total += back.by_end_state * w_t;
         }
         Line { residual: m * m.abs() + back.value, row, by_total }
     }
@@ -274,8 +275,8 @@ fn open_port_line(nodes: &Nodes, tubes: &Side, by_warmth: ByWarmth) -> Line {
 impl Mixture {
     /// The node's air as a restriction feels it.
     #[inline(always)]
-    fn place(&self, nodes: &Nodes) -> Place<Pair> {
-        Place { exner: nodes.exner, per_temperature: self.per_temperature }
+    fn place(&self, nodes: &Nodes) -> EndState<Pair> {
+        EndState { exner: nodes.exner, per_temperature: self.per_temperature }
     }
 
     /// Slopes of a squared flow over s, e and the flow in the supply tube by T_n, where the air is the node's.

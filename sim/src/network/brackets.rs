@@ -3,7 +3,7 @@
 //! Only the speeds of approach, which are given to the brackets and found again pass by pass, may not come to rest.
 
 use super::mixing::mean_of_inflows;
-use super::restriction::{Approach, MaybeApproach, Place, factor};
+use super::restriction::{Approach, EndState, MaybeApproach, factor};
 use super::{Network, Node, Nodes, PortFlow, Station, Surroundings};
 use crate::component::valve::Conductances;
 use pneudrive_solver::bracketed_root;
@@ -11,16 +11,16 @@ use pneudrive_solver::bracketed_root;
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.
 const MAX_PASSES: u32 = 400;
 
-/// Change of a factor that is none; ten times as much after every [`PATIENCE`] passes more: a solution that is
+/// Change of a factor that is none; ten times as much after every [`PASSES_PER_DECADE`] passes more: a solution that is
 /// nearly two in one is come to ever more slowly, and near enough in the end.
 const UNCHANGED: f64 = 1e-12;
-const PATIENCE: u32 = 50;
+const PASSES_PER_DECADE: u32 = 50;
 
 /// A pass that leaves more than this part of the change of the one before is slow.
 const SLOW: f64 = 0.7;
 
 /// The farthest that a slow factor reaches in one pass.
-const FARTHEST: f64 = 1e-3;
+const MAX_STEP_OF_FACTOR: f64 = 1e-3;
 
 /// Passes over the temperature of what charges a port without a bore: that of one land's air after the first, as a
 /// rule.
@@ -58,7 +58,7 @@ impl Network {
                     largest = largest.max(place.follow(found));
                 }
             }
-            if largest < UNCHANGED * 10_f64.powi((pass / PATIENCE) as i32) {
+            if largest < UNCHANGED * 10_f64.powi((pass / PASSES_PER_DECADE) as i32) {
                 return true;
             }
             let mut both = places.as_flattened().iter().zip(landmark.as_flattened());
@@ -171,10 +171,10 @@ impl Network {
         let [from_supply, from_exhaust, from_port] = side.approaches;
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);
         for _ in 0..2 {
-            let here = Place::of(&Station { exner, temperature: node.temperature });
-            let supply_flow = self.land(side.valve.supply, &Place::of(&supply), from_supply, &here).value;
+            let here = EndState::of(&Station { exner, temperature: node.temperature });
+            let supply_flow = self.land(side.valve.supply, &EndState::of(&supply), from_supply, &here).value;
             let exhaust_flow =
-                self.land(side.valve.exhaust, &Place::of(&self.exhaust), from_exhaust, &here).value;
+                self.land(side.valve.exhaust, &EndState::of(&self.exhaust), from_exhaust, &here).value;
             node.supply_flow = signed_root(supply_flow);
             node.exhaust_flow = signed_root(exhaust_flow);
             let inflows = [
@@ -195,7 +195,7 @@ impl Network {
         let here = node.station();
         let excess = |m: f64| {
             let far = self.port_station(here.temperature, &side.chamber, side.port, m);
-            m * m.abs() + self.port(bore, &Place::of(&far), &side.approaches[2], here.exner).value
+            m * m.abs() + self.port(bore, &EndState::of(&far), &side.approaches[2], here.exner).value
         };
         let highest = node.exner.max(side.chamber.exner);
         let coldest = node.temperature.min(side.chamber.temperature);
@@ -232,7 +232,7 @@ impl OverRelaxation {
         } else {
             (0.5 * self.reach).max(1.0)
         };
-        let farthest = FARTHEST.max(rise.abs());
+        let farthest = MAX_STEP_OF_FACTOR.max(rise.abs());
         let step = (self.reach * rise).clamp(-farthest, farthest);
         self.last = rise;
         self.approach = found.map(|found| Approach { factor: factor(&self.approach) + step, ..found });

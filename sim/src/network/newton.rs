@@ -8,7 +8,7 @@ use super::balance::Correction;
 use super::mixing::Mixture;
 use super::nodes::{Nodes, Surroundings, pair};
 use super::rest::{Slope, is_rounding};
-use super::restriction::{Place, Side};
+use super::restriction::{EndState, Side};
 use super::{FLOW_ERROR, Network};
 use crate::component::air::Station;
 use crate::number::{Number, Pair};
@@ -148,7 +148,7 @@ impl Network {
         let supply = Station { exner: pair(self.supply.exner), temperature: self.supply_temperature() };
         let begin = |flow: Pair, conductance: Pair, source: &Station<Pair>| {
             let square =
-                self.land(conductance, &Place::of(source), &None, &Place::of(&nodes.stations())).value;
+                self.land(conductance, &EndState::of(source), &None, &EndState::of(&nodes.stations())).value;
             let driven = Pair::of(|i| square.lane(i).abs().sqrt().copysign(square.lane(i)));
             let opens = pair(NO_FLOW).above(flow.abs()) & conductance.above(pair(0.0));
             Pair::choose(opens, driven, flow)

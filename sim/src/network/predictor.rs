@@ -8,7 +8,7 @@ use super::nodes::{Nodes, Surroundings, pair};
 use crate::number::{Number, Pair};
 
 /// The farthest extrapolation, over the time span of the three solutions.
-const FARTHEST: f64 = 8.0;
+const MAX_EXTRAPOLATION: f64 = 8.0;
 
 /// w_n, s and e of the nodes.
 type Unknowns = [Pair; 3];
@@ -33,7 +33,7 @@ impl Predictor {
         let [last, middle, first] = self.at;
         let dt = self.now - last;
         let span = last - first;
-        if dt == 0.0 || last == middle || dt.abs() > FARTHEST * span.abs() {
+        if dt == 0.0 || last == middle || dt.abs() > MAX_EXTRAPOLATION * span.abs() {
             return false;
         }
         let (per_last, per_first, per_span) = (1.0 / (last - middle), 1.0 / (middle - first), 1.0 / span);

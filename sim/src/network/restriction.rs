@@ -9,7 +9,7 @@ use crate::number::{Number, Pair};
 /// the flow itself (by its speed of approach).
 pub(super) struct SquareFlow<N = f64> {
     pub value: N,
-    pub by_place: N,
+    pub by_end_state: N,
     pub by_node: N,
     pub by_flow: N,
 }
@@ -24,17 +24,17 @@ pub(super) struct Approach<N = f64> {
 
 /// Where air comes from or goes to, as a restriction feels it.
 #[derive(Clone, Copy)]
-pub(super) struct Place<N = f64> {
+pub(super) struct EndState<N = f64> {
     /// w.
     pub exner: N,
     /// 1/T, 1/K.
     pub per_temperature: N,
 }
 
-impl<N: Number> Place<N> {
+impl<N: Number> EndState<N> {
     #[inline(always)]
-    pub fn of(station: &Station<N>) -> Place<N> {
-        Place { exner: station.exner, per_temperature: N::from(1.0) / station.temperature }
+    pub fn of(station: &Station<N>) -> EndState<N> {
+        EndState { exner: station.exner, per_temperature: N::from(1.0) / station.temperature }
     }
 }
 
@@ -108,14 +108,14 @@ impl Network {
         &self,
         law: &FlowLaw,
         conductance: N,
-        place: &Place<N>,
+        place: &EndState<N>,
         approach: &MaybeApproach<N>,
-        node: &Place<N>,
+        node: &EndState<N>,
         way: Way,
     ) -> SquareFlow<N> {
         let raised = match approach {
             None => *place,
-            Some(approach) => Place {
+            Some(approach) => EndState {
                 exner: place.exner * approach.factor,
                 per_temperature: place.per_temperature / approach.factor,
             },
@@ -136,14 +136,14 @@ impl Network {
         };
         let per_temperature = N::choose(inward, raised.per_temperature, node.per_temperature);
         let k = (conductance * per_temperature).signed(inward);
-        let [by_place, by_node] = N::either(inward, k * psi.by_upstream, k * psi.by_downstream);
-        let square = SquareFlow { value: k * psi.value, by_place, by_node, by_flow: N::from(0.0) };
+        let [by_end_state, by_node] = N::either(inward, k * psi.by_upstream, k * psi.by_downstream);
+        let square = SquareFlow { value: k * psi.value, by_end_state, by_node, by_flow: N::from(0.0) };
         let Some(approach) = approach else { return square };
         // Over anything that changes the factor by df: w changes by w df and T by T df.
         let by_factor = k * (psi.by_upstream * place.exner - psi.value / approach.factor);
-        let by_place = k * psi.by_upstream * approach.factor + by_factor * approach.by_exner;
+        let by_end_state = k * psi.by_upstream * approach.factor + by_factor * approach.by_exner;
         SquareFlow {
-            by_place: N::choose(inward, by_place, square.by_place),
+            by_end_state: N::choose(inward, by_end_state, square.by_end_state),
             by_flow: N::choose(inward, by_factor * approach.by_flow, N::from(0.0)),
             ..square
         }
@@ -154,9 +154,9 @@ impl Network {
     pub(super) fn land<N: Number>(
         &self,
         conductance: N,
-        source: &Place<N>,
+        source: &EndState<N>,
         approach: &MaybeApproach<N>,
-        node: &Place<N>,
+        node: &EndState<N>,
     ) -> SquareFlow<N> {
         self.restriction::<N, false>(&self.laws.land, conductance, source, approach, node, Way::ByPressure)
     }
@@ -166,9 +166,9 @@ impl Network {
     pub(super) fn orifice<N: Number>(
         &self,
         conductance: N,
-        place: &Place<N>,
+        place: &EndState<N>,
         approach: &MaybeApproach<N>,
-        node: &Place<N>,
+        node: &EndState<N>,
         way: Way,
     ) -> SquareFlow<N> {
         self.restriction::<N, true>(&FlowLaw::Orifice, conductance, place, approach, node, way)
@@ -180,11 +180,11 @@ impl Network {
     pub(super) fn port<N: Number>(
         &self,
         conductance: N,
-        far: &Place<N>,
+        far: &EndState<N>,
         approach: &MaybeApproach<N>,
         node_exner: N,
     ) -> SquareFlow<N> {
-        let near = Place { exner: node_exner, ..*far };
+        let near = EndState { exner: node_exner, ..*far };
         self.restriction::<N, false>(&self.laws.port, conductance, far, approach, &near, Way::ByPressure)
     }
 

@@ -36,7 +36,7 @@ pub const BIT_BAND: u32 = 0x4200_0000;
 
 /// A peripheral.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum Peripheral {
     Encoder,
     Pulses,
     Timer,
@@ -56,36 +56,36 @@ enum Place {
 }
 
 /// The peripheral at an address, its clock's gate if it has one, and where it starts.
-fn place(address: u32) -> Option<(Place, Option<Gate>, u32)> {
-    let (place, gate) = match address & !0x3ff {
-        0x4000_0000 => (Place::Encoder, Some(TIM2)),
-        0x4000_0800 => (Place::Pulses, Some(TIM4)),
-        0x4000_0c00 => (Place::Timer, Some(TIM5)),
-        0x4000_3000 => (Place::Watchdog, None),
-        0x4000_4400 => (Place::Usart, Some(USART2)),
-        0x4000_7000 => (Place::Pwr, Some(PWR)),
-        0x4000_7400 => (Place::Dac, Some(DAC)),
-        0x4001_2000 => (Place::Adc, Some(ADC)),
-        0x4002_0000 => (Place::Port(A), Some(Gate::Ahb1(0))),
-        0x4002_0400 => (Place::Port(B), Some(Gate::Ahb1(1))),
-        0x4002_0800 => (Place::Port(C), Some(Gate::Ahb1(2))),
-        0x4002_3800 => (Place::Rcc, None),
-        0x4002_3c00 => (Place::Flash, None),
-        0x4002_6000 => (Place::Dma1, Some(DMA1)),
-        0x4002_6400 => (Place::Dma2, Some(DMA2)),
-        system::DWT => (Place::Counter, None),
-        0xe000_e000..0xe000_f000 => return Some((Place::System, None, system::START)),
-        0xe004_2000 => (Place::Debug, None),
+fn peripheral(address: u32) -> Option<(Peripheral, Option<Gate>, u32)> {
+    let (peripheral, gate) = match address & !0x3ff {
+        0x4000_0000 => (Peripheral::Encoder, Some(TIM2)),
+        0x4000_0800 => (Peripheral::Pulses, Some(TIM4)),
+        0x4000_0c00 => (Peripheral::Timer, Some(TIM5)),
+        0x4000_3000 => (Peripheral::Watchdog, None),
+        0x4000_4400 => (Peripheral::Usart, Some(USART2)),
+        0x4000_7000 => (Peripheral::Pwr, Some(PWR)),
+        0x4000_7400 => (Peripheral::Dac, Some(DAC)),
+        0x4001_2000 => (Peripheral::Adc, Some(ADC)),
+        0x4002_0000 => (Peripheral::Port(A), Some(Gate::Ahb1(0))),
+        0x4002_0400 => (Peripheral::Port(B), Some(Gate::Ahb1(1))),
+        0x4002_0800 => (Peripheral::Port(C), Some(Gate::Ahb1(2))),
+        0x4002_3800 => (Peripheral::Rcc, None),
+        0x4002_3c00 => (Peripheral::Flash, None),
+        0x4002_6000 => (Peripheral::Dma1, Some(DMA1)),
+        0x4002_6400 => (Peripheral::Dma2, Some(DMA2)),
+        system::DWT => (Peripheral::Counter, None),
+        0xe000_e000..0xe000_f000 => return Some((Peripheral::System, None, system::START)),
+        0xe004_2000 => (Peripheral::Debug, None),
         _ => return None,
     };
-    Some((place, gate, address & !0x3ff))
+    Some((peripheral, gate, address & !0x3ff))
 }
 
 impl Board {
     /// A read of so many bytes.
     pub fn read(&mut self, address: u32, bytes: usize, memory: &mut dyn Memory) -> u64 {
         self.settle(memory);
-        let Some((place, start)) = self.reached(address, "reads") else { return 0 };
+        let Some((peripheral, start)) = self.reached(address, "reads") else { return 0 };
         if address == LINE_STATE && self.idle.begin_round() {
             self.pass_time();
             self.settle(memory);
@@ -93,7 +93,7 @@ impl Board {
         if address == ENCODER_COUNT {
             self.note_lateness(0);
         }
-        let word = self.read_word(place, (address - start) & !3);
+        let word = self.read_word(peripheral, (address - start) & !3);
         let shifted = u64::from(word) >> (8 * (address % 4));
         shifted & ((1 << (8 * bytes)) - 1)
     }
@@ -102,24 +102,24 @@ impl Board {
     pub fn write(&mut self, address: u32, bytes: usize, value: u64, memory: &mut dyn Memory) {
         self.settle(memory);
         self.idle.something_happens();
-        let Some((place, start)) = self.reached(address, "writes") else { return };
+        let Some((peripheral, start)) = self.reached(address, "writes") else { return };
         let was_enabled = self.enabled();
-        self.write_word(place, Write::of(address - start, bytes, value), memory);
+        self.write_word(peripheral, Write::of(address - start, bytes, value), memory);
         if self.enabled() != was_enabled {
             self.enable_log.push((self.now, !was_enabled));
         }
     }
 
     /// The peripheral at an address; a mistake of the image, or what no model knows, ends the run.
-    fn reached(&mut self, address: u32, does: &str) -> Option<(Place, u32)> {
-        let told = match place(address) {
-            Some((place, gate, start)) if gate.is_none_or(|gate| self.rcc.is_clocked(gate)) => {
-                return Some((place, start));
+    fn reached(&mut self, address: u32, does: &str) -> Option<(Peripheral, u32)> {
+        let handled = match peripheral(address) {
+            Some((peripheral, gate, start)) if gate.is_none_or(|gate| self.rcc.is_clocked(gate)) => {
+                return Some((peripheral, start));
             }
-            Some((place, ..)) => format!("the image {does} {place:?} at {address:#x} while its clock is off"),
+            Some((peripheral, ..)) => format!("the image {does} {peripheral:?} at {address:#x} while its clock is off"),
             None => format!("the image {does} {address:#x}, and no model knows what is there"),
         };
-        self.stop.get_or_insert(Stop::Broken(told));
+        self.stop.get_or_insert(Stop::Broken(handled));
         None
     }
 
@@ -136,64 +136,64 @@ impl Board {
         self.write(address, 4, word & !(1 << bit) | (value & 1) << bit, memory);
     }
 
-    fn read_word(&mut self, place: Place, offset: u32) -> u32 {
-        match place {
-            Place::Encoder => self.encoder.read(offset),
-            Place::Pulses => self.pulses.read(offset, self.now),
-            Place::Timer => self.timer.read(offset, self.now),
-            Place::Watchdog => self.watchdog.read(offset, self.now),
-            Place::Usart => self.usart.read(offset),
-            Place::Pwr => self.pwr.read(offset),
-            Place::Dac => self.dac.read(offset),
-            Place::Adc => self.adc.read(offset),
-            Place::Port(port) => self.ports[port].read(offset),
-            Place::Rcc => self.rcc.read(offset),
-            Place::Flash => self.flash.read(offset),
-            Place::Dma1 => self.dma_1.read(offset),
-            Place::Dma2 => self.dma_2.read(offset),
-            Place::Counter => {
+    fn read_word(&mut self, peripheral: Peripheral, offset: u32) -> u32 {
+        match peripheral {
+            Peripheral::Encoder => self.encoder.read(offset),
+            Peripheral::Pulses => self.pulses.read(offset, self.now),
+            Peripheral::Timer => self.timer.read(offset, self.now),
+            Peripheral::Watchdog => self.watchdog.read(offset, self.now),
+            Peripheral::Usart => self.usart.read(offset),
+            Peripheral::Pwr => self.pwr.read(offset),
+            Peripheral::Dac => self.dac.read(offset),
+            Peripheral::Adc => self.adc.read(offset),
+            Peripheral::Port(port) => self.ports[port].read(offset),
+            Peripheral::Rcc => self.rcc.read(offset),
+            Peripheral::Flash => self.flash.read(offset),
+            Peripheral::Dma1 => self.dma_1.read(offset),
+            Peripheral::Dma2 => self.dma_2.read(offset),
+            Peripheral::Counter => {
                 self.system.read_counter(offset, self.now, self.clocks.unwrap_or(NO_CLOCK).core)
             }
-            Place::System => self.system.read(offset),
-            Place::Debug => self.debug.get(offset),
+            Peripheral::System => self.system.read(offset),
+            Peripheral::Debug => self.debug.get(offset),
         }
     }
 
-    fn write_word(&mut self, place: Place, write: Write, memory: &mut dyn Memory) {
+    fn write_word(&mut self, peripheral: Peripheral, write: Write, memory: &mut dyn Memory) {
         let clocks = self.clocks.unwrap_or(NO_CLOCK);
-        match place {
-            Place::Encoder => self.encoder.write(write),
-            Place::Pulses => self.start_pulse(write),
-            Place::Timer => self.timer.write(write, self.now),
-            Place::Watchdog => self.watchdog.write(write, self.now),
-            Place::Usart => self.usart.write(write),
-            Place::Pwr => self.pwr.write(write),
-            Place::Dac => {
+        match peripheral {
+            Peripheral::Encoder => self.encoder.write(write),
+            Peripheral::Pulses => self.start_pulse(write),
+            Peripheral::Timer => self.timer.write(write, self.now),
+            Peripheral::Watchdog => self.watchdog.write(write, self.now),
+            Peripheral::Usart => self.usart.write(write),
+            Peripheral::Pwr => self.pwr.write(write),
+            Peripheral::Dac => {
                 if self.dac.write(write) {
                     self.note_lateness(1);
                 }
             }
-            Place::Adc => self.adc.write(write, clocks.apb2, self.now),
-            Place::Port(port) => self.ports[port].write(write),
-            Place::Rcc => {
+            Peripheral::Adc => self.adc.write(write, clocks.apb2, self.now),
+            Peripheral::Port(port) => self.ports[port].write(write),
+            Peripheral::Rcc => {
                 if let Some(gate) = self.rcc.write(write) {
                     self.renew(gate);
                 }
                 self.follow_clocks();
             }
-            Place::Flash => {
+            Peripheral::Flash => {
                 let stalls = self.flash.write(write);
                 self.stall(stalls);
             }
-            Place::Dma1 => self.start_stream(write, memory),
-            Place::Dma2 => drop(self.dma_2.write(write)),
-            Place::Counter => self.system.write_counter(write),
-            Place::System => {
+            Peripheral::Dma1 => self.start_stream(write, memory),
+            Peripheral::Dma2 => drop(self.dma_2.write(write)),
+            Peripheral::Counter => self.system.write_counter(write),
+            Peripheral::System => {
                 if self.system.write(write) {
                     self.stop.get_or_insert(Stop::Reset(Cause::Software));
                 }
             }
-            Place::Debug => drop(self.debug.keep(write)),
+            Peripheral::Debug => drop(self.debug.keep(write)),
         }
     }
 

@@ -136,16 +136,16 @@ const STEADY_KPA_S: f64 = 7.0;
 const STEADYING: f64 = 0.7;
 
 /// A swing that loses less than this part over the cycles is constant.
-const LOST: f64 = 0.1;
+const MAX_LOSS: f64 = 0.1;
 
 /// And one that gains less than this: it does not die out, and is at least as large as it was.
-const GAINED: f64 = 0.3;
+const MAX_GAIN: f64 = 0.3;
 
 /// A change of the swing over the cycles must be known to be less than this part.
 const KNOWN: f64 = 0.5;
 
 /// Beyond a transient, a swing changes by less than this part of its rate before.
-const LEVELLED: f64 = 1.0 / 3.0;
+const MAX_TREND: f64 = 1.0 / 3.0;
 
 /// Standard deviation of a cycle's swing by the counts at its turning points, counts: two swings of two ends each.
 const ROUNDING_COUNTS: f64 = 0.3;
@@ -315,12 +315,12 @@ fn is_constant(all: &[Cycle], count: usize, half: usize, mm_per_count: f64) -> b
     let now = trend(last, mm_per_count);
     let [change, unknown] = [now.slope, 2.0 * now.deviation].map(|rate| rate * count as f64);
     let constant =
-        ((-LOST..GAINED).contains(&change) || change.abs() < unknown) && change.abs() + unknown < KNOWN;
-    let levelled = || {
+        ((-MAX_LOSS..MAX_GAIN).contains(&change) || change.abs() < unknown) && change.abs() + unknown < KNOWN;
+    let is_level = || {
         let earlier = &before[before.len() - count.min(before.len())..];
-        earlier.len() >= 2 && now.slope.abs() < LEVELLED * trend(earlier, mm_per_count).slope.abs()
+        earlier.len() >= 2 && now.slope.abs() < MAX_TREND * trend(earlier, mm_per_count).slope.abs()
     };
-    constant && (count == half || levelled())
+    constant && (count == half || is_level())
 }
 
 /// Why the swing of cycles is not constant.

@@ -210,9 +210,9 @@ fn runs_that_do_not_all_end_alike_are_counted() {
     let swing = |t: f64| 100.0 + 2.0 * (std::f64::consts::TAU * 7.0 * t).sin() - 60.0 * (-t / 0.02).exp();
     let swinging = evaluated(&transient(|_| 100.0, swing, 3000));
     let runs = [short_by(0.0), swinging, short_by(1.0)];
-    let said = remarks(&runs).join("\n");
+    let text = remarks(&runs).join("\n");
     let counts = "of 3 runs that differ by next to nothing 2 come to rest, 1 end in a limit cycle";
-    assert!(said.contains(counts), "{said}");
+    assert!(text.contains(counts), "{text}");
     let cycle = &table(&runs, 0.05).rows;
     assert_eq!((cycle[0][9].as_str(), cycle[1][9].as_str()), ("none", "none"));
     assert!(cycle[2][9].starts_with("4.0") || cycle[2][9].starts_with("3.9"), "{cycle:?}");

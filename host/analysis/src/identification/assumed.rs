@@ -9,7 +9,7 @@ use anyhow::{Result, anyhow};
 use nalgebra::{DMatrix, DVector};
 
 use super::found::Found;
-use super::level::{self, Incline, LEVELLED};
+use super::level::{self, Incline, LEVELLING_ERROR_DEG};
 use super::model::Model;
 use super::parameter::Parameter;
 use super::posterior::{NORMAL_95, Posterior, RESTS, inverse};
@@ -19,7 +19,7 @@ use super::{Estimate, Given, Share, Unseen};
 /// The key, and its standard deviation in its unit.
 const ASSUMED: [(&str, f64); 1] = [
     // A drive that somebody has levelled. Its weight acts as friction that is stronger one way: no test tells them apart.
-    ("load.incline_deg", LEVELLED),
+    ("load.incline_deg", LEVELLING_ERROR_DEG),
 ];
 
 /// Keys that do what others do, so that a fit of one takes the other for known.
@@ -113,12 +113,13 @@ impl Considered {
         let error = self.of.standard_error(i);
         let assumed = self.of.part_of_priors(i);
         let rests = assumed > RESTS;
-        let moved = self.of.reach(i, misfit);
-        let reach = NORMAL_95 * error + moved;
+        let moved = self.of.max_shift(i, misfit);
+        let half_width = NORMAL_95 * error + moved;
         Estimate {
             value: parameter.value(u[i]),
             standard_error: error * parameter.slope(u[i]),
-            interval: self.on_the_level(parameter, [u[i] - reach, u[i] + reach].map(|u| parameter.value(u))),
+            interval: self
+                .on_the_level(parameter, [u[i] - half_width, u[i] + half_width].map(|u| parameter.value(u))),
             assumed,
             rests_on: if rests { self.shares(model, i) } else { Vec::new() },
             given: if rests && misfit == 0.0 { self.given(model, u, i) } else { None },
@@ -137,7 +138,7 @@ impl Considered {
     /// What parameter `i` is once others are known.
     fn given(&self, model: &Model, u: &[f64], i: usize) -> Option<Given> {
         let known = self.of.known(i, self.named(model))?;
-        let (parameter, reach) = (&model.parameters[i], NORMAL_95 * known.standard_error);
+        let (parameter, half_width) = (&model.parameters[i], NORMAL_95 * known.standard_error);
         let slope = parameter.slope(u[i]);
         let by = known.unknowns.iter().zip(&known.slopes).map(|(&j, by)| {
             let other = self.parameter(model, j);
@@ -147,7 +148,7 @@ impl Considered {
         Some(Given {
             known: by.collect(),
             standard_error: known.standard_error * slope,
-            interval: [parameter.value(u[i] - reach), parameter.value(u[i] + reach)],
+            interval: [parameter.value(u[i] - half_width), parameter.value(u[i] + half_width)],
         })
     }
 

@@ -6,7 +6,7 @@
 //! F = M a + K_C v + F_c,ext [v > 0] - F_c,ret [v < 0]  least squares while it slips
 //! ```
 //!
-//! Speed and acceleration are differences of positions over `REACH` samples to either side, the force a mean over
+//! Speed and acceleration are differences of positions over `HALF_WIDTH` samples to either side, the force a mean over
 //! the same ones. The hysteresis is how far apart the spool stands at the same command on the way up and on the way
 //! down, as in 7.1.2.1.
 
@@ -22,7 +22,7 @@ use super::recording::Recording;
 use crate::page::Table;
 
 /// Samples to either side of which a difference is formed.
-const REACH: usize = 6;
+const HALF_WIDTH: usize = 6;
 
 /// Speed from which the load is taken to slip, m/s.
 const SLIPS: f64 = 0.02;
@@ -157,7 +157,7 @@ impl Figures {
         let found = &inverse * matrix.tr_mul(&forces);
         let left = (&forces - &matrix * &found).norm_squared();
         // Neighbours share their samples: each tells as much as a part of one.
-        let shared = (2 * REACH) as f64;
+        let shared = (2 * HALF_WIDTH) as f64;
         let variance = shared * left / (slipping.len() - columns) as f64;
         let figure = |i: usize| Figure { value: found[i], error: (variance * inverse[(i, i)]).sqrt() };
         (self.mass, self.viscous) = (Some(figure(0)), Some(figure(1)));
@@ -189,26 +189,27 @@ fn period(recording: &Recording) -> f64 {
 fn instants(rig: &Rig, recording: &Recording) -> Vec<Instant> {
     let position = &recording.channels[0];
     let y = |k: usize| position.measured[k] * position.scale;
-    let reach = REACH as f64 * period(recording);
+    let half_width_s = HALF_WIDTH as f64 * period(recording);
     let moves = |k: usize| {
         let step = |i: usize| position.measured[i + 1] - position.measured[i];
-        let (first, last) = (step(k - REACH), step(k + REACH - 1));
+        let (first, last) = (step(k - HALF_WIDTH), step(k + HALF_WIDTH - 1));
         first * last > 0.0
     };
-    let last = position.measured.len().saturating_sub(REACH);
+    let last = position.measured.len().saturating_sub(HALF_WIDTH);
     let at = |k: usize| {
-        let around = k - REACH..=k + REACH;
-        let weight = |i: usize| (REACH + 1 - i.abs_diff(k)) as f64;
+        let around = k - HALF_WIDTH..=k + HALF_WIDTH;
+        let weight = |i: usize| (HALF_WIDTH + 1 - i.abs_diff(k)) as f64;
         let (sum, weights) = around.fold((0.0, 0.0), |(sum, weights), i| {
             (sum + weight(i) * force(rig, recording, i), weights + weight(i))
         });
         Instant {
-            speed: (y(k + REACH) - y(k - REACH)) / (2.0 * reach),
-            acceleration: (y(k + REACH) - 2.0 * y(k) + y(k - REACH)) / (reach * reach),
+            speed: (y(k + HALF_WIDTH) - y(k - HALF_WIDTH)) / (2.0 * half_width_s),
+            acceleration: (y(k + HALF_WIDTH) - 2.0 * y(k) + y(k - HALF_WIDTH))
+                / (half_width_s * half_width_s),
             force: sum / weights,
         }
     };
-    (REACH..last).filter(|&k| moves(k)).map(at).collect()
+    (HALF_WIDTH..last).filter(|&k| moves(k)).map(at).collect()
 }
 
 /// Each breakaway from a rest: its direction, and the size of the force before it; its error is how far the force

@@ -9,7 +9,7 @@ use super::limits::step_within;
 use super::model::{Model, noise_at_rest, rest};
 use super::posterior::inverse;
 use super::recording::CHANNELS;
-use super::rounding::{Judged, judged};
+use super::rounding::{Whitened, judged};
 use super::spectrum::{AtRest, Spectrum, Transform, at_rest};
 
 /// Steps without rounding at most, and the least part of the sum of squares that one gains.
@@ -25,7 +25,7 @@ pub(super) struct Found {
     /// The same with all rounding: what moves the estimates.
     pub moving: Spectrum,
     /// The residuals of `spectrum`.
-    pub judged: Judged,
+    pub judged: Whitened,
     /// Covariance of the errors that noise makes.
     pub by_noise: DMatrix<f64>,
     /// (J' J + L)^-1, with L the inverse variances of the priors.

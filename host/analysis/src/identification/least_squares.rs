@@ -55,13 +55,13 @@ impl Minimum {
 }
 
 /// Most steps of a search to the end.
-const MOST_STEPS: usize = 40;
+const MAX_STEPS: usize = 40;
 
 /// Most steps of a search that only has to come near.
-const MOST_ROUGH_STEPS: usize = 12;
+const MAX_ROUGH_STEPS: usize = 12;
 
 /// Most steps of a search by secants.
-const MOST_SECANTS: usize = 20;
+const MAX_SECANTS: usize = 20;
 
 /// A search is at its end where the next step promises less than this part of the sum of squares per degree
 /// of freedom: a seventh of a standard error.
@@ -80,7 +80,7 @@ const LONGEST: f64 = 0.3;
 const DAMPING: [f64; 2] = [1e-3, 1e-8];
 
 /// Damping at which a search gives up.
-const MOST_DAMPING: f64 = 1e10;
+const MAX_DAMPING: f64 = 1e10;
 
 /// Searches from `start`: to the end, or near it. None when there are no residuals or derivatives at `start`.
 pub fn minimise(
@@ -90,7 +90,7 @@ pub fn minimise(
     progress: &mut dyn FnMut(&str),
 ) -> Option<Minimum> {
     let mut search = Search::at(problem, start, DAMPING[usize::from(to_the_end)])?;
-    let most = if to_the_end { MOST_STEPS } else { MOST_ROUGH_STEPS };
+    let most = if to_the_end { MAX_STEPS } else { MAX_ROUGH_STEPS };
     let mut idle = 0;
     for _ in 0..most {
         let before = search.cost();
@@ -113,7 +113,7 @@ pub fn minimise_by_secants(problem: &impl Problem, start: Minimum) -> Minimum {
     let mut search = Search::from(problem, start, DAMPING[1]);
     search.by_secants = true;
     let mut idle = 0;
-    for _ in 0..MOST_SECANTS {
+    for _ in 0..MAX_SECANTS {
         let before = search.cost();
         search.step(problem);
         idle = if before - search.cost() < search.near() { idle + 1 } else { 0 };
@@ -162,7 +162,7 @@ impl Search {
         let jacobian = &self.minimum.jacobian;
         let (normal, gradient) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(&self.minimum.residuals));
         let near = self.near();
-        while self.damping < MOST_DAMPING {
+        while self.damping < MAX_DAMPING {
             let matrix = damped(&normal, self.damping);
             let Some(step) = step_within(&matrix, &gradient, &self.limits, &self.minimum.u) else {
                 self.grow();

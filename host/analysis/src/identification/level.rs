@@ -33,13 +33,13 @@ const GONE: f64 = 0.1;
 
 /// Fewest values that tell a common force, and the least error of one, N.
 const FEWEST: usize = 3;
-const LEAST_ERROR: f64 = 1e-3;
+const MIN_ERROR: f64 = 1e-3;
 
 /// A common force is told where chance makes one as clear less often than this.
 const CHANCE: f64 = 0.01;
 
 /// What a drive that somebody has levelled may be off by, degrees, standard deviation.
-pub(super) const LEVELLED: f64 = 2.0;
+pub(super) const LEVELLING_ERROR_DEG: f64 = 2.0;
 
 /// An incline that would explain how friction differs from the file's, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +82,7 @@ fn common(values: &[(f64, f64, f64)]) -> Option<Common> {
     let force = off.iter().map(|(weight, d)| weight * d).sum::<f64>() / weights;
     let scatter = off.iter().map(|(weight, d)| weight * (d - force).powi(2)).sum::<f64>() / freedom;
     let error = (scatter / weights).sqrt();
-    let chance = 2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(force.abs() / error.max(LEAST_ERROR));
+    let chance = 2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(force.abs() / error.max(MIN_ERROR));
     (chance < CHANCE).then_some(Common { force, error, freedom })
 }
 
@@ -106,10 +106,10 @@ pub(super) fn suggested(model: &Model, u: &[f64]) -> Option<Incline> {
     let Common { force, error, freedom } = common(&values)?;
     let weight = GRAVITY * model.rig_at(u).ok()?.get(&keys::load::MASS_KG);
     let degrees = |force: f64| (force / weight).clamp(-1.0, 1.0).asin().to_degrees();
-    let reach = error * StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
-    let forces = [force - reach, force + reach];
+    let half_width = error * StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
+    let forces = [force - half_width, force + half_width];
     let incline = Incline { degrees: degrees(force), interval: forces.map(degrees), force, forces };
-    (incline.degrees.abs() > 2.0 * LEVELLED).then_some(incline)
+    (incline.degrees.abs() > 2.0 * LEVELLING_ERROR_DEG).then_some(incline)
 }
 
 #[cfg(test)]

@@ -122,7 +122,7 @@ impl<'a> Model<'a> {
 
     /// Why there are no residuals at a point: the first recording that cannot be followed, and its error. None where
     /// there are.
-    pub fn obstacle(&self, u: &[f64]) -> Option<anyhow::Error> {
+    pub fn failure(&self, u: &[f64]) -> Option<anyhow::Error> {
         (0..self.recordings.len()).find_map(|recording| {
             let failed = self.try_to_follow(&Job { u, recording }).err()?;
             Some(failed.context(self.recordings[recording].name.clone()))

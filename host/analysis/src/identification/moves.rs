@@ -47,7 +47,7 @@ pub const FITTED: [Test; 6] = [
 ];
 
 /// How far a stroke goes at most, and how near to an end, as parts of the stroke.
-const FARTHEST: f64 = 0.3;
+const MAX_STROKE: f64 = 0.3;
 const FROM_END: f64 = 0.15;
 
 /// Shortest way that shows anything, as a part of the stroke.
@@ -143,7 +143,7 @@ fn with_moves(rig: &Rig, position: f64, moves: &[(f64, i32)], duration: f64) -> 
 fn room(rig: &Rig, start: f64, direction: f64) -> Result<f64> {
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let end = if direction > 0.0 { stroke - start } else { start };
-    let room = (end - FROM_END * stroke).min(FARTHEST * stroke);
+    let room = (end - FROM_END * stroke).min(MAX_STROKE * stroke);
     if room < SHORTEST * stroke {
         bail!(
             "the drive stands {:.0} mm from an end; bring it to rest near {:.0} mm, the middle of its stroke",

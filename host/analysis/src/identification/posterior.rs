@@ -27,10 +27,10 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub const RESTS: f64 = 0.5;
 
 /// A prior is told of where it makes this part of a variance.
-const TOLD: f64 = 0.1;
+const PRIOR_SHARE: f64 = 0.1;
 
 /// Most values that a parameter is said to depend on.
-const MOST_TOLD: usize = 3;
+const MAX_LISTED: usize = 3;
 
 /// Knowing one more value is worth telling of where it takes this part of the variance that was left.
 const HELPS: f64 = 0.75;
@@ -90,7 +90,7 @@ impl Posterior {
     /// How far residuals of a norm can move an unknown, in u: C J' d is largest where d has the direction of what the
     /// unknown does to the data.
     #[must_use]
-    pub fn reach(&self, i: usize, norm: f64) -> f64 {
+    pub fn max_shift(&self, i: usize, norm: f64) -> f64 {
         let by_priors: f64 =
             (0..self.priors.len()).map(|j| self.by_prior[(i, j)] * self.inverse[(i, j)]).sum();
         (self.inverse[(i, i)] - by_priors).max(0.0).sqrt() * norm
@@ -116,7 +116,7 @@ impl Posterior {
     /// with its part.
     #[must_use]
     pub fn rests_on(&self, i: usize, these: std::ops::Range<usize>) -> Vec<(usize, f64)> {
-        let parts = these.map(|j| (j, self.part_of_prior(i, j))).filter(|(_, part)| *part >= TOLD);
+        let parts = these.map(|j| (j, self.part_of_prior(i, j))).filter(|(_, part)| *part >= PRIOR_SHARE);
         let mut parts: Vec<_> = parts.collect();
         parts.sort_by(|a, b| b.1.total_cmp(&a.1));
         parts
@@ -141,7 +141,7 @@ impl Posterior {
     pub fn known(&self, i: usize, these: std::ops::Range<usize>) -> Option<Known> {
         let mut unknowns: Vec<usize> = Vec::new();
         let mut left = self.covariance[(i, i)];
-        while unknowns.len() < MOST_TOLD {
+        while unknowns.len() < MAX_LISTED {
             let with = |j: usize| [&unknowns[..], &[j]].concat();
             let others = these.clone().filter(|j| *j != i && !unknowns.contains(j));
             let tried: Vec<(usize, f64)> = others.map(|j| (j, self.given(i, &with(j)).1)).collect();
@@ -225,9 +225,9 @@ mod tests {
         let to_first = (&inverse * jacobian.transpose()).row(0).transpose();
         let worst = 2.0 * &to_first / to_first.norm();
         let moved = |error: &DVector<f64>| (&inverse * jacobian.tr_mul(error))[0];
-        assert!((moved(&worst) - posterior.reach(0, 2.0)).abs() < 1e-12);
+        assert!((moved(&worst) - posterior.max_shift(0, 2.0)).abs() < 1e-12);
         let other = DVector::from_row_slice(&[1.0, -1.0, 1.0, 1.0]);
-        assert!(moved(&other).abs() < posterior.reach(0, other.norm()));
+        assert!(moved(&other).abs() < posterior.max_shift(0, other.norm()));
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub const CHANNELS: [(&str, &str); 4] =
 const KEYS_OF_START: [&str; 3] = ["test.position_m", "test.pressure_1_pa", "test.pressure_2_pa"];
 
 /// A measured period may be off by this part: more is no drift of a clock.
-const MOST_OFF: f64 = 0.5;
+const MAX_PERIOD_ERROR: f64 = 0.5;
 
 /// Variance up to which a converter is taken to have no noise of its own, squares of a count.
 const ROUNDING_ALONE: f64 = 0.15;
@@ -34,7 +34,7 @@ pub(super) const FEWEST_AT_REST: usize = 16;
 
 /// Samples to either side over which the speed of a drive is formed. That of a spool is formed over one: it stops
 /// at once.
-const REACH: usize = 8;
+const HALF_WIDTH: usize = 8;
 
 /// The golden ratio less 1.
 const GOLDEN: f64 = 0.618_033_988_749_895;
@@ -204,7 +204,7 @@ fn samples_at_rest(recorded: &[RecordedSample]) -> Result<usize> {
 
 /// A measured period, and the period and delay that were asked for, us.
 fn timing(measured: f64, asked: i32, delay: i32) -> Result<Timing> {
-    if (measured / f64::from(asked)).ln().abs() > MOST_OFF {
+    if (measured / f64::from(asked)).ln().abs() > MAX_PERIOD_ERROR {
         bail!("its header has a measured period of {measured} us, and {asked} us was asked for");
     }
     let timing = Timing { period_us: measured.round() as u64, delay_us: u64::try_from(delay)? };
@@ -255,7 +255,7 @@ fn command(sample: &RecordedSample, stepper: bool) -> Command {
 
 fn encoder(measured: Vec<f64>, pulse: f64) -> Channel {
     Channel {
-        taken: independent(&measured, REACH),
+        taken: independent(&measured, HALF_WIDTH),
         rest: Rest::default(),
         measured,
         // The middle of what a count stands for.
@@ -322,7 +322,7 @@ mod tests {
         let positions: Vec<f64> = (0..4000).map(path).collect();
         let counts: Vec<f64> = positions.iter().map(|position| position.floor()).collect();
         let errors: Vec<f64> =
-            independent(&counts, REACH).iter().map(|&k| counts[k] + 0.5 - positions[k]).collect();
+            independent(&counts, HALF_WIDTH).iter().map(|&k| counts[k] + 0.5 - positions[k]).collect();
         let n = errors.len() as f64;
         let mean = errors.iter().sum::<f64>() / n;
         (mean, errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / n, errors.len())
@@ -366,7 +366,7 @@ mod tests {
     fn a_rest_counts_once_even_where_a_fast_start_follows() {
         let position = |k: usize| 12448.13 + 2.7 * (k as f64 - 49.5).max(0.0).powi(2);
         let counts: Vec<f64> = (0..70).map(|k| position(k).floor()).collect();
-        let at_rest = independent(&counts, REACH).iter().filter(|&&k| k < 50).count();
+        let at_rest = independent(&counts, HALF_WIDTH).iter().filter(|&&k| k < 50).count();
         assert_eq!(at_rest, 1);
     }
 }

@@ -14,7 +14,7 @@ use super::posterior::NORMAL_95;
 use super::recording::{CHANNELS, Channel, Recording, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Panel, Table};
-use judged::{Intervals, not_judged, rounded, suspicious};
+use judged::{Intervals, not_testable, rounded, suspicious};
 
 pub use numbers::to_json;
 
@@ -195,7 +195,7 @@ pub fn notes(found: &Identification) -> Vec<String> {
     if !found.converged {
         notes.push("The search did not converge: the estimates are where it ended, and their intervals mean little. Look at the residuals; other starting values or other transients may help.".to_owned());
     }
-    notes.extend(not_judged(found));
+    notes.extend(not_testable(found));
     if Intervals::of(found) == Intervals::Widened {
         notes.push("More remains than noise: the model does not explain these data, or another minimum does it better. No interval is one of 95 %: each is widened by what an error of the model, as large as the residuals that remain, can do to the estimate. An error that the estimates have taken up is not in it.".to_owned());
     }

@@ -32,7 +32,7 @@ const FIRST: usize = 1;
 
 /// Residuals without the rounding that the model knows.
 #[derive(Clone, Debug)]
-pub(super) struct Judged {
+pub(super) struct Whitened {
     /// Those of all channels.
     pub residuals: DVector<f64>,
     /// Of which channels rounding is known.
@@ -52,7 +52,7 @@ fn mean_error(counts: f64, noise: f64) -> f64 {
 }
 
 /// The residuals of a point as they are judged.
-pub(super) fn judged(model: &Model, residuals: &DVector<f64>) -> Judged {
+pub(super) fn judged(model: &Model, residuals: &DVector<f64>) -> Whitened {
     let mut left = residuals.clone();
     let mut rounded = [false; CHANNELS.len()];
     for (channel, rounded) in rounded.iter_mut().enumerate().skip(FIRST) {
@@ -65,7 +65,7 @@ pub(super) fn judged(model: &Model, residuals: &DVector<f64>) -> Judged {
             copy(model, channel, &best, &mut left);
         }
     }
-    Judged { residuals: left, rounded }
+    Whitened { residuals: left, rounded }
 }
 
 /// The residuals, those of a channel without the rounding that is known at some noise.

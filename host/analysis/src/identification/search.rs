@@ -36,12 +36,12 @@ const BELOW: f64 = 25.0;
 
 /// Why the model cannot follow the recordings at a point.
 pub(super) fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
-    let reason = model.obstacle(u).unwrap_or_else(|| anyhow!("it has no derivatives there"));
+    let reason = model.failure(u).unwrap_or_else(|| anyhow!("it has no derivatives there"));
     reason.context(format!("the model of {} cannot follow the commands of the transients", model.rig.name()))
 }
 
 /// Where a search ended.
-pub(super) struct Ended {
+pub(super) struct Termination {
     /// The best minimum.
     pub found: Found,
     /// The effects that explain what it leaves, where they have been looked for.
@@ -50,17 +50,21 @@ pub(super) struct Ended {
 
 /// From `start` to a minimum that leaves noise alone, or noise and an effect that the rig file lacks; from other points
 /// where it is another one.
-pub(super) fn search(model: &mut Model, start: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Result<Ended> {
+pub(super) fn search(
+    model: &mut Model,
+    start: Vec<f64>,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Termination> {
     let near = approach(model, start.clone(), progress);
     model.fine = true;
     let first = found(model, &near, progress)?;
     if first.spectrum.is_more_than_noise()
         && let Some(causes) = causes::explain_to_noise(model, &first, progress)
     {
-        return Ok(Ended { found: first, causes: Some(causes) });
+        return Ok(Termination { found: first, causes: Some(causes) });
     }
     let best = settled(model, first, progress)?;
-    Ok(Ended { found: from_elsewhere(model, best, start, progress)?, causes: None })
+    Ok(Termination { found: from_elsewhere(model, best, start, progress)?, causes: None })
 }
 
 /// The best minimum of searches from other points as well, while none leaves noise alone.

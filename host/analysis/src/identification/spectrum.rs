@@ -197,14 +197,14 @@ impl Transform {
 impl Spectrum {
     /// Whether the samples of any channel are enough to tell noise from more.
     #[must_use]
-    pub fn is_judged(&self) -> bool {
+    pub fn is_testable(&self) -> bool {
         !self.bands.is_empty()
     }
 
     /// Whether all that remains is noise; not where nothing can be judged.
     #[must_use]
     pub fn is_noise(&self) -> bool {
-        self.is_judged() && !self.is_more_than_noise()
+        self.is_testable() && !self.is_more_than_noise()
     }
 
     /// Whether more than noise remains; not where nothing can be judged.

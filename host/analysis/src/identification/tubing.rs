@@ -19,7 +19,7 @@ const RATIOS: [&str; 2] = ["ratio", "value"];
 const NO_FLOW: f64 = 1e-12;
 
 /// More passes through no tube of a drive, kg/s.
-const MOST_FLOW: f64 = 1e3;
+const MAX_FLOW: f64 = 1e3;
 
 /// K_dr, `tubing.drop_slope`, of a table as text (CSV: a header with `flow_g_s` or `flow_kg_s`, and `ratio` or `value`)
 /// for a reference flow in kg/s.
@@ -73,7 +73,7 @@ fn points(csv: &str) -> Result<Vec<(f64, f64)>> {
 
 /// Whether a tube can pass such a flow, kg/s.
 fn is_flow(flow: f64) -> bool {
-    flow.abs() <= MOST_FLOW
+    flow.abs() <= MAX_FLOW
 }
 
 #[cfg(test)]

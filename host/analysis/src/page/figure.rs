@@ -138,7 +138,7 @@ impl Curve {
     }
 
     /// Whether its place in the legend serves another curve, too: both have the same name and the same colour.
-    fn is_told_by(&self, other: &Curve) -> bool {
+    fn is_in_legend_of(&self, other: &Curve) -> bool {
         self.colour.is_some() && self.colour == other.colour && self.name == other.name
     }
 
@@ -200,7 +200,7 @@ impl Figure {
             for (place, curve) in panel.curves.iter().enumerate() {
                 let above = self.panels[..row].iter().flat_map(|panel| &panel.curves);
                 let mut before = above.chain(&panel.curves[..place]);
-                plot.add_trace(curve.trace(row, !before.any(|other| other.is_told_by(curve))));
+                plot.add_trace(curve.trace(row, !before.any(|other| other.is_in_legend_of(curve))));
             }
         }
         plot.set_layout(self.layout());

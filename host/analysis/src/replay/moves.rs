@@ -48,8 +48,8 @@ fn open_loop(config: &Config, recorded: &[RecordedSample], referenced: bool) -> 
     let mut moves = Vec::new();
     let mut target = 0;
     for (at_sample, seen) in (0..).zip(recorded) {
-        let held = if referenced { config.limits.hold_back(target, seen.position) } else { target };
-        if config.drive.limit(held) != seen.command {
+        let limited = if referenced { config.limits.hold_back(target, seen.position) } else { target };
+        if config.drive.limit(limited) != seen.command {
             target = i32::from(seen.command);
             moves.push(Move { at_sample, target });
         }
@@ -117,7 +117,7 @@ struct Setpoint {
 fn setpoints(recorded: &[RecordedSample]) -> Result<Vec<Setpoint>, ReplayError> {
     let mut known = Vec::with_capacity(recorded.len());
     for (k, seen) in (0..).zip(recorded) {
-        known.push(stated(k, seen)?);
+        known.push(setpoint_of(k, seen)?);
     }
     let mut end = 0;
     for gap in known.clone().chunk_by(|a, b| a.is_some() == b.is_some()) {
@@ -131,7 +131,7 @@ fn setpoints(recorded: &[RecordedSample]) -> Result<Vec<Setpoint>, ReplayError> 
 }
 
 /// What position and error say; None where the error is at a limit of its 16 bits.
-fn stated(k: i32, seen: &RecordedSample) -> Result<Option<Setpoint>, ReplayError> {
+fn setpoint_of(k: i32, seen: &RecordedSample) -> Result<Option<Setpoint>, ReplayError> {
     if matches!(seen.error, i16::MIN | i16::MAX) {
         return Ok(None);
     }

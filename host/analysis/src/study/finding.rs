@@ -38,7 +38,7 @@ pub enum Verdict {
 }
 
 /// A verdict is that of more than this part of all starts.
-const MOST: f64 = 2.0 / 3.0;
+const MAJORITY: f64 = 2.0 / 3.0;
 
 impl Finding {
     pub(super) fn new(agrees: bool, shows: String) -> Finding {
@@ -55,14 +55,14 @@ impl Finding {
 
     /// The thesis compares with its rig, or with a graph that the scan has lost.
     pub(super) fn open(shows: String) -> Finding {
-        Finding { shows: format!("{shows}; {LOST}"), verdict: Verdict::Open }
+        Finding { shows: format!("{shows}; {NO_REFERENCE}"), verdict: Verdict::Open }
     }
 
     /// What all starts show together, the rig as it is first.
     pub(super) fn over(starts: &[Finding]) -> Finding {
         let texts: Vec<&str> = starts.iter().map(|finding| finding.shows.as_str()).collect();
         let shows = in_ranges(&texts).unwrap_or_else(|| format!("as the rig is: {}", texts[0]));
-        if starts.iter().all(|finding| finding.shows.ends_with(LOST)) {
+        if starts.iter().all(|finding| finding.shows.ends_with(NO_REFERENCE)) {
             return Finding { shows, verdict: Verdict::Open };
         }
         let count = |verdict| starts.iter().filter(|finding| finding.verdict == verdict).count();
@@ -77,13 +77,13 @@ impl Finding {
 }
 
 /// Behind what nothing can be held against.
-const LOST: &str = "what to compare with is lost";
+const NO_REFERENCE: &str = "what to compare with is lost";
 
 impl Verdict {
     /// Of so many starts that agree and that differ; the others do not decide it.
     fn of_shares(agree: usize, differ: usize, of: usize) -> Verdict {
         let open = of - agree - differ;
-        let surely = |met: usize| Proportion { met, of }.interval()[0] > MOST;
+        let surely = |met: usize| Proportion { met, of }.interval()[0] > MAJORITY;
         match () {
             () if surely(agree) => Verdict::Agrees,
             () if surely(differ) => Verdict::Differs,
@@ -115,7 +115,7 @@ fn in_ranges(texts: &[&str]) -> Option<String> {
         }
         let values: Option<Vec<f64>> = same.iter().map(|piece| piece.parse().ok()).collect();
         let decimals = same[0].split_once('.').map_or(0, |(_, digits)| digits.len());
-        Some(range::stated(&values?.into_iter().map(Some).collect::<Vec<_>>(), decimals))
+        Some(range::with_range(&values?.into_iter().map(Some).collect::<Vec<_>>(), decimals))
     };
     let equally_long = pieces.iter().all(|other| other.len() == pieces[0].len());
     if equally_long { (0..pieces[0].len()).map(one).collect() } else { None }
@@ -150,8 +150,8 @@ mod tests {
 
     #[test]
     fn the_figures_of_a_sentence_become_ranges_over_the_runs() {
-        let stated = in_ranges(&["it rises in 0.21 s, by -3.0 mm.", "it rises in 0.23 s, by -3.0 mm."]);
-        assert_eq!(stated.as_deref(), Some("it rises in 0.21 (0.21 to 0.23) s, by -3.0 mm."));
+        let with_range = in_ranges(&["it rises in 0.21 s, by -3.0 mm.", "it rises in 0.23 s, by -3.0 mm."]);
+        assert_eq!(with_range.as_deref(), Some("it rises in 0.21 (0.21 to 0.23) s, by -3.0 mm."));
         assert_eq!(in_ranges(&["it swings by 3 mm", "it comes to rest"]), None);
         assert_eq!(in_ranges(&["P1 - P2 is 7 kPa"; 3]).as_deref(), Some("P1 - P2 is 7 kPa"));
     }
@@ -187,7 +187,7 @@ mod tests {
             verdicts.iter().filter(|verdict| **verdict == wanted).count() as f64 / verdicts.len() as f64
         };
         for starts in [16, 32, 64] {
-            let edge = verdicts(MOST, starts);
+            let edge = verdicts(MAJORITY, starts);
             assert!(part(&edge, Verdict::Agrees) < 0.025 && part(&edge, Verdict::Differs) == 0.0, "{starts}");
             let even = verdicts(0.5, starts);
             assert!(part(&even, Verdict::Depends) > 0.99, "{starts}");
@@ -203,14 +203,14 @@ mod tests {
         let starts = [finding(Some(true), 1.0), finding(Some(false), 2.0), finding(None, 1.5)];
         let found = Finding::over(&starts);
         assert_eq!(found.verdict, Verdict::Depends);
-        let said = "it ends 1.0 (1.0 to 2.0) mm off. Starts that agree: 1 of 3, 33 % (6 to 79 %); that differ: 1; undecided: 1";
-        assert_eq!(found.shows, said);
+        let expected = "it ends 1.0 (1.0 to 2.0) mm off. Starts that agree: 1 of 3, 33 % (6 to 79 %); that differ: 1; undecided: 1";
+        assert_eq!(found.shows, expected);
     }
 
     #[test]
     fn what_has_nothing_to_be_held_against_stays_open_and_has_no_shares() {
         let found = Finding::over(&vec![Finding::open("it goes at 3 mm/s".to_owned()); 16]);
         assert_eq!(found.verdict, Verdict::Open);
-        assert_eq!(found.shows, format!("it goes at 3 mm/s; {LOST}"));
+        assert_eq!(found.shows, format!("it goes at 3 mm/s; {NO_REFERENCE}"));
     }
 }

@@ -76,7 +76,7 @@ impl Outcome {
 
     /// How far it swings, in words.
     pub(super) fn rest(&self) -> String {
-        format!("{} swings by {}", self.name, said(self.swing_mm(), 2, "mm"))
+        format!("{} swings by {}", self.name, formatted(self.swing_mm(), 2, "mm"))
     }
 
     /// The largest overshoot of a move, mm; None if a move does not show it.
@@ -105,11 +105,11 @@ impl Outcome {
         tail.iter().sum::<f64>() / tail.len() as f64
     }
 
-    /// The swing of the position, from peak to peak, in each stretch of `seconds` from a time on, mm.
+    /// The swing of the position, from peak to peak, in each interval of `seconds` from a time on, mm.
     pub(super) fn swings(&self, from: f64, seconds: f64) -> Vec<f64> {
         let end = self.transient.time.last().copied().unwrap_or(0.0);
-        let stretches = ((end - from) / seconds) as usize;
-        let begins = (0..stretches).map(|number| from + seconds * number as f64);
+        let windows = ((end - from) / seconds) as usize;
+        let begins = (0..windows).map(|number| from + seconds * number as f64);
         let (time, position) = (&self.transient.time, &self.transient.channels[POSITION]);
         begins.map(|begin| swing(time, position, [begin, begin + seconds])).collect()
     }
@@ -159,7 +159,7 @@ fn mean(values: &[f64]) -> Option<f64> {
 }
 
 /// A figure in words.
-pub(super) fn said(value: Option<f64>, decimals: usize, unit: &str) -> String {
+pub(super) fn formatted(value: Option<f64>, decimals: usize, unit: &str) -> String {
     value.map_or_else(|| "nothing that is decidable".to_owned(), |value| format!("{value:.decimals$} {unit}"))
 }
 

@@ -33,7 +33,7 @@ fn graphs(transients: &[Transient]) -> Vec<Figure> {
 /// On how many starts a verdict rests, in a sentence.
 fn over(starts: usize) -> String {
     format!(
-        "Each drive was run from {starts} starts: its test elsewhere on the stroke, its dither elsewhere in its period. Figures are those of the rig as it is, with their range over the starts; a verdict holds if the 95 % interval of its share of starts lies above two thirds. The graphs show the rig as it is. A drive vibrates if it swings by more than {SEEN_MM} mm in each of the last three stretches of 0.4 s of a move of 2 s or more, and is steady if it does so in none."
+        "Each drive was run from {starts} starts: its test elsewhere on the stroke, its dither elsewhere in its period. Figures are those of the rig as it is, with their range over the starts; a verdict holds if the 95 % interval of its share of starts lies above two thirds. The graphs show the rig as it is. A drive vibrates if it swings by more than {SEEN_MM} mm in each of the last three intervals of 0.4 s of a move of 2 s or more, and is steady if it does so in none."
     )
 }
 

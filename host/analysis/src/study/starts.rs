@@ -22,7 +22,7 @@ use super::Variant;
 pub const STARTS: usize = 64;
 
 /// The farthest that a test is moved, mm.
-const FARTHEST_MM: f64 = 48.0;
+const MAX_OFFSET_MM: f64 = 48.0;
 
 /// The rig of a variant at a start.
 ///
@@ -43,7 +43,7 @@ pub fn at_start(variant: &Variant, start: usize) -> Result<Rig> {
 fn moved(rig: &Rig, start: usize) -> Vec<String> {
     let pulse_mm = rig.get(&keys::encoder::MM_PER_COUNT);
     // Whole counts: the drive keeps its place between two of them.
-    let counts = (FARTHEST_MM * (2.0 * reversed(start, 2) - 1.0) / pulse_mm).round();
+    let counts = (MAX_OFFSET_MM * (2.0 * reversed(start, 2) - 1.0) / pulse_mm).round();
     let position_m = rig.get(&keys::test::POSITION_M) + 1e-3 * pulse_mm * counts;
     let phase_deg = (rig.get(&keys::dither::DITHER_PHASE_DEG) + 360.0 * reversed(start, 3)) % 360.0;
     let mut settings =

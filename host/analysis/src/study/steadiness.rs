@@ -1,6 +1,6 @@
 //! Whether a drive stands steady or vibrates at the end of its moves, as one sees it in a graph of the thesis.
 //!
-//! The position is cut into three stretches of 0.4 s before the end of each move that lasts for 2 s at least. A drive
+//! The position is cut into three intervals of 0.4 s before the end of each move that lasts for 2 s at least. A drive
 //! vibrates if it swings by more than 1 mm in each of them, and is steady if it does so in none; a graph over the
 //! stroke of 300 mm shows no less. What is neither starts to vibrate or ceases to, or jumps now and then.
 //!
@@ -22,18 +22,18 @@ pub enum Steadiness {
 pub struct Swing {
     /// Whether that can be seen.
     pub steadiness: Steadiness,
-    /// Mean over the stretches, from peak to peak, mm.
+    /// Mean over the intervals, from peak to peak, mm.
     pub mean_mm: f64,
 }
 
 /// A drive that swings less, from peak to peak, is steady for the eye, mm.
 pub(super) const SEEN_MM: f64 = 1.0;
 
-/// Length of a stretch, s: a cycle of 2.5 Hz or more is in it as a whole.
-const STRETCH_S: f64 = 0.4;
+/// Length of an interval, s: a cycle of 2.5 Hz or more is in it as a whole.
+const WINDOW_S: f64 = 0.4;
 
 /// Stretches at the end of a move.
-const STRETCHES: usize = 3;
+const WINDOWS: usize = 3;
 
 /// Moves that last for less end before their transient does, s.
 const LASTS_S: f64 = 2.0;
@@ -43,18 +43,18 @@ impl Swing {
     /// long enough.
     pub(super) fn of(time: &[f64], position: &[f64], moves: &[[f64; 2]]) -> Option<Swing> {
         let long = moves.iter().filter(|[begin, end]| end - begin >= LASTS_S);
-        let stretches: Vec<f64> = long
-            .flat_map(|[_, end]| (1..=STRETCHES).map(move |number| end - STRETCH_S * number as f64))
-            .map(|begin| swing(time, position, [begin, begin + STRETCH_S]))
+        let windows: Vec<f64> = long
+            .flat_map(|[_, end]| (1..=WINDOWS).map(move |number| end - WINDOW_S * number as f64))
+            .map(|begin| swing(time, position, [begin, begin + WINDOW_S]))
             .collect();
-        let vibrating = stretches.chunks(STRETCHES).any(|ends| ends.iter().all(|swing| *swing > SEEN_MM));
+        let vibrating = windows.chunks(WINDOWS).any(|ends| ends.iter().all(|swing| *swing > SEEN_MM));
         let steadiness = match vibrating {
             true => Steadiness::Vibrates,
-            false if stretches.iter().all(|swing| *swing <= SEEN_MM) => Steadiness::Steady,
+            false if windows.iter().all(|swing| *swing <= SEEN_MM) => Steadiness::Steady,
             false => Steadiness::Neither,
         };
-        let mean_mm = stretches.iter().sum::<f64>() / stretches.len() as f64;
-        (!stretches.is_empty()).then_some(Swing { steadiness, mean_mm })
+        let mean_mm = windows.iter().sum::<f64>() / windows.len() as f64;
+        (!windows.is_empty()).then_some(Swing { steadiness, mean_mm })
     }
 }
 

@@ -41,10 +41,10 @@ const TOP: [&str; 10] = [
 ];
 
 /// Most points of a sweep: what fits into memory with its rows.
-const MOST_POINTS: usize = 1_000_000;
+const MAX_POINTS: usize = 1_000_000;
 
 /// Most runs of a point.
-const MOST_RUNS: usize = 1000;
+const MAX_RUNS: usize = 1000;
 
 /// Columns of a result that no metric can have.
 const TAKEN: [&str; 4] = ["point", "decided", "fault", "failure"];
@@ -173,11 +173,10 @@ impl Reader<'_> {
     /// How many runs a point has.
     fn ensemble(&mut self, top: &Table, axes: &[Axis]) -> usize {
         let Some(entry) = self.entry(top, "ensemble") else { return 1 };
-        let runs =
-            count(entry.item, 1, MOST_RUNS).and_then(|runs| match axes.iter().any(|axis| axis.drawn) {
-                true if runs > 1 => Err(DRAWS.to_owned()),
-                _ => Ok(runs),
-            });
+        let runs = count(entry.item, 1, MAX_RUNS).and_then(|runs| match axes.iter().any(|axis| axis.drawn) {
+            true if runs > 1 => Err(DRAWS.to_owned()),
+            _ => Ok(runs),
+        });
         self.note(&entry, runs).unwrap_or(1)
     }
 
@@ -214,7 +213,7 @@ impl Reader<'_> {
         for entry in self.section(top, "draw") {
             let read = known(&entry.name, &["count", "seed", "method"]).and_then(|()| {
                 match entry.name.as_str() {
-                    "count" => draw.count = count(entry.item, 1, MOST_POINTS)?,
+                    "count" => draw.count = count(entry.item, 1, MAX_POINTS)?,
                     "seed" => draw.seed = count(entry.item, 0, usize::MAX >> 1)? as u64,
                     _ => draw.latin_hypercube = method(entry.item)?,
                 }
@@ -270,11 +269,11 @@ impl Reader<'_> {
     fn check_size(&mut self, sweep: &Sweep) {
         let grid = sweep.axes.iter().filter(|axis| !axis.drawn).map(|axis| axis.levels.len());
         let points = grid.chain([sweep.draws]).try_fold(1_usize, usize::checked_mul);
-        if points.is_none_or(|points| points > MOST_POINTS) {
+        if points.is_none_or(|points| points > MAX_POINTS) {
             self.file.problem(
                 None,
                 "vary",
-                format!("that makes more than {MOST_POINTS} points; take fewer steps"),
+                format!("that makes more than {MAX_POINTS} points; take fewer steps"),
             );
         }
     }

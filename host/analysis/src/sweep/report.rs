@@ -88,9 +88,9 @@ pub fn best(sweep: &Sweep, rows: &[Row]) -> Table {
 fn in_range(row: &Row, metric: usize) -> String {
     let own = row.metrics[metric];
     match row.ends.get(metric) {
-        None => said(own),
-        Some(Some([least, most])) => range::stated(&[own, Some(*least), Some(*most)], DECIMALS),
-        Some(None) => format!("{} (some runs do not show it)", said(own)),
+        None => formatted(own),
+        Some(Some([least, most])) => range::with_range(&[own, Some(*least), Some(*most)], DECIMALS),
+        Some(None) => format!("{} (some runs do not show it)", formatted(own)),
     }
 }
 
@@ -113,7 +113,7 @@ pub fn combinations(sweep: &Sweep, rows: &[Row]) -> Table {
     let row = |group: &Group| {
         let levels = varied.iter().map(|&place| group.levels[place].clone());
         let allowed = format!("{} of {}", group.allowed, group.draws);
-        levels.chain([allowed]).chain(group.largest.iter().map(|value| said(*value))).collect()
+        levels.chain([allowed]).chain(group.largest.iter().map(|value| formatted(*value))).collect()
     };
     let metrics = sweep.metrics.iter().map(|metric| metric.name.clone());
     let columns = varied.iter().map(|&place| sweep.axes[place].name.clone()).chain(["allowed".to_owned()]);
@@ -183,7 +183,7 @@ fn summary(sweep: &Sweep, rows: &[Row]) -> Table {
             Which::Sum => "all moves".to_owned(),
         };
         let about = format!("{}, {which}: {}", metric.figure.name, metric.figure.meaning);
-        let ends = [least, median, most].map(said);
+        let ends = [least, median, most].map(formatted);
         let missing = (rows.len() - values.len()).to_string();
         std::iter::once(metric.name.clone()).chain(ends).chain([missing, about]).collect()
     };
@@ -210,7 +210,7 @@ fn failures(sweep: &Sweep, rows: &[Row]) -> Table {
     }
 }
 
-fn said(value: Option<f64>) -> String {
+fn formatted(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.DECIMALS$}"))
 }
 

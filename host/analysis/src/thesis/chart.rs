@@ -55,7 +55,7 @@ const SIZE: [f64; 2] = [340.0, 216.0];
 const FIELD: [f64; 4] = [46.0, 8.0, 332.0, 176.0];
 
 /// More points of a line cannot be told apart.
-const MOST_POINTS: usize = 700;
+const MAX_POINTS: usize = 700;
 
 impl Chart {
     /// The graph with its title and legend.
@@ -123,20 +123,20 @@ impl Frame {
     fn axes(&self, across: &str, up: &str) -> String {
         let [left, top, right, bottom] = FIELD;
         let mut text = String::new();
-        for (value, said) in ticks(self.y, 5) {
+        for (value, labels) in ticks(self.y, 5) {
             let y = self.up(value);
             let _ = write!(
                 text,
-                "<path class=\"grid\" d=\"M{left} {y:.1}H{right}\"/><text class=\"end\" x=\"{:.0}\" y=\"{:.1}\">{said}</text>",
+                "<path class=\"grid\" d=\"M{left} {y:.1}H{right}\"/><text class=\"end\" x=\"{:.0}\" y=\"{:.1}\">{labels}</text>",
                 left - 4.0,
                 y + 3.5
             );
         }
-        for (value, said) in ticks(self.x, 6) {
+        for (value, labels) in ticks(self.x, 6) {
             let x = self.across(value);
             let _ = write!(
                 text,
-                "<path class=\"grid\" d=\"M{x:.1} {top}V{bottom}\"/><text class=\"mid\" x=\"{x:.1}\" y=\"{:.0}\">{said}</text>",
+                "<path class=\"grid\" d=\"M{x:.1} {top}V{bottom}\"/><text class=\"mid\" x=\"{x:.1}\" y=\"{:.0}\">{labels}</text>",
                 bottom + 13.0
             );
         }
@@ -173,7 +173,7 @@ impl Frame {
     }
 
     fn line(&self, line: &Line, colour: &str) -> String {
-        let step = line.points.len().div_ceil(MOST_POINTS).max(1);
+        let step = line.points.len().div_ceil(MAX_POINTS).max(1);
         let points: Vec<[f64; 2]> = line.points.iter().step_by(step).copied().collect();
         let places = |part: &[[f64; 2]]| {
             let places = part.iter().map(|[x, y]| format!("{:.1},{:.1}", self.across(*x), self.up(*y)));
@@ -222,11 +222,11 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_within_the_span() {
-        let said = |span| ticks(span, 5).into_iter().map(|(_, said)| said).collect::<Vec<_>>();
-        assert_eq!(said([0.0, 1.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(said([-3.0, 4.0]), ["-2", "0", "2", "4"]);
-        assert_eq!(said([0.0123, 0.0187]), ["0.014", "0.016", "0.018"]);
-        assert_eq!(said([100.0, 600.0]), ["100", "200", "300", "400", "500", "600"]);
+        let labels = |span| ticks(span, 5).into_iter().map(|(_, labels)| labels).collect::<Vec<_>>();
+        assert_eq!(labels([0.0, 1.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels([-3.0, 4.0]), ["-2", "0", "2", "4"]);
+        assert_eq!(labels([0.0123, 0.0187]), ["0.014", "0.016", "0.018"]);
+        assert_eq!(labels([100.0, 600.0]), ["100", "200", "300", "400", "500", "600"]);
     }
 
     #[test]

@@ -21,7 +21,7 @@ use std::fmt::Write;
 use anyhow::{Context, Result};
 use toml_edit::{DocumentMut, Item, Table};
 
-use super::{Found, Reading, Shown, said};
+use super::{Found, Reading, Shown, summary_line};
 
 /// First line of a file.
 pub const MARK: &str = "# pneudrive: the thesis in numbers";
@@ -34,7 +34,7 @@ fn heading(one: &Shown) -> String {
 /// The readings as a file.
 #[must_use]
 pub fn to_toml(shown: &[Shown]) -> String {
-    let mut text = format!("{MARK}; written by `pneudrive thesis`\n# {}\n", said(shown));
+    let mut text = format!("{MARK}; written by `pneudrive thesis`\n# {}\n", summary_line(shown));
     for one in shown {
         for (entry, reading) in one.rows() {
             let verdict = reading.agreement(&entry).word();

@@ -40,7 +40,7 @@ fn summary(shown: &[Shown]) -> String {
     let strip: String = AGREEMENTS.into_iter().zip(counts).map(part).collect();
     format!(
         "<p class=\"lead\">{}</p>\n<div class=\"tiles\">{tiles}</div>\n<div class=\"strip\">{strip}</div>\n<p class=\"small\">{all} entries. {LEGEND}</p>\n",
-        escaped(&said(shown))
+        escaped(&summary_line(shown))
     )
 }
 
@@ -51,7 +51,7 @@ const LEGEND: &str = "<b>agrees</b>: the whole range of our figure lies within t
 
 /// The counts of the numbers and of the sentences, in words.
 #[must_use]
-pub fn said(shown: &[Shown]) -> String {
+pub fn summary_line(shown: &[Shown]) -> String {
     let of = |numbers: bool, agreement: Agreement| {
         let rows = shown.iter().flat_map(Shown::rows).filter(|(entry, _)| !entry.alternative);
         rows.filter(|(entry, reading)| is_number(entry) == numbers && reading.agreement(entry) == agreement)

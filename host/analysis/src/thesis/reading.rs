@@ -198,7 +198,7 @@ pub(super) fn ends(values: &[f64]) -> [f64; 2] {
 impl Found {
     /// In words: a figure with its range if that is more than its digits show.
     #[must_use]
-    pub fn said(&self, unit: &str) -> String {
+    pub fn formatted(&self, unit: &str) -> String {
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         match self {
             Found::Figure { value, range: [low, high], decimals }
@@ -259,8 +259,8 @@ mod tests {
 
     #[test]
     fn a_figure_is_said_with_its_range_where_its_digits_show_one() {
-        assert_eq!(Reading::read("a", 8.04, 0.5, 1, "").found.said("Hz"), "8.0 (7.5 to 8.5) Hz");
-        assert_eq!(Reading::read("a", 8.04, 0.001, 1, "").found.said("Hz"), "8.0 Hz");
+        assert_eq!(Reading::read("a", 8.04, 0.5, 1, "").found.formatted("Hz"), "8.0 (7.5 to 8.5) Hz");
+        assert_eq!(Reading::read("a", 8.04, 0.001, 1, "").found.formatted("Hz"), "8.0 Hz");
         assert_eq!(rounded(-0.0004, 3), "0.000");
     }
 

@@ -66,7 +66,7 @@ fn number(entry: &Entry, reading: &Reading) -> Row {
         escaped(entry.what),
         escaped(unit),
         bar(entry, reading),
-        escaped(&reading.found.said(unit)),
+        escaped(&reading.found.formatted(unit)),
         gap(value_of(text), &reading.found),
         chip(reading.agreement(entry)),
     );
@@ -92,7 +92,7 @@ fn sentence(says: &str, entry: &Entry, reading: &Reading) -> Row {
     let cells = format!(
         "<td class=\"words says\">{}</td><td class=\"words\">{}</td><td class=\"words\">{}</td>",
         escaped(says),
-        escaped(&reading.found.said("")),
+        escaped(&reading.found.formatted("")),
         chip(reading.agreement(entry)),
     );
     Row { cells, rests_on: reading.rests_on.clone(), alternative: entry.alternative }

@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::search::{Budget, Outcome, search};
 use super::trial::{NEIGHBOURS, Trial};
-use super::{Found, Performance, Space, Task, Variant, held};
+use super::{Found, Performance, Space, Task, Variant, fixed};
 use crate::parallel;
 
 /// What a tuning is at.
@@ -77,7 +77,7 @@ impl Drive<'_> {
     /// The rig of a task; `more` keys are set.
     pub fn of<'a>(task: &'a Task, more: &[String]) -> Result<Drive<'a>> {
         let trial = Trial::of(task, more)?;
-        let space = Space::of(&trial.rig, task.goal.settled_mm, &held::keys(task))?;
+        let space = Space::of(&trial.rig, task.goal.settled_mm, &fixed::keys(task))?;
         Ok(Drive { task, trial, space })
     }
 
@@ -94,9 +94,9 @@ impl Drive<'_> {
         }
         let mut order: Vec<usize> = (0..variants.len()).collect();
         let mut refused = vec![0_usize; variants.len()];
-        let costs = |genes: &[Vec<f64>], limits: &[f64]| {
+        let costs = |variables: &[Vec<f64>], limits: &[f64]| {
             let ordered: Vec<&Variant> = order.iter().map(|&place| &variants[place]).collect();
-            let found = self.costs(genes, limits, &ordered, meter);
+            let found = self.costs(variables, limits, &ordered, meter);
             for place in found.iter().filter_map(|one| one.given_up_at) {
                 refused[order[place]] += 1;
             }
@@ -111,13 +111,13 @@ impl Drive<'_> {
     /// are left may show, is not looked at any further.
     fn costs(
         &self,
-        genes: &[Vec<f64>],
+        variables: &[Vec<f64>],
         limits: &[f64],
         variants: &[&Variant],
         meter: &mut Meter,
     ) -> Vec<Cost> {
-        let cost = |(genes, limit): &(&Vec<f64>, f64)| {
-            let settings = self.space.settings(genes);
+        let cost = |(variables, limit): &(&Vec<f64>, f64)| {
+            let settings = self.space.settings(variables);
             let mut cost = Cost { mean: 0.0, given_up_at: None, runs: 0 };
             for (place, variant) in variants.iter().enumerate() {
                 cost.runs += 1;
@@ -130,7 +130,7 @@ impl Drive<'_> {
             }
             cost
         };
-        let jobs: Vec<(&Vec<f64>, f64)> = genes.iter().zip(limits.iter().copied()).collect();
+        let jobs: Vec<(&Vec<f64>, f64)> = variables.iter().zip(limits.iter().copied()).collect();
         let costs = parallel::map(&jobs, cost, |_| meter.done(variants.len()));
         meter.runs += costs.iter().map(|one| one.runs).sum::<usize>();
         costs

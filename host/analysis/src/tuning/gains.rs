@@ -19,13 +19,13 @@ use pneudrive_sim::component::{controller, operator};
 use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys;
 
-use super::gene::{self, Gene};
+use super::design_variable::{self, DesignVariable};
 
 /// Gains of a profile that are less than this apart are one.
 const ALIKE: f64 = 1.02;
 
 /// Most that a gain can be.
-const MOST_GAIN: f64 = 65_535.0;
+const MAX_GAIN: f64 = 65_535.0;
 
 const PROFILE: &str = "controller.gain_profile";
 const SPAN: &str = "controller.profile_span_counts";
@@ -35,14 +35,14 @@ const PROPORTIONAL: &str = "controller.proportional_gain";
 #[derive(Clone, Debug)]
 pub struct Space {
     rig: Rig,
-    genes: Vec<&'static Gene>,
-    held: Vec<String>,
+    variables: Vec<&'static DesignVariable>,
+    fixed: Vec<String>,
     settled_mm: f64,
 }
 
 /// What was found of a gene, beside the range that it was looked for in.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct Optimum {
     /// What it is.
     pub what: &'static str,
     /// Its unit.
@@ -56,11 +56,11 @@ pub struct Place {
 }
 
 impl Space {
-    /// What there is to be looked for on a rig whose keys `held` stay as they are.
+    /// What there is to be looked for on a rig whose keys `fixed` stay as they are.
     ///
     /// # Errors
     /// When its law has no gains, or all of them are held.
-    pub fn of(rig: &Rig, settled_mm: f64, held: &[String]) -> Result<Space> {
+    pub fn of(rig: &Rig, settled_mm: f64, fixed: &[String]) -> Result<Space> {
         if rig.get(&keys::controller::LOOP) != controller::Loop::Closed
             || rig.get(&keys::controller::MODEL) != controller::Model::Sampled
         {
@@ -77,65 +77,76 @@ impl Space {
         }
         let has_profile = law == controller::Law::GainProfile;
         let has_dither = rig.get(&keys::operator::MODEL).is_solenoid();
-        let is_held = |key: &str| held.iter().any(|other| other == key);
+        let is_held = |key: &str| fixed.iter().any(|other| other == key);
         let has_gain = !is_held(if has_profile { PROFILE } else { PROPORTIONAL });
         let dithers = !(is_held("operator.dither_mm") && rig.get(&keys::dither::DITHER_MM) == 0.0);
-        let genes = [
-            (&gene::E_FAR, has_gain),
-            (&gene::T_D, !is_held("controller.velocity_gain")),
-            (&gene::T_A, !is_held("controller.acceleration_gain")),
-            (&gene::VELOCITY_WINDOW, !is_held(keys::controller::VELOCITY_WINDOW_SAMPLES.path)),
-            (&gene::ACCELERATION_WINDOW, !is_held(keys::controller::ACCELERATION_WINDOW_SAMPLES.path)),
-            (&gene::DEAD_BAND, !is_held("controller.dead_band_counts")),
-            (&gene::NULL_OFFSET, !is_held("controller.null_offset_counts")),
-            (&gene::E_NEAR, has_profile && has_gain),
-            (&gene::E_KNEE, has_profile && has_gain),
-            (&gene::DITHER, has_dither && !is_held("operator.dither_mm")),
-            (&gene::DITHER_HZ, has_dither && dithers && !is_held("operator.dither_hz")),
+        let variables = [
+            (&design_variable::E_FAR, has_gain),
+            (&design_variable::T_D, !is_held("controller.velocity_gain")),
+            (&design_variable::T_A, !is_held("controller.acceleration_gain")),
+            (&design_variable::VELOCITY_WINDOW, !is_held(keys::controller::VELOCITY_WINDOW_SAMPLES.path)),
+            (
+                &design_variable::ACCELERATION_WINDOW,
+                !is_held(keys::controller::ACCELERATION_WINDOW_SAMPLES.path),
+            ),
+            (&design_variable::DEAD_BAND, !is_held("controller.dead_band_counts")),
+            (&design_variable::NULL_OFFSET, !is_held("controller.null_offset_counts")),
+            (&design_variable::E_NEAR, has_profile && has_gain),
+            (&design_variable::E_KNEE, has_profile && has_gain),
+            (&design_variable::DITHER, has_dither && !is_held("operator.dither_mm")),
+            (&design_variable::DITHER_HZ, has_dither && dithers && !is_held("operator.dither_hz")),
         ];
-        let genes: Vec<_> = genes.into_iter().filter_map(|(gene, is_free)| is_free.then_some(gene)).collect();
-        if genes.is_empty() {
+        let variables: Vec<_> = variables
+            .into_iter()
+            .filter_map(|(design_variable, is_free)| is_free.then_some(design_variable))
+            .collect();
+        if variables.is_empty() {
             bail!("every key that tune looks for is held; hold fewer (--fix)");
         }
-        Ok(Space { rig: rig.clone(), genes, held: held.to_vec(), settled_mm })
+        Ok(Space { rig: rig.clone(), variables, fixed: fixed.to_vec(), settled_mm })
     }
 
     /// How many genes there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.genes.len()
+        self.variables.len()
     }
 
     /// Whether there are none: never.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.genes.is_empty()
+        self.variables.is_empty()
     }
 
     /// What genes from 0 to 1 become, as `key=value`.
     #[must_use]
     pub fn settings(&self, shares: &[f64]) -> Vec<String> {
-        let value = |gene: &Gene| {
-            let place = self.genes.iter().position(|other| other.what == gene.what);
-            place.map(|place| gene.value(shares[place]))
+        let value = |design_variable: &DesignVariable| {
+            let place = self.variables.iter().position(|other| other.what == design_variable.what);
+            place.map(|place| design_variable.value(shares[place]))
         };
-        let window = |gene: &Gene, key: &Typed<i64>| value(gene).unwrap_or(self.rig.get(key) as f64);
+        let window = |design_variable: &DesignVariable, key: &Typed<i64>| {
+            value(design_variable).unwrap_or(self.rig.get(key) as f64)
+        };
         let windows = [
-            window(&gene::VELOCITY_WINDOW, &keys::controller::VELOCITY_WINDOW_SAMPLES),
-            window(&gene::ACCELERATION_WINDOW, &keys::controller::ACCELERATION_WINDOW_SAMPLES),
+            window(&design_variable::VELOCITY_WINDOW, &keys::controller::VELOCITY_WINDOW_SAMPLES),
+            window(&design_variable::ACCELERATION_WINDOW, &keys::controller::ACCELERATION_WINDOW_SAMPLES),
         ];
-        let far = value(&gene::E_FAR).map_or_else(|| self.held_gain(), |mm| self.gain_at(mm));
+        let far = value(&design_variable::E_FAR).map_or_else(|| self.fixed_gain(), |mm| self.gain_at(mm));
         let samples = |time: f64| time / self.rig.get(&keys::controller::PERIOD_S);
-        let gain = |value: f64| value.round().clamp(0.0, MOST_GAIN).to_string();
-        let kv = value(&gene::T_D).map(|t_d| gain(far * samples(t_d) / windows[0]));
-        let ka = value(&gene::T_A).map(|t_a| gain(far * samples(t_a).powi(2) / (windows[0] * windows[1])));
-        let dead_band = value(&gene::DEAD_BAND).map(|share| (share * self.settled_mm / self.mm()).floor());
-        let null = value(&gene::NULL_OFFSET).map(|percent| (percent / 100.0 * self.full_counts()).round());
-        let profile = match (value(&gene::E_NEAR), value(&gene::E_KNEE)) {
+        let gain = |value: f64| value.round().clamp(0.0, MAX_GAIN).to_string();
+        let kv = value(&design_variable::T_D).map(|t_d| gain(far * samples(t_d) / windows[0]));
+        let ka = value(&design_variable::T_A)
+            .map(|t_a| gain(far * samples(t_a).powi(2) / (windows[0] * windows[1])));
+        let dead_band =
+            value(&design_variable::DEAD_BAND).map(|share| (share * self.settled_mm / self.mm()).floor());
+        let null = value(&design_variable::NULL_OFFSET)
+            .map(|percent| (percent / 100.0 * self.full_counts()).round());
+        let profile = match (value(&design_variable::E_NEAR), value(&design_variable::E_KNEE)) {
             (Some(near), Some(knee)) => self.profile(self.gain_at(near).max(far), far, knee).map(Some),
             _ => [None, None],
         };
-        let proportional = value(&gene::E_FAR).filter(|_| !self.has_profile());
+        let proportional = value(&design_variable::E_FAR).filter(|_| !self.has_profile());
         let [span, profile] = profile;
         let settings = [
             ("controller.velocity_gain", kv),
@@ -147,30 +158,30 @@ impl Space {
             (SPAN, span),
             (PROFILE, profile),
             (PROPORTIONAL, proportional.map(|_| gain(far.max(1.0)))),
-            ("operator.dither_mm", value(&gene::DITHER).map(|mm| format!("{mm:.3}"))),
-            ("operator.dither_hz", value(&gene::DITHER_HZ).map(|hz| format!("{hz:.1}"))),
+            ("operator.dither_mm", value(&design_variable::DITHER).map(|mm| format!("{mm:.3}"))),
+            ("operator.dither_hz", value(&design_variable::DITHER_HZ).map(|hz| format!("{hz:.1}"))),
         ];
-        let free = settings.into_iter().filter(|(key, _)| self.held.iter().all(|held| held != key));
+        let free = settings.into_iter().filter(|(key, _)| self.fixed.iter().all(|fixed| fixed != key));
         free.filter_map(|(key, value)| Some(format!("{key}={}", value?))).collect()
     }
 
     /// Where genes from 0 to 1 lie in their ranges.
     #[must_use]
-    pub fn places(&self, shares: &[f64]) -> Vec<Place> {
-        let place = |(gene, share): (&&'static Gene, &f64)| Place {
-            what: gene.what,
-            unit: gene.unit,
-            value: gene.value(*share),
-            range: [gene.value(0.0), gene.value(1.0)],
-            at_limit: gene.is_at_limit(*share),
+    pub fn places(&self, shares: &[f64]) -> Vec<Optimum> {
+        let place = |(design_variable, share): (&&'static DesignVariable, &f64)| Optimum {
+            what: design_variable.what,
+            unit: design_variable.unit,
+            value: design_variable.value(*share),
+            range: [design_variable.value(0.0), design_variable.value(1.0)],
+            at_limit: design_variable.is_at_limit(*share),
         };
-        self.genes.iter().zip(shares).map(place).collect()
+        self.variables.iter().zip(shares).map(place).collect()
     }
 
     /// Keys among settings whose gain is the largest that the controller takes.
     #[must_use]
     pub fn saturated(settings: &[String]) -> Vec<&str> {
-        let most = MOST_GAIN.to_string();
+        let most = MAX_GAIN.to_string();
         let is_most = |value: &str| value.trim_matches(['[', ']']).split(", ").any(|entry| entry == most);
         settings
             .iter()
@@ -202,7 +213,7 @@ impl Space {
     }
 
     /// The gain at large errors where it is held.
-    fn held_gain(&self) -> f64 {
+    fn fixed_gain(&self) -> f64 {
         match self.rig.get(&keys::controller::GAIN_PROFILE).last() {
             Some(last) if self.has_profile() => *last as f64,
             _ => self.rig.get(&keys::controller::PROPORTIONAL_GAIN) as f64,
@@ -212,7 +223,7 @@ impl Space {
     /// Span and profile, as long as it is another than at large errors, in spans of a sixth of the knee or as held.
     fn profile(&self, near: f64, far: f64, knee_mm: f64) -> [String; 2] {
         let knee = knee_mm / self.mm();
-        let is_held = self.held.iter().any(|key| key == SPAN);
+        let is_held = self.fixed.iter().any(|key| key == SPAN);
         let span = if is_held {
             self.rig.get(&keys::controller::PROFILE_SPAN_COUNTS) as f64
         } else {
@@ -220,9 +231,9 @@ impl Space {
         };
         let entry = |i: usize| {
             let error = (i as f64 + 0.5) * span;
-            (far + (near - far) / (1.0 + (error / knee).powi(2))).round().clamp(0.0, MOST_GAIN)
+            (far + (near - far) / (1.0 + (error / knee).powi(2))).round().clamp(0.0, MAX_GAIN)
         };
-        let last = far.round().clamp(0.0, MOST_GAIN);
+        let last = far.round().clamp(0.0, MAX_GAIN);
         let near = (0..255).map(entry).take_while(|gain| *gain > ALIKE * last);
         let entries: Vec<String> = near.chain([last]).map(|gain| gain.to_string()).collect();
         [span.to_string(), format!("[{}]", entries.join(", "))]

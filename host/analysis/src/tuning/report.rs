@@ -141,12 +141,12 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
     let Goal { step_mm, settled_mm, overshoot_percent, time_s } = task.goal;
     let percent = |what: &str, by: f64| format!("{what} \u{b1}{:.0} %", 100.0 * by);
     let [low, high] = trial.way_mm();
-    let held = match task.held.as_slice() {
+    let fixed = match task.fixed.as_slice() {
         [] => String::new(),
-        held => format!(" Held: {}.", held.join(", ")),
+        fixed => format!(" Held: {}.", fixed.join(", ")),
     };
     format!(
-        "Asked for: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: the share of its time that a step takes to settle if it meets the goal, and from 1 to 2 if it does not, the more the further it is from it. They are judged on {} other draws, which the search has not seen.{held} {} runs, seed {}.",
+        "Asked for: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: the share of its time that a step takes to settle if it meets the goal, and from 1 to 2 if it does not, the more the further it is from it. They are judged on {} other draws, which the search has not seen.{fixed} {} runs, seed {}.",
         percent("load", task.spread.load),
         percent("friction", task.spread.friction),
         percent("supply", task.spread.supply),
@@ -162,7 +162,7 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
 /// # Errors
 /// When the text is no TOML.
 pub fn rig_file(task: &Task, tuned: &Tuned) -> Result<String> {
-    let typed: Vec<String> = task.settings.iter().chain(&task.held).cloned().collect();
+    let typed: Vec<String> = task.settings.iter().chain(&task.fixed).cloned().collect();
     let text = rig_text::with_settings(&task.source.1, &typed, "set for pneudrive tune")?;
     let text = rig_text::with_settings(&text, &tuned.after.settings, "found by pneudrive tune")?;
     Ok(format!("{MARK}: {}\n{text}", verdict(task, tuned)))

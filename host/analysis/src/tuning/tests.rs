@@ -1,6 +1,6 @@
 mod holding;
+mod message;
 mod places;
-mod said;
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::{BUILTIN, builtin};
@@ -16,7 +16,7 @@ fn task(rig: &str, settings: &[&str]) -> Task {
     Task {
         source: (rig.to_owned(), builtin(rig).expect("a built-in rig").to_owned()),
         settings: settings.iter().map(|&setting| setting.to_owned()).collect(),
-        held: Vec::new(),
+        fixed: Vec::new(),
         goal: Goal { settled_mm: 2.0, overshoot_percent: 20.0, ..GOAL },
         spread: Relative { load: 0.3, friction: 0.3, supply: 0.0 },
         between_mm: [None, None],
@@ -67,11 +67,11 @@ fn a_profile_opens_the_valve_whole_at_the_errors_that_its_genes_say() {
 
 #[test]
 fn what_cannot_be_tuned_is_refused_by_what_to_change() {
-    let said =
+    let message =
         |rig: &str, settings: &[&str]| tune(&task(rig, settings), |_| {}).expect_err("refused").to_string();
-    assert!(said("servo-b", &["controller.law=on-off"]).contains("choose controller.law=gain-profile"));
+    assert!(message("servo-b", &["controller.law=on-off"]).contains("choose controller.law=gain-profile"));
     assert!(
-        said("servo-b", &["controller.loop=open", "test.moves=[[0.0, 1]]"])
+        message("servo-b", &["controller.loop=open", "test.moves=[[0.0, 1]]"])
             .contains("controller.loop=closed")
     );
     let long = Task { goal: Goal { step_mm: 299.0, ..GOAL }, ..task("servo-b", &[]) };
@@ -163,7 +163,7 @@ fn gains_cost_less_the_more_trials_meet_the_goal() {
 #[test]
 fn a_rig_without_one_of_its_imperfections_is_a_rig() {
     for (name, rig, _) in rigs_with_gains() {
-        let suspects = obstacle::suspects(&rig);
+        let suspects = limiting_imperfection::suspects(&rig);
         assert!(suspects.len() >= 4, "{name}");
         for suspect in suspects {
             let trial = Trial::of(&task(name, &[]), &suspect.settings);
@@ -243,8 +243,8 @@ fn without_a_generation_the_gains_of_the_file_are_judged() {
     assert!(!judged.is_changed() && judged.obstacles.is_empty() && judged.progress.is_empty());
     assert_eq!(judged.after, judged.before);
     assert_eq!(judged.after.fresh.len(), 4);
-    let said = report::verdict(&task, &judged);
+    let message = report::verdict(&task, &judged);
     let met = judged.after.met(&task.goal);
-    assert!(said.starts_with(&format!("The goal is met in {} of 4, ", met.met)), "{said}");
-    assert!(said.contains(" of the fresh draws, with the gains of the file"), "{said}");
+    assert!(message.starts_with(&format!("The goal is met in {} of 4, ", met.met)), "{message}");
+    assert!(message.contains(" of the fresh draws, with the gains of the file"), "{message}");
 }

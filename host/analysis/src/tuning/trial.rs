@@ -19,7 +19,7 @@ use crate::transient::Transient;
 pub(super) const NEIGHBOURS: usize = 8;
 
 /// Before the step the drive holds for so long, s.
-const HOLD_S: f64 = 0.1;
+const DWELL_S: f64 = 0.1;
 
 /// What a rig's own test says of moves, rows and records: the step has its own.
 const SCHEDULE: [&str; 7] =
@@ -63,7 +63,7 @@ impl Trial {
             let key = setting.split('=').next().unwrap_or_default().trim();
             SCHEDULE.iter().any(|name| key.strip_prefix("test.") == Some(name))
         };
-        let typed = || task.settings.iter().chain(&task.held).chain(more);
+        let typed = || task.settings.iter().chain(&task.fixed).chain(more);
         let settings: Vec<String> = typed().filter(|setting| !is_schedule(setting)).cloned().collect();
         // The lines of the file as it is are those that a message must name.
         let (name, text) = &task.source;
@@ -201,7 +201,7 @@ impl Way {
 
     fn moves(&self, variant: &Variant) -> String {
         let [from, to] = self.setpoints(variant);
-        let (there, back) = (HOLD_S, HOLD_S + self.time_s);
+        let (there, back) = (DWELL_S, DWELL_S + self.time_s);
         format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]")
     }
 
@@ -210,7 +210,7 @@ impl Way {
     fn step(&self, variant: &Variant) -> [String; 2] {
         let [from, _] = self.setpoints(variant);
         [
-            format!("test.duration_s={:?}", HOLD_S + 2.0 * self.time_s),
+            format!("test.duration_s={:?}", DWELL_S + 2.0 * self.time_s),
             format!("test.position_m={:?}", (from as f64 + 0.5) * self.mm_per_count / 1e3),
         ]
     }

@@ -7,7 +7,7 @@ use crate::question::{Answers, Refusal};
 use crate::rig_file::{Number, RigFile};
 
 /// Pressure difference for which friction is stated as a part of the piston's force, Pa.
-const STATED_AT: f64 = 6e5;
+const GIVEN_AT: f64 = 6e5;
 
 pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
     file.number(&keys::load::MASS_KG, &mass(answers, cylinder)?);
@@ -49,7 +49,7 @@ fn mass(answers: &Answers, cylinder: &Cylinder) -> Result<Number, Refusal> {
 
 /// Running friction and that at which it breaks away, N.
 fn friction(answers: &Answers, cylinder: &Cylinder) -> Result<[Number; 2], Refusal> {
-    let force = cylinder.areas()[0] * STATED_AT;
+    let force = cylinder.areas()[0] * GIVEN_AT;
     let running = match answers.number("friction")? {
         Some(force) => Number::given(force, answers.text("friction").unwrap_or_default()),
         None => typical("running_friction_fraction", "%").map(

@@ -48,7 +48,7 @@ impl Advance {
 
 impl Client {
     /// Where a run has come to: also in s, where the rig has told its period.
-    pub(super) fn place_in_run(&self, index: u32) -> String {
+    pub(super) fn index_in_run(&self, index: u32) -> String {
         let after =
             |(_, parameters): &(u32, RigParameters)| format!(", after {}", Units::of(parameters).time(index));
         format!("at sample {index}{}", self.known.as_ref().map_or_else(String::new, after))

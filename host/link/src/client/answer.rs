@@ -2,14 +2,14 @@
 
 use anyhow::anyhow;
 use pneudrive_protocol::{Refused, ReplyBody};
-use pneudrive_records::foreign::{SENTENCE, cleaned};
+use pneudrive_records::untrusted::{SENTENCE, sanitised};
 use pneudrive_records::words;
 
 use crate::failure::Failure;
 
 /// What is wrong with an answer to another request than the one that was sent.
 pub(super) fn unexpected(reply: &ReplyBody<'_>) -> anyhow::Error {
-    let reply = cleaned(&format!("{reply:?}"), SENTENCE);
+    let reply = sanitised(&format!("{reply:?}"), SENTENCE);
     anyhow!("the rig gave an answer that does not fit the request: {reply}")
 }
 

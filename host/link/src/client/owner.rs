@@ -5,7 +5,7 @@ use std::hash::{BuildHasher, RandomState};
 
 use anyhow::{Context, Result};
 use pneudrive_protocol::{ANY_BOOT, Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
-use pneudrive_records::foreign::{NAME, cleaned};
+use pneudrive_records::untrusted::{NAME, sanitised};
 use pneudrive_records::words;
 
 use super::Client;
@@ -28,7 +28,7 @@ pub struct Commander {
 impl From<&Owner<'_>> for Commander {
     fn from(owner: &Owner<'_>) -> Commander {
         let Owner { presence, session, silent_ms, host } = *owner;
-        Commander { presence, session, silent_ms, host: cleaned(host, NAME) }
+        Commander { presence, session, silent_ms, host: sanitised(host, NAME) }
     }
 }
 
@@ -114,13 +114,13 @@ impl Client {
     }
 
     /// Says the token to a rig, which may ask for it, or be too old to.
-    pub(super) fn say_token(&mut self, token: &str) -> Result<()> {
+    pub(super) fn send_token(&mut self, token: &str) -> Result<()> {
         let name = self.name.clone();
-        let said = self.ask_for_any(RequestBody::Token { token }, |reply| match reply {
+        let recent = self.ask_for_any(RequestBody::Token { token }, |reply| match reply {
             ReplyBody::Done | ReplyBody::Refused(Refused::Unknown) => Ok(()),
             other => Err(unexpected(other)),
         });
-        said.with_context(|| format!("{name}: was it started with another PNEUDRIVE_TOKEN?"))
+        recent.with_context(|| format!("{name}: was it started with another PNEUDRIVE_TOKEN?"))
     }
 
     /// Disables the drive.

@@ -9,7 +9,7 @@ use pneudrive_protocol::{
 use pneudrive_records::record::{Record, RecordHead};
 
 use super::answer::{refusal, unexpected};
-use super::{ANSWER_WAIT, Client, PATIENCE};
+use super::{ANSWER_WAIT, Client, SILENCE_TIMEOUT};
 
 use crate::download::Download;
 use crate::failure::Failure;
@@ -123,7 +123,7 @@ impl Client {
                 Some(_) => {}
                 None => pieces.download.fell_silent(),
             }
-            if self.link.now() > progress + PATIENCE {
+            if self.link.now() > progress + SILENCE_TIMEOUT {
                 return Err(self.no_answer());
             }
         }

@@ -40,8 +40,8 @@ impl<'a> Replacement<'a> {
     pub fn begin(folder: &'a Path) -> Result<Replacement<'a>> {
         let staged = folder.join(format!("{NEXT}-{}", own_number()));
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        if let Some(said) = settle(folder)? {
-            log::info!("{said}");
+        if let Some(printed) = settle(folder)? {
+            log::info!("{printed}");
         }
         remove(&staged)?;
         fs::create_dir(&staged)
@@ -214,8 +214,8 @@ mod tests {
             for name in new.iter().take(usize::max(placed, 1) - 1) {
                 fs::rename(next.join(name), folder.path().join(name)).expect("placed");
             }
-            let said = settle(folder.path()).expect("settled");
-            assert!(said.is_some_and(|said| said.contains("finished")), "{placed}");
+            let printed = settle(folder.path()).expect("settled");
+            assert!(printed.is_some_and(|printed| printed.contains("finished")), "{placed}");
             assert_eq!(names(folder.path()), ["run.json", "trace.csv"], "{placed}");
             for name in new {
                 assert_eq!(fs::read_to_string(folder.path().join(name)).expect("there"), "new", "{placed}");
@@ -231,9 +231,9 @@ mod tests {
         let own = Replacement::begin(folder.path()).expect("begun");
         // No system has processes with such numbers.
         fs::create_dir(folder.path().join(format!("{NEXT}-4294967295"))).expect("made");
-        let said = settle(folder.path()).expect("settled");
+        let printed = settle(folder.path()).expect("settled");
         if cfg!(target_os = "linux") {
-            assert!(said.is_some_and(|said| said.contains("removed")), "of a program that is gone");
+            assert!(printed.is_some_and(|printed| printed.contains("removed")), "of a program that is gone");
             assert_eq!(names(folder.path()).len(), 3, "the run, and the set on its way");
         }
         drop(own);

@@ -5,28 +5,28 @@ use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use pneudrive_app::flash_bus::{DONE, Operation, Request};
 
 use super::pipes::Pipes;
-use crate::kept_flash::{Dark, KeptFlash};
+use crate::persistent_flash::{PersistentFlash, PowerOff};
 use crate::plant_server::Bus;
 
 /// Serves the flash until the board has gone; true when it went because its power was cut.
-pub(super) fn serve(flash: &mut KeptFlash, mut bus: Pipes) -> Result<bool> {
+pub(super) fn serve(flash: &mut PersistentFlash, mut bus: Pipes) -> Result<bool> {
     while let Some(request) = bus.read()? {
         let Some(request) = Request::from_bytes(request) else {
             bail!("the board asked its flash for what there is not: {request:?}")
         };
         match carry_out(flash, request, &mut bus)? {
             Ok(answer) => bus.write(&answer)?,
-            Err(Dark) => return Ok(true),
+            Err(PowerOff) => return Ok(true),
         }
     }
     Ok(false)
 }
 
 fn carry_out(
-    flash: &mut KeptFlash,
+    flash: &mut PersistentFlash,
     Request { operation, offset, length }: Request,
     bus: &mut Pipes,
-) -> Result<Result<Vec<u8>, Dark>> {
+) -> Result<Result<Vec<u8>, PowerOff>> {
     if offset.checked_add(length).is_none_or(|end| end as usize > flash.capacity()) {
         bail!("the board asked for {length} bytes at {offset}, which is outside of its flash");
     }

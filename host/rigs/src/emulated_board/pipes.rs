@@ -20,18 +20,18 @@ pub(super) struct Pipes {
 }
 
 /// Writes nothing; keeps a pipe from waiting for the emulator, or from ending before it has come.
-pub(super) struct Held(#[expect(dead_code, reason = "held open, not used")] File);
+pub(super) struct OpenEnd(#[expect(dead_code, reason = "held open, not used")] File);
 
 impl Pipes {
     /// Makes both pipes, named as the image opens them.
-    pub(super) fn make(folder: &Path, to_board: &str, from_board: &str) -> Result<(Pipes, Held)> {
+    pub(super) fn make(folder: &Path, to_board: &str, from_board: &str) -> Result<(Pipes, OpenEnd)> {
         let both = |name: &str| OpenOptions::new().read(true).write(true).open(folder.join(name));
         for name in [to_board, from_board] {
             nix::unistd::mkfifo(&folder.join(name), Mode::S_IRUSR | Mode::S_IWUSR)?;
         }
-        let held = Held(both(from_board)?);
+        let open_end = OpenEnd(both(from_board)?);
         let (path, from_board) = (folder.join(to_board), File::open(folder.join(from_board))?);
-        Ok((Pipes { to_board: both(to_board)?, from_board, path }, held))
+        Ok((Pipes { to_board: both(to_board)?, from_board, path }, open_end))
     }
 
     /// The two ends: to the board, and from it.

@@ -8,7 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 
 /// Where the loop is put: memory that the machine has and the image does not.
-const PLACE: u32 = 0x2003_0000;
+const LOOP_ADDRESS: u32 = 0x2003_0000;
 
 /// `b .`, a branch to itself.
 const LOOP: [u8; 2] = 0xe7fe_u16.to_le_bytes();
@@ -24,9 +24,9 @@ const ATTEMPTS: u32 = 25;
 pub(super) fn stall(debugger: &Path) -> Result<()> {
     let mut link = UnixStream::connect(debugger).context("the emulator's debugger port")?;
     link.set_read_timeout(Some(ANSWER_WAIT))?;
-    ask(&mut link, &format!("M{PLACE:x},{:x}:{}", LOOP.len(), hex(&LOOP)))?;
+    ask(&mut link, &format!("M{LOOP_ADDRESS:x},{:x}:{}", LOOP.len(), hex(&LOOP)))?;
     // It goes on there, in Thumb state, and there is no answer before it stops again.
-    Ok(say(&mut link, &format!("c{:x}", PLACE | 1))?)
+    Ok(send(&mut link, &format!("c{:x}", LOOP_ADDRESS | 1))?)
 }
 
 /// One request of the GDB remote protocol. While the processor still runs, the emulator takes what it hears
@@ -34,7 +34,7 @@ pub(super) fn stall(debugger: &Path) -> Result<()> {
 fn ask(link: &mut UnixStream, request: &str) -> Result<()> {
     let mut heard = Vec::new();
     for _ in 0..ATTEMPTS {
-        say(link, request)?;
+        send(link, request)?;
         if is_done(link, &mut heard) {
             return Ok(link.write_all(b"+")?);
         }
@@ -42,7 +42,7 @@ fn ask(link: &mut UnixStream, request: &str) -> Result<()> {
     bail!("the debugger did not do {request}: {}", String::from_utf8_lossy(&heard))
 }
 
-fn say(link: &mut UnixStream, request: &str) -> io::Result<()> {
+fn send(link: &mut UnixStream, request: &str) -> io::Result<()> {
     let sum = request.bytes().fold(0u8, u8::wrapping_add);
     write!(link, "${request}#{sum:02x}")
 }

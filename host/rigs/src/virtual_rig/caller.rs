@@ -22,7 +22,7 @@ impl<T: Read + Write + Send> Stream for T {}
 const UNTAKEN: usize = 92_160;
 
 /// The fewest characters of a token.
-const LEAST_TOKEN: usize = 16;
+const MIN_TOKEN: usize = 16;
 
 /// What programs and a rig at a network both know. It keeps out who does not know it, and travels in the clear.
 #[derive(Clone)]
@@ -40,8 +40,8 @@ impl Token {
     /// # Errors
     /// For a shorter or a longer one.
     pub fn new(text: &str) -> Result<Token> {
-        if !(LEAST_TOKEN..=MAX_TEXT).contains(&text.len()) {
-            bail!("a token has {LEAST_TOKEN} to {MAX_TEXT} bytes, and this one {}", text.len());
+        if !(MIN_TOKEN..=MAX_TEXT).contains(&text.len()) {
+            bail!("a token has {MIN_TOKEN} to {MAX_TEXT} bytes, and this one {}", text.len());
         }
         Ok(Token(text.into()))
     }
@@ -88,7 +88,7 @@ impl Caller {
         let Some(Ok(message)) = accumulator.push(byte) else { return Ok(()) };
         let Ok(request) = decode_request(message) else { return Ok(()) };
         let knows = match request.body {
-            RequestBody::Token { token: said } if token.is(said) => true,
+            RequestBody::Token { token: sent } if token.is(sent) => true,
             RequestBody::Token { .. } => return Err(io::ErrorKind::PermissionDenied.into()),
             _ => false,
         };
@@ -111,10 +111,10 @@ impl Caller {
     /// All that is due unasked, and as much as the caller takes without being waited for.
     pub(super) fn speak(&mut self) -> io::Result<()> {
         let mut rows = Vec::new();
-        let mut said = None;
+        let mut sent = None;
         // Many samples may have been taken since the last look.
-        while said != Some(rows.len()) {
-            said = Some(rows.len());
+        while sent != Some(rows.len()) {
+            sent = Some(rows.len());
             let spoken: Result<(), Infallible> = self.server.speak(&mut rows);
             let Ok(()) = spoken;
         }

@@ -11,17 +11,17 @@ use pneudrive_records::whole_file::put;
 use pneudrive_sim::Rig;
 
 use crate::cli::ConfigAction;
-use crate::command::firmware_notes::tell_lacking;
+use crate::command::firmware_notes::report_missing;
 use crate::command::rig_source::rig_text;
 use crate::command::wording::few;
 
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {
         ConfigAction::Get { name: None } => {
-            say_all(&read(client)?);
+            print_all(&read(client)?);
             Ok(())
         }
-        ConfigAction::Get { name: Some(name) } => say_one(name, &read(client)?),
+        ConfigAction::Get { name: Some(name) } => print_one(name, &read(client)?),
         ConfigAction::Set { name, value } => {
             let (written, entry) = parameter_of(name)?;
             let value = written.value(value)?;
@@ -43,14 +43,14 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
     }
 }
 
-fn say_all(parameters: &Parameters) {
+fn print_all(parameters: &Parameters) {
     for written in Written::all() {
         let (value, meaning) = (written.all_text(parameters), written.parameter.meaning);
         say!("{:<40} {value:>12} {:<14} {meaning}", written.name, written.unit());
     }
 }
 
-fn say_one(name: &str, parameters: &Parameters) -> Result<()> {
+fn print_one(name: &str, parameters: &Parameters) -> Result<()> {
     if let Some(list) = Written::named(name).filter(|written| written.parameter.len > 1) {
         say!("{} = {}", list.name, list.all_text(parameters));
         return Ok(());
@@ -77,7 +77,7 @@ fn import(client: &mut Client, from: &str) -> Result<()> {
 /// The parameters of the rig; says which ones its firmware does not have.
 fn read(client: &mut Client) -> Result<Parameters> {
     let parameters = client.parameters()?;
-    tell_lacking(&parameters);
+    report_missing(&parameters);
     Ok(parameters.values)
 }
 
@@ -122,7 +122,7 @@ fn importable(from: &str) -> Result<(String, Named)> {
 /// The parameters in an exported file; None for another kind of file: its first line names none.
 fn parse_exported(text: &str) -> Option<Result<Named>> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, line)| is_content(line)).collect();
-    let Some(told) = told_count(text) else {
+    let Some(told) = count_text(text) else {
         let (_, first) = lines.first()?;
         by_name(first.split_once('=')?.0.trim())?;
         return Some(parse_lines(&lines));
@@ -140,7 +140,7 @@ fn parse_exported(text: &str) -> Option<Result<Named>> {
 }
 
 /// How many parameters the first line tells of.
-fn told_count(text: &str) -> Option<usize> {
+fn count_text(text: &str) -> Option<usize> {
     text.strip_prefix(HEAD)?.split_once(' ')?.0.parse().ok()
 }
 

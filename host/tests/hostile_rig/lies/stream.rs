@@ -8,13 +8,13 @@ pub const LIES: &[Told] = &[
         "rows without end",
         |memory| {
             let Some(stream) = memory.stream.filter(|_| memory.started) else { return Vec::new() };
-            let mut said = Vec::new();
+            let mut printed = Vec::new();
             for _ in 0..200 {
                 let indices: Vec<u32> = (memory.count..memory.count + 24).collect();
-                said.extend(rows(stream, memory.count, &indices));
+                printed.extend(rows(stream, memory.count, &indices));
                 memory.count += 24;
             }
-            said
+            printed
         },
         &[(STREAM, "! error: ")],
     ),

@@ -7,9 +7,9 @@ use pneudrive_app::ram_flash::{RamFlash, SECTOR, WORD};
 
 /// The power is off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dark;
+pub struct PowerOff;
 
-impl NorFlashError for Dark {
+impl NorFlashError for PowerOff {
     fn kind(&self) -> NorFlashErrorKind {
         NorFlashErrorKind::Other
     }
@@ -21,7 +21,7 @@ pub struct Flash {
     cells: Arc<RamFlash>,
     /// Writes and erases that are still carried out whole; None: all.
     until_cut: Option<u8>,
-    dark: bool,
+    powered_off: bool,
 }
 
 impl Flash {
@@ -33,21 +33,21 @@ impl Flash {
     /// Whether the power went.
     #[must_use]
     pub fn is_powered_off(&self) -> bool {
-        self.dark
+        self.powered_off
     }
 
     /// The same flash with its power on, as it stays.
     #[must_use]
     pub fn powered(&self) -> Flash {
-        Flash { cells: Arc::clone(&self.cells), until_cut: None, dark: false }
+        Flash { cells: Arc::clone(&self.cells), until_cut: None, powered_off: false }
     }
 
     /// How many of `bytes` are done: all, or half of them in whole `unit`s as the power goes.
-    fn grant(&mut self, bytes: usize, unit: usize) -> Result<usize, Dark> {
+    fn grant(&mut self, bytes: usize, unit: usize) -> Result<usize, PowerOff> {
         match self.until_cut {
-            _ if self.dark => Err(Dark),
+            _ if self.powered_off => Err(PowerOff),
             Some(0) => {
-                self.dark = true;
+                self.powered_off = true;
                 Ok(bytes / unit / 2 * unit)
             }
             left => {
@@ -57,22 +57,22 @@ impl Flash {
         }
     }
 
-    fn told(&self) -> Result<(), Dark> {
-        if self.dark { Err(Dark) } else { Ok(()) }
+    fn check_power(&self) -> Result<(), PowerOff> {
+        if self.powered_off { Err(PowerOff) } else { Ok(()) }
     }
 }
 
 impl ErrorType for Flash {
-    type Error = Dark;
+    type Error = PowerOff;
 }
 
 impl ReadNorFlash for Flash {
     const READ_SIZE: usize = 1;
 
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Dark> {
-        self.told()?;
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerOff> {
+        self.check_power()?;
         let start = offset as usize;
-        let there = self.cells.bytes().get(start..start + bytes.len()).ok_or(Dark)?;
+        let there = self.cells.bytes().get(start..start + bytes.len()).ok_or(PowerOff)?;
         bytes.copy_from_slice(there);
         Ok(())
     }
@@ -86,16 +86,16 @@ impl NorFlash for Flash {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), Dark> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerOff> {
         // An erase that is cut stops anywhere in a sector.
         let done = self.grant(to.saturating_sub(from) as usize, 1)?;
         let Ok(()) = Arc::make_mut(&mut self.cells).erase(from, from + done as u32);
-        self.told()
+        self.check_power()
     }
 
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Dark> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerOff> {
         let done = self.grant(bytes.len(), WORD)?;
         let Ok(()) = Arc::make_mut(&mut self.cells).write(offset, &bytes[..done]);
-        self.told()
+        self.check_power()
     }
 }

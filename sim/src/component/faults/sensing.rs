@@ -28,7 +28,7 @@ impl SensorFaults {
     }
 
     /// What becomes of the sample taken at `us`.
-    pub fn spoil(&mut self, us: u64, sample: Sample) -> Sample {
+    pub fn corrupt(&mut self, us: u64, sample: Sample) -> Sample {
         let kinds = || self.events.iter().filter(|event| event.at_us <= us).map(|event| event.kind);
         let lost = kinds().any(|kind| kind == FaultKind::EncoderLoss);
         let count = if lost { self.last_count.unwrap_or(sample.position) } else { sample.position };
@@ -65,7 +65,7 @@ mod tests {
             spool: 9,
             home_switch: false,
         };
-        (0..samples).map(|k| faults.spoil(10 * k, sample(k))).collect()
+        (0..samples).map(|k| faults.corrupt(10 * k, sample(k))).collect()
     }
 
     fn counts(events: &[(u64, FaultKind)], samples: u64) -> Vec<i32> {

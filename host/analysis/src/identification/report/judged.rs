@@ -11,15 +11,15 @@ pub(super) enum Intervals {
     /// Wider by what a model error as large as the residuals can do.
     Widened,
     /// Of noise and priors; nothing tells whether the model fits.
-    NotJudged,
+    NotTestable,
 }
 
 impl Intervals {
     pub fn of(found: &Identification) -> Intervals {
-        match (found.fits, found.spectrum.is_judged()) {
+        match (found.fits, found.spectrum.is_testable()) {
             (true, _) => Intervals::Of95,
             (false, true) => Intervals::Widened,
-            (false, false) => Intervals::NotJudged,
+            (false, false) => Intervals::NotTestable,
         }
     }
 
@@ -28,7 +28,7 @@ impl Intervals {
         match self {
             Intervals::Of95 => "95 % interval",
             Intervals::Widened => "interval, widened by the misfit",
-            Intervals::NotJudged => "interval of a fit that cannot be judged",
+            Intervals::NotTestable => "interval of a fit that cannot be judged",
         }
     }
 
@@ -37,20 +37,20 @@ impl Intervals {
         match self {
             Intervals::Of95 => "95 %",
             Intervals::Widened => "widened by the misfit",
-            Intervals::NotJudged => "not judged",
+            Intervals::NotTestable => "not judged",
         }
     }
 }
 
 /// The channels with too few samples to tell noise from more.
-pub(super) fn channels_not_judged(found: &Identification) -> Vec<&'static str> {
+pub(super) fn channels_not_testable(found: &Identification) -> Vec<&'static str> {
     found.spectrum.unjudged.iter().map(|&channel| CHANNELS[channel].0).collect()
 }
 
 /// What is to be said of them; None where all channels are judged.
-pub(super) fn not_judged(found: &Identification) -> Option<String> {
-    let channels = channels_not_judged(found).join(", ");
-    if !found.spectrum.is_judged() {
+pub(super) fn not_testable(found: &Identification) -> Option<String> {
+    let channels = channels_not_testable(found).join(", ");
+    if !found.spectrum.is_testable() {
         return Some(format!(
             "Too few samples count to tell whether more than noise remains ({channels}): whether the model explains these data cannot be judged, and no interval is known to be one of 95 %. Fit longer transients, or more of them."
         ));

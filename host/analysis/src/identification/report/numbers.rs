@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::FORMAT;
-use super::judged::{Intervals, channels_not_judged, rounded_channels};
+use super::judged::{Intervals, channels_not_testable, rounded_channels};
 use crate::identification::causes::Explanation;
 use crate::identification::parameter::Parameter;
 use crate::identification::recording::{CHANNELS, Recording};
@@ -21,8 +21,8 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "transients": recordings.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(),
         "converged": found.converged,
         "fits": found.fits,
-        "judged": found.spectrum.is_judged(),
-        "channels_not_judged": channels_not_judged(found),
+        "judged": found.spectrum.is_testable(),
+        "channels_not_judged": channels_not_testable(found),
         "channels_rounded": rounded_channels(found),
         "incline_suggested_deg": found.incline.map(|incline| incline.degrees),
         "at_limits": found.at_limits,

@@ -1,6 +1,6 @@
 //! Models of other complexity (8.3), on servo-drive B.
 
-use super::super::outcome::said;
+use super::super::outcome::formatted;
 use super::super::{Finding, Outcome, Statement, Study};
 use super::drives::{LONG_STEPS, LONG_STEPS_TIME, drive};
 use super::growth::{SAME_MM, grows};
@@ -123,8 +123,11 @@ pub(super) const LEAKAGE: Study = Study {
             thesis: "The cylinder moves slower as it extends or retracts.",
             judge: |runs| {
                 let [tight, leaking] = [&runs[0], &runs[1]].map(Outcome::rise_s);
-                let shows =
-                    format!("the mean rise time is {} for {}", said(leaking, 4, "s"), said(tight, 4, "s"));
+                let shows = format!(
+                    "the mean rise time is {} for {}",
+                    formatted(leaking, 4, "s"),
+                    formatted(tight, 4, "s")
+                );
                 Finding::decided(grows(tight, leaking, 0.0), shows)
             },
         },
@@ -132,7 +135,7 @@ pub(super) const LEAKAGE: Study = Study {
             thesis: "Deviations are larger during extending and retracting.",
             judge: |runs| {
                 let [tight, leaking] = [&runs[0], &runs[1]].map(Outcome::lag_mm);
-                let [one, other] = [leaking, tight].map(|lag| said(lag, 3, "mm"));
+                let [one, other] = [leaking, tight].map(|lag| formatted(lag, 3, "mm"));
                 let shows =
                     format!("for half a second after a step it is {one} off in the mean, tight {other}");
                 Finding::decided(grows(tight, leaking, 0.0), shows)

@@ -1,6 +1,6 @@
 //! Changes of a part (8.1) and of the conditions of operation (8.2), on servo-drive B.
 
-use super::super::outcome::said;
+use super::super::outcome::formatted;
 use super::super::steadiness::SEEN_MM;
 use super::super::{Finding, Outcome, Statement, Study, Variant};
 use super::drives::{LONG_STEPS, LONG_STEPS_TIME, THESIS, drive};
@@ -76,10 +76,10 @@ pub(super) const IMPULSE: Study = Study {
             judge: |runs| {
                 let swings = runs[1].swings(runs[1].last().start_s, 0.4);
                 let calm = |swing: &f64| *swing <= SEEN_MM;
-                let calm_s = swings.iter().position(calm).map(|stretch| 0.4 * stretch as f64);
+                let calm_s = swings.iter().position(calm).map(|window| 0.4 * window as f64);
                 let after = swings.iter().skip_while(|swing| !calm(swing));
                 let reverts = after.filter(|swing| !calm(swing)).count() > 1;
-                let first = said(calm_s, 1, "s");
+                let first = formatted(calm_s, 1, "s");
                 let shows = format!("it is calm {first} after the impulse; then {}", runs[1].rest());
                 Finding::new(calm_s.is_some() && reverts, shows)
             },
@@ -122,7 +122,7 @@ pub(super) const REDUCED_GAIN: Study = Study {
         Statement {
             thesis: "There is a steady-state deviation between experiment and simulation.",
             judge: |runs| {
-                let errors = runs[1..].iter().map(|run| said(run.last().mean_error_mm, 2, "mm"));
+                let errors = runs[1..].iter().map(|run| formatted(run.last().mean_error_mm, 2, "mm"));
                 let errors = errors.collect::<Vec<_>>().join(", ");
                 Finding::open(format!("the drives are {errors} off the setpoint"))
             },
@@ -165,7 +165,7 @@ pub(super) const NULL_LEARNING: Study = Study {
                 let [begin, end, other] = all;
                 Some(end? < 0.5 * begin? && end? < 0.5 * other?)
             };
-            let [begin, end, other] = [with[0], with[1], without[1]].map(|error| said(error, 2, "mm"));
+            let [begin, end, other] = [with[0], with[1], without[1]].map(|error| formatted(error, 2, "mm"));
             Finding::decided(
                 halved([with[0], with[1], without[1]]),
                 format!(
@@ -192,15 +192,18 @@ pub(super) const STEP_TIME: Study = Study {
             judge: |runs| {
                 let [long, short] = [&runs[0], &runs[1]].map(Outcome::rise_s);
                 let same = short.zip(long).map(|(short, long)| (short / long - 1.0).abs() < 0.05);
-                let shows =
-                    format!("the mean rise time is {} for {}", said(short, 3, "s"), said(long, 3, "s"));
+                let shows = format!(
+                    "the mean rise time is {} for {}",
+                    formatted(short, 3, "s"),
+                    formatted(long, 3, "s")
+                );
                 Finding::decided(same, shows)
             },
         },
         Statement {
             thesis: "The deviations of the simulation from the rig are in the same pattern.",
             judge: |runs| {
-                let [long, short] = [&runs[0], &runs[1]].map(|run| said(run.lag_mm(), 1, "mm"));
+                let [long, short] = [&runs[0], &runs[1]].map(|run| formatted(run.lag_mm(), 1, "mm"));
                 Finding::open(format!(
                     "for half a second after a step it is {short} off in the mean, for {long}"
                 ))

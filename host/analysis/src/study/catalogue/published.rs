@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::super::outcome::said;
+use super::super::outcome::formatted;
 use super::super::{Finding, Statement, Study, Variant};
 use super::growth::{SAME_MM, grows};
 use crate::transient::{PRESSURES, SPOOL};
@@ -59,7 +59,8 @@ pub(super) const LUT_SOLENOID: Study = Study {
             thesis: "It starts with less delay than with the stepper-operated valve.",
             judge: |runs| {
                 let [solenoid, stepper] = [&runs[0], &runs[1]].map(|run| run.delay_s());
-                let [one, other] = [solenoid, stepper].map(|delay| said(delay.map(|s| 1e3 * s), 0, "ms"));
+                let [one, other] =
+                    [solenoid, stepper].map(|delay| formatted(delay.map(|s| 1e3 * s), 0, "ms"));
                 Finding::decided(
                     solenoid.zip(stepper).map(|(solenoid, stepper)| solenoid < stepper),
                     format!("it has gone 1 % of the way after {one}, with the stepper after {other}"),
@@ -70,7 +71,7 @@ pub(super) const LUT_SOLENOID: Study = Study {
             thesis: "It is more stable than with the stepper-operated valve.",
             judge: |runs| {
                 let swing = |run: usize| runs[run].swings(HUNTS_FROM_S, HUNTS_S).first().copied();
-                let [one, other] = [0, 1].map(|run| said(swing(run), 2, "mm"));
+                let [one, other] = [0, 1].map(|run| formatted(swing(run), 2, "mm"));
                 Finding::decided(
                     grows(swing(0), swing(1), SAME_MM),
                     format!("it hunts by {one} in the last {HUNTS_S} s, with the stepper by {other}"),
@@ -80,7 +81,7 @@ pub(super) const LUT_SOLENOID: Study = Study {
         Statement {
             thesis: "The simulated responses are sufficiently close to the reported ones (Fig. 7.22, 7.23).",
             judge: |runs| {
-                let rise = said(runs[0].last().rise_s, 3, "s");
+                let rise = formatted(runs[0].last().rise_s, 3, "s");
                 Finding::open(format!("the retraction takes {rise} from 10 % to 90 %"))
             },
         },
@@ -107,8 +108,8 @@ pub(super) const BURROWS: Study = Study {
         Statement {
             thesis: "The position error agrees in the fashion of its variation (Fig. 7.24, 7.25).",
             judge: |runs| {
-                let error = said(runs[0].last().steady_error_mm, 2, "mm");
-                let overshoot = said(runs[0].overshoot_mm(), 1, "mm");
+                let error = formatted(runs[0].last().steady_error_mm, 2, "mm");
+                let overshoot = formatted(runs[0].overshoot_mm(), 1, "mm");
                 Finding::open(format!(
                     "{}, {error} off its setpoint, after an overshoot of {overshoot}",
                     runs[0].rest()

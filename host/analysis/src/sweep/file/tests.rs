@@ -12,7 +12,7 @@ fn read(text: &str) -> Result<Sweep, Problems> {
 }
 
 /// What is said of the good file with a line in place of another.
-fn said(of: &str, with: &str) -> String {
+fn formatted(of: &str, with: &str) -> String {
     assert!(GOOD.contains(of));
     read(&GOOD.replacen(of, with, 1)).expect_err(with).to_string()
 }
@@ -36,7 +36,7 @@ fn what_is_wrong_with_the_whole_is_named_by_line_and_key() {
         ("load.mass_kg = [1, 2]\n", "", "s.toml: vary: nothing varies"),
         ("air = \"air_l\"\n", "", "s.toml: metrics: nothing is collected"),
     ] {
-        assert!(said(of, with).contains(says), "{with}: {}", said(of, with));
+        assert!(formatted(of, with).contains(says), "{with}: {}", formatted(of, with));
     }
 }
 
@@ -58,7 +58,7 @@ fn what_is_wrong_with_a_setting_is_named_by_line_and_key() {
         ),
         ("[set]\nload.mass_kg = 2\n[vary]", "s.toml:5: vary.load.mass_kg: is in [set], too"),
     ] {
-        assert!(said("[vary]", with).contains(says), "{with}: {}", said("[vary]", with));
+        assert!(formatted("[vary]", with).contains(says), "{with}: {}", formatted("[vary]", with));
     }
 }
 
@@ -98,9 +98,9 @@ fn what_is_wrong_with_a_key_that_varies_is_named_by_line_and_key() {
         ("controller.velocity_gain = [1.5]", "controller.velocity_gain: must be a whole number"),
         ("test.moves = [1]", "test.moves: cannot be varied"),
     ] {
-        let said = said(line, with);
-        assert!(said.contains(says), "{with}: {said}");
-        assert!(said.starts_with("s.toml:3: vary."), "{with}: {said}");
+        let formatted = formatted(line, with);
+        assert!(formatted.contains(says), "{with}: {formatted}");
+        assert!(formatted.starts_with("s.toml:3: vary."), "{with}: {formatted}");
     }
 }
 
@@ -125,9 +125,9 @@ fn what_is_wrong_with_a_factor_or_with_two_keys_is_named_by_line_and_key() {
             "more than 1000000 points",
         ),
     ] {
-        let said = said(line, with);
-        assert!(said.contains(says), "{with}: {said}");
-        assert!(said.starts_with("s.toml:3: vary.") || with.contains('\n'), "{with}: {said}");
+        let formatted = formatted(line, with);
+        assert!(formatted.contains(says), "{with}: {formatted}");
+        assert!(formatted.starts_with("s.toml:3: vary.") || with.contains('\n'), "{with}: {formatted}");
     }
 }
 
@@ -164,7 +164,7 @@ fn what_is_wrong_with_metrics_and_goals_is_named_by_line_and_key() {
             "s.toml:7: constraints.ear: there is no metric",
         ),
     ] {
-        assert!(said(end, with).contains(says), "{with}: {}", said(end, with));
+        assert!(formatted(end, with).contains(says), "{with}: {}", formatted(end, with));
     }
 }
 
@@ -180,6 +180,6 @@ fn what_is_wrong_with_draws_is_named_by_line_and_key() {
             "s.toml:7: draw.method: must be \"latin-hypercube\"",
         ),
     ] {
-        assert!(said(end, with).contains(says), "{with}: {}", said(end, with));
+        assert!(formatted(end, with).contains(says), "{with}: {}", formatted(end, with));
     }
 }

@@ -24,7 +24,7 @@ const FORM: &str = "must be a list of values, { from = 1.0, to = 4.0, steps = 7 
 const FIELDS: [&str; 8] = ["values", "from", "to", "steps", "spacing", "uniform", "normal", "scale"];
 
 /// Most steps of a range.
-const MOST_STEPS: usize = 100_000;
+const MAX_STEPS: usize = 100_000;
 
 /// What a key takes on, before it is drawn.
 enum Spread {
@@ -176,7 +176,7 @@ fn range(table: &dyn TableLike) -> Result<Range, String> {
         }
     };
     let (from, to) = (number(field("from")?)?, number(field("to")?)?);
-    let steps = count(field("steps")?, 2, MOST_STEPS).map_err(|message| format!("steps {message}"))?;
+    let steps = count(field("steps")?, 2, MAX_STEPS).map_err(|message| format!("steps {message}"))?;
     if logarithmic && !(from > 0.0 && to > 0.0) {
         return Err("even ratios need from and to of more than 0".to_owned());
     }

@@ -13,7 +13,7 @@ use crate::thesis::reading::ends;
 use crate::thesis::{Agreement, Chart, Entry, Exhibit, Experiment, Found, Line, Measured, Printed, Reading};
 use crate::tuning::Proportion;
 
-const LOST: &str = "none, as the rig's transient is lost";
+const NO_REFERENCE: &str = "none, as the rig's transient is lost";
 
 const fn deviation(
     key: &'static str,
@@ -21,7 +21,7 @@ const fn deviation(
     printed: &'static str,
     unit: &'static str,
 ) -> Entry {
-    Entry::number(key, what, [printed, unit], 1.0, LOST)
+    Entry::number(key, what, [printed, unit], 1.0, NO_REFERENCE)
 }
 
 pub(super) const EXHIBITS: [Exhibit; 2] = [
@@ -48,7 +48,7 @@ pub(super) const EXHIBITS: [Exhibit; 2] = [
             deviation("C position", "C: position", "2,637", "pulses"),
             deviation("C P1", "C: pressure 1", "186,863", "N/m2"),
             deviation("C P2", "C: pressure 2", "225,410", "N/m2"),
-            Entry::number("C spool", "C: spool location", ["0.0138", "mm"], 1.0, LOST),
+            Entry::number("C spool", "C: spool location", ["0.0138", "mm"], 1.0, NO_REFERENCE),
             Entry::sentence(
                 "pressures",
                 "The pressure responses were unsatisfactory: their deviations are all higher.",

@@ -99,10 +99,10 @@ fn open_loop() -> Result<Measured> {
         1e3 * rig.get(&keys::stop::STOP_REGION_M)
     );
     let held = run.rows.iter().filter(|row| holds_command(row)).count();
-    let said = format!("{held} of {} rows have the command of their move", run.rows.len());
+    let share = format!("{held} of {} rows have the command of their move", run.rows.len());
     let readings = vec![
         Reading::shows("stops", holds, text, "one run, as nothing of it is drawn"),
-        Reading::shows("command", held == run.rows.len(), said, "every row of one run"),
+        Reading::shows("command", held == run.rows.len(), share, "every row of one run"),
     ];
     Ok(Measured { readings, charts: step_charts("A, open loop", &rig, &run).into() })
 }

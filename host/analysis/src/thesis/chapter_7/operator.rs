@@ -260,8 +260,8 @@ fn note(key: &str, found: Result<Left, Unfit>, readings: &mut Vec<Reading>, char
         readings.push(Reading::nothing(key, "the bench cannot follow the spool: events pile up"));
         return;
     };
-    let said: Vec<String> = widths.iter().map(|width| rounded(*width, 3)).collect();
-    let text = format!("at 20, 30, 40, 50 and 60 Hz it leaves {} mm of command", said.join(", "));
+    let labels: Vec<String> = widths.iter().map(|width| rounded(*width, 3)).collect();
+    let text = format!("at 20, 30, 40, 50 and 60 Hz it leaves {} mm of command", labels.join(", "));
     let rests_on = format!(
         "each read to within {known_to:.4} mm; a minimum is one if 20 and 60 Hz both lie above 40 and 50 Hz by more"
     );

@@ -100,8 +100,8 @@ fn harmonics(spectra: &[Spectrum]) -> Reading {
     let lines = [50.0, 100.0, 150.0, 200.0, 250.0]
         .map(|hz| median(&spectra.iter().map(|spectrum| line_mm(spectrum, hz)).collect::<Vec<_>>()));
     let seen = lines[1..].iter().filter(|line| **line > 0.05 * lines[0]).count();
-    let said: Vec<String> = lines.iter().map(|line| format!("{line:.3}")).collect();
-    let text = format!("the lines of 50, 100, 150, 200 and 250 Hz are {} mm", said.join(", "));
+    let labels: Vec<String> = lines.iter().map(|line| format!("{line:.3}")).collect();
+    let text = format!("the lines of 50, 100, 150, 200 and 250 Hz are {} mm", labels.join(", "));
     Reading::shows(
         "harmonics",
         seen >= 2,

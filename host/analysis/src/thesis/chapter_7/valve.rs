@@ -115,12 +115,12 @@ fn fit(nulls: &[pressure_gain::Null]) -> Reading {
         (false, false) => Agreement::Differs,
         _ => Agreement::InPart,
     };
-    let said =
+    let list =
         |misfits: &[f64]| misfits.iter().map(|misfit| format!("{misfit:.2}")).collect::<Vec<_>>().join(", ");
     let text = format!(
         "the misfits of curves 1 to 5 are {} kPa, or {} % of the supply pressure",
-        said(&kpa),
-        said(&percent)
+        list(&kpa),
+        list(&percent)
     );
     Reading {
         key: "fit".to_owned(),

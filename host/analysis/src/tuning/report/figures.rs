@@ -17,7 +17,7 @@ const DRAWN: [usize; 3] = [POSITION, COMMAND, SPOOL];
 
 const BEFORE: &str = "#7f7f7f";
 const AFTER: &str = "#1f4e9c";
-const ASKED: &str = "#c0392b";
+const REQUIRED: &str = "#c0392b";
 const MET: &str = "#1f4e9c";
 const MISSED: &str = "#e08214";
 
@@ -45,7 +45,7 @@ pub fn draws(task: &Task, trial: &Trial, tuned: &Tuned) -> Figure {
     let mut close = vec![curve(false, &error), curve(true, &error)];
     close.extend([goal.settled_mm, -goal.settled_mm].map(|bound| Curve {
         look: Look::Dashed,
-        colour: Some(ASKED),
+        colour: Some(REQUIRED),
         ..Curve::new("settled within", vec![0.0, goal.time_s], vec![bound; 2])
     }));
     Figure {
@@ -99,7 +99,7 @@ pub fn places(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Figure {
     let curves = vec![
         points("goal met", MET, true, true),
         points("settles, but the goal is not met", MISSED, false, true),
-        points("does not settle (at the top)", ASKED, false, false),
+        points("does not settle (at the top)", REQUIRED, false, false),
     ];
     Figure {
         heading: "settling time over where the step begins, the later of there and back".to_owned(),
@@ -164,7 +164,7 @@ pub fn step(trial: &Trial, tuned: &Tuned) -> Figure {
     let panel = |channel: usize| {
         let (name, unit) = CHANNELS[channel];
         let asked = runs.first().filter(|_| channel == POSITION);
-        let asked = asked.map(|(_, _, run)| curve("setpoint", ASKED, Look::DashedSteps, run, SETPOINT));
+        let asked = asked.map(|(_, _, run)| curve("setpoint", REQUIRED, Look::DashedSteps, run, SETPOINT));
         let curves = runs.iter().map(|(name, colour, run)| curve(name, colour, Look::Line, run, channel));
         Panel::new(&format!("{name}, {unit}"), asked.into_iter().chain(curves).collect())
     };

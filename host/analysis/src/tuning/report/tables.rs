@@ -2,9 +2,9 @@
 
 use crate::evaluation::LimitCycle;
 use crate::page::Table;
-use crate::range::stated;
+use crate::range::with_range;
 use crate::tuning::trial::Trial;
-use crate::tuning::{Found, Goal, Obstacle, Performance, Tuned, Variant};
+use crate::tuning::{Found, Goal, LimitingImperfection, Performance, Tuned, Variant};
 
 /// Columns of what gains do on many rigs.
 const ON_MANY: [&str; 9] = [
@@ -41,9 +41,9 @@ fn on_many(found: &Found, goal: &Goal) -> Vec<String> {
         settling,
         match largest(&|one| one.overshoot_percent) {
             Some(seen) if !overshoots => format!("at least {seen:.2}"),
-            seen => said(seen, 2),
+            seen => formatted(seen, 2),
         },
-        said(largest(&|one| Some(one.error_mm).filter(|mm| mm.is_finite())), 3),
+        formatted(largest(&|one| Some(one.error_mm).filter(|mm| mm.is_finite())), 3),
         count(&|one| matches!(one.limit_cycle, LimitCycle::Sustained(_))),
         count(&|one| matches!(one.limit_cycle, LimitCycle::Undecided(_))),
     ]
@@ -67,8 +67,9 @@ pub fn judged(tuned: &Tuned, goal: &Goal) -> Table {
 
 /// What is in the way.
 #[must_use]
-pub fn obstacles(all: &[Obstacle], goal: &Goal) -> Table {
-    let row = |one: &Obstacle| [vec![one.suspect.what.to_owned()], on_many(&one.found, goal)].concat();
+pub fn obstacles(all: &[LimitingImperfection], goal: &Goal) -> Table {
+    let row =
+        |one: &LimitingImperfection| [vec![one.suspect.what.to_owned()], on_many(&one.found, goal)].concat();
     many(
         "what is in the way: the same draws, with gains found for a rig that has",
         "instead",
@@ -87,9 +88,9 @@ pub fn neighbours(tuned: &Tuned, goal: &Goal) -> Table {
         vec![
             name.to_owned(),
             format!("{} of {}", seen.met, seen.of),
-            stated(&of(&|one| one.settling_s), 3),
-            stated(&of(&|one| one.overshoot_percent), 2),
-            stated(&of(&|one| Some(one.error_mm).filter(|mm| mm.is_finite())), 3),
+            with_range(&of(&|one| one.settling_s), 3),
+            with_range(&of(&|one| one.overshoot_percent), 2),
+            with_range(&of(&|one| Some(one.error_mm).filter(|mm| mm.is_finite())), 3),
             cycles.map_or_else(|| "-".to_owned(), swing),
         ]
     };
@@ -159,9 +160,9 @@ pub fn draws(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Table {
             variant.name(),
             format!("{from:.1} to {to:.1}"),
             if one.failure.is_empty() { met } else { one.failure.clone() },
-            said(one.settling_s, 3),
-            said(one.overshoot_percent, 2),
-            said(Some(one.error_mm), 3),
+            formatted(one.settling_s, 3),
+            formatted(one.overshoot_percent, 2),
+            formatted(Some(one.error_mm), 3),
             swing(one.limit_cycle),
         ]
     };
@@ -190,7 +191,7 @@ fn swing(limit_cycle: LimitCycle) -> String {
     }
 }
 
-fn said(value: Option<f64>, decimals: usize) -> String {
+fn formatted(value: Option<f64>, decimals: usize) -> String {
     value
         .filter(|value| value.is_finite())
         .map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
@@ -210,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_value_is_said_with_three_digits() {
-        let said = [0.0, 0.003, 0.0401, 0.598, 2.0, 12.345, 150.0, -1.5].map(digits);
-        assert_eq!(said, ["0", "0.003", "0.0401", "0.598", "2", "12.3", "150", "-1.5"]);
+        let formatted = [0.0, 0.003, 0.0401, 0.598, 2.0, 12.345, 150.0, -1.5].map(digits);
+        assert_eq!(formatted, ["0", "0.003", "0.0401", "0.598", "2", "12.3", "150", "-1.5"]);
     }
 }

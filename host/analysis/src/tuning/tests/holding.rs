@@ -8,15 +8,15 @@ fn keys_of(settings: &[String]) -> Vec<&str> {
 
 #[test]
 fn a_held_key_is_not_looked_for_and_the_others_go_by_it() {
-    let space = |held: &[&str]| {
-        let held: Vec<String> = held.iter().map(|&key| key.to_owned()).collect();
-        let settings: Vec<String> = held.clone();
+    let space = |fixed: &[&str]| {
+        let fixed: Vec<String> = fixed.iter().map(|&key| key.to_owned()).collect();
+        let settings: Vec<String> = fixed.clone();
         let keys: Vec<String> =
-            held.iter().map(|one| one.split_once('=').expect("a value").0.to_owned()).collect();
+            fixed.iter().map(|one| one.split_once('=').expect("a value").0.to_owned()).collect();
         Space::of(&rig("servo-b", &settings), GOAL.settled_mm, &keys).expect("a space")
     };
-    let settings = |held: &[&str]| {
-        let space = space(held);
+    let settings = |fixed: &[&str]| {
+        let space = space(fixed);
         space.settings(&vec![0.4; space.len()])
     };
     let value = |settings: &[String], key: &str| {
@@ -48,11 +48,11 @@ fn a_held_key_is_not_looked_for_and_the_others_go_by_it() {
 
 #[test]
 fn a_key_that_cannot_be_held_is_refused_by_what_can() {
-    let refused = |held: &str| {
-        let task = Task { held: vec![held.to_owned()], ..task("servo-b", &[]) };
-        held::check(&task).expect_err("refused").to_string()
+    let refused = |fixed: &str| {
+        let task = Task { fixed: vec![fixed.to_owned()], ..task("servo-b", &[]) };
+        fixed::check(&task).expect_err("refused").to_string()
     };
-    for (held, why) in [
+    for (fixed, why) in [
         ("operator.ditter_mm=0", "did you mean dither_mm?"),
         ("controller.velocity_gian=3", "did you mean velocity_gain?"),
         ("operator.dither_mm=loud", "must be a number"),
@@ -60,13 +60,16 @@ fn a_key_that_cannot_be_held_is_refused_by_what_can() {
         ("load.viscous_n_s_per_m=2", "the spread draws"),
         ("test.moves=[[0.0, 1]]", "the step itself sets test.moves"),
     ] {
-        let said = refused(held);
-        assert!(said.contains(why) && said.contains("operator.dither_mm, operator.dither_hz"), "{said}");
+        let message = refused(fixed);
+        assert!(
+            message.contains(why) && message.contains("operator.dither_mm, operator.dither_hz"),
+            "{message}"
+        );
     }
     let known = Relative { load: 0.0, friction: 0.3, supply: 0.0 };
-    let held = ["load.mass_kg=2.0", "controller.period_s=0.002", "controller.velocity_gain=100"];
-    let held = held.map(str::to_owned).to_vec();
-    held::check(&Task { held, spread: known, ..task("servo-b", &[]) }).expect("any other key can be held");
+    let fixed = ["load.mass_kg=2.0", "controller.period_s=0.002", "controller.velocity_gain=100"];
+    let fixed = fixed.map(str::to_owned).to_vec();
+    fixed::check(&Task { fixed, spread: known, ..task("servo-b", &[]) }).expect("any other key can be held");
     let all = ["proportional_gain", "velocity_gain", "acceleration_gain", "velocity_window_samples"]
         .into_iter()
         .chain(["acceleration_window_samples", "dead_band_counts", "null_offset_counts"]);

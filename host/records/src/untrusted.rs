@@ -13,7 +13,7 @@ const CUT: &str = "...";
 
 /// A text of a device with its control and formatting characters escaped (`\n`, `\u{1b}`), cut to `longest` bytes. A
 /// text that is clean stays as it is, so cleaning twice changes nothing.
-pub fn cleaned(text: &str, longest: usize) -> String {
+pub fn sanitised(text: &str, longest: usize) -> String {
     let mut clean = String::new();
     for character in text.chars() {
         if is_plain(character) {
@@ -43,28 +43,28 @@ mod tests {
     #[test]
     fn an_ordinary_name_stays_as_it_is() {
         for name in ["pneudrive 0.1.0", "0.1.0+a1b2c3-dirty", "Prüfstand \"Süd\" C:\\x", ""] {
-            assert_eq!(cleaned(name, NAME), name);
+            assert_eq!(sanitised(name, NAME), name);
         }
     }
 
     #[test]
     fn what_moves_a_cursor_or_ends_a_line_is_escaped() {
-        assert_eq!(cleaned("a\x1b[2J\n# b = c\r", NAME), r"a\u{1b}[2J\n# b = c\r");
-        assert_eq!(cleaned("\u{9b}31m\u{202e}\u{2028}\0", NAME), r"\u{9b}31m\u{202e}\u{2028}\0");
+        assert_eq!(sanitised("a\x1b[2J\n# b = c\r", NAME), r"a\u{1b}[2J\n# b = c\r");
+        assert_eq!(sanitised("\u{9b}31m\u{202e}\u{2028}\0", NAME), r"\u{9b}31m\u{202e}\u{2028}\0");
     }
 
     #[test]
     fn a_long_text_is_cut_between_two_characters() {
-        assert_eq!(cleaned(&"n".repeat(65), NAME), "n".repeat(61) + "...");
-        assert_eq!(cleaned(&"ü".repeat(40), NAME), "ü".repeat(30) + "...");
+        assert_eq!(sanitised(&"n".repeat(65), NAME), "n".repeat(61) + "...");
+        assert_eq!(sanitised(&"ü".repeat(40), NAME), "ü".repeat(30) + "...");
     }
 
     proptest! {
         #[test]
         fn whatever_comes_is_short_and_plain_and_cleaning_it_again_changes_nothing(text in any::<String>()) {
-            let clean = cleaned(&text, NAME);
+            let clean = sanitised(&text, NAME);
             prop_assert!(clean.len() <= NAME && clean.chars().all(is_plain), "{clean:?}");
-            prop_assert_eq!(cleaned(&clean, NAME), clean);
+            prop_assert_eq!(sanitised(&clean, NAME), clean);
         }
     }
 }

@@ -14,13 +14,13 @@ const SHORTEST_RISE_COUNTS: f64 = 10.0;
 const LAST_PART: f64 = 0.25;
 
 /// The samples of a move.
-pub(super) struct Stretch<'a> {
+pub(super) struct Interval<'a> {
     pub transient: &'a Transient,
     pub begin: usize,
     pub end: usize,
 }
 
-impl Stretch<'_> {
+impl Interval<'_> {
     pub fn time(&self) -> &[f64] {
         &self.transient.time[self.begin..self.end]
     }

@@ -9,29 +9,29 @@ use anyhow::{Context, Result, bail};
 use super::caller::{Caller, Token};
 
 /// The door.
-pub struct Door {
+pub struct Listener {
     listener: Option<TcpListener>,
     token: Option<Token>,
     pub(super) callers: Vec<Caller>,
     name: String,
     /// The far end of a pty, held open so that ours lives without a client.
-    _held: Option<Box<dyn Send>>,
+    _far_end: Option<Box<dyn Send>>,
 }
 
-impl Door {
+impl Listener {
     /// A door at `pty` or `tcp:HOST:PORT`, of this machine alone.
     ///
     /// # Errors
     /// When the address cannot be listened at, can be reached from a network, or there are no ptys.
-    pub fn open(at: &str) -> Result<Door> {
-        Door::open_with(at, None)
+    pub fn open(at: &str) -> Result<Listener> {
+        Listener::open_with(at, None)
     }
 
     /// The same, for programs that know the token. At an address that can be reached from a network there must be one.
     ///
     /// # Errors
     /// When the address cannot be listened at, lacks a token, or there are no ptys.
-    pub fn open_with(at: &str, token: Option<Token>) -> Result<Door> {
+    pub fn open_with(at: &str, token: Option<Token>) -> Result<Listener> {
         match at.strip_prefix("tcp:").map(|address| address.trim_start_matches("//")) {
             Some(address) => {
                 let listener =
@@ -45,25 +45,25 @@ impl Door {
                     );
                 }
                 let name = format!("tcp://{local}");
-                Ok(Door { listener: Some(listener), token, callers: Vec::new(), name, _held: None })
+                Ok(Listener { listener: Some(listener), token, callers: Vec::new(), name, _far_end: None })
             }
-            None if at == "pty" => Door::open_pty(),
+            None if at == "pty" => Listener::open_pty(),
             None => bail!("--listen takes pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000; not {at:?}"),
         }
     }
 
     #[cfg(unix)]
-    fn open_pty() -> Result<Door> {
+    fn open_pty() -> Result<Listener> {
         use serialport::SerialPort;
         let (mut master, slave) = serialport::TTYPort::pair().context("cannot open a pty")?;
         master.set_timeout(Duration::from_millis(1))?;
         let name = format!("pty:{}", slave.name().context("the pty has no name")?);
         let callers = vec![Caller::new(master, None)];
-        Ok(Door { listener: None, token: None, callers, name, _held: Some(Box::new(slave)) })
+        Ok(Listener { listener: None, token: None, callers, name, _far_end: Some(Box::new(slave)) })
     }
 
     #[cfg(not(unix))]
-    fn open_pty() -> Result<Door> {
+    fn open_pty() -> Result<Listener> {
         bail!("there are no ptys on this system; listen at tcp:127.0.0.1:4000")
     }
 

@@ -8,27 +8,27 @@ use pneudrive_app::ram_flash::{RamFlash, SECTOR, WORD};
 
 /// The flash. Clones are one and the same.
 #[derive(Clone, Debug, Default)]
-pub struct KeptFlash(Arc<Mutex<Cells>>);
+pub struct PersistentFlash(Arc<Mutex<Cells>>);
 
 #[derive(Debug, Default)]
 struct Cells {
     flash: RamFlash,
     /// Writes and erases that are still carried out whole; None: all.
     until_cut: Option<u64>,
-    dark: bool,
+    powered_off: bool,
 }
 
 /// The power is off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dark;
+pub struct PowerOff;
 
-impl NorFlashError for Dark {
+impl NorFlashError for PowerOff {
     fn kind(&self) -> NorFlashErrorKind {
         NorFlashErrorKind::Other
     }
 }
 
-impl KeptFlash {
+impl PersistentFlash {
     /// The power goes in the middle of the nth write or erase from now, the next one being the first:
     /// half of its bytes are done.
     pub fn cut_power_at(&self, nth: u64) {
@@ -46,13 +46,13 @@ impl KeptFlash {
     /// Whether the power is off.
     #[must_use]
     pub fn is_powered_off(&self) -> bool {
-        self.cells().dark
+        self.cells().powered_off
     }
 
     /// The power is on again, and stays on.
     pub fn switch_on(&self) {
         let mut cells = self.cells();
-        (cells.until_cut, cells.dark) = (None, false);
+        (cells.until_cut, cells.powered_off) = (None, false);
     }
 
     fn cells(&self) -> MutexGuard<'_, Cells> {
@@ -62,11 +62,11 @@ impl KeptFlash {
 
 impl Cells {
     /// How many of `bytes` are done: all, or half of them in whole `unit`s as the power goes.
-    fn grant(&mut self, bytes: usize, unit: usize) -> Result<usize, Dark> {
+    fn grant(&mut self, bytes: usize, unit: usize) -> Result<usize, PowerOff> {
         match self.until_cut {
-            _ if self.dark => Err(Dark),
+            _ if self.powered_off => Err(PowerOff),
             Some(0) => {
-                self.dark = true;
+                self.powered_off = true;
                 Ok(bytes / unit / 2 * unit)
             }
             ref mut left => {
@@ -76,22 +76,22 @@ impl Cells {
         }
     }
 
-    fn told(&self) -> Result<(), Dark> {
-        if self.dark { Err(Dark) } else { Ok(()) }
+    fn check_power(&self) -> Result<(), PowerOff> {
+        if self.powered_off { Err(PowerOff) } else { Ok(()) }
     }
 }
 
-impl ErrorType for KeptFlash {
-    type Error = Dark;
+impl ErrorType for PersistentFlash {
+    type Error = PowerOff;
 }
 
-impl ReadNorFlash for KeptFlash {
+impl ReadNorFlash for PersistentFlash {
     const READ_SIZE: usize = 1;
 
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Dark> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), PowerOff> {
         let mut cells = self.cells();
         let Ok(()) = cells.flash.read(offset, bytes);
-        cells.told()
+        cells.check_power()
     }
 
     fn capacity(&self) -> usize {
@@ -99,23 +99,23 @@ impl ReadNorFlash for KeptFlash {
     }
 }
 
-impl NorFlash for KeptFlash {
+impl NorFlash for PersistentFlash {
     const WRITE_SIZE: usize = WORD;
     const ERASE_SIZE: usize = SECTOR;
 
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), Dark> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerOff> {
         let mut cells = self.cells();
         // An erase that is cut stops anywhere in a sector.
         let done = cells.grant(to.saturating_sub(from) as usize, 1)?;
         let Ok(()) = cells.flash.erase(from, from + done as u32);
-        cells.told()
+        cells.check_power()
     }
 
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Dark> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerOff> {
         let mut cells = self.cells();
         let done = cells.grant(bytes.len(), WORD)?;
         let Ok(()) = cells.flash.write(offset, &bytes[..done]);
-        cells.told()
+        cells.check_power()
     }
 }
 
@@ -123,7 +123,7 @@ impl NorFlash for KeptFlash {
 mod tests {
     use super::*;
 
-    fn read(flash: &mut KeptFlash) -> [u8; 8] {
+    fn read(flash: &mut PersistentFlash) -> [u8; 8] {
         let mut bytes = [0; 8];
         flash.read(0, &mut bytes).expect("power");
         bytes
@@ -131,16 +131,16 @@ mod tests {
 
     #[test]
     fn the_operation_in_which_the_power_goes_is_half_done_and_nothing_comes_after_it() {
-        let mut flash = KeptFlash::default();
+        let mut flash = PersistentFlash::default();
         flash.cut_power_at(2);
         assert_eq!(flash.write(0, &[0; 4]), Ok(()));
-        assert_eq!(flash.write(4, &[0; 4]), Err(Dark), "a word is written or not");
-        assert_eq!((flash.write(4, &[0; 4]), flash.read(0, &mut [0])), (Err(Dark), Err(Dark)));
+        assert_eq!(flash.write(4, &[0; 4]), Err(PowerOff), "a word is written or not");
+        assert_eq!((flash.write(4, &[0; 4]), flash.read(0, &mut [0])), (Err(PowerOff), Err(PowerOff)));
         assert!(flash.is_powered_off());
         flash.switch_on();
         assert_eq!(read(&mut flash), [0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff]);
         flash.cut_power_at(1);
-        assert_eq!(flash.erase(0, SECTOR as u32), Err(Dark));
+        assert_eq!(flash.erase(0, SECTOR as u32), Err(PowerOff));
         flash.switch_on();
         assert_eq!(read(&mut flash), [0xff; 8], "the first half is erased");
     }

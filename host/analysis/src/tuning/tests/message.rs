@@ -22,8 +22,8 @@ fn found(met: usize, settle: usize, of: usize) -> Found {
 }
 
 fn tuned(after: Found, without: &[(&'static str, Found)]) -> Tuned {
-    let obstacle = |(what, found): &(&'static str, Found)| Obstacle {
-        suspect: obstacle::Suspect { what, settings: Vec::new() },
+    let limiting_imperfection = |(what, found): &(&'static str, Found)| LimitingImperfection {
+        suspect: limiting_imperfection::Suspect { what, settings: Vec::new() },
         found: found.clone(),
     };
     Tuned {
@@ -32,7 +32,7 @@ fn tuned(after: Found, without: &[(&'static str, Found)]) -> Tuned {
         before: Found { settings: Vec::new(), ..after.clone() },
         after,
         progress: vec![1.0],
-        obstacles: without.iter().map(obstacle).collect(),
+        obstacles: without.iter().map(limiting_imperfection).collect(),
         runs: 1,
     }
 }
@@ -41,15 +41,22 @@ fn tuned(after: Found, without: &[(&'static str, Found)]) -> Tuned {
 fn the_verdict_says_the_fresh_draws_first_and_what_is_not_decided() {
     let task = Task { goal: GOAL, ..task("servo-b", &[]) };
     let notes = |tuned: &Tuned| report::notes(&task, tuned).join("\n");
-    let said = notes(&tuned(found(6, 2, 20), &[("no rod", found(20, 0, 20)), ("no air", found(9, 11, 20))]));
-    assert!(said.starts_with("The goal is met in 6 of 20, 30 % (15 to 52 %) of the fresh draws"), "{said}");
-    assert!(said.contains("in 3 of 3 trials that the gains were tuned on"), "{said}");
+    let message =
+        notes(&tuned(found(6, 2, 20), &[("no rod", found(20, 0, 20)), ("no air", found(9, 11, 20))]));
     assert!(
-        said.contains("is not decided: it and its neighbours") && said.contains("in 5 of 8 runs"),
-        "{said}"
+        message.starts_with("The goal is met in 6 of 20, 30 % (15 to 52 %) of the fresh draws"),
+        "{message}"
     );
-    assert!(said.contains("With no rod, it is met in 20 of 20, 100 % (84 to 100 %) of them."), "{said}");
-    assert!(said.contains("controller.velocity_gain at 65535, the largest"), "{said}");
+    assert!(message.contains("in 3 of 3 trials that the gains were tuned on"), "{message}");
+    assert!(
+        message.contains("is not decided: it and its neighbours") && message.contains("in 5 of 8 runs"),
+        "{message}"
+    );
+    assert!(
+        message.contains("With no rod, it is met in 20 of 20, 100 % (84 to 100 %) of them."),
+        "{message}"
+    );
+    assert!(message.contains("controller.velocity_gain at 65535, the largest"), "{message}");
 
     let settles =
         notes(&tuned(found(0, 1, 60), &[("no rod", found(5, 41, 60)), ("no air", found(0, 3, 60))]));

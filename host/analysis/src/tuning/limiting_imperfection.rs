@@ -31,7 +31,7 @@ pub(super) fn search(
     start: &[Vec<f64>],
     [tuned_on, fresh]: [&[Variant]; 2],
     meter: &mut Meter,
-) -> Result<Vec<Obstacle>> {
+) -> Result<Vec<LimitingImperfection>> {
     let (suspects, budget) = (suspects(&drive.trial.rig), budget(&task.budget));
     let each = budget.runs(tuned_on.len()) + tuned_on.len() + fresh.len();
     meter.begin(Stage::Obstacles, suspects.len() * each);
@@ -42,7 +42,10 @@ pub(super) fn search(
         let places = without.space.places(&outcome.population[0]);
         let tuned_on = without.judged(&settings, tuned_on, meter);
         let fresh = without.judged(&settings, fresh, meter);
-        Ok(Obstacle { suspect, found: Found { settings, places, tuned_on, neighbours: Vec::new(), fresh } })
+        Ok(LimitingImperfection {
+            suspect,
+            found: Found { settings, places, tuned_on, neighbours: Vec::new(), fresh },
+        })
     };
     suspects.into_iter().map(found).collect()
 }
@@ -58,7 +61,7 @@ pub struct Suspect {
 
 /// A suspect, and what the best gains without it do.
 #[derive(Clone, Debug)]
-pub struct Obstacle {
+pub struct LimitingImperfection {
     /// The suspect.
     pub suspect: Suspect,
     /// On the variants of a rig without it.

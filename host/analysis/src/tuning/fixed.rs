@@ -11,7 +11,7 @@ const OF_THE_STEP: [&str; 4] = ["test.moves", "test.targets", "test.duration_s",
 /// The keys that are held.
 #[must_use]
 pub fn keys(task: &Task) -> Vec<String> {
-    task.held.iter().map(|setting| key(setting).to_owned()).collect()
+    task.fixed.iter().map(|setting| key(setting).to_owned()).collect()
 }
 
 fn key(setting: &str) -> &str {
@@ -23,20 +23,20 @@ fn key(setting: &str) -> &str {
 /// # Errors
 /// Which one cannot, why, and what can: a key that there is not, one that the spread draws, one that the step sets.
 pub fn check(task: &Task) -> Result<()> {
-    for setting in &task.held {
+    for setting in &task.fixed {
         let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
         let key = key.trim();
         if let Err(problem) = value_of_setting(key, value.trim()) {
-            bail!("--fix {setting}: {problem}. {CAN_BE_HELD}");
+            bail!("--fix {setting}: {problem}. {CAN_BE_FIXED}");
         }
         if task.spread.keys().any(|drawn| drawn == key) {
             bail!(
-                "--fix {setting}: the spread draws {key}; give its value by --set and its spread as 0% (--load, --friction, --supply). {CAN_BE_HELD}"
+                "--fix {setting}: the spread draws {key}; give its value by --set and its spread as 0% (--load, --friction, --supply). {CAN_BE_FIXED}"
             );
         }
         if OF_THE_STEP.contains(&key) {
             bail!(
-                "--fix {setting}: the step itself sets {key}; see --step, --lowest and --highest. {CAN_BE_HELD}"
+                "--fix {setting}: the step itself sets {key}; see --step, --lowest and --highest. {CAN_BE_FIXED}"
             );
         }
     }
@@ -44,4 +44,4 @@ pub fn check(task: &Task) -> Result<()> {
 }
 
 /// What may be held.
-const CAN_BE_HELD: &str = "Of what is looked for, these can be held: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; and any other key of a rig";
+const CAN_BE_FIXED: &str = "Of what is looked for, these can be held: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; and any other key of a rig";
