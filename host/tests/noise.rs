@@ -159,3 +159,21 @@ fn an_incline_that_friction_cannot_make_up_for_is_a_misfit_and_named_with_its_si
     assert!((number("value") - 65.0).abs() < 3.0 * number("standard_error") + 2.0, "{cause}");
     assert!(printed.contains("load.coulomb_retract_n: look whether the file is of this rig"), "{printed}");
 }
+
+/// Bristles yield as the pressures change, long before the load slips: the first count that it moves is neither the end of
+/// its rest nor its stiction.
+#[test]
+fn a_drive_on_bristles_is_identified_over_the_link() {
+    let folder = folder();
+    let file = "[operator]\nmodel = \"stepper\"\n[load]\nfriction = \"lugre\"\n[test]\nposition_m = 0.15\nduration_s = 0.2\n";
+    let settings = "--set load.bristle_stiffness_n_per_m=3e5 --set sensors.noise_counts=0.5 --seed 3";
+    let (printed, json) = identified(folder.path(), file, settings);
+    assert!(printed.ends_with("= 0"), "{printed}");
+    assert!(printed.contains("cannot be seen: the load yields before it slips"), "{printed}");
+    assert!(!printed.contains("the rig's parameters differ"), "the plan itself chooses the loop: {printed}");
+    let parameters = json["parameters"].as_array().expect("a list");
+    let stiffness =
+        parameters.iter().find(|one| one["key"] == "load.bristle_stiffness_n_per_m").expect("fitted");
+    let [low, high] = [0, 1].map(|end| stiffness["interval_95"][end].as_f64().expect("a number"));
+    assert!(low <= 3e5 && 3e5 <= high && high < 1.2 * low, "{stiffness}");
+}

@@ -263,6 +263,11 @@ fn in_both(id: u16, on_rig: i32, in_file: i32) -> String {
     })
 }
 
+/// Whether a file leaves an end position open, as one in open loop does: that of the rig then only keeps it off its ends.
+fn is_no_end_position(id: u16, in_file: i32) -> bool {
+    [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)].contains(&(id, in_file))
+}
+
 /// Says which parameters of the rig are not those of the file: the run is the rig's, not the file's.
 /// With another loop or period the moves would mean something else: that is refused.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
@@ -280,6 +285,7 @@ fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result
         .iter()
         .zip(file.iter())
         .filter(|((_, on_rig), (_, in_file))| on_rig != in_file)
+        .filter(|(_, (id, in_file))| !is_no_end_position(*id, *in_file))
         .map(|((id, on_rig), (_, in_file))| in_both(id, on_rig, in_file))
         .collect();
     if let Some(first) = differences.first() {

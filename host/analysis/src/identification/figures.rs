@@ -2,13 +2,16 @@
 //!
 //! ```text
 //! F = P_1 A_1 - P_2 A_2 - P_e A_R2 + F_const - k y     measured force on the load (6.25, 6.31)
-//! F at the last sample before it moves                 stiction                   (7.1.3.1)
+//! F at the last sample before it moves                 stiction, unless it yields (7.1.3.1)
 //! F = M a + K_C v + F_c,ext [v > 0] - F_c,ret [v < 0]  least squares while it slips
 //! ```
 //!
 //! Speed and acceleration are differences of positions over `HALF_WIDTH` samples to either side, the force a mean over
 //! the same ones. The hysteresis is how far apart the spool stands at the same command on the way up and on the way
 //! down, as in 7.1.2.1.
+//!
+//! Friction that is elastic before it slips yields long before the force reaches the stiction: the load then moves slowly while
+//! the force goes on rising. Such a record does not show the stiction.
 
 use std::collections::BTreeMap;
 
@@ -36,6 +39,9 @@ const FEWEST_COMMANDS: usize = 5;
 /// Counts by which a drive that moves has left its place.
 const MOVED: f64 = 2.0;
 
+/// A load yields if the force rises by more than this part after it has begun to move and before it slips.
+const YIELDS: f64 = 0.2;
+
 /// A value with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
@@ -50,6 +56,8 @@ pub struct Figure {
 pub struct Figures {
     /// N.
     pub stiction: [Option<Figure>; 2],
+    /// Whether every breakaway of the direction was of a load that yielded first.
+    pub yields: [bool; 2],
     /// N.
     pub coulomb: [Option<Figure>; 2],
     /// N s/m.
@@ -101,6 +109,10 @@ impl Figures {
             row(&format!("top acceleration, {way}"), "m/s^2", plain(self.top_acceleration[i]), None);
         }
         row("width of the spool's loop", "mm", plain(self.hysteresis_mm), None);
+        for (way, _) in [extend, retract].into_iter().zip(self.yields).filter(|(_, yields)| *yields) {
+            let why = "cannot be seen: the load yields before it slips".to_owned();
+            rows.push(vec![format!("stiction, {way}, N"), why, String::new(), String::new()]);
+        }
         Table {
             heading: "read off the records, without a model of the air".to_owned(),
             columns: ["figure", "measured", "standard error", "file"].map(str::to_owned).to_vec(),
@@ -112,8 +124,9 @@ impl Figures {
     #[must_use]
     pub fn of(rig: &Rig, recordings: &[Recording]) -> Figures {
         let moving: Vec<Instant> = recordings.iter().flat_map(|recording| instants(rig, recording)).collect();
-        let breakaways: Vec<(f64, Figure)> =
+        let breakaways: Vec<Breakaway> =
             recordings.iter().flat_map(|recording| breakaways(rig, recording)).collect();
+        let of_direction = |sign: f64| breakaways.iter().filter(move |one| one.direction == sign);
         let most = |of: &dyn Fn(&Instant) -> f64, sign: f64| {
             let largest = moving.iter().map(|instant| sign * of(instant)).fold(f64::MIN, f64::max);
             (largest > 0.0).then_some(largest)
@@ -122,10 +135,11 @@ impl Figures {
         let mut figures = Figures {
             // The record that tells it best: the force rises slowest.
             stiction: [1.0, -1.0].map(|sign| {
-                let of_direction = breakaways.iter().filter(|(direction, _)| *direction == sign);
-                let best = of_direction.min_by(|(_, a), (_, b)| a.error.total_cmp(&b.error));
-                best.map(|(_, figure)| *figure)
+                let sharp = of_direction(sign).filter(|one| !one.yields).map(|one| one.force);
+                sharp.min_by(|a, b| a.error.total_cmp(&b.error))
             }),
+            yields: [1.0, -1.0]
+                .map(|sign| of_direction(sign).any(|_| true) && of_direction(sign).all(|one| one.yields)),
             top_speed: both(&|instant| instant.speed),
             top_acceleration: both(&|instant| instant.acceleration),
             hysteresis_mm: hysteresis_mm(recordings),
@@ -212,9 +226,18 @@ fn instants(rig: &Rig, recording: &Recording) -> Vec<Instant> {
     (HALF_WIDTH..last).filter(|&k| moves(k)).map(at).collect()
 }
 
-/// Each breakaway from a rest: its direction, and the size of the force before it; its error is how far the force
-/// changed in a sample then.
-fn breakaways(rig: &Rig, recording: &Recording) -> Vec<(f64, Figure)> {
+/// A load that leaves its rest.
+struct Breakaway {
+    /// 1: extension; -1: retraction.
+    direction: f64,
+    /// The size of the force before it; its error is how far the force changed in a sample then.
+    force: Figure,
+    /// Whether the force went on rising while the load moved slowly.
+    yields: bool,
+}
+
+/// Each breakaway from a rest.
+fn breakaways(rig: &Rig, recording: &Recording) -> Vec<Breakaway> {
     let counts = &recording.channels[0].measured;
     let mut found = Vec::new();
     let mut rest = 0;
@@ -226,13 +249,31 @@ fn breakaways(rig: &Rig, recording: &Recording) -> Vec<(f64, Figure)> {
         // It stood until the last sample with the count of the rest.
         let until = (rest..k).rev().find(|&i| counts[i] == counts[rest]).unwrap_or(rest);
         if until - rest >= REST {
-            let [before, at] = [until - 1, until].map(|i| force(rig, recording, i));
-            let sign = left.signum();
-            found.push((sign, Figure { value: sign * at, error: (at - before).abs() }));
+            let direction = left.signum();
+            let [before, at] = [until - 1, until].map(|i| direction * force(rig, recording, i));
+            let force = Figure { value: at, error: (at - before).abs() };
+            found.push(Breakaway {
+                direction,
+                force,
+                yields: yields(rig, recording, until, direction, force),
+            });
         }
         rest = k;
     }
     found
+}
+
+/// Whether the force goes on rising after a load has begun to move at a sample, until it slips or turns back.
+fn yields(rig: &Rig, recording: &Recording, from: usize, direction: f64, first: Figure) -> bool {
+    let position = &recording.channels[0];
+    let speed = |k: usize| {
+        let moved = position.measured[k + HALF_WIDTH] - position.measured[k - HALF_WIDTH];
+        direction * moved * position.scale / (2.0 * HALF_WIDTH as f64 * period(recording))
+    };
+    let last = position.measured.len().saturating_sub(HALF_WIDTH);
+    let slow = (from..last).take_while(|&k| (0.0..SLIPS).contains(&speed(k)));
+    let highest = slow.map(|k| direction * force(rig, recording, k)).fold(first.value, f64::max);
+    highest - first.value > (YIELDS * highest).max(3.0 * first.error)
 }
 
 /// The mean distance between the spool's ways up and down, over the commands that both have passed.

@@ -5,6 +5,7 @@ use pneudrive_controller::Command;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
+use pneudrive_sim::component::friction::{Friction, FrictionModel};
 use pneudrive_sim::component::operator;
 use pneudrive_sim::follow::{Reading, Timing, follow};
 use pneudrive_sim::keys;
@@ -154,7 +155,7 @@ impl Recording {
         if recorded.len() < FEWEST_OF_A_RECORD {
             bail!("it has {} samples; a fit needs at least {FEWEST_OF_A_RECORD}", recorded.len());
         }
-        let rest = samples_at_rest(&recorded)?;
+        let rest = samples_at_rest(&recorded, counts_of_yield(rig))?;
         let converters = Converters {
             full_scale: f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1),
             rest,
@@ -190,10 +191,19 @@ impl Recording {
     }
 }
 
-/// How many samples a record begins with before the drive moves or is told to.
-fn samples_at_rest(recorded: &[RecordedSample]) -> Result<usize> {
-    let first = (recorded[0].position, recorded[0].command);
-    let rest = recorded.iter().take_while(|sample| (sample.position, sample.command) == first).count();
+/// How far a load at rest may move, counts. One that friction holds rigidly does not move at all; one whose friction has
+/// states, as bristles do, yields as the pressures change, long before it slides.
+fn counts_of_yield(rig: &Rig) -> i32 {
+    i32::from(!Friction::of(rig).scale().is_empty())
+}
+
+/// How many samples a record begins with before the drive moves by more than `counts` or its command changes.
+fn samples_at_rest(recorded: &[RecordedSample], counts: i32) -> Result<usize> {
+    let first = &recorded[0];
+    let rests = |sample: &&RecordedSample| {
+        sample.position.abs_diff(first.position) <= counts.unsigned_abs() && sample.command == first.command
+    };
+    let rest = recorded.iter().take_while(rests).count();
     if rest < FEWEST_AT_REST {
         bail!(
             "it begins with {rest} samples at rest under an unchanged command; a fit needs at least {FEWEST_AT_REST}, to know the noise and the state that it starts from"
