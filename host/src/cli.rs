@@ -93,7 +93,7 @@ pub struct Demo {
     /// Replace the run in DIR even if it is of another rig
     #[arg(long)]
     pub overwrite: bool,
-    /// Selects the virtual rig that is drawn
+    /// Seed of the random draw of the virtual rig
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }
@@ -101,11 +101,11 @@ pub struct Demo {
 /// Subcommands of `rig`.
 #[derive(Debug, Subcommand)]
 pub enum Rig {
-    /// A rig file of your own drive, from what its data sheets say
+    /// Write a rig file for your own drive from its data sheets
     New(Box<NewRig>),
-    /// The catalogue: cylinders, valves, tubes and sensors, each figure with its source
+    /// List the catalogue: cylinders, valves, tubes and sensors, each figure with its source
     Parts {
-        /// A part, to be shown in full
+        /// Show this part in full
         part: Option<String>,
     },
     /// List the built-in rigs
@@ -114,28 +114,29 @@ pub enum Rig {
     Show {
         /// Name of a built-in rig, or a file
         name: String,
-        /// Every value in SI, with where it comes from: given, computed, typical, unknown or default
+        /// Show every value in SI units with its origin: given, computed, typical, unknown or default
         #[arg(long)]
         resolved: bool,
-        /// The same as JSON
+        /// Show the values and their origins as JSON
         #[arg(long)]
         json: bool,
-        /// Set a key before: KEY=VALUE, more than once
+        /// Change a key of the rig first, such as load.mass_kg=2.5; may be repeated
         #[arg(long = "set", value_name = "KEY=VALUE")]
         settings: Vec<String>,
     },
-    /// Two rigs, key by key
+    /// Compare two rigs, key by key
     Diff {
         /// Name of a built-in rig, or a file
         one: String,
         /// The other one
         other: String,
     },
-    /// Check a rig file: errors by file, line and key; and which value that nobody has measured moves its transient most
+    /// Check a rig file: report errors by file, line and key, and rank the values that nobody has measured by how far they
+    /// move the piston
     Check {
         /// The file, or a built-in rig
         file: String,
-        /// Look for errors alone
+        /// Only look for errors
         #[arg(long)]
         quick: bool,
     },
@@ -188,7 +189,7 @@ pub struct Simulate {
 #[derive(Clone, Debug, Default)]
 pub struct Columns(pub Vec<&'static Extra>);
 
-/// Stands for all of them.
+/// The name that selects all of them.
 const OF_VALVE: &str = "valve";
 
 fn columns(text: &str) -> Result<Columns, String> {
@@ -232,7 +233,7 @@ pub struct Virtual {
     /// Draw the true parameters within this much of the rig file's, with noise on the sensors
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub spread: Option<f64>,
-    /// Selects the rig that is drawn and the sensor noise of its runs; the same seed repeats both
+    /// Seed of the random draw of the rig and of the sensor noise of its runs; the same seed repeats both
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }

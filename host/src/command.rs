@@ -36,7 +36,7 @@ use crate::cli::{Cli, Command};
 use crate::exit::Exit;
 use crate::output::{self, Stream};
 
-/// The program: reads the command line, does what it asks for, tells what went wrong.
+/// The program: parses the command line, runs the subcommand, and reports its error.
 #[must_use]
 pub fn main() -> Exit {
     let _ = hear_of_limits();
@@ -61,7 +61,8 @@ pub fn main() -> Exit {
     })
 }
 
-/// A value that begins with a minus is a number, and judged as one: `--tolerance -1` is no unknown argument `-1`.
+/// Takes a value that begins with a minus as a number: `--tolerance -1` is a value out of range, not an unknown
+/// argument `-1`.
 fn taking_negative_numbers(command: clap::Command) -> clap::Command {
     let numbers = |argument: Arg| {
         let takes_values = argument.get_action().takes_values();
@@ -70,8 +71,8 @@ fn taking_negative_numbers(command: clap::Command) -> clap::Command {
     command.mut_args(numbers).mut_subcommands(taking_negative_numbers)
 }
 
-/// Has a file that reaches the limit of its size (`ulimit -f`) fail as one on a full disk does. The signal that the
-/// system sends as well would end the program with no word, and leave a drive that moves.
+/// Makes a write beyond the file size limit (`ulimit -f`) fail like one on a full disk. The signal that the system also
+/// sends would otherwise end the program without a message and leave the drive moving.
 #[cfg(unix)]
 fn hear_of_limits() -> std::io::Result<()> {
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default()).map(drop)
@@ -82,10 +83,10 @@ fn hear_of_limits() -> std::io::Result<()> {
     Ok(())
 }
 
-/// Does what the command line asks for.
+/// Runs the subcommand.
 ///
 /// # Errors
-/// When the rig or the data says no.
+/// When the subcommand fails.
 pub fn execute(cli: Cli) -> Result<()> {
     match cli.command {
         Command::Demo(arguments) => demo::execute(&arguments),

@@ -1,4 +1,4 @@
-//! How the program ends: one number for each kind of end, so that a script can tell them apart.
+//! Exit codes: one for each kind of end, so that a script can distinguish them.
 
 use std::error::Error as StdError;
 use std::fmt::{self, Display, Formatter};
@@ -8,17 +8,17 @@ use std::process::ExitCode;
 use anyhow::Error;
 use pneudrive_link::failure::Failure;
 
-/// A kind of end. Its number is the exit code, and never changes.
+/// A way in which the program ends. Its number is the exit code and never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Exit {
-    /// What was asked for is done.
+    /// The request is done.
     Done = 0,
     /// Any failure without a code of its own.
     Failed = 1,
     /// The command line is wrong.
     Usage = 2,
-    /// Something that was named does not exist.
+    /// A named rig, file or folder does not exist.
     NotThere = 3,
     /// No rig can be reached.
     NoAnswer = 4,
@@ -32,9 +32,9 @@ pub enum Exit {
     Unwritten = 8,
     /// A simulated run is not decided, and `--strict` asked for that.
     Undecided = 9,
-    /// Ctrl-C: what a shell reports of a program that SIGINT has ended.
+    /// Ctrl-C: the code that a shell reports for a program ended by SIGINT.
     Interrupted = 130,
-    /// Nobody reads the output: what a shell reports of a program that SIGPIPE has ended.
+    /// Nobody reads the output: the code that a shell reports for a program ended by SIGPIPE.
     ReaderGone = 141,
 }
 
@@ -66,7 +66,7 @@ pub const EXITS: [(Exit, &str); 12] = [
     (Exit::ReaderGone, "the reader of the output has gone, as in `pneudrive study list | head -1`"),
 ];
 
-/// What `pneudrive --help` says behind the list of commands.
+/// The text of `pneudrive --help` after the list of commands.
 #[must_use]
 pub fn help() -> String {
     let lines = EXITS.map(|(exit, meaning)| format!("  {:>3}  {meaning}\n", exit as u8));
@@ -74,24 +74,24 @@ pub fn help() -> String {
 }
 
 impl Exit {
-    /// An error that ends the program this way.
+    /// An error that ends the program with this code.
     pub fn error(self, message: impl Display) -> Error {
         self.of(anyhow::anyhow!("{message}"))
     }
 
-    /// The same error; it ends the program this way.
+    /// The same error, marked to end the program with this code.
     #[must_use]
     pub fn of(self, error: Error) -> Error {
         Ending { exit: self, error }.into()
     }
 
-    /// How an error ends the program: as it says itself or, by what the system says, as its kind does.
+    /// The exit code of an error: the one it is marked with or, for a system error, the one of its kind.
     #[must_use]
     pub fn after(error: &Error) -> Exit {
         error.chain().find_map(Exit::of_cause).unwrap_or(Exit::Failed)
     }
 
-    /// What one cause in the chain of an error says.
+    /// The exit code of one cause in the chain of an error.
     fn of_cause(cause: &(dyn StdError + 'static)) -> Option<Exit> {
         let ending = cause.downcast_ref::<Ending>().map(|ending| ending.exit);
         let of_link = || Failure::of_cause(cause).map(Exit::from);
@@ -133,7 +133,7 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// An error that knows how it ends the program; to a reader it is that error.
+/// An error marked with an exit code; it reads like the error itself.
 #[derive(Debug)]
 struct Ending {
     exit: Exit,
@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(Exit::after(&anyhow::anyhow!("anything")), Exit::Failed);
     }
 
-    /// A code that is in use never changes its meaning.
+    /// A code never changes its meaning.
     #[test]
     fn the_table_has_every_code_once_in_order_and_the_documentation_has_the_table() {
         assert!(EXITS.is_sorted_by(|(a, _), (b, _)| (*a as u8) < (*b as u8)));

@@ -5,11 +5,10 @@
 //! | [`cli`], [`command`] | arguments, and one thin file a subcommand |
 //! | [`mod@output`], [`exit`] | what the program says, and how it ends |
 //!
-//! What the subcommands do, the crates below it can do for others: `pneudrive_records` reads and writes the files,
-//! `pneudrive_link` talks to rigs, `pneudrive_rigs` has rigs that are not there, `pneudrive_analysis` tells what
-//! transients mean.
+//! The work is done by crates that other programs can use, too: `pneudrive_records` reads and writes the files,
+//! `pneudrive_link` talks to rigs, `pneudrive_rigs` simulates rigs, `pneudrive_analysis` analyses transients.
 
-// Whoever prints by these panics when nobody reads it: `say!` and `tell!` do not.
+// The standard macros panic when nobody reads the output; `say!` and `tell!` do not.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 #[macro_use]

@@ -1,9 +1,9 @@
-//! What the program says: lines on standard output (`say!`) and on standard error (`tell!`).
+//! The output of the program: lines on standard output (`say!`) and on standard error (`tell!`).
 //!
-//! Either can break: the reader of a pipe goes, a disk is full, a file reaches its limit. `println!` and `eprintln!`
-//! panic then, and leave a drive that moves. Here the first failure of each is kept, and what would follow on the same
-//! one is dropped. Work that leaves files goes on; whoever moves a drive asks [`is_broken`] and stops it; and [`end`]
-//! gives the program's exit code.
+//! Either can fail: the reader of a pipe exits, a disk is full, a file reaches its limit. `println!` and `eprintln!`
+//! would panic then and leave a drive moving. Here the first failure of each stream is kept, and later lines on the same
+//! stream are dropped. Work that writes files continues; code that moves a drive asks [`is_broken`] and stops it; and
+//! [`end`] gives the program's exit code.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 use crate::exit::Exit;
 
-/// A line on standard output: what was asked for.
+/// A line on standard output: results.
 macro_rules! say {
     ($($argument:tt)*) => {
         $crate::output::Stream::Output.line(format_args!($($argument)*))
@@ -25,7 +25,7 @@ macro_rules! tell {
     };
 }
 
-/// Tells the notes of this project's crates, which they leave to the log.
+/// Prints the notes that this project's crates write to the log.
 struct Notes;
 
 impl log::Log for Notes {
@@ -42,16 +42,16 @@ impl log::Log for Notes {
     fn flush(&self) {}
 }
 
-/// Has notes told from now on.
+/// Prints notes from now on.
 pub fn report_notes() {
     static NOTES: Notes = Notes;
-    // Whoever uses this crate as a library may have a log already: the notes go there.
+    // A program that uses this crate as a library may have its own logger: the notes go there.
     if log::set_logger(&NOTES).is_ok() {
         log::set_max_level(log::LevelFilter::Info);
     }
 }
 
-/// Where a line goes.
+/// An output stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stream {
     /// Standard output.
@@ -67,17 +67,17 @@ const STREAMS: [Stream; 2] = [Stream::Output, Stream::Errors];
 static BROKEN: [OnceLock<io::Error>; 2] = [const { OnceLock::new() }; 2];
 
 impl Stream {
-    /// Writes a line in one piece, unless an earlier one was not taken.
+    /// Writes a line in one piece, unless an earlier write has failed.
     pub fn line(self, line: Arguments<'_>) {
         if self.failure().is_none() {
             self.note(self.write(format!("{line}\n").as_bytes()));
         }
     }
 
-    /// Writes bytes, and tells whether they were taken.
+    /// Writes bytes.
     ///
     /// # Errors
-    /// Why they were not.
+    /// When the stream does not accept them.
     pub fn write(self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Stream::Output => {
@@ -108,14 +108,14 @@ impl Stream {
         }
     }
 
-    /// Notes that the reader of a pipe has gone, or a terminal has been closed, before anything is written.
+    /// Detects that the reader of a pipe has exited, or a terminal was closed, without writing anything.
     #[cfg(unix)]
     fn look(self) {
         use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
         use std::os::fd::AsFd;
         let (output, errors) = (io::stdout(), io::stderr());
         let descriptor = if self == Stream::Output { output.as_fd() } else { errors.as_fd() };
-        // Asked for nothing, the system tells of errors alone.
+        // With no events requested, the system reports only errors.
         let mut polled = [PollFd::new(descriptor, PollFlags::empty())];
         if poll(&mut polled, PollTimeout::ZERO).is_ok_and(|count| count > 0) {
             self.note(Err(ErrorKind::BrokenPipe.into()));
@@ -126,7 +126,7 @@ impl Stream {
     fn look(self) {}
 }
 
-/// Whether something that was said did not arrive, or nobody is left to read what will be.
+/// Whether a write has failed, or nobody is left to read the next one.
 #[must_use]
 pub fn is_broken() -> bool {
     STREAMS.into_iter().any(|stream| {
@@ -135,7 +135,7 @@ pub fn is_broken() -> bool {
     })
 }
 
-/// How what was said ends the program: a reader that has gone is no failure to tell of, a full disk is.
+/// The exit code that the output calls for: a reader that has gone is not worth a message, a full disk is.
 #[must_use]
 pub fn verdict() -> Exit {
     let failures = || STREAMS.into_iter().filter_map(Stream::failure);
@@ -146,8 +146,8 @@ pub fn verdict() -> Exit {
     }
 }
 
-/// The end of the program: tells of either stream that could not be written on the other one. The code is that of
-/// `exit`, or, if all else went well, that of the output.
+/// The end of the program: reports the failure of either stream on the other one. The code is that of `exit` or, if
+/// everything else succeeded, that of the output.
 #[must_use]
 pub fn end(exit: Exit) -> Exit {
     for (stream, other) in [(Stream::Output, Stream::Errors), (Stream::Errors, Stream::Output)] {

@@ -107,7 +107,7 @@ fn a_rig_is_armed_stopped_and_configured_from_the_command_line() {
     );
     assert!(device("config get nonsense").contains("there is no parameter nonsense"));
     assert!(device("config get gain_profile[256]").contains("gain_profile has the entries 0 to 255"));
-    assert!(device("config import servo-b-tuned").starts_with("took over"));
+    assert!(device("config import servo-b-tuned").starts_with("loaded"));
 }
 
 #[test]
@@ -153,8 +153,8 @@ fn a_record_is_replayed_and_the_sample_where_it_parts_is_shown() {
     assert_eq!(
         transcript(folder.path(), "replay TARGET01.DAT"),
         "TARGET01.DAT: 308 samples, every command as recorded\n\
-         it ends with sample 307, which does not trip the controller: the test was over, the recorder full, or \
-         a stop came from outside\n= 0"
+         it ends with sample 307, which does not trip the controller: the test was over, the recorder was full, \
+         or the drive was stopped from outside\n= 0"
     );
 
     let text = fs::read_to_string(folder.path().join("TARGET01.DAT")).expect("written");
@@ -379,7 +379,7 @@ fn a_run_until_stopped_ends_with_ctrl_c() {
     let output = program.wait_with_output().expect("it was started");
     let printed = String::from_utf8(output.stdout).expect("UTF-8");
     assert!(output.status.success(), "{printed}");
-    assert!(printed.ends_with("servo-b-tuned: ended as you asked, the drive is disarmed\n"), "{printed}");
+    assert!(printed.ends_with("servo-b-tuned: ended by Ctrl-C, the drive is disarmed\n"), "{printed}");
     let text = std::fs::read_to_string(&path).expect("written");
     assert!(text.contains("\n# samples = ") && text.contains("\n# missing = 0\n# crc32 = "), "{printed}");
     let status = ok(folder.path(), &format!("device --port {} status", rig.port()));

@@ -17,7 +17,7 @@ fn an_axis_that_is_homed_counts_from_its_stop() {
     device("arm");
     let printed = device("home");
     assert!(
-        printed.starts_with("homed: the axis stands at ") && printed.ends_with(" mm, armed\n= 0"),
+        printed.starts_with("homed: the axis is at ") && printed.ends_with(" mm, armed\n= 0"),
         "{printed}"
     );
     assert!(device("status").starts_with("mode        armed\nreferenced  yes\n"));
@@ -48,7 +48,7 @@ fn ctrl_c_stops_a_homing_run() {
     assert!(Command::new("sh").args(["-c", &interrupt]).status().expect("a shell").success());
     let output = program.wait_with_output().expect("it was started");
     let printed = String::from_utf8(output.stderr).expect("UTF-8");
-    assert!(printed.contains("the homing run was stopped, as you asked"), "{printed}");
+    assert!(printed.contains("homing was stopped by Ctrl-C"), "{printed}");
     assert!(transcript(folder.path(), &device("status")).starts_with("mode        fault stop: "));
 }
 
@@ -65,13 +65,13 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     let info = device("info");
     assert!(info.contains(", never stored\n"), "{info}");
     assert!(info.contains("\noutputs     after 500 to 500 us; off by none: "), "{info}");
-    assert_eq!(device("config save"), "stored; the next reset takes them up\n= 0");
+    assert_eq!(device("config save"), "stored; they survive a reset\n= 0");
     assert!(device("info").contains(", stored 1 times\n"));
     device("config set velocity_gain 5");
     assert!(device("info").contains(", stored 1 times, changed since\n"));
     device("config export parameters.txt");
     device("config set velocity_gain 6");
-    assert!(device("config import parameters.txt").starts_with("took over"));
+    assert!(device("config import parameters.txt").starts_with("loaded"));
     assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0");
     device("arm");
     assert!(device("config save").contains("disarm it first"));
@@ -89,7 +89,10 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     )
     .expect("written");
     let printed = device("config import cut.txt");
-    assert!(printed.contains("cut.txt: its first line tells of 56 parameters, and 6 are there"), "{printed}");
+    assert!(
+        printed.contains("cut.txt: its first line announces 56 parameters, and 6 are there"),
+        "{printed}"
+    );
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
     assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
     assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));
@@ -115,15 +118,15 @@ fn parameters_have_the_names_the_units_and_the_words_of_rig_files() {
     device("config export parameters.txt");
     let text = fs::read_to_string(folder.path().join("parameters.txt")).expect("exported");
     assert!(text.contains("\nsafety.hold_s = 1.5\nsafety.late_output_us = "), "{text}");
-    assert!(device("config import parameters.txt").starts_with("took over"));
+    assert!(device("config import parameters.txt").starts_with("loaded"));
 }
 
 #[test]
 fn figures_are_in_mm_kpa_and_s_and_in_counts_on_request() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
     let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
-    assert_eq!(device("reference 98.72mm"), "referenced: the axis stands at 98.726 mm\n= 0");
-    assert_eq!(device("reference 8193 --counts"), "referenced: the axis stands at 8193 counts\n= 0");
+    assert_eq!(device("reference 98.72mm"), "referenced: the axis is at 98.726 mm\n= 0");
+    assert_eq!(device("reference 8193 --counts"), "referenced: the axis is at 8193 counts\n= 0");
     assert!(device("reference 98.72cm").contains("is not a whole number"));
     let printed = device("status");
     assert!(
@@ -157,11 +160,14 @@ fn a_setting_that_the_test_of_a_rig_does_not_take_is_refused() {
     };
     for key in ["load.mass_kg=9", "test.position_m=0.1", "supply.temperature_k=290"] {
         let printed = run(&format!("--config --set {key}"));
-        assert!(printed.contains("a rig is not told this") && printed.ends_with("= 1"), "{key}: {printed}");
+        assert!(
+            printed.contains("this key is not sent to a rig") && printed.ends_with("= 1"),
+            "{key}: {printed}"
+        );
     }
     let printed = run("--set controller.velocity_gain=5");
     assert!(
-        printed.contains("--set controller.velocity_gain: a run downloads the test alone; --config"),
+        printed.contains("--set controller.velocity_gain: a run downloads only the test; --config"),
         "{printed}"
     );
     assert!(run("--set controller.velocity_gain=5 --config").ends_with("= 0"));

@@ -168,7 +168,7 @@ fn the_figures_of_a_simulation_are_ranges_that_its_folder_tells_again() {
     assert_eq!(run_json["moves"].as_array().map(Vec::len), Some(2), "{run_json}");
     assert_eq!(run_json["moves"][1]["ends_at_mm"]["runs_without"], 0);
     let alone = ok(folder.path(), "eval run --ensemble 1");
-    assert!(alone.contains("figures of one run") && !alone.contains("least"), "{alone}");
+    assert!(alone.contains("figures of a single run") && !alone.contains("least"), "{alone}");
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn a_run_that_comes_out_otherwise_today_is_told_by_its_trace_alone() {
     fs::write(&path, text.replace(&mass, "    \"load.mass_kg\": 12.3,")).expect("written");
     let printed = ok(folder.path(), "eval run");
     assert!(
-        printed.contains("Its figures are of the trace alone") && !printed.contains("least"),
+        printed.contains("The figures are of the stored trace alone") && !printed.contains("least"),
         "{printed}"
     );
     let refused = transcript(folder.path(), "eval run/run.json --ensemble 4");

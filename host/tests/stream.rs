@@ -155,7 +155,7 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     assert_eq!(data(&text, 1), data(&record, 2), "the stream is the record");
 
     let again = transcript(folder.path(), &run);
-    assert!(again.contains("run.csv is there already") && again.ends_with("= 1"), "{again}");
+    assert!(again.contains("run.csv already exists") && again.ends_with("= 1"), "{again}");
 
     let printed =
         ok(folder.path(), &format!("monitor --port {port} --every 0.01 --count 3 --csv values.csv"));

@@ -49,7 +49,7 @@ fn the_result_is_the_same_in_every_bit_with_one_thread_with_two_and_in_shards() 
     ok(folder.path(), "sweep s.toml --threads 2 --out two");
     for shard in 1..=3 {
         let printed = ok(folder.path(), &format!("sweep s.toml --shard {shard}/3 --out shard{shard}"));
-        assert!(printed.contains("of 8 points; pneudrive merge puts the shards together"), "{printed}");
+        assert!(printed.contains("of 8 points; pneudrive merge joins the shards"), "{printed}");
         assert!(!folder.path().join(format!("shard{shard}/sweep.csv")).exists());
     }
     ok(folder.path(), "merge shard3 shard1 shard2 --out merged");
@@ -157,7 +157,7 @@ fn a_journal_that_was_cut_at_any_byte_is_gone_on_with_to_the_same_result() {
         assert_eq!(written(folder.path(), "s/sweep.csv"), whole, "cut at {place}");
         // No point whose line was whole is run again; a line may lack its end alone.
         let there = printed
-            .split_once(" points are there")
+            .split_once(" points are already")
             .map_or("0", |(front, _)| front.rsplit(' ').next().unwrap_or("0"));
         let there: usize = there.parse().expect("a number");
         let kept = rows(&journal[..place]);
@@ -194,7 +194,7 @@ fn a_sweep_that_is_killed_goes_on_where_it_was() {
     program.wait().expect("it was started");
     let printed = ok(folder.path(), "sweep s.toml");
     ok(folder.path(), "sweep s.toml --out whole");
-    assert!(printed.contains("points are there already"), "{printed}");
+    assert!(printed.contains("points are already done"), "{printed}");
     assert_eq!(written(folder.path(), "s/sweep.csv"), written(folder.path(), "whole/sweep.csv"));
 }
 
@@ -230,7 +230,7 @@ fn another_goal_needs_no_run_again() {
     let rows_before = rows(&written(folder.path(), "s/sweep.journal"));
     fs::write(folder.path().join("s.toml"), SWEEP.replace("maximise", "minimise")).expect("written");
     let printed = ok(folder.path(), "sweep s.toml");
-    assert!(printed.contains("8 points are there already") && printed.contains("(least speed)"), "{printed}");
+    assert!(printed.contains("8 points are already done") && printed.contains("(least speed)"), "{printed}");
     assert_eq!(rows(&written(folder.path(), "s/sweep.journal")), rows_before);
 }
 
@@ -246,7 +246,10 @@ fn shards_with_gaps_or_of_other_sweeps_are_not_merged() {
     fs::write(folder.path().join("s.toml"), SWEEP.replace("count = 4", "count = 5")).expect("written");
     ok(folder.path(), "sweep s.toml --shard 2/2 --out two");
     let printed = transcript(folder.path(), "merge one two --out all");
-    assert!(printed.contains("two is of another sweep (s.toml)") && printed.ends_with("= 1"), "{printed}");
+    assert!(
+        printed.contains("two belongs to another sweep (s.toml)") && printed.ends_with("= 1"),
+        "{printed}"
+    );
     assert!(!folder.path().join("all").exists());
     assert!(transcript(folder.path(), "merge nothing --out all").ends_with("= 3"));
     for shard in ["0/2", "3/2", "1", "a/b"] {
@@ -261,7 +264,7 @@ fn a_sweep_says_how_large_it_is_before_it_begins_and_how_long_it_will_take() {
     let printed = transcript(folder.path(), "sweep s.toml --threads 2");
     let lines: Vec<&str> = printed.lines().filter(|line| line.starts_with("! sweeping")).collect();
     assert_eq!(lines[0], "! sweeping: 2 combinations x 4 draws = 8 points, on 2 threads");
-    assert!(lines[1].ends_with("for the other 6, by what the first 2 took"), "{printed}");
+    assert!(lines[1].ends_with("for the other 6, estimated from the first 2"), "{printed}");
     assert!(printed.ends_with("= 0"), "{printed}");
     let printed = transcript(folder.path(), "sweep s.toml --threads 2");
     assert!(printed.contains("= 8 points, 0 of them still to be run, on 2 threads\n"), "{printed}");
@@ -280,8 +283,8 @@ fn a_sweep_of_hours_is_not_begun_unasked() {
     let folder = folder_with(&text);
     let printed = transcript(folder.path(), "sweep s.toml --threads 1");
     assert!(printed.contains("! sweeping: 1000000 points, on 1 threads\n"), "{printed}");
-    let refused = "! error: the sweep would last about ";
-    assert!(printed.contains(refused) && printed.ends_with("; begin it with --yes\n= 2"), "{printed}");
+    let refused = "! error: the sweep would take about ";
+    assert!(printed.contains(refused) && printed.ends_with("; add --yes to run it\n= 2"), "{printed}");
     let journal = written(folder.path(), "s/sweep.journal");
     assert_eq!(journal.lines().count(), 3, "what was run stays: {journal}");
     assert!(!folder.path().join("s/sweep.csv").exists());

@@ -113,7 +113,7 @@ fn a_record_is_not_evaluated_with_the_cylinder_of_another_rig_unsaid() {
         assert!(printed.contains(&format!("! error: {says}")) && printed.ends_with("= 1"), "{printed}");
     }
     let printed = ok(folder.path(), "eval TARGET01.DAT --rig servo-c");
-    let named = "The test is called servo-b-tuned, the rig servo-c: the air is right only if servo-c has its cylinder.";
+    let named = "The test is called servo-b-tuned, the rig servo-c: the air figures are valid only if servo-c has the same cylinder.";
     assert!(printed.contains(named), "{printed}");
     assert!(!ok(folder.path(), "eval TARGET01.DAT --rig servo-b-tuned").contains("The test is called"));
 }
@@ -170,7 +170,7 @@ fn a_part_names_the_move_that_it_cuts() {
     let folder = transients();
     let printed = ok(folder.path(), "eval TARGET01.DAT --from 0.32 --to 0.4");
     assert!(printed.contains("Move 2 begins earlier: only the figures of its end are known."), "{printed}");
-    assert!(printed.contains("The last move goes on behind 0.39"), "{printed}");
+    assert!(printed.contains("The last move continues after 0.39"), "{printed}");
     assert!(printed.lines().any(|line| line.starts_with("2  ")), "{printed}");
 }
 
@@ -354,7 +354,7 @@ fn an_interval_without_samples_is_refused_with_what_there_is() {
     for (arguments, says) in [
         (
             "eval TARGET01.DAT --from 3",
-            "TARGET01.DAT has fewer than two samples there; it goes from 0.0000 s to 0.4498 s",
+            "TARGET01.DAT has fewer than two samples in this interval; it goes from 0.0000 s to 0.4498 s",
         ),
         ("eval run --from 0.3 --to 0.2", "run has fewer than two samples there"),
         ("overlay TARGET01.DAT run --to -1", "TARGET01.DAT has fewer than two samples there"),

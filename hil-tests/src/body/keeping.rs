@@ -112,7 +112,10 @@ fn comes_up_in_a_named_fault(shell: &Shell, as_delivered: &str) {
     let newest = faults.lines().next().unwrap_or_default();
     assert!(newest.contains("bad-configuration") && newest.ends_with("load one and save it"), "{faults}");
     let info = shell.device("info");
-    assert!(info.contains("what was stored is damaged; import a configuration and save it\n"), "{info}");
+    assert!(
+        info.contains("the stored parameters are damaged; import a configuration and save it\n"),
+        "{info}"
+    );
     assert_eq!(shell.device("config get"), as_delivered, "the saved gain is lost");
 }
 

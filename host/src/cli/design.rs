@@ -9,16 +9,16 @@ use pneudrive_design::question::{Answers, QUESTIONS};
 /// Arguments of `rig new`.
 #[derive(Debug, Args)]
 pub struct NewRig {
-    /// The rig file to write; its name is the rig's
+    /// The rig file to write; the rig is named after it
     #[arg(default_value = "own.toml")]
     pub file: PathBuf,
-    /// What is answered here is not asked
+    /// Questions that are answered here are not asked
     #[command(flatten)]
     pub answers: Given,
-    /// Ask nothing: what is left open is typical or unknown, and says so
+    /// Ask nothing; values that are not given become typical or unknown, and are marked as such
     #[arg(long)]
     pub no_questions: bool,
-    /// Write over a file that is there
+    /// Overwrite an existing file
     #[arg(long)]
     pub overwrite: bool,
 }

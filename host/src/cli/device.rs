@@ -55,7 +55,7 @@ pub enum DeviceAction {
     Config(ConfigAction),
 }
 
-/// Where an axis stands.
+/// A position of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Position {
     /// By the encoder, counts.
@@ -76,7 +76,7 @@ pub enum ValveAction {
     /// Walk the spool back to its null from where it was before the reset. The drive is enabled meanwhile and the
     /// valve open: the cylinder may move
     SeekNull,
-    /// The spool is at its null: you have set it there, or seen that nothing moves with it
+    /// Declare that the spool is at its null: you have set it there, or seen that the cylinder does not move
     AtNull,
 }
 

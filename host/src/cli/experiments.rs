@@ -1,4 +1,4 @@
-//! Arguments of the commands that ask the model.
+//! Arguments of the commands that run the model.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -59,7 +59,7 @@ pub struct Study {
     pub starts: u16,
 }
 
-/// Tells the studies, and runs none.
+/// Lists the studies and runs none.
 pub const LIST: &str = "list";
 
 fn studies() -> String {
@@ -68,7 +68,7 @@ fn studies() -> String {
     format!("Studies:\n{}  {ALL:<20}every study, with a table of the results\n", lines.collect::<String>())
 }
 
-/// Names that lead to pages.
+/// Names that write pages.
 fn with_pages() -> Vec<(&'static str, &'static str)> {
     STUDIES.iter().map(|study| study.name).chain([ALL]).map(|name| ("name", name)).collect()
 }
@@ -116,7 +116,7 @@ pub struct Sweep {
     /// Run only this part of the points, such as 2/4, in a separate folder
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
-    /// Do not ask, however long it lasts
+    /// Do not ask for confirmation, however long it takes
     #[arg(long)]
     pub yes: bool,
 }
@@ -158,7 +158,7 @@ pub struct Ladder {
     /// Its neighbours.
     #[command(flatten)]
     pub neighbours: Neighbours,
-    /// Do not ask, however long it lasts
+    /// Do not ask for confirmation, however long it takes
     #[arg(long)]
     pub yes: bool,
 }
@@ -211,13 +211,13 @@ pub struct Tune {
     /// Number of generations; 0: only judge the gains of the file
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = generations)]
     pub generations: usize,
-    /// The same seed finds the same gains
+    /// Seed of the search; the same seed finds the same gains
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Do not ask, however long it lasts
+    /// Do not ask for confirmation, however long it takes
     #[arg(long)]
     pub yes: bool,
 }
@@ -236,7 +236,7 @@ fn time(text: &str) -> Result<f64, String> {
 
 fn position(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err("must not be below 0".to_owned()) }
+    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err("must be 0 or more".to_owned()) }
 }
 
 fn several(text: &str) -> Result<usize, String> {

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-/// The name of a port, brought into the form that `port::open` takes.
+/// The name of a port in the form that `port::open` takes.
 fn port(text: &str) -> Result<String, String> {
     let address = text.strip_prefix("tcp:").map(|address| address.trim_start_matches('/'));
     match address {
@@ -51,7 +51,7 @@ pub struct Run {
     /// Run the test until Ctrl-C, which disarms the drive
     #[arg(long)]
     pub until_stopped: bool,
-    /// Write the run to this file as it goes, however long it lasts
+    /// Stream the run to this file while it lasts, however long that is
     #[arg(long, value_name = "FILE")]
     pub stream: Option<PathBuf>,
     /// Stream every Nth sample

@@ -165,8 +165,8 @@ pub struct Identify {
     /// Only fit the regression line of the sample period: requested and measured, from these files
     #[arg(long)]
     pub timer: bool,
-    /// Arm the rig at this port and run the tests that are needed. It must stand near the middle of its stroke, and moves
-    /// by up to 30 % of it to either side
+    /// Arm the rig at this port and run the tests that are needed. The piston must be near mid-stroke; it moves by up to
+    /// 30 % of the stroke to either side
     #[arg(long, value_name = "PORT")]
     pub plan: Option<String>,
     /// Keys to fit, such as load.mass_kg,load.viscous_n_s_per_m [default: every value that is never known exactly: supply

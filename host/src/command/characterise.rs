@@ -1,4 +1,4 @@
-//! `pneudrive characterise`: measures on the bench of [`pneudrive_sim::characteristics`], draws and stores.
+//! `pneudrive characterise`: runs the component tests of [`pneudrive_sim::characteristics`] and writes their curves.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ use super::eval::column;
 use super::rig_source::load_choice;
 use crate::cli::{ALL, Characterise};
 
-/// Begins every CSV file of this command, so that writing it again replaces nothing else.
+/// The start of every CSV file of this command, by which it recognises the files that it may replace.
 const CSV_MARK: &str = "graph,curve,";
 
-/// Digits of a number in a CSV file: more than the model's equations are solved to is not known.
+/// Significant digits in a CSV file: as many as the equations of the model are solved to.
 const IN_FILES: i32 = 6;
 
 pub(super) fn execute(arguments: &Characterise) -> Result<()> {
@@ -37,15 +37,15 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
         match (curve.measure)(&rig) {
             Ok(found) => leave(&arguments.out, &rig, curve, &found)?,
             Err(Unfit::Integration(error)) => stopped = stopped.and(Err(stops(&rig, curve, &error))),
-            Err(lacks) if all => say!("{}: left out, as {lacks}", curve.name),
+            Err(lacks) if all => say!("{}: skipped, as {lacks}", curve.name),
             Err(lacks) => bail!("{} has no {}: {lacks}", rig.name(), curve.name),
         }
     }
-    // The other curves are there all the same.
+    // The other curves have been written.
     stopped
 }
 
-/// A test that the bench could not carry through, which says nothing about what the rig has.
+/// The error of a test that the bench could not complete. It does not mean that the rig lacks the component.
 fn stops(rig: &Rig, curve: &Wanted, error: &IntegrationError) -> Error {
     anyhow!(
         "the test \"{}\" of {} stopped: {error}; try another value of the spool's friction or dither (--set KEY=VALUE)",
@@ -67,7 +67,7 @@ fn leave(folder: &Path, rig: &Rig, curve: &Wanted, found: &Characteristic) -> Re
     Ok(())
 }
 
-/// Header, then a line a point.
+/// A header, then one line per point.
 fn to_csv(found: &Characteristic) -> String {
     let mut text = format!("{CSV_MARK}{},value\n", column(found.across));
     for graph in &found.graphs {
@@ -82,7 +82,7 @@ fn to_csv(found: &Characteristic) -> String {
     text
 }
 
-/// A text with commas in quotes.
+/// A cell of a CSV file; in quotes if it contains a comma.
 fn cell(text: &str) -> String {
     if text.contains(',') { format!("\"{text}\"") } else { text.to_owned() }
 }
@@ -99,8 +99,8 @@ fn table(found: &Characteristic) -> Table {
     }
 }
 
-/// A figure and to within what it is known, both to the digits that are known, and their unit. Of one that is not found, where
-/// on the axis `across` it was looked for.
+/// A figure, its uncertainty and its unit, the numbers to the digits that are known. For a figure that was not found,
+/// the interval on the axis `across` that was searched.
 fn digits(figure: &Measured, across: &str) -> [String; 3] {
     let unit = figure.unit.to_owned();
     match figure.reading {
@@ -121,7 +121,7 @@ fn digits(figure: &Measured, across: &str) -> [String; 3] {
     }
 }
 
-/// A number with so many digits that count.
+/// A number with this many significant digits.
 fn significant(value: f64, digits: i32) -> String {
     let before = if value == 0.0 { 1 } else { value.abs().log10().floor() as i32 + 1 };
     let decimals = (digits - before).clamp(0, 15) as usize;
@@ -141,7 +141,7 @@ fn page(rig: &Rig, curve: &Wanted, found: &Characteristic, table: &Table) -> Pag
             .chain(found.notes.clone())
             .collect(),
         tables: if table.rows.is_empty() { Vec::new() } else { vec![table.clone()] },
-        // Each graph has a legend of its own.
+        // Each graph has its own legend.
         figures: found
             .graphs
             .iter()
@@ -155,7 +155,7 @@ fn page(rig: &Rig, curve: &Wanted, found: &Characteristic, table: &Table) -> Pag
     }
 }
 
-/// What stands in brackets behind the description of a curve.
+/// The section of the thesis, which the description of a curve ends with in brackets.
 fn place_in_thesis(about: &str) -> String {
     let place = about.split_once('(').map_or("", |(_, place)| place.trim_end_matches(')'));
     format!("of the thesis, {place}")

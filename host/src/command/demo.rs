@@ -1,4 +1,4 @@
-//! `pneudrive demo`: the whole job with no hardware.
+//! `pneudrive demo`: the whole job without hardware.
 
 use std::path::{Path, PathBuf};
 
@@ -52,7 +52,7 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let virtual_rig = VirtualRig::new(real, arguments.seed, pace)?;
     let rig = Background::start(virtual_rig, Listener::open("tcp:127.0.0.1:0")?);
     let recorded = on_the_rig(rig.port(), &model, &arguments.out);
-    // Why the rig broke down says more than that its link broke.
+    // An error of the rig explains more than the broken link that follows from it.
     rig.stop()?;
     let (target_path, target) = recorded?;
 

@@ -47,30 +47,32 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
     }
 }
 
-/// In what unit its figures are told. A rig whose parameters cannot be read is told in counts.
+/// The units for its figures; counts if the parameters of the rig cannot be read.
 fn units(client: &mut Client, counts: bool) -> Units {
     match client.parameters() {
         Ok(parameters) if counts => Units::raw(&parameters),
         Ok(parameters) => Units::of(&parameters),
         Err(error) => {
-            tell!("note: figures are as the rig sends them, as its scales are not known: {error:#}");
+            tell!(
+                "note: figures are shown as the rig sends them, because its scales are not known: {error:#}"
+            );
             Units::default()
         }
     }
 }
 
-/// States where the axis stands.
+/// Sets the encoder's counter to the current position.
 fn reference(client: &mut Client, position: Position, counts: bool) -> Result<()> {
     let units = Units::of(&client.parameters()?);
     let count = match position {
         Position::Counts(count) => count,
         Position::Millimetres(mm) => units.count_at(mm).with_context(|| {
-            format!("{mm} mm is no count of its encoder, or its scale is not known; state counts")
+            format!("{mm} mm is out of the range of its encoder, or the scale of the encoder is not known; give the position in counts")
         })?,
     };
     client.reference(count)?;
     let position = if counts { format!("{count} counts") } else { units.length(count) };
-    say!("referenced: the axis stands at {position}");
+    say!("referenced: the axis is at {position}");
     Ok(())
 }
 
@@ -91,7 +93,7 @@ fn info(client: &mut Client) -> Result<()> {
     Ok(())
 }
 
-/// A spread in words: least and most, and how many are off by how much.
+/// A spread in words: minimum, maximum, and how many are off by how much.
 fn spread(times: &Spread) -> String {
     if times.count == 0 {
         return "nothing measured yet".to_owned();
@@ -112,8 +114,8 @@ fn provenance(state: &ConfigState) -> String {
     let source = match state.source {
         0 => "never stored".to_owned(),
         1 => format!("stored {} times", state.saves),
-        2 => format!("stored by another version of the firmware, {} values left out", state.ignored),
-        _ => "what was stored is damaged; import a configuration and save it".to_owned(),
+        2 => format!("stored by another version of the firmware, {} values ignored", state.ignored),
+        _ => "the stored parameters are damaged; import a configuration and save it".to_owned(),
     };
     let changed = matches!(state.source, 1 | 2) && !state.saved;
     if changed { format!("{source}, changed since") } else { source }
@@ -124,7 +126,7 @@ fn home(client: &mut Client, counts: bool) -> Result<()> {
     report_boots(client);
     let interrupts = Interrupts::watch();
     let timeout_ms = client.parameters()?.values.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
-    // The rig trips after its own time-out; an emulated one may be some times slower than the clock.
+    // The rig trips at its own timeout; an emulated one may run several times slower than real time.
     let longest = Duration::from_millis((10 * u64::from(timeout_ms)).max(5000));
     client.home()?;
     let begun = Instant::now();
@@ -132,15 +134,14 @@ fn home(client: &mut Client, counts: bool) -> Result<()> {
         if begun.elapsed() > longest {
             client.stop()?;
             bail!(
-                "the homing run went on after its time-out of {} s; it was told to stop",
+                "homing was still running long after its timeout of {} s; the drive was stopped",
                 f64::from(timeout_ms) / 1e3
             );
         }
         if interrupts.look() {
             client.stop()?;
-            return interrupts.explain(Err(Exit::Interrupted.error(
-                "the homing run was stopped, as you asked; `pneudrive device arm` leaves the fault",
-            )));
+            return interrupts.explain(Err(Exit::Interrupted
+                .error("homing was stopped by Ctrl-C; `pneudrive device arm` clears the fault")));
         }
         std::thread::sleep(Duration::from_millis(20));
     }
@@ -148,12 +149,12 @@ fn home(client: &mut Client, counts: bool) -> Result<()> {
     match status.mode {
         Mode::Fault => {
             return Err(Exit::Tripped.error(format!(
-                "the homing run has tripped: {} ({}); `pneudrive device arm` leaves the fault",
+                "the drive tripped during homing: {} ({}); `pneudrive device arm` clears the fault",
                 words::fault_code_name(status.fault),
                 words::fault_meaning(status.fault)
             )));
         }
-        _ => say!("homed: the axis stands at {}, armed", units(client, counts).length(status.position)),
+        _ => say!("homed: the axis is at {}, armed", units(client, counts).length(status.position)),
     }
     Ok(())
 }
@@ -179,7 +180,7 @@ fn faults(client: &mut Client, counts: bool) -> Result<()> {
     Ok(())
 }
 
-/// How the moves stand, in words.
+/// The progress of the moves, in words.
 fn moves(motion: &Motion) -> String {
     let arrival = match motion.arrival {
         0 => return "none has begun".to_owned(),
@@ -199,8 +200,8 @@ fn words_of(owner: &Commander) -> String {
     let (host, silent_s) = (words::commander(&owner.host), f64::from(owner.silent_ms) / 1e3);
     match owner.presence {
         Presence::Nobody => "nobody".to_owned(),
-        Presence::There => format!("{host}, heard {silent_s:.2} s ago"),
-        Presence::Gone => format!("{host}, which has gone; heard {silent_s:.2} s ago"),
+        Presence::There => format!("{host}, last heard {silent_s:.2} s ago"),
+        Presence::Gone => format!("{host}, which has gone; last heard {silent_s:.2} s ago"),
     }
 }
 
@@ -214,7 +215,7 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
         Mode::Disarmed => "disarmed".to_owned(),
         Mode::Armed => "armed".to_owned(),
         Mode::Running if duration_samples == UNTIL_STOPPED => {
-            format!("running until it is stopped, for {} now", units.time(index))
+            format!("running until stopped, {} so far", units.time(index))
         }
         Mode::Running => format!("running, {} of {}", units.time(index), units.time(duration_samples)),
         Mode::Done => "done, holding".to_owned(),

@@ -23,7 +23,7 @@ use crate::cli::{Eval, Interval};
 /// Names of the columns behind the channels in a CSV file.
 const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
 
-/// Begins a CSV file of this command, so that writing it again replaces nothing else.
+/// The start of every CSV file of this command, by which it recognises the files that it may replace.
 const CSV_MARK: &str = "time_s,setpoint_mm";
 
 pub(super) fn execute(arguments: &Eval) -> Result<()> {
@@ -58,13 +58,13 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     Ok(())
 }
 
-/// What the figures of the last move are of if `--to` ends it.
+/// The remark on the last move if `--to` cuts it off.
 fn cut_at_end(transient: &Transient) -> Option<String> {
     let end = transient.time.last().filter(|_| transient.cut.at_end)?;
-    Some(format!("The last move goes on behind {end:.4} s; its figures are of what comes before."))
+    Some(format!("The last move continues after {end:.4} s; its figures cover only the part before."))
 }
 
-/// The rig that is named, or else that of a run folder, if this program takes its values.
+/// The rig that is named, or else that of a run folder, if this program accepts its values.
 ///
 /// # Errors
 /// When the named rig is not that of the transient.
@@ -80,23 +80,27 @@ fn rig_beside(arguments: &Eval, transient: &Transient) -> Result<Option<Rig>> {
     }
 }
 
-/// What is told where a transient and the rig beside it have different names.
+/// The remark on a transient and a rig with different names.
 fn other_name(transient: &Transient, rig: &Rig) -> Option<String> {
     let (test, name) = (&transient.test, rig.name());
     let differ = !test.is_empty() && test != name;
     differ.then(|| {
         format!(
-            "The test is called {test}, the rig {name}: the air is right only if {name} has its cylinder."
+            "The test is called {test}, the rig {name}: the air figures are valid only if {name} has the same cylinder."
         )
     })
 }
 
-/// The moves of a transient and, of a run folder, those of the neighbours of the run; and what the figures rest on.
+/// The moves of a transient and, for a run folder, those of the neighbours of the run; with a remark on what the
+/// figures rest on.
 fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, Option<String>)> {
     if !arguments.file.is_dir() {
         return match arguments.ensemble {
             None => Ok((vec![own], None)),
-            Some(_) => bail!("--ensemble is of a simulated run; {} is none", arguments.file.display()),
+            Some(_) => bail!(
+                "--ensemble needs the folder of a simulated run; {} is not one",
+                arguments.file.display()
+            ),
         };
     }
     let stored = StoredRun::read(&arguments.file)?;
@@ -108,7 +112,7 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     if spacing.runs == 1 {
         return Ok((vec![own], Some(ALONE.to_owned())));
     }
-    // Older programs had values that this one does not take.
+    // Older versions accepted values that this one refuses.
     let Ok(rig) = rig_of(&arguments.file) else { return Ok((vec![own], Some(OTHER.to_owned()))) };
     let accuracy = stored.accuracy.unwrap_or(Accuracy::of(&rig));
     let mut progress = Progress::new("simulating its neighbours");
@@ -131,38 +135,38 @@ fn with_neighbours(arguments: &Eval, own: Vec<Move>) -> Result<(Vec<Vec<Move>>, 
     Ok((vec![own], Some(OTHER.to_owned())))
 }
 
-/// What is told of a run by an older program.
-const UNCHECKED: &str = "An older program wrote this run, without a checksum: whether its trace was changed or damaged cannot be told.";
+/// The note on a run of an older version.
+const UNCHECKED: &str = "An older version of the program wrote this run without a checksum, so a changed or damaged trace cannot be detected.";
 
-/// What the figures of a run without neighbours rest on.
-const ALONE: &str = "These are figures of one run; what its neighbours make of them is not known.";
+/// The remark on a run without neighbours.
+const ALONE: &str = "These are figures of a single run; how much its neighbours differ is not known.";
 
-/// What those of a run rest on that comes out otherwise today.
-const OTHER: &str = "This program does not come to the same run from these values: another version has made it, or it was changed. Its figures are of the trace alone.";
+/// The remark on a run that this version does not reproduce.
+const OTHER: &str = "This program does not reproduce the run from its values: another version made it, or it was changed. The figures are of the stored trace alone.";
 
-/// Why the air is left out.
-const NOT_FOLLOWED: &str = "Air is left out: there are fewer than six samples to a period of the dither, which do not show what it lets in and out. Run or record it with a shorter period.";
+/// The note on air figures that are left out.
+const NOT_FOLLOWED: &str = "Air is left out: fewer than six samples per period of the dither do not show how much air the dither lets in and out. Run or record it with a shorter sample period.";
 
-/// What the air of a run rests on whose rig is not known.
-const NOT_CHECKED: &str = "This program does not take the values of the run's rig: the air holds only if there are six rows or more to a period of the dither.";
+/// The note on the air figures of a run whose rig is not known.
+const NOT_CHECKED: &str = "This program does not accept the values of the run's rig: the air figures are valid only if there are at least six rows per period of the dither.";
 
-/// Samples: a page of them has 100 MB.
+/// The most samples on a page; such a page has 100 MB.
 const MAX_ON_A_PAGE: usize = 250_000;
 
 fn within(transient: &Transient, interval: &Interval) -> Transient {
     transient.between(interval.from.unwrap_or(f64::NEG_INFINITY), interval.to.unwrap_or(f64::INFINITY))
 }
 
-/// What lies in an interval of a transient, without a gap.
+/// The part of a transient within an interval, which must have no gap.
 ///
 /// # Errors
-/// When nothing does, or more than a page holds.
+/// When the part is empty, has a gap, or is more than a page holds.
 pub(super) fn interval(transient: Transient, interval: &Interval) -> Result<Transient> {
     let part = within(&transient, interval);
     if part.time.len() < 2 {
         match (transient.time.first(), transient.time.last()) {
             (Some(first), Some(last)) => bail!(
-                "{} has fewer than two samples there; it goes from {first:.4} s to {last:.4} s",
+                "{} has fewer than two samples in this interval; it goes from {first:.4} s to {last:.4} s",
                 transient.name
             ),
             _ => bail!("{} has no samples", transient.name),
@@ -175,11 +179,11 @@ pub(super) fn interval(transient: Transient, interval: &Interval) -> Result<Tran
     }
 }
 
-/// Whether a page of it could be opened.
+/// Refuses a transient too long for a page that a browser can open.
 pub(super) fn fits_on_a_page(part: &Transient) -> Result<()> {
     if part.time.len() > MAX_ON_A_PAGE {
         bail!(
-            "{} has {} samples there, and a page that can be opened {MAX_ON_A_PAGE} at most; choose an interval by --from and --to",
+            "{} has {} samples in this interval, more than the {MAX_ON_A_PAGE} that fit on a page; choose a shorter one with --from and --to",
             part.name,
             part.time.len()
         );
@@ -187,10 +191,10 @@ pub(super) fn fits_on_a_page(part: &Transient) -> Result<()> {
     Ok(())
 }
 
-/// What is wrong with a gap.
+/// The error for a gap.
 pub(super) fn missing(transient: &Transient, [before, after]: &[f64; 2]) -> Error {
     anyhow!(
-        "{}: samples are missing between {before:.4} s and {after:.4} s; choose an interval without a gap by --from and --to",
+        "{}: samples are missing between {before:.4} s and {after:.4} s; choose an interval without a gap with --from and --to",
         transient.name
     )
 }
@@ -208,13 +212,13 @@ fn notes(transient: &Transient, chambers: Option<&Chambers>) -> Vec<String> {
         _ => {}
     }
     if is_run || chambers.is_some() {
-        notes.push("Air is what is let into the chambers, in litres at 20 \u{b0}C, 100 kPa and 65 % relative humidity (ANR, ISO 8778), and in brackets at least and at most. What the valve leaks to the exhaust is not in it.".to_owned());
+        notes.push("Air is what enters the chambers, in litres at 20 \u{b0}C, 100 kPa and 65 % relative humidity (ANR, ISO 8778), with its minimum and maximum in brackets. Leakage of the valve to the exhaust is not included.".to_owned());
     }
     if !is_run {
         notes.push(if chambers.is_some() {
-            "A record has no flows: its air comes from pressures and positions, by the energy balance of chambers that exchange no heat with their walls.".to_owned()
+            "A record has no flows: its air is computed from pressures and positions, by the energy balance of chambers that exchange no heat with their walls.".to_owned()
         } else {
-            "A record has no flows: --rig tells the cylinder, and with it the air that the moves took."
+            "A record has no flows: to compute the air used by the moves, name the rig with --rig, which gives the cylinder."
                 .to_owned()
         });
     }
@@ -233,7 +237,7 @@ fn panels(transient: &Transient, motion: &Motion) -> Vec<Panel> {
     panels
 }
 
-/// Header and a line a sample; what is not known is left empty.
+/// A header, then one line per sample; unknown values are left empty.
 fn write_csv(path: &Path, transient: &Transient, motion: &Motion) -> Result<()> {
     let names = CHANNELS.iter().map(|(name, unit)| format!("{name}, {unit}"));
     let names: Vec<String> = names.chain(MOTION.map(str::to_owned)).map(|name| column(&name)).collect();
@@ -250,7 +254,7 @@ fn write_csv(path: &Path, transient: &Transient, motion: &Motion) -> Result<()> 
     put(path, &text)
 }
 
-/// `pressure 1, kPa` as the name of a column: `pressure_1_kpa`.
+/// The name of a column: `pressure_1_kpa` for `pressure 1, kPa`.
 pub(super) fn column(title: &str) -> String {
     title.replace(", ", "_").replace([' ', '/'], "_").replace('^', "").to_lowercase()
 }

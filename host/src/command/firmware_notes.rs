@@ -1,4 +1,4 @@
-//! What is said of a firmware that lacks something.
+//! Notes on firmware that lacks something.
 
 use pneudrive_link::client::Client;
 use pneudrive_records::parameter_names::names_of;
@@ -7,19 +7,19 @@ use pneudrive_records::words;
 
 use super::wording::few;
 
-/// Says so where a rig does not tell its boots apart, before it is armed or moved.
+/// Warns, before a rig is armed or moved, that it does not distinguish its boots.
 pub(super) fn report_boots(client: &Client) {
     if !client.names_its_boot() {
         tell!("note: {}", words::no_boots(client.speaks(6)));
     }
 }
 
-/// Says which parameters the rig's firmware does not have.
+/// Notes which parameters the rig's firmware does not have.
 pub(super) fn report_missing(parameters: &RigParameters) {
     let names = names_of(&parameters.lacking_names());
     if !names.is_empty() {
         tell!(
-            "note: the rig's firmware is older than this program; it has no {}, and does as with their defaults",
+            "note: the rig's firmware is older than this program; it has no {}, and behaves as with their defaults",
             few(&names)
         );
     }

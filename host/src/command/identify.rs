@@ -59,28 +59,29 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
         return Ok(());
     }
     Err(Exit::NotBorneOut.error(format!(
-        "{}; {} has what remains, and --despite-misfit writes {FITTED} nevertheless",
+        "{}; {} shows the residuals, and --despite-misfit writes {FITTED} nevertheless",
         refusal(&rig, found.spectrum.is_testable()),
         arguments.out.join(PAGE).display()
     )))
 }
 
-/// Why a fit is none.
+/// Why a fit is refused.
 fn refusal(rig: &Rig, is_judged: bool) -> String {
     match is_judged {
         true => format!("the model of {} does not explain the transients", rig.name()),
-        false => format!("the transients have too few samples to judge the model of {} by", rig.name()),
+        false => format!("the transients have too few samples to judge the model of {}", rig.name()),
     }
 }
 
-/// Writes the fitted rig file, or takes away that of a fit before, whose place this one would have.
+/// Writes the fitted rig file. If the fit is refused, removes the file of an earlier fit, which would be taken for this
+/// one's.
 fn write_fitted(arguments: &Identify, found: &Identification) -> Result<Option<PathBuf>> {
     let path = arguments.out.join(FITTED);
     refuse_to_replace(&path, report::FITTED_MARK)?;
     if !found.fits && !arguments.despite_misfit {
         return match fs::remove_file(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
-                Err(error).with_context(|| format!("cannot remove {}, of a fit before", path.display()))
+                Err(error).with_context(|| format!("cannot remove {} of an earlier fit", path.display()))
             }
             _ => Ok(None),
         };
@@ -90,7 +91,7 @@ fn write_fitted(arguments: &Identify, found: &Identification) -> Result<Option<P
     Ok(Some(path))
 }
 
-/// What is fitted, and what all records tell without a model of the air.
+/// The recordings to fit, and the figures that all records give without a model of the air.
 fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Table)> {
     let recorded = if let Some(port) = &arguments.plan {
         make_writable(&arguments.out)?;

@@ -1,5 +1,5 @@
-//! While a cylinder may move, the rig is stopped by Ctrl-C, and once nobody can read what the program says: a drive is
-//! not left alone.
+//! While a cylinder may move, Ctrl-C stops the rig, and so does an output that can no longer be written: a drive is not
+//! left unattended.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,7 +10,7 @@ use pneudrive_protocol::Mode;
 use crate::exit::Exit;
 use crate::output;
 
-/// As long as there is one, Ctrl-C is noted for whoever follows the drive. At other times it ends the program.
+/// While one exists, Ctrl-C sets a flag for the code that follows the drive. At other times it ends the program.
 pub(super) struct Interrupts;
 
 /// Whether the drive is to stop, and whether Ctrl-C asked for it.
@@ -19,7 +19,7 @@ static PRESSED: AtomicBool = AtomicBool::new(false);
 static WATCHED: AtomicBool = AtomicBool::new(false);
 
 impl Interrupts {
-    /// From now on until this is dropped.
+    /// Watches from now on until this is dropped.
     pub fn watch() -> Interrupts {
         static INSTALLED: Once = Once::new();
         INSTALLED.call_once(|| {
@@ -44,8 +44,8 @@ impl Interrupts {
         &STOP
     }
 
-    /// Looks whether the drive is to stop because nobody reads what the program says. Call it again and again while
-    /// the drive may move.
+    /// Whether the drive is to stop, also because the output can no longer be written. Call it repeatedly while the drive
+    /// may move.
     pub fn look(&self) -> bool {
         if output::is_broken() {
             STOP.store(true, Ordering::Relaxed);
@@ -53,46 +53,43 @@ impl Interrupts {
         STOP.load(Ordering::Relaxed)
     }
 
-    /// Whether it is not Ctrl-C that the drive is to stop for.
+    /// Whether the drive is to stop because of the output and not because of Ctrl-C.
     fn by_output() -> bool {
         STOP.load(Ordering::Relaxed) && !PRESSED.load(Ordering::Relaxed)
     }
 
-    /// Why a drive is not moved that was to be.
+    /// Why the run was not started.
     pub fn not_begun(&self) -> Error {
         match Interrupts::by_output() {
-            true => output::verdict().error(format!("the run was not begun, as {UNHEARD}")),
-            false => Exit::Interrupted.error("stopped before the start, as you asked"),
+            true => output::verdict().error(format!("the run was not started because {UNHEARD}")),
+            false => Exit::Interrupted.error("stopped by Ctrl-C before the run was started"),
         }
     }
 
-    /// What came of a drive that was followed, with how it is then: one that the program's own output has stopped says
-    /// so.
+    /// The result of following a drive; if the program stopped the drive because of its output, the error says so.
     ///
     /// # Errors
-    /// As `followed`, or that the output broke.
+    /// That of `followed`, or that the output can no longer be written.
     pub fn explain(&self, followed: Result<Mode>) -> Result<()> {
         let ended = match followed {
-            // It came to its end before it could be stopped.
+            // The run ended before it could be stopped.
             Ok(Mode::Done) => return Ok(()),
-            // A trip is worse news.
+            // A trip matters more.
             Err(error) if Exit::after(&error) != Exit::Interrupted => return Err(error),
             ended => ended.map(|_| ()),
         };
         match ended {
-            Ok(()) if Interrupts::by_output() => {
-                Err(output::verdict()
-                    .error(format!("the run was ended and the drive disarmed, as {UNHEARD}")))
-            }
+            Ok(()) if Interrupts::by_output() => Err(output::verdict()
+                .error(format!("the run was ended and the drive disarmed because {UNHEARD}"))),
             Err(_) if Interrupts::by_output() => Err(output::verdict().error(format!(
-                "the drive was stopped, as {UNHEARD}; `pneudrive device arm` leaves the fault"
+                "the drive was stopped because {UNHEARD}; `pneudrive device arm` clears the fault"
             ))),
             ended => ended,
         }
     }
 }
 
-const UNHEARD: &str = "what this program says cannot be written any more";
+const UNHEARD: &str = "the output of this program can no longer be written";
 
 impl Drop for Interrupts {
     fn drop(&mut self) {

@@ -1,4 +1,4 @@
-//! Work that may last: how long it will is said, and more than an hour is not begun unasked.
+//! Long work: its expected duration is shown, and more than an hour needs confirmation.
 
 use std::io::{IsTerminal, stderr, stdin};
 use std::time::{Duration, Instant};
@@ -8,13 +8,13 @@ use anyhow::{Result, bail};
 use crate::exit::Exit;
 use crate::output::Stream;
 
-/// What lasts longer is asked for.
+/// Longer work needs confirmation.
 const LONG: Duration = Duration::from_secs(3600);
 
-/// Whether work that lasts so long may begin: `--yes` says so, or somebody at the terminal.
+/// Whether work of this duration may begin: `--yes` or an answer at the terminal confirms it.
 ///
 /// # Errors
-/// When nobody says so.
+/// When it is not confirmed.
 pub(super) fn allow(what: &str, lasts: Duration, yes: bool) -> Result<()> {
     let somebody = stdin().is_terminal() && stderr().is_terminal();
     answered(
@@ -34,17 +34,17 @@ fn answered(what: &str, lasts: Duration, yes: bool, ask: Option<impl FnOnce() ->
         return Ok(());
     }
     let Some(ask) = ask else {
-        return Err(Exit::Usage.error(format!("{what} would last {}; begin it with --yes", about(lasts))));
+        return Err(Exit::Usage.error(format!("{what} would take {}; add --yes to run it", about(lasts))));
     };
-    let question = format!("{what} will last {}. Go on? [y/N] ", about(lasts));
+    let question = format!("{what} will take {}. Continue? [y/N] ", about(lasts));
     Stream::Errors.note(Stream::Errors.write(question.as_bytes()));
     match ask().trim().to_lowercase().as_str() {
         "y" | "yes" => Ok(()),
-        _ => bail!("{what} was not begun, as you answered"),
+        _ => bail!("{what} was cancelled"),
     }
 }
 
-/// A time in the words of an estimate.
+/// A time as an estimate in words.
 pub(super) fn about(time: Duration) -> String {
     match time.as_secs_f64() {
         seconds if seconds < 1.0 => "less than a second".to_owned(),
@@ -55,7 +55,7 @@ pub(super) fn about(time: Duration) -> String {
     }
 }
 
-/// Work in equal parts, measured by its first one.
+/// Work in equal parts, whose first part gives the estimate for the rest.
 pub(super) struct Pace {
     what: &'static str,
     yes: bool,
@@ -69,10 +69,10 @@ impl Pace {
         Pace { what, yes, begun: Instant::now(), estimated: false }
     }
 
-    /// So many of its parts are done: after the first one the time for the rest is known, roughly.
+    /// Reports the number of finished parts; after the first one, the time for the rest is estimated.
     ///
     /// # Errors
-    /// When that is long, and nobody wants it.
+    /// When that is long and not confirmed.
     pub fn at(&mut self, done: usize, all: usize) -> Result<()> {
         if self.estimated || done == 0 {
             return Ok(());
@@ -95,7 +95,7 @@ mod tests {
         assert!(answered("the sweep", hours(1), false, NOBODY).is_ok());
         assert!(answered("the sweep", hours(9), true, NOBODY).is_ok());
         let refused = answered("the sweep", hours(9), false, NOBODY).expect_err("nobody says yes");
-        assert_eq!(refused.to_string(), "the sweep would last about 9.0 h; begin it with --yes");
+        assert_eq!(refused.to_string(), "the sweep would take about 9.0 h; add --yes to run it");
         assert_eq!(Exit::after(&refused), Exit::Usage);
         for (answer, goes_on) in [("y\n", true), ("Yes\n", true), ("\n", false), ("", false), ("no\n", false)]
         {

@@ -1,4 +1,4 @@
-//! `pneudrive merge`: the shards of a sweep put together.
+//! `pneudrive merge`: joins the shards of a sweep.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,7 +21,7 @@ pub(super) fn execute(arguments: &Merge) -> Result<()> {
     for (folder, kept, own) in &shards {
         ensure!(
             own.identity == about.identity,
-            "{} is of another sweep ({})",
+            "{} belongs to another sweep ({})",
             folder.display(),
             own.sweep.name
         );
@@ -41,16 +41,17 @@ fn read(folder: &Path) -> Result<(&Path, Kept, About)> {
     let bytes = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let kept = Kept::of(&path, &String::from_utf8_lossy(&bytes))?;
     let about = kept.about.clone();
-    let about = about.with_context(|| format!("{} does not tell which sweep it is of", path.display()))?;
+    let about =
+        about.with_context(|| format!("{} does not say which sweep it belongs to", path.display()))?;
     Ok((folder, kept, about))
 }
 
-/// The sweep that a journal is of.
+/// The sweep that a journal belongs to.
 fn sweep_of(about: &About) -> Result<Sweep> {
     let sweep = Sweep::read(about.sweep.clone(), |_| Ok(about.rig.clone()))?.with_ensemble(about.ensemble)?;
     ensure!(
         format!("{:016x}", sweep.identity()) == about.identity,
-        "these shards were run by {}; merge them with it",
+        "these shards were run by {}; merge them with that version",
         about.program
     );
     Ok(sweep)
@@ -59,7 +60,9 @@ fn sweep_of(about: &About) -> Result<Sweep> {
 fn add(rows: &mut BTreeMap<usize, Row>, more: BTreeMap<usize, Row>, folder: &Path) -> Result<()> {
     for (point, row) in more {
         if let Some(before) = rows.get(&point) {
-            let differs = || format!("point {point} in {} is not what another shard has", folder.display());
+            let differs = || {
+                format!("point {point} in {} differs from the same point in another shard", folder.display())
+            };
             ensure!(*before == row, differs());
         }
         rows.insert(point, row);
@@ -73,7 +76,7 @@ fn refuse_gaps(sweep: &Sweep, rows: &BTreeMap<usize, Row>) -> Result<()> {
     let names: Vec<&str> = missing.iter().map(String::as_str).collect();
     ensure!(
         missing.is_empty(),
-        "{} of {} points are missing ({}); run their shards to the end",
+        "{} of {} points are missing ({}); run their shards to completion",
         missing.len(),
         sweep.points(),
         few(&names)

@@ -37,7 +37,7 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
         }
         show(&line(&units, &status, client.losses()));
         if output::is_broken() {
-            break; // Whoever looked on has gone.
+            break; // Nobody reads the output any more.
         }
     }
     if stdout().is_terminal() {
@@ -46,7 +46,7 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
     Ok(())
 }
 
-/// One line that is written anew on a terminal, a line each elsewhere.
+/// On a terminal, overwrites one line; elsewhere, writes a line per status.
 fn show(line: &str) {
     if stdout().is_terminal() {
         Stream::Output.note(Stream::Output.write(format!("\r{line}\x1b[K").as_bytes()));
@@ -90,7 +90,7 @@ fn mode(status: &Status) -> String {
     }
 }
 
-/// What a person sees of a status, and what the link has lost.
+/// A status for the terminal, with the losses of the link.
 fn line(units: &Units, s: &Status, (damaged, repeats): (u32, u32)) -> String {
     let lost = match (s.damaged_frames.saturating_add(damaged), repeats) {
         (0, 0) => String::new(),

@@ -43,7 +43,7 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     Ok(())
 }
 
-/// Whether no sample is missing of `other` as long as the reference lasts: across a gap there is nothing to compare.
+/// Refuses a gap in `other` during the reference: there would be nothing to compare.
 fn is_whole_during(other: &Transient, reference: &Transient) -> Result<()> {
     let [from, to] = [reference.time.first(), reference.time.last()].map(|time| time.copied().unwrap_or(0.0));
     match other.gaps.iter().find(|[before, after]| *after > from && *before < to) {
@@ -69,7 +69,7 @@ fn names(transients: &[Transient]) -> String {
     transients.iter().map(|transient| transient.name.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// Prints the deviations of all others from the first, and gives their tables.
+/// Prints the deviations of all others from the first, and returns their tables.
 pub(super) fn overlay(transients: &[Transient]) -> Result<Vec<Table>> {
     let Some((reference, others)) = transients.split_first() else { bail!("there is nothing to compare") };
     let mut all = Vec::new();

@@ -1,10 +1,10 @@
-//! How far something is.
+//! Progress of long work.
 
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar on a terminal; elsewhere a line now and then.
+/// A bar on a terminal; elsewhere a line at each quarter.
 pub(super) struct Progress {
     bar: ProgressBar,
     what: String,
@@ -18,7 +18,7 @@ impl Progress {
         Progress::of(what, "samples")
     }
 
-    /// Of something else than samples.
+    /// Counts something other than samples.
     pub fn of(what: &str, of: &'static str) -> Progress {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(10));
         let style = ProgressStyle::with_template("{msg:<12} [{bar:40}] {pos}/{len} ({per_sec}, {eta} left)");
@@ -28,7 +28,7 @@ impl Progress {
         Progress { bar, what: what.to_owned(), of, printed: 0 }
     }
 
-    /// Of samples whose end nobody knows.
+    /// Counts samples of which the total is not known.
     pub fn endless(what: &str, advice: &str) -> Progress {
         let progress = Progress::new(what);
         let style = ProgressStyle::with_template(&format!(
@@ -41,7 +41,7 @@ impl Progress {
         Progress { printed: u64::MAX, ..progress }
     }
 
-    /// What was done before does not count for the rate.
+    /// Starts from earlier work, which does not count for the rate.
     pub fn begin_at(&mut self, done: u64, all: u64) {
         self.bar.set_length(all);
         self.bar.set_position(done);
@@ -59,7 +59,7 @@ impl Progress {
         }
     }
 
-    /// Does something that may write to the terminal, too.
+    /// Does something that may also write to the terminal.
     pub fn aside<T>(&self, act: impl FnOnce() -> T) -> T {
         self.bar.suspend(act)
     }

@@ -21,8 +21,8 @@ pub(super) fn execute(arguments: &Record) -> Result<()> {
     Ok(())
 }
 
-/// Pulls the recorded transient into the next free TARGET file of a folder. What an interrupted call has got
-/// is in a part file there, and is gone on with.
+/// Downloads the recorded transient to the next free TARGET file of a folder. An interrupted download leaves a part file
+/// there, from which the next call resumes.
 ///
 /// # Errors
 /// When there is no record, the link breaks, or the folder cannot be written to.
@@ -40,7 +40,7 @@ pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile
     }
     let record = match record {
         Ok(record) => record,
-        // What the disk did not take is not promised.
+        // Only what is on the disk is promised.
         Err(error) if part.keep_on_disk().is_ok() => return Err(error.context(kept(&part))),
         Err(error) => return Err(error),
     };
@@ -72,17 +72,17 @@ fn download(
 
 fn kept(part: &PartFile) -> String {
     format!(
-        "the download did not come to its end; {} keeps what is there, record again to go on",
+        "the download is incomplete; {} keeps what has arrived: record again to resume",
         part.path().display()
     )
 }
 
-/// Says what is there already, and what is left of other records.
+/// Reports what an earlier download has left of this record and of others.
 fn report_parts(folder: &Path, part: &PartFile, there: usize, head: &RecordHead) {
     if there > 0 {
-        tell!("going on with {}: {there} of {} samples are there", part.path().display(), head.samples);
+        tell!("resuming {}: {there} of {} samples are there", part.path().display(), head.samples);
     }
     for other in part_file::others(folder, part.path()) {
-        tell!("note: {} is a part of another record; delete it if you do not want the rest", other.display());
+        tell!("note: {} is part of another record; delete it if you do not want the rest", other.display());
     }
 }

@@ -40,7 +40,7 @@ fn ending(replay: &Replay) -> String {
     match tripped(replay) {
         Some(tripped) => tripped,
         None => format!(
-            "it ends with sample {last}, which does not trip the controller: the test was over, the recorder full, or a stop came from outside"
+            "it ends with sample {last}, which does not trip the controller: the test was over, the recorder was full, or the drive was stopped from outside"
         ),
     }
 }
@@ -51,16 +51,16 @@ fn tripped(replay: &Replay) -> Option<String> {
     Some(format!("the controller trips at sample {k}: {} ({meaning})", words::fault_name(fault)))
 }
 
-/// Where record and replay part, in a line.
+/// The first difference between record and replay, in one line.
 fn parting(replay: &Replay, first: Difference) -> String {
     let Difference { index, what, recorded, replayed, inferred } = first;
     let sides = match what {
-        What::Sample => "the run goes on in the record, and is over in the replay".to_owned(),
+        What::Sample => "the run continues in the record, but is over in the replay".to_owned(),
         _ => format!("{} {recorded} recorded, {replayed} replayed", what.name()),
     };
     let count = format!("{} of {} samples differ", replay.differences, replay.recorded.len());
     let why = if inferred {
-        "; its setpoint is that of another sample, for its own error is at the limit of its 16 bits"
+        "; its setpoint is that of another sample, because its own error is at the limit of 16 bits"
     } else {
         ""
     };
@@ -68,7 +68,7 @@ fn parting(replay: &Replay, first: Difference) -> String {
     format!("sample {index}: {sides} ({count}{why}{tripped})")
 }
 
-/// The first different sample and some around it, both sides.
+/// The first sample that differs and its neighbours, as recorded and as replayed.
 fn around(replay: &Replay, first: Difference) -> String {
     let at = first.index as usize;
     let spool = if replay.stepper { "  spool" } else { "" };

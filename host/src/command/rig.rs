@@ -21,7 +21,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
             (true, _) => show_json(&load_rig(name, settings)?),
             (false, true) => show_resolved(&load_rig(name, settings)?),
             (false, false) if settings.is_empty() => show(name),
-            (false, false) => bail!("--set goes with --resolved or --json: the file itself stays as it is"),
+            (false, false) => {
+                bail!("--set needs --resolved or --json: without them, the file is shown as it is")
+            }
         },
         Arguments::Diff { one, other } => diff(one, other),
         Arguments::Check { file, quick } => check::execute(file, *quick),
@@ -57,7 +59,7 @@ fn show_json(rig: &Rig) -> Result<()> {
     Ok(())
 }
 
-/// Where two rigs differ, a line a key; nothing where they do not.
+/// The differences of two rigs, one line per key.
 fn diff(one: &str, other: &str) -> Result<()> {
     let rigs = [load_rig(one, &[])?, load_rig(other, &[])?];
     for difference in differences(&rigs[0], &rigs[1]) {

@@ -1,4 +1,4 @@
-//! Rigs as they are named on the command line: built in, or a file.
+//! Rigs named on the command line: a built-in rig, or a file.
 
 use std::fs::File;
 use std::io::Read;
@@ -11,7 +11,7 @@ use pneudrive_sim::rig::{BUILTIN, builtin};
 use crate::cli::RigChoice;
 use crate::exit::Exit;
 
-/// Name for messages and text of a built-in rig or a rig file.
+/// The name, for messages, and the text of a built-in rig or a rig file.
 pub(super) fn rig_text(rig: &str) -> Result<(String, String)> {
     if let Some(text) = builtin(rig) {
         return Ok((rig.to_owned(), text.to_owned()));
@@ -28,15 +28,15 @@ pub(super) fn rig_text(rig: &str) -> Result<(String, String)> {
     Ok((rig.to_owned(), text))
 }
 
-/// Bytes: no rig file has more.
+/// The longest rig file, bytes.
 const LONGEST_RIG: u64 = 1 << 20;
 
-/// The text of a file, or of a pipe, as far as a rig may go.
+/// The text of a file or of a pipe, up to the length limit of a rig file.
 fn text_of(path: &Path) -> Result<String> {
     let mut text = String::new();
     File::open(path)?.take(LONGEST_RIG + 1).read_to_string(&mut text)?;
     if text.len() as u64 > LONGEST_RIG {
-        bail!("it is longer than {LONGEST_RIG} bytes, and no rig file");
+        bail!("it is longer than {LONGEST_RIG} bytes, so it is not a rig file");
     }
     Ok(text)
 }

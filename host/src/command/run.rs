@@ -24,7 +24,7 @@ use super::streaming::Streaming;
 use crate::cli::Run;
 use crate::exit::Exit;
 
-/// How long a stepper's spool may take to mid-travel; a start then says why it is refused.
+/// How long a stepper's spool may take to mid-travel; after that, the rig refuses the start and says why.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
@@ -37,7 +37,7 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     let last_sample = last_sample(arguments, &rig)?;
     run_test(&mut client, &rig, last_sample, arguments.config, streaming)?;
     if last_sample == UNTIL_STOPPED {
-        say!("{}: ended as you asked, the drive is disarmed", rig.name());
+        say!("{}: ended by Ctrl-C, the drive is disarmed", rig.name());
         return Ok(());
     }
     say!("{}: done", rig.name());
@@ -49,7 +49,7 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     Ok(())
 }
 
-/// Keys of a test that is downloaded. The others of `[test]` are the simulator's.
+/// The keys of a test that are downloaded. The other keys of `[test]` are for the simulator.
 const OF_THE_TEST: [&str; 7] = [
     "test.moves",
     "test.targets",
@@ -60,11 +60,11 @@ const OF_THE_TEST: [&str; 7] = [
     "test.pre_trigger",
 ];
 
-/// Keys that say what the moves mean: a rig where they are others is refused.
+/// Keys that define the meaning of the moves: a rig with other values is refused.
 const OF_THE_MOVES: [&str; 4] =
     ["controller.loop", "controller.period_s", "controller.exit_on_dead_band", "operator.model"];
 
-/// Whether a setting has an effect on a rig: one that has none is refused, not passed over.
+/// Refuses a setting that has no effect on a rig instead of ignoring it.
 fn check_setting(setting: &str, with_parameters: bool) -> Result<()> {
     let key = setting.split('=').next().unwrap_or_default().trim();
     if key == "name" || OF_THE_TEST.contains(&key) || OF_THE_MOVES.contains(&key) {
@@ -73,15 +73,17 @@ fn check_setting(setting: &str, with_parameters: bool) -> Result<()> {
     match (is_parameter(key), with_parameters) {
         (true, true) => Ok(()),
         (true, false) => bail!(
-            "--set {key}: a run downloads the test alone; --config downloads the parameters of the controller with it"
+            "--set {key}: a run downloads only the test; --config also downloads the controller's parameters"
         ),
         (false, _) => {
-            bail!("--set {key}: a rig is not told this; it is for the simulator (`pneudrive simulate`)")
+            bail!(
+                "--set {key}: this key is not sent to a rig; it is for the simulator (`pneudrive simulate`)"
+            )
         }
     }
 }
 
-/// The last sample of the test, if it is to last as long as is asked for.
+/// The last sample of the test with the duration that the command line asks for.
 fn last_sample(arguments: &Run, rig: &Rig) -> Result<u32> {
     if arguments.until_stopped {
         return Ok(UNTIL_STOPPED);
@@ -91,7 +93,7 @@ fn last_sample(arguments: &Run, rig: &Rig) -> Result<u32> {
     let last = u32::try_from(lasting.as_nanos() / period.as_nanos());
     last.ok().filter(|&last| last < UNTIL_STOPPED).with_context(|| {
         format!(
-            "--for: at {} us a sample, {:.0} days can be counted; use --until-stopped for as long as that",
+            "--for: at {} us per sample, a run can last at most {:.0} days; use --until-stopped for longer",
             period.as_micros(),
             f64::from(UNTIL_STOPPED) * period.as_secs_f64() / 86_400.0
         )
@@ -141,13 +143,13 @@ pub(super) fn run_test(
     interrupts.explain(followed).and(ended)
 }
 
-/// Refuses a rig that is in a run already, or in a fault.
+/// Refuses a rig that is already running, or in a fault.
 fn refuse_unready(status: &Status) -> Result<()> {
     match status.mode {
         Mode::Running => Err(Exit::Refused
-            .error("a run is on already; wait for its end, or stop it (`pneudrive device stop`)")),
+            .error("a run is already in progress; wait for its end, or stop it (`pneudrive device stop`)")),
         Mode::Fault => Err(Exit::Refused.error(format!(
-            "the rig is in the fault {}: {}; make sure that it is safe, then leave the fault with `pneudrive device arm`",
+            "the rig is in the fault {}: {}; make sure that it is safe, then clear the fault with `pneudrive device arm`",
             words::fault_code_name(status.fault),
             words::fault_meaning(status.fault)
         ))),
@@ -155,7 +157,7 @@ fn refuse_unready(status: &Status) -> Result<()> {
     }
 }
 
-/// Follows a run to its end with a progress bar, and streams it, if it is to be streamed.
+/// Follows a run to its end with a progress bar, and streams it if requested.
 fn follow(
     client: &mut Client,
     last_sample: u32,
@@ -180,12 +182,12 @@ fn follow(
     followed
 }
 
-/// Says how long the drive holds without a host.
+/// Reports how long the drive holds without a host.
 fn report_hold(parameters: &RigParameters) {
     let hold_ms = parameters.values.get(id::HOLD_MS).filter(|_| !parameters.lacking.contains(&id::HOLD_MS));
     match hold_ms {
-        Some(ms) => say!("left alone, a rig in real time is disarmed after {} s", f64::from(ms) / 1e3),
-        None => tell!("note: its firmware holds for ever: it has no safety.hold_s"),
+        Some(ms) => say!("without a host, a rig in real time disarms after {} s", f64::from(ms) / 1e3),
+        None => tell!("note: its firmware has no safety.hold_s, so it holds indefinitely"),
     }
 }
 
@@ -193,13 +195,14 @@ fn report_hold(parameters: &RigParameters) {
 fn warn_of_other_hosts(client: &mut Client) -> Result<()> {
     if client.info()?.version < 5 {
         tell!(
-            "note: its firmware obeys every program that talks to the rig, also one that runs another test, and takes a test move by move; use it alone"
+            "note: its firmware obeys every program that talks to the rig, even one that runs another test, and takes a test move by move; let no other program use the rig"
         );
     }
     Ok(())
 }
 
-/// The armed rig records what the test wants from before its start. The rig hears of its owner meanwhile.
+/// Waits until the armed rig has recorded the samples that the test needs from before its start. Status requests
+/// tell the rig meanwhile that its owner is there.
 fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Result<()> {
     let samples = rig.get(&keys::test::PRE_TRIGGER) * rig.get(&keys::test::DECIMATION).max(1);
     let period = Duration::from_micros(rig.period_us().get().into());
@@ -229,9 +232,9 @@ fn wait_for_null(client: &mut Client, rig: &Rig, interrupts: &Interrupts) -> Res
     Ok(())
 }
 
-/// Says how much of a long test the recorder will hold.
+/// Notes how much of a long test the recorder will hold.
 fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> Result<()> {
-    // The recorder sets the whole of its ring aside for samples from before the start.
+    // The recorder reserves its whole ring for samples from before the start.
     let before = rig.get(&keys::test::PRE_TRIGGER) as u32;
     let capacity = client.info()?.record_capacity.saturating_sub(before);
     let stored = last_sample / rig.get(&keys::test::DECIMATION).max(1) as u32 + 1;
@@ -240,13 +243,13 @@ fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> 
     } else if stored > capacity {
         let least = last_sample.div_ceil(capacity.saturating_sub(1).max(1));
         tell!(
-            "note: the recorder holds {capacity} of {stored} samples and stops when it is full; test.decimation={least} records all of the test"
+            "note: the recorder holds {capacity} of {stored} samples and stops when it is full; test.decimation={least} records the whole test"
         );
     }
     Ok(())
 }
 
-/// A parameter and its value, as a rig file has them.
+/// A parameter and its value as in a rig file.
 fn formatted(id: u16, value: i32) -> String {
     Written::of(id).map_or_else(String::new, |written| format!("{} = {}", written.name, written.text(value)))
 }
@@ -263,13 +266,13 @@ fn in_both(id: u16, on_rig: i32, in_file: i32) -> String {
     })
 }
 
-/// Whether a file leaves an end position open, as one in open loop does: that of the rig then only keeps it off its ends.
+/// Whether a file sets no end position, as in open loop: an end position of the rig then only limits it further.
 fn is_no_end_position(id: u16, in_file: i32) -> bool {
     [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)].contains(&(id, in_file))
 }
 
-/// Says which parameters of the rig are not those of the file: the run is the rig's, not the file's.
-/// With another loop or period the moves would mean something else: that is refused.
+/// Notes which parameters of the rig differ from the file: the run uses those of the rig. A different loop or period
+/// is refused, because the moves would mean something else.
 fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
     for id in [id::OPEN_LOOP, id::STEPPER, id::PERIOD_US, id::ON_ARRIVAL] {
         let (on_rig, in_file) = (rig.get(id), file.get(id));

@@ -33,7 +33,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     progress.done();
     let Ensemble { nominal: mut judged, measured: moves } = ensemble?;
     if let Some(columns) = &arguments.columns {
-        // The same run again, now with a look into the valve at every row.
+        // The same run again, now with the state of the valve at every row.
         judged.run = run_recorded(&rig, judged.accuracy, Recording { valve: true }, |_, _| {})?;
         judged.columns = columns.0.clone();
     }
@@ -62,7 +62,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     if arguments.strict { strictly(&judged) } else { Ok(()) }
 }
 
-/// The rig with the test that it is to be put to, and where that comes from.
+/// The rig with the test to run, and notes on the origin of the test.
 fn rig_of(arguments: &Simulate) -> Result<Taken> {
     let mut rig = load_choice(&arguments.rig)?;
     if let Some(test) = &arguments.test {
@@ -74,15 +74,17 @@ fn rig_of(arguments: &Simulate) -> Result<Taken> {
     }
 }
 
-/// What becomes of another rig's run, by `--overwrite`.
+/// What happens to another rig's run, by `--overwrite`.
 pub(super) fn existing(overwrite: bool) -> Existing {
     if overwrite { Existing::Overwrite } else { Existing::Keep }
 }
 
-/// What `--strict` refuses to take for a result.
+/// The error of a run that `--strict` does not accept as a result.
 fn strictly(judged: &Judged) -> Result<()> {
     if let Some((fault, k)) = judged.run.fault {
-        return Err(Exit::Tripped.error(format!("it tripped at sample {k}: {}", words::fault_name(fault))));
+        return Err(
+            Exit::Tripped.error(format!("the drive tripped at sample {k}: {}", words::fault_name(fault)))
+        );
     }
     match judged.decision.is_decided() {
         true => Ok(()),
@@ -100,7 +102,7 @@ pub(super) fn figures(rig: &Rig, run: &Run) -> Vec<Move> {
     moves_of_run(rig, run, TOLERANCE_MM)
 }
 
-/// A line about a run, one that tells whether it is decided, and one about its neighbours.
+/// Lines about a run: a summary, whether it is decided, and its neighbours.
 pub(super) fn notes(rig: &Rig, judged: &Judged) -> Vec<String> {
     let lost = judged.band.as_ref().and_then(|_| words::lost(&judged.lost));
     let neighbours = judged.band.as_ref().map(|_| {

@@ -27,7 +27,7 @@ struct Samples {
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     refuse_to_replace(&arguments.out, GENERATOR)?;
     if let Some(path) = arguments.ascii.as_ref().filter(|path| path.exists()) {
-        bail!("{} is there already; choose another name", path.display());
+        bail!("{} already exists; choose another name", path.display());
     }
     let mut all = vec![samples(arguments, &arguments.file, arguments.channel)?];
     if let Some(second) = &arguments.with {
@@ -57,7 +57,7 @@ fn samples(arguments: &Arguments, path: &Path, channel: Channel) -> Result<Sampl
     let transient = interval(Transient::read(path)?, &arguments.interval)?;
     let (what, unit, values) = values(&transient, channel);
     if values.iter().any(|value| !value.is_finite()) {
-        bail!("{}: its {what} is not known throughout", path.display());
+        bail!("{}: its {what} is not known at every sample", path.display());
     }
     Ok(Samples { name: format!("{what}, {}", transient.name), unit, values, period: transient.period_s() })
 }
@@ -106,14 +106,14 @@ fn page(all: &[Samples], spectra: &[Spectrum], tables: Vec<Table>, window: Windo
     Page {
         title: format!("spectrum of {}", names.join(" and ")),
         notes: vec![format!(
-            "Window: {window:?}; a frequency each {resolution:.3} Hz; the mean is left out. A sine shows as its amplitude."
+            "Window: {window:?}; one frequency per {resolution:.3} Hz; the mean is removed. A sine shows its amplitude."
         )],
         tables,
         figures: vec![Figure { across: "frequency, Hz".to_owned(), panels, ..Figure::default() }],
     }
 }
 
-/// A number a line, LF. It says what a unit is, as the file does not.
+/// One number per line, LF. Prints the scale, which the file does not contain.
 fn write_ascii(path: &Path, samples: &Samples) -> Result<()> {
     let (integers, mean, unit) = bipolar_12_bit(&samples.values);
     let text: String = integers.iter().map(|integer| format!("{integer}\n")).collect();

@@ -1,4 +1,4 @@
-//! `pneudrive run --stream`: the run goes to a file while it is on.
+//! `pneudrive run --stream`: writes the run to a file while it lasts.
 
 use std::path::{Path, PathBuf};
 
@@ -9,26 +9,26 @@ use pneudrive_protocol::StreamedSample;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::stream_file::StreamFile;
 
-/// A run on its way to a file.
+/// A run that is streamed to a file.
 pub(super) struct Streaming {
     file: StreamFile,
     path: PathBuf,
 }
 
 impl Streaming {
-    /// Whether this could be done, before anything is: nothing on the rig is changed yet.
+    /// Checks that the run can be streamed before anything on the rig is changed.
     pub(super) fn check(client: &mut Client, path: &Path) -> Result<()> {
         client.needs_streams()?;
         if path.exists() {
-            bail!("{} is there already; name another file", path.display());
+            bail!("{} already exists; choose another file", path.display());
         }
-        // The rig forgets its last record when a run is prepared: not for a file that cannot be made.
+        // Preparing a run discards the rig's last record, so the file is tried first.
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // A file without a name, which a kill does not leave behind.
+        // A file without a name is not left behind by a kill.
         tempfile::tempfile_in(folder).map(drop).with_context(|| format!("cannot make {}", path.display()))
     }
 
-    /// Has the rig stream the run that will be started.
+    /// Makes the rig stream the run that will be started.
     pub(super) fn begin(
         client: &mut Client,
         test: &str,
@@ -49,7 +49,7 @@ impl Streaming {
         self.file.add(row)
     }
 
-    /// What the file says of itself at its end.
+    /// Ends the stream and the file, and reports its samples and gaps.
     pub(super) fn end(mut self, client: &mut Client) -> Result<()> {
         let samples_of_run = client.status().ok().map(|status| status.index.saturating_add(1));
         let ended = client.stream_end();

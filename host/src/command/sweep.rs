@@ -27,7 +27,7 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     let (mut journal, mut rows) = Journal::open(&out, &sweep)?;
     let threads = threads::prepare(arguments.threads)?;
     if !rows.is_empty() {
-        say!("{}: {} points are there already", out.join(NAME).display(), rows.len());
+        say!("{}: {} points are already done", out.join(NAME).display(), rows.len());
     }
     try_out(&sweep, arguments, threads, &mut journal, &mut rows)?;
     let mut progress = Progress::of("sweeping", "points");
@@ -39,13 +39,13 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     progress.done();
     if rows.len() < sweep.points() {
         let (there, all) = (rows.len(), sweep.points());
-        say!("{}: {there} of {all} points; pneudrive merge puts the shards together", out.display());
+        say!("{}: {there} of {all} points; pneudrive merge joins the shards", out.display());
         return Ok(());
     }
     leave(&out, &sweep, rows)
 }
 
-/// Says how large the sweep is and, by what its first points take, how long it will last.
+/// Reports the size of the sweep and, after its first points, how long it will take.
 fn try_out(
     sweep: &Sweep,
     arguments: &cli::Sweep,
@@ -62,17 +62,17 @@ fn try_out(
     if todo.len() <= 2 * threads.get() {
         return Ok(());
     }
-    // One for each thread, from all over the sweep: its corners may not be like each other.
+    // One for each thread, spread over the sweep: points at its corners may take different times.
     let first: Vec<usize> = todo.iter().copied().step_by(todo.len().div_ceil(threads.get())).collect();
     let begun = Instant::now();
     run_points(sweep, &first, journal, rows, |_| {})?;
     let rest = todo.len() - first.len();
     let lasts = begun.elapsed().mul_f64(rest as f64 / first.len() as f64);
-    tell!("sweeping: {} for the other {rest}, by what the first {} took", about(lasts), first.len());
+    tell!("sweeping: {} for the other {rest}, estimated from the first {}", about(lasts), first.len());
     allow("the sweep", lasts, arguments.yes)
 }
 
-/// Points, and what each of them is.
+/// The number of points, and the runs or draws of each.
 fn size(sweep: &Sweep) -> String {
     let (points, draws) = (sweep.points(), sweep.draws);
     match (sweep.is_drawn(), sweep.ensemble) {
@@ -82,7 +82,7 @@ fn size(sweep: &Sweep) -> String {
     }
 }
 
-/// The folder that is named like a file.
+/// The folder named after a file.
 fn folder_of(file: &Path) -> PathBuf {
     PathBuf::from(file.file_stem().filter(|stem| Path::new(stem) != file).unwrap_or("sweep".as_ref()))
 }
@@ -103,14 +103,14 @@ fn read(arguments: &cli::Sweep) -> Result<Sweep> {
     }
 }
 
-/// Makes sure, before long work, that the result can be left there.
+/// Checks before long work that the result can be written there.
 pub(super) fn make_room(out: &Path) -> Result<()> {
     make_writable(out)?;
     refuse_to_replace(&out.join("sweep.csv"), HEADER_END)?;
     refuse_to_replace(&out.join("sweep.html"), GENERATOR)
 }
 
-/// Writes result and page of all points and tells what came out.
+/// Writes the result and the page of all points, and prints a summary.
 pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Result<()> {
     let rows: Vec<Row> = rows.into_values().collect();
     let lines = std::iter::once(sweep.header()).chain(rows.iter().map(|row| row.to_csv(sweep)));

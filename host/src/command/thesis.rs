@@ -32,7 +32,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What is asked for.
+/// The exhibits to reproduce.
 fn wanted(only: Option<&str>) -> Result<Vec<&'static Exhibit>> {
     let Some(section) = only else { return Ok(exhibits()) };
     let found = within(section);
@@ -40,7 +40,7 @@ fn wanted(only: Option<&str>) -> Result<Vec<&'static Exhibit>> {
         let mut sections: Vec<&str> = exhibits().iter().map(|exhibit| exhibit.section).collect();
         sections.dedup();
         return Err(Exit::Usage.error(format!(
-            "nothing of section {section} is reproduced; choose one of {}, or what holds them, such as 7.1",
+            "nothing of section {section} is reproduced; choose one of {}, or a section that contains them, such as 7.1",
             sections.join(", ")
         )));
     }

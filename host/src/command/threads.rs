@@ -1,15 +1,14 @@
-//! How many runs go on at the same time.
+//! The number of simultaneous runs.
 
 use std::num::NonZeroUsize;
 
 use anyhow::{Context, Result};
 use pneudrive_analysis::parallel;
 
-/// Gives the pool as many threads as are asked for, and tells how many it has: without being asked, one for each
-/// processor.
+/// Sets the number of threads of the pool, and returns it; by default, one for each processor.
 ///
 /// # Errors
-/// When the system has no room for them.
+/// When the system cannot start them.
 pub(super) fn prepare(asked: Option<NonZeroUsize>) -> Result<NonZeroUsize> {
     if let Some(threads) = asked {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());

@@ -23,7 +23,7 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     let task = task(arguments)?;
     threads::prepare(arguments.threads)?;
     if let Some(lasts) = lasts(&task)? {
-        tell!("tuning: {} or less, by what a few runs took just now", about(lasts));
+        tell!("tuning: {} or less, estimated from a few runs", about(lasts));
         allow("the tuning", lasts, arguments.yes)?;
     }
     let mut shown: Option<(Stage, Progress)> = None;
@@ -52,7 +52,7 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     Ok(())
 }
 
-/// How long a tuning lasts at most; None of one that looks for nothing and has few draws.
+/// The longest time that a tuning takes; None without a search and with few draws.
 fn lasts(task: &Task) -> Result<Option<Duration>> {
     if task.budget.generations == 0 && task.draws <= FEW {
         return Ok(None);
@@ -63,7 +63,7 @@ fn lasts(task: &Task) -> Result<Option<Duration>> {
     Ok(Some(begun.elapsed().mul_f64(task.max_runs()? as f64 / runs as f64)))
 }
 
-/// Draws that are judged in a moment.
+/// So few draws are judged in a moment.
 const FEW: usize = 200;
 
 fn name(stage: Stage) -> &'static str {
@@ -97,7 +97,7 @@ fn task(arguments: &Tune) -> Result<Task> {
     })
 }
 
-/// The keys that are held, as `key=value`: one without a value keeps that of the file.
+/// The fixed keys, as `key=value`; a key without a value keeps the file's value.
 fn fixed(arguments: &Tune) -> Result<Vec<String>> {
     let with_value = |key: &String| {
         if key.contains('=') || find_key(key.trim()).is_none() {

@@ -24,18 +24,18 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     let pace = Pace { fast: arguments.fast, live: arguments.live };
     let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
     say!("{name} is on {port}");
-    // Without this line nobody finds the rig. Whoever reads it may go then: the rig stays.
+    // Without this line nobody can find the rig. Its reader may leave afterwards: the rig stays.
     if let Some(error) = Stream::Output.failure() {
-        return Err(output::verdict().error(format!("nobody learns the port of the rig: {error}")));
+        return Err(output::verdict().error(format!("the port of the rig cannot be printed: {error}")));
     }
     if listener.asks_for_a_token() {
-        say!("it obeys programs that have the same PNEUDRIVE_TOKEN; the token travels in the clear");
+        say!("it obeys programs that have the same PNEUDRIVE_TOKEN; the token is sent unencrypted");
     }
     if noise > 0.0 && arguments.live {
-        say!("sensor noise of {noise} counts all the time, so a live rig repeats no run");
+        say!("the sensor noise of {noise} counts never pauses, so no run of a live rig can be repeated");
     } else if noise > 0.0 {
         let seed = arguments.seed;
-        say!("every run has its own sensor noise, of {noise} counts; --seed {seed} repeats the sequence");
+        say!("every run has its own sensor noise of {noise} counts; --seed {seed} repeats the sequence");
         virtual_rig.on_run(move |run| say!("run {run} begins, with noise {run} of seed {seed}"));
     }
     say!("try: pneudrive device --port {port} info    (end with Ctrl-C)");

@@ -37,7 +37,7 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
         ConfigAction::Import { from } => import(client, from),
         ConfigAction::Save => {
             client.save_parameters()?;
-            say!("stored; the next reset takes them up");
+            say!("stored; they survive a reset");
             Ok(())
         }
     }
@@ -64,24 +64,24 @@ fn print_one(name: &str, parameters: &Parameters) -> Result<()> {
 fn import(client: &mut Client, from: &str) -> Result<()> {
     let (name, Named { parameters, unnamed }) = importable(from)?;
     if !unnamed.is_empty() {
-        tell!("note: {from} does not name {}; they are as by default", few(&names_of(&unnamed)));
+        tell!("note: {from} does not name {}; their defaults are used", few(&names_of(&unnamed)));
     }
     let left_out = client.import_parameters(&parameters)?;
     if !left_out.is_empty() {
-        tell!("note: its firmware has no {}; they are as by default", few(&names_of(&left_out)));
+        tell!("note: its firmware has no {}; their defaults apply", few(&names_of(&left_out)));
     }
-    say!("took over the controller's parameters of {name}");
+    say!("loaded the controller's parameters of {name}");
     Ok(())
 }
 
-/// The parameters of the rig; says which ones its firmware does not have.
+/// The parameters of the rig; notes which ones its firmware does not have.
 fn read(client: &mut Client) -> Result<Parameters> {
     let parameters = client.parameters()?;
     report_missing(&parameters);
     Ok(parameters.values)
 }
 
-/// What the first line of an exported file has before the number of its parameters.
+/// The first line of an exported file, up to the number of its parameters.
 const HEAD: &str = "# The controller's ";
 
 /// A parameter, or an entry of a list, with its value.
@@ -90,7 +90,8 @@ fn line(written: &Written, entry: u16, value: i32) -> String {
     format!("{}{entry} = {} {}", written.name, written.text(value), written.unit()).trim_end().to_owned()
 }
 
-/// All parameters, `name = value` a line. The first line tells how many, so that a file that was cut is not taken.
+/// All parameters, one `name = value` per line. The first line says how many there are, so that a truncated file is
+/// refused.
 fn exported(parameters: &Parameters) -> String {
     let line = |written: Written| format!("{} = {}\n", written.name, written.all_text(parameters));
     let count = TABLE.len();
@@ -98,7 +99,7 @@ fn exported(parameters: &Parameters) -> String {
     std::iter::once(head).chain(Written::all().map(line)).collect()
 }
 
-/// Parameters that a file names, and the names of those that it does not: these are as by default.
+/// The parameters in a file, and the names of those that it does not contain: these have their defaults.
 #[derive(Debug, PartialEq)]
 struct Named {
     parameters: Parameters,
@@ -111,15 +112,15 @@ fn importable(from: &str) -> Result<(String, Named)> {
     if let Some(named) = parse_exported(&text) {
         return Ok((source.clone(), named.with_context(|| source)?));
     }
-    // As a rig it would be servo-drive B of the thesis.
+    // An empty rig file is valid: it is servo-drive B of the thesis.
     if !text.lines().any(is_content) {
-        bail!("{source} is empty: it names no parameter, and no key of a rig");
+        bail!("{source} is empty: it contains neither a parameter nor a key of a rig");
     }
     let rig = Rig::read_with(&source, &text, &[])?;
     Ok((rig.name().to_owned(), Named { parameters: rig.parameters(), unnamed: Vec::new() }))
 }
 
-/// The parameters in an exported file; None for another kind of file: its first line names none.
+/// The parameters in an exported file; None for another kind of file, whose first line does not name a parameter.
 fn parse_exported(text: &str) -> Option<Result<Named>> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, line)| is_content(line)).collect();
     let Some(told) = count_text(text) else {
@@ -130,16 +131,16 @@ fn parse_exported(text: &str) -> Option<Result<Named>> {
     Some(parse_lines(&lines).and_then(|named| {
         let found = TABLE.len() - named.unnamed.len();
         if found < told {
-            bail!("its first line tells of {told} parameters, and {found} are there: the file has been cut, export it again");
+            bail!("its first line announces {told} parameters, and {found} are there: the file is truncated; export it again");
         }
         if !text.ends_with('\n') {
-            bail!("its last line has no end: the file may have been cut there; export it again, or end the line");
+            bail!("its last line has no line break: the file may be truncated; export it again, or add the line break");
         }
         Ok(named)
     }))
 }
 
-/// How many parameters the first line tells of.
+/// The number of parameters that the first line announces.
 fn count_text(text: &str) -> Option<usize> {
     text.strip_prefix(HEAD)?.split_once(' ')?.0.parse().ok()
 }
@@ -151,7 +152,7 @@ fn parse_lines(lines: &[(usize, &str)]) -> Result<Named> {
         let number = index + 1;
         let name = take_line(&mut parameters, line).with_context(|| format!("line {number}"))?;
         if let Some(before) = seen.insert(name, number) {
-            bail!("line {number}: {name} has been given already, in line {before}");
+            bail!("line {number}: {name} is already set in line {before}");
         }
     }
     let names = TABLE.iter().map(|parameter| parameter.name);
@@ -162,7 +163,7 @@ fn is_content(line: &str) -> bool {
     !line.trim().is_empty() && !line.trim_start().starts_with('#')
 }
 
-/// Takes over `name = value`, or `name = value,value` for a list, whose last entry repeats; tells the name.
+/// Applies `name = value`, or `name = value,value` for a list, whose last entry repeats; returns the name.
 fn take_line(parameters: &mut Parameters, line: &str) -> Result<&'static str> {
     let (name, text) = line.split_once('=').ok_or_else(|| anyhow!("{line:?} is not name = value"))?;
     let name = name.trim();
@@ -223,7 +224,7 @@ mod tests {
         );
     }
 
-    /// As the program before this one wrote it: in the device's own names and units.
+    /// As earlier versions wrote it: with the device's own names and units.
     #[test]
     fn a_file_that_was_exported_with_the_names_of_the_device_is_taken_over() {
         let mut parameters = Parameters::default();
@@ -250,7 +251,7 @@ mod tests {
         for end in 0..text.len() {
             std::fs::write(&cut, &text[..end]).expect("written");
             let error = format!("{:#}", importable(&cut.display().to_string()).expect_err("cut"));
-            let reasons = ["is empty", "55 parameters, and ", "its last line has no end", "line "];
+            let reasons = ["is empty", "55 parameters, and ", "its last line has no line break", "line "];
             assert!(reasons.iter().any(|reason| error.contains(reason)), "{end}: {error}");
         }
     }
@@ -269,11 +270,11 @@ mod tests {
             ("period_us = 1300\nspeed = 3\n", "there is no parameter speed"),
             ("# a comment\nperiod_us = 50\n", "period_us = 50 is out of range: 100 to 100000 us"),
             ("period_us = 1300\nsafety.hold_s = 3601\n", "safety.hold_s = 3601 is out of range: 0 to 3600 s"),
-            ("period_us = 1300\nhold_ms = 1\nsafety.hold_s = 1\n", "hold_ms has been given already"),
+            ("period_us = 1300\nhold_ms = 1\nsafety.hold_s = 1\n", "hold_ms is already set in line 2"),
             ("period_us = 1,2\n", "period_us has 1 entries, not 2"),
             ("period_us = 1300\nscale\n", "is not name = value"),
             ("period_us = x\n", "\"x\" is not a whole number"),
-            ("scale = 1\n\nscale = 2\n", "line 3: scale has been given already, in line 1"),
+            ("scale = 1\n\nscale = 2\n", "line 3: scale is already set in line 1"),
         ] {
             let error = parse_exported(text).expect("exported").expect_err("wrong");
             assert!(

@@ -9,11 +9,11 @@ pub(super) fn execute(client: &mut Client, action: ValveAction) -> Result<()> {
     match action {
         ValveAction::SeekNull => {
             client.seek_null()?;
-            say!("the spool walks back to its null; then the drive can be armed");
+            say!("the spool is stepping back to its null; once it is there, the drive can be armed");
         }
         ValveAction::AtNull => {
             client.at_null()?;
-            say!("the spool is taken to be at its null from here on");
+            say!("the current position of the spool is now its null");
         }
     }
     Ok(())

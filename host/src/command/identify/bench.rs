@@ -1,4 +1,4 @@
-//! `pneudrive identify --plan`: the rig at a port as the bench of a plan.
+//! `pneudrive identify --plan`: runs the plan's tests on the rig at a port.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::command::record::record;
 use crate::command::rig_source::load_rig;
 use crate::command::run::run_test;
 
-/// Runs the tests on the rig at a port and leaves their TARGET files in a folder.
+/// Runs the tests on the rig at a port and writes their TARGET files to a folder.
 pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<Recorded> {
     let [closed, open] = ["closed", "open"].map(|loop_| {
         let with = format!("controller.loop={loop_}");
@@ -28,10 +28,10 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
     client.disarm()?;
     let open_loop = client.parameters()?.values.get(id::OPEN_LOOP).unwrap_or(0);
     let recorded = plan::run(&mut AtPort { client: &mut client, folder }, &closed, &open, count);
-    // Whatever became of the tests, the rig is left as it was.
+    // Even if a test failed, the drive is disarmed and its loop is as before.
     let left = client.disarm().and_then(|()| client.set_parameters(id::OPEN_LOOP, &[open_loop]));
     let recorded = recorded?;
-    left.context("the tests are done, but the rig was not left as it was")?;
+    left.context("the tests are done, but the rig could not be disarmed and its controller.loop restored")?;
     Ok(recorded)
 }
 

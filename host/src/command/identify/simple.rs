@@ -16,19 +16,19 @@ pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
     let reference = rig.get(&keys::tubing::REFERENCE_FLOW_KG_S);
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let found = drop_slope(&text, reference)
-        .with_context(|| format!("{} is no table of a pressure drop", path.display()))?;
+        .with_context(|| format!("{} is not a table of a pressure drop", path.display()))?;
     say!("tubing.drop_slope = {}, at tubing.reference_flow_kg_s = {reference}", with_error(found));
     Ok(())
 }
 
-/// The period that the timer was asked for, and the one that was measured (thesis 7.1.5).
+/// The requested sample period and the measured one (thesis 7.1.5).
 pub(super) fn timer(paths: &[PathBuf]) -> Result<()> {
     let mut points = Vec::new();
     let mut rows = Vec::new();
     for path in paths {
         let file = TargetFile::read(path)?;
         if file.is_streamed() {
-            bail!("{}: a stream does not tell the period that was measured; take a record", path.display());
+            bail!("{}: a stream does not contain the measured period; use a record", path.display());
         }
         let period = |key: &str| file.positive(key).with_context(|| path.display().to_string());
         let (asked, measured) = (period("sample_period_us")?, period("measured_period_us")?);
@@ -41,13 +41,13 @@ pub(super) fn timer(paths: &[PathBuf]) -> Result<()> {
         ]);
         points.push((asked, measured));
     }
-    let columns = ["record", "asked for, us", "measured, us", "off, ppm"].map(str::to_owned).to_vec();
+    let columns = ["record", "requested, us", "measured, us", "off, ppm"].map(str::to_owned).to_vec();
     say!("{}", Table { heading: String::new(), columns, rows }.to_text());
     match Line::through(&points) {
         Some(line) => {
-            say!("measured = {} us + {} x asked for", with_error(line.intercept), with_error(line.slope))
+            say!("measured = {} us + {} x requested", with_error(line.intercept), with_error(line.slope))
         }
-        None => say!("a regression line needs three records, of two periods at least"),
+        None => say!("a regression line needs three records with at least two different periods"),
     }
     Ok(())
 }

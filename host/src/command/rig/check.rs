@@ -18,7 +18,7 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
         say!("{file}: {key} is not used by the chosen model");
     }
     say!("{file}: a valid rig ({})", rig.name());
-    // The built-in rigs say in their comments what each value rests on.
+    // The comments of the built-in rigs give the source of each value.
     if builtin(file).is_some() || quick {
         return Ok(());
     }
@@ -27,7 +27,7 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     });
     let counts: Vec<String> = counts.map(|(source, count)| format!("{count} {}", source.word())).collect();
     if !counts.is_empty() {
-        say!("{file}: {} values; those of them that move the piston most in its test:", counts.join(", "));
+        say!("{file}: {} values; these move the piston most in its test:", counts.join(", "));
         rank(&rig)?;
     }
     Ok(())
@@ -45,9 +45,9 @@ fn rank(rig: &Rig) -> Result<()> {
     if effects.len() > SHOWN {
         let next =
             effects[SHOWN].moves_m.map_or("as much".to_owned(), |moves| format!("{:.2} mm", 1e3 * moves));
-        say!("  {} others: {next} at most, each by itself", effects.len() - SHOWN);
+        say!("  {} others: {next} at most, each on its own", effects.len() - SHOWN);
     }
-    say!("  (less than {:.3} mm tells nothing: neighbours of the run are as far away)", 1e3 * floor_m);
+    say!("  (less than {:.3} mm is not significant: neighbours of the run differ as much)", 1e3 * floor_m);
     Ok(())
 }
 
@@ -56,15 +56,16 @@ fn line(rig: &Rig, effect: &Effect) -> String {
     let [low, high] = effect.ends;
     let unit = effect.key.unit();
     let value = rig.number_at(effect.key.path).unwrap_or(f64::NAN);
-    let moves =
-        effect.moves_m.map_or("no run at an end of it".to_owned(), |moves| format!("{:.2} mm", 1e3 * moves));
+    let moves = effect
+        .moves_m
+        .map_or("the run fails at one end".to_owned(), |moves| format!("{:.2} mm", 1e3 * moves));
     let source = effect.origin.source.word();
     let [value, low, high] = [value, low, high].map(digits);
     let value = format!("{value} {unit}");
     format!("{:<38} {:<22} {source}, tried {low} to {high}: {moves}", effect.key.path, value.trim_end())
 }
 
-/// Four digits of a number, in powers of ten only where it needs them.
+/// Four digits of a number, with an exponent only where needed.
 fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {

@@ -13,7 +13,7 @@ use pneudrive_sim::Rig;
 
 use crate::cli::NewRig;
 
-/// Questions that an answer to another one makes idle.
+/// Questions that an answer to another one makes redundant.
 const IDLE: &[(&str, &[&str])] = &[
     ("cylinder", &["bore", "rod"]),
     ("valve", &["conductance", "flow", "kv", "cv"]),
@@ -26,7 +26,7 @@ const IDLE: &[(&str, &[&str])] = &[
 pub(super) fn execute(arguments: &NewRig) -> Result<()> {
     let file = &arguments.file;
     if file.exists() && !arguments.overwrite {
-        bail!("{} is there already: name another file, or say --overwrite", file.display());
+        bail!("{} already exists: choose another file, or add --overwrite", file.display());
     }
     let mut answers = arguments.answers.0.clone();
     if !arguments.no_questions && stdin().is_terminal() {
@@ -49,12 +49,12 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
 
 fn name_of(file: &Path) -> Result<String> {
     let stem = file.file_stem().and_then(|stem| stem.to_str());
-    stem.map(str::to_owned).with_context(|| format!("{} is no name of a file", file.display()))
+    stem.map(str::to_owned).with_context(|| format!("{} is not a file name", file.display()))
 }
 
-/// Asks what is still open, a line a question; an empty line takes what holds without an answer.
+/// Asks the open questions, one line each; an empty line takes the default.
 fn ask(answers: &mut Answers, input: &mut impl BufRead) -> Result<()> {
-    tell!("An empty line takes what stands in brackets. Any unit of the quantity will do.");
+    tell!("An empty line takes the value in brackets. Any unit of the quantity is accepted.");
     for question in QUESTIONS {
         while answers.text(question.name).is_none() && !is_idle(answers, question) {
             tell!("{}", prompt(question));
@@ -65,7 +65,7 @@ fn ask(answers: &mut Answers, input: &mut impl BufRead) -> Result<()> {
             answers.answer(question, &line);
             match check(answers, question) {
                 Ok(()) if answers.text(question.name).is_some() || !question.without.is_empty() => break,
-                Ok(()) => tell!("  this one is needed, such as \"{}\"", question.example),
+                Ok(()) => tell!("  this value is needed, such as \"{}\"", question.example),
                 Err(message) => {
                     tell!("  {message}");
                     answers.answer(question, "");
@@ -81,12 +81,12 @@ fn prompt(question: &Question) -> String {
     format!("{}, such as \"{}\" [{without}]:", question.prompt, question.example)
 }
 
-/// Whether another answer has made a question idle.
+/// Whether another answer has made a question redundant.
 fn is_idle(answers: &Answers, question: &Question) -> bool {
     IDLE.iter().any(|(other, idle)| answers.text(other).is_some() && idle.contains(&question.name))
 }
 
-/// What is wrong with an answer by itself.
+/// Checks an answer on its own.
 fn check(answers: &Answers, question: &Question) -> Result<(), String> {
     let family = Family::ALL.into_iter().find(|family| family.word() == question.name);
     match (family, answers.text(question.name)) {
@@ -106,7 +106,7 @@ pub(super) fn list_parts(name: Option<&str>) -> Result<()> {
         return Ok(());
     };
     let Some(part) = all.iter().find(|part| part.name == name) else {
-        bail!("the catalogue has no {name} (`pneudrive rig parts` lists it)");
+        bail!("the catalogue has no {name} (`pneudrive rig parts` lists all parts)");
     };
     say!("{} ({})", part.name, part.family.word());
     for (fact, text) in part.facts.iter().filter(|(fact, _)| fact != "class") {
