@@ -125,9 +125,9 @@ mod pty {
         let path = rig.port().trim_start_matches("pty:").to_owned();
         let held = Client::connect(rig.port()).expect("an answer");
         let error = port::open(rig.port()).err().expect("it is held").to_string();
-        assert_eq!(error, format!("another program has {path} open; end it first"));
+        assert_eq!(error, format!("another program has {path} open; close it first"));
         let printed = transcript(folder().path(), &format!("device --port {} info", rig.port()));
-        assert_eq!(printed, format!("! error: another program has {path} open; end it first\n= 4"));
+        assert_eq!(printed, format!("! error: another program has {path} open; close it first\n= 4"));
         drop(held);
         Client::connect(rig.port()).expect("free again");
     }

@@ -1,4 +1,4 @@
-//! Requests to a rig, each asked again until it is answered.
+//! Requests to a rig, each repeated until it is answered.
 
 mod advance;
 mod answer;
@@ -32,22 +32,22 @@ use answer::refusal;
 use answer::unexpected;
 
 /// How long an answer may take before the request is sent again.
-/// Several fit into the silence of the host that trips a running move.
+/// Several such waits fit into the host silence that trips a running move.
 const ANSWER_WAIT: Duration = Duration::from_millis(100);
 
 /// How often a request is sent.
 const ATTEMPTS: u32 = 15;
 
-/// Requests that are known again if the line brings them back: more than are on their way at once.
+/// Own requests that are recognised if the line echoes them: more than are in flight at once.
 const RECENT_REQUESTS: usize = 32;
 
-/// How long a rig may say nothing of use.
+/// How long a rig may go without a useful answer.
 const SILENCE_TIMEOUT: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
 
 /// The token of this program, from the environment variable `PNEUDRIVE_TOKEN`; None where it is empty or not set.
 ///
 /// # Errors
-/// When it is no text.
+/// When it is not valid text.
 pub fn token() -> Result<Option<String>> {
     match std::env::var("PNEUDRIVE_TOKEN") {
         Ok(token) => Ok(Some(token).filter(|token| !token.is_empty())),
@@ -61,24 +61,24 @@ pub struct Client {
     link: Box<dyn Link>,
     name: String,
     accumulator: Accumulator,
-    /// Bytes that came and were not looked at yet.
+    /// Bytes that were received and not examined yet.
     heard: std::vec::IntoIter<u8>,
     sequence: u16,
-    /// Tells its requests from those of other hosts.
+    /// Distinguishes its requests from those of other hosts.
     session: u32,
     /// The boot of the rig that its requests are meant for.
     boot: u32,
     /// Whether it has armed the drive, or taken it over.
     commands: bool,
-    /// The test that it has downloaded, as a start names it.
+    /// The test that it has downloaded, as a start request names it.
     test_crc32: Option<u32>,
     /// The parameters that it has read, and their fingerprint on the rig.
     known: Option<(u32, RigParameters)>,
-    /// The parameters that the test which it has downloaded is to run with, if it knows them.
+    /// The parameters with which the downloaded test is to run, if known.
     meant: Option<RigParameters>,
     /// The newest version that the rig speaks.
     version: u16,
-    /// Samples that the rig has room for, as it says.
+    /// Samples that the rig says it has room for.
     record_capacity: u32,
     /// Last sample of the test that it has downloaded.
     last_sample: Option<u32>,
@@ -88,10 +88,10 @@ pub struct Client {
 }
 
 impl Client {
-    /// Opens a port and makes sure that a rig answers there.
+    /// Opens a port and checks that a rig answers there.
     ///
     /// # Errors
-    /// When the port cannot be opened, nobody answers, or the versions do not fit.
+    /// When the port cannot be opened, nothing answers, or the versions do not match.
     pub fn connect(name: &str) -> Result<Client> {
         let opened = port::open(name).map_err(|error| Failure::NoAnswer.of(error))?;
         Client::over(opened, name)
@@ -100,16 +100,16 @@ impl Client {
     /// Talks over an open link; `name` is for messages.
     ///
     /// # Errors
-    /// When nobody answers, or the versions do not fit.
+    /// When nothing answers, or the versions do not match.
     pub fn over(link: Box<dyn Link>, name: &str) -> Result<Client> {
-        // Not where the last program began, lest its last reply be taken for ours.
+        // A different start for each program, so that a late reply to another program is not taken for ours.
         let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         let begin = std::process::id() as u16 ^ (clock.subsec_nanos() >> 8) as u16;
         Client::in_session(link, name, owner::any_session(), begin)
     }
 
-    /// The same in a session that is given, with requests numbered from behind `sequence`: a run of the client that can
-    /// be repeated.
+    /// The same with a given session, and requests numbered from the one after `sequence`: such a run of the client can be
+    /// repeated.
     ///
     /// # Errors
     /// As for [`Client::over`].
@@ -133,7 +133,7 @@ impl Client {
             recent: Recent::default(),
             unasked: stream::Unasked::default(),
         };
-        // Ends whatever an earlier program left half said.
+        // Ends a frame that an earlier program left incomplete.
         client.link.write(&[0]).with_context(|| format!("cannot write to {name}"))?;
         if name.starts_with("tcp://")
             && let Some(token) = token()?
@@ -146,7 +146,7 @@ impl Client {
         Ok(client)
     }
 
-    /// Frames that came damaged, and requests that were sent again: what the link has cost so far.
+    /// Damaged frames and repeated requests so far.
     #[must_use]
     pub fn losses(&self) -> (u32, u32) {
         (self.accumulator.damaged, self.repeats)
@@ -184,7 +184,7 @@ impl Client {
 
     fn no_answer(&self) -> anyhow::Error {
         Failure::NoAnswer.error(format!(
-            "no answer from {} within {:.1} s; is it a rig, powered and with this firmware, and does no other program talk to it?",
+            "no answer from {} within {:.1} s; check that it is a rig, that it is powered and has this firmware, and that no other program uses the port",
             self.name,
             SILENCE_TIMEOUT.as_secs_f64()
         ))
@@ -202,8 +202,8 @@ impl Client {
         self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
     }
 
-    /// Gives what the rig says to `take` until that has what it wants, or the time has come. Damaged frames
-    /// are passed over, and so is what the line brings back of our own; what comes unasked is set aside.
+    /// Passes the rig's replies to `take` until it returns something, or the deadline has passed. Damaged frames and echoes
+    /// of our own requests are skipped; unsolicited rows are set aside.
     fn hear<T>(
         &mut self,
         deadline: Duration,
@@ -233,12 +233,12 @@ impl Client {
         }
     }
 
-    /// A firmware of an older version does not know these requests: says so by name.
+    /// Refuses a request that an older firmware does not know, with the firmware's name and version.
     fn needs_version(&mut self, version: u16, what: &str) -> Result<()> {
         if self.version < version {
             let info = self.info()?;
             bail!(
-                "{}: its firmware ({}) speaks version {} of the protocol and is too old for {what}, which needs version {version}; flash a newer one",
+                "{}: its firmware ({}) speaks version {} of the protocol and is too old for {what}, which needs version {version}; flash newer firmware",
                 self.name,
                 info.firmware,
                 info.version
@@ -279,7 +279,7 @@ impl Client {
         })
     }
 
-    /// How the rig is.
+    /// The status of the rig.
     ///
     /// # Errors
     /// When it does not answer.
@@ -298,7 +298,7 @@ impl Client {
         self.ask_done(RequestBody::Stop)
     }
 
-    /// States that the axis stands at `position_counts` now.
+    /// Sets the encoder's counter: the axis is at `position_counts` now.
     ///
     /// # Errors
     /// When it is refused or not answered.
@@ -310,7 +310,7 @@ impl Client {
     /// `interrupted` is set; that is the end of a test that runs until it is stopped, and disarms it.
     ///
     /// # Errors
-    /// When the drive trips, the run is ended by someone else, its samples stand still or go on past its end, or the rig
+    /// When the drive trips, something else ends the run, its samples stop advancing or continue past its end, or the rig
     /// stops answering.
     pub fn follow(&mut self, interrupted: &AtomicBool, progress: impl FnMut(&Status)) -> Result<Status> {
         self.follow_and(interrupted, progress, |_, _| {
@@ -319,7 +319,7 @@ impl Client {
         })
     }
 
-    /// Follows a run and does something else between two looks at it.
+    /// Follows a run and calls `between` after each status.
     fn follow_and(
         &mut self,
         interrupted: &AtomicBool,
@@ -336,7 +336,7 @@ impl Client {
             last = Some(status);
             progress(&status);
             match status.mode {
-                // Who cannot go on must not leave a cylinder that moves.
+                // If the run can no longer be followed, the cylinder must not be left moving.
                 Mode::Running => advance
                     .check(&status, self.last_sample, self.link.now())
                     .with_context(|| self.name.clone())
@@ -347,7 +347,7 @@ impl Client {
                 Mode::Fault => return Err(self.tripped(&status)),
                 Mode::Done => return Ok(status),
                 Mode::Disarmed | Mode::Armed => bail!(
-                    "{}: the run did not come to its end; the rig was reset, or someone else disarmed it",
+                    "{}: the run ended early; the rig was reset, or another program disarmed it",
                     self.name
                 ),
             }
@@ -356,7 +356,7 @@ impl Client {
 
     fn tripped(&self, status: &Status) -> anyhow::Error {
         Failure::Tripped.error(format!(
-            "{} tripped {}: {} ({}); `pneudrive device arm` leaves the fault",
+            "{} tripped {}: {} ({}); `pneudrive device arm` clears the fault",
             self.name,
             self.index_in_run(status.index),
             words::fault_code_name(status.fault),

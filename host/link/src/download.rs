@@ -1,14 +1,14 @@
-//! Which chunks of a record are there, which are asked for, and which to ask for again: a window of
-//! requests over the record, with selective repeat. No input or output here, no clock.
+//! The state of a download: a window of requests over the chunks of a record, with selective repeat. No input or output
+//! here, no clock.
 //!
-//! A chunk is missing, asked for, or there. Answers come in the order of the requests, so a chunk whose
-//! answer is overtaken is lost, and is asked for again before any new one. When the line falls silent, all
-//! that were asked for are lost. Whatever comes, and however often, a chunk is taken once.
+//! A chunk is missing, requested, or there. Answers come in the order of the requests, so a chunk whose answer is
+//! overtaken is lost, and is requested again before any new one. When the line falls silent, all requested chunks are
+//! lost. However often a chunk arrives, it is taken once.
 
 use std::collections::VecDeque;
 
-/// Requests that are on their way at once. Eight chunks take 40 ms at 921,600 baud: the line does not idle
-/// as long as a request and its answer take less.
+/// Requests in flight at once. Eight chunks take 40 ms at 921,600 baud: the line does not idle as long as a request and
+/// its answer take less.
 pub const WINDOW: usize = 8;
 
 /// The state of a download.
@@ -17,17 +17,17 @@ pub struct Download {
     there: Vec<bool>,
     /// Chunks that are not there yet.
     missing: usize,
-    /// Asked for, in this order.
+    /// Requested, in this order.
     asked: VecDeque<usize>,
-    /// Lost, to be asked for again.
+    /// Lost, to be requested again.
     lost: VecDeque<usize>,
-    /// Chunks before this one have been asked for, or were there from the beginning.
+    /// Chunks before this one have been requested, or were there from the beginning.
     fresh: usize,
     repeats: usize,
 }
 
 impl Download {
-    /// A download of so many chunks, none of which is there.
+    /// A download of this many chunks, none of which is there.
     #[must_use]
     pub fn new(chunks: usize) -> Download {
         Download {
@@ -40,7 +40,7 @@ impl Download {
         }
     }
 
-    /// The next chunk to ask for, while the window has room; it counts as asked for from now on.
+    /// The next chunk to request, while the window has room; it counts as requested from now on.
     pub fn ask(&mut self) -> Option<usize> {
         if self.asked.len() >= WINDOW {
             return None;
@@ -50,7 +50,7 @@ impl Download {
         Some(chunk)
     }
 
-    /// One that was lost and has not come late.
+    /// A chunk that was lost and has not arrived late.
     fn next_missing(&mut self) -> Option<usize> {
         while let Some(chunk) = self.lost.pop_front() {
             if !self.there[chunk] {
@@ -61,14 +61,14 @@ impl Download {
         None
     }
 
-    /// One that was never asked for.
+    /// A chunk that was never requested.
     fn next_fresh(&mut self) -> Option<usize> {
         let chunk = (self.fresh..self.there.len()).find(|&chunk| !self.there[chunk])?;
         self.fresh = chunk + 1;
         Some(chunk)
     }
 
-    /// A chunk has come. True if it was missing: then it is to be taken.
+    /// Records the arrival of a chunk. True if it was missing: then it is to be taken.
     pub fn arrived(&mut self, chunk: usize) -> bool {
         let Some(there @ false) = self.there.get_mut(chunk) else { return false };
         *there = true;
@@ -80,7 +80,7 @@ impl Download {
         true
     }
 
-    /// Nothing has come for too long: what was asked for is lost.
+    /// Records a silence that was too long: all requested chunks are lost.
     pub fn fell_silent(&mut self) {
         self.lost.extend(self.asked.drain(..));
     }

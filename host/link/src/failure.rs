@@ -1,14 +1,14 @@
-//! Why a request to a rig came to nothing: a kind that a program can tell apart, and the message for a person.
+//! Why a request to a rig failed: a kind for programs, and a message for people.
 
 use std::error::Error as StdError;
 use std::fmt::{self, Display, Formatter};
 
 use anyhow::Error;
 
-/// What keeps a request from its answer, or a run from its end.
+/// The kind of failure of a request or a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// The port cannot be opened, or nobody answers there.
+    /// The port cannot be opened, or nothing answers there.
     NoAnswer,
     /// The rig refuses: its state does not allow it, or another host commands the drive.
     Refused,
@@ -37,7 +37,7 @@ impl Failure {
     }
 }
 
-/// An error that knows its kind; to a reader it is that error.
+/// An error marked with its kind; it reads like the error itself.
 #[derive(Debug)]
 struct Failed {
     failure: Failure,

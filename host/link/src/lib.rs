@@ -1,12 +1,12 @@
-//! What talks to a rig: a port, the requests over it, and what comes back in many pieces.
+//! Communication with a rig: ports, requests, downloads and streams.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`port`] | a byte link to a rig: a serial port, or TCP |
-//! | [`client`] | requests, each asked again until it is answered |
-//! | [`download`], [`part_file`] | which chunks of a record are there, and what an interrupted download has left |
+//! | [`client`] | requests, each repeated until it is answered |
+//! | [`download`], [`part_file`] | which chunks of a record are there, and the file of an interrupted download |
 //! | [`stream`] | which rows of a stream are there |
-//! | [`failure`] | why a request came to nothing |
+//! | [`failure`] | why a request failed |
 //!
 //! Nothing is printed: notes go to the log.
 

@@ -1,10 +1,9 @@
-//! What there is of a record whose download was interrupted: a file beside the TARGET files, until the
-//! record is whole.
+//! The part file of an interrupted download: it lies beside the TARGET files until the record is complete.
 //!
-//! It holds what came over the link as it came: frames of replies ([`pneudrive_protocol::frame`]), first who
-//! the rig is and what its record holds, then the chunks. So it is read as a link is: a frame that was cut
-//! when the program was killed, or has been damaged since, is passed over and downloaded again. Its name is
-//! the CRC of the record; it is gone on with only if all that is known of rig and record is the same.
+//! It holds frames of replies as they came over the link ([`pneudrive_protocol::frame`]): first the rig's identity and
+//! the head of its record, then the chunks. It is read like a link: a frame that was cut when the program was killed, or
+//! damaged since, is skipped and downloaded again. Its name is the CRC of the record; a download resumes only if
+//! everything known of rig and record is the same.
 
 use std::fs::{self, File};
 use std::io::{Read, Write};
@@ -27,8 +26,7 @@ pub struct PartFile {
 }
 
 impl PartFile {
-    /// The part file of a record in a folder, and what it has of the record: nothing for one that has not
-    /// been begun.
+    /// The part file of a record in a folder, and the pieces of the record in it; none in a new file.
     ///
     /// # Errors
     /// When the folder cannot be written to.
@@ -41,7 +39,7 @@ impl PartFile {
         file.read_to_end(&mut old).map_err(cannot)?;
         let pieces = read(&old, info, head);
         if pieces.is_none() {
-            // Of another record whose CRC is the same by chance, or not even that.
+            // It belongs to another record with the same CRC by chance, or is not a part file.
             file.set_len(0).map_err(cannot)?;
         }
         let mut part = PartFile { path, file };
@@ -56,7 +54,7 @@ impl PartFile {
         Ok((part, pieces.unwrap_or_else(|| Pieces::none(head.samples))))
     }
 
-    /// Where it is.
+    /// Its path.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -70,11 +68,11 @@ impl PartFile {
         self.add(&ReplyBody::Chunk { first: first as u32, samples })
     }
 
-    /// In one piece: a program that is killed leaves all of a frame or none, as far as the system goes.
+    /// Adds a frame in one piece: if the program is killed, the file has all of it or none, as far as the system allows.
     fn add(&mut self, body: &ReplyBody<'_>) -> Result<()> {
         let mut frame = [0; MAX_FRAME];
         let frame = encode(&Reply { sequence: 0, body: *body }, &mut frame)
-            .ok_or_else(|| anyhow!("what the rig says of itself is too long"))?;
+            .ok_or_else(|| anyhow!("the rig's description of itself is too long"))?;
         self.append(frame)
     }
 
@@ -82,7 +80,7 @@ impl PartFile {
         self.file.write_all(bytes).with_context(|| format!("cannot write {}", self.path.display()))
     }
 
-    /// Brings what was added to the disk: the download does not go on now.
+    /// Brings the file to the disk, as the download stops here.
     ///
     /// # Errors
     /// When the disk does not take it.
@@ -92,13 +90,13 @@ impl PartFile {
         Ok(())
     }
 
-    /// Removes it: the record is whole, or will never be.
+    /// Removes the file: the record is complete, or never will be.
     pub fn remove(self) {
         let _ = fs::remove_file(self.path);
     }
 }
 
-/// Part files of other records in the same folder: they stay until they are gone on with, or deleted.
+/// Part files of other records in the same folder: they stay until they are resumed or deleted.
 #[must_use]
 pub fn others(folder: &Path, than: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
@@ -122,13 +120,13 @@ fn who(info: &Info) -> ReplyBody<'_> {
     }
 }
 
-/// What the bytes of a part file have of a record: None if they are not of this one.
+/// The pieces of a record in the bytes of a part file; None if it belongs to another record.
 #[must_use]
 pub fn read(bytes: &[u8], info: &Info, head: &RecordHead) -> Option<Pieces> {
     let (mut same_rig, mut same_record) = (false, false);
     let mut pieces = Pieces::none(head.samples);
     let mut accumulator: Accumulator = Accumulator::new();
-    // Behind a file that was cut just before its last delimiter stands the one that is added first.
+    // A file that was cut just before its last delimiter gets one here.
     for &byte in bytes.iter().chain(&[DELIMITER]) {
         let Some(Ok(message)) = accumulator.push(byte) else { continue };
         match decode_reply(message).ok()?.body {

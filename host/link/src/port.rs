@@ -1,16 +1,15 @@
-//! A link of bytes to a rig: serial port, pty or TCP.
+//! A byte link to a rig: serial port, pty or TCP.
 //!
-//! What serial ports are known for, and what is made of it here:
+//! Known troubles of serial ports, and what is done about them here:
 //!
-//! - *A read does not keep its time-out.* Reading has a thread of its own, and the program waits for that
-//!   with a clock of its own: a read that comes back at once, or never, changes nothing.
-//! - *Draining waits for ever* where nobody reads. Nothing is drained; what does not arrive is asked again.
-//! - *DTR and RTS reset some boards.* The system sets both when a port is opened, and so they stay until it
-//!   is closed. A board that hangs its reset on one of them is reset by each program that opens the port;
-//!   there is time for it to come up. The ST-LINK of a Nucleo board passes neither on.
-//! - *Two programs on one port* each get a half of what comes. The port is locked, and a port that is
-//!   locked is refused by name.
-//! - *Noise at start-up* is no frame and is passed over, whatever bytes it is made of.
+//! - *A read ignores its timeout.* A separate thread reads, and the program waits for it with its own clock: a read that
+//!   returns at once, or never, does no harm.
+//! - *Draining blocks forever* if nobody reads. Nothing is drained; requests that do not arrive are repeated.
+//! - *DTR and RTS reset some boards.* The system sets both when a port is opened, and they stay set until it is closed. A
+//!   board with its reset on one of them is reset by each program that opens the port; there is time for it to boot. The
+//!   ST-LINK of a Nucleo board passes neither on.
+//! - *Two programs on one port* each get half of the bytes. The port is locked, and a locked port is refused by name.
+//! - *Noise at start-up* is not a frame and is skipped, whatever its bytes.
 
 use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -27,15 +26,15 @@ pub const BAUD: u32 = 921_600;
 /// How long a read waits for a byte.
 pub const READ_WAIT: Duration = Duration::from_millis(20);
 
-/// Time between two looks at a port that has nothing and does not wait, or takes nothing.
+/// Time between two polls of a port that has no bytes and does not wait, or accepts none.
 const LOOK_AGAIN: Duration = Duration::from_micros(200);
 
-/// How long a write may be held up.
+/// How long a write may be blocked.
 const WRITE_WAIT: Duration = Duration::from_secs(1);
 
 /// Bytes to and from a rig, and the clock by which answers are waited for.
 pub trait Link: Send {
-    /// Bytes that have come, at most [`READ_WAIT`] later: none when none came.
+    /// Reads bytes, waiting for at most [`READ_WAIT`]; 0 if none came.
     ///
     /// # Errors
     /// When the port is gone.
@@ -44,7 +43,7 @@ pub trait Link: Send {
     /// Sends all the bytes.
     ///
     /// # Errors
-    /// When the port is gone, or takes nothing.
+    /// When the port is gone, or accepts nothing.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
 
     /// Time since some instant.
@@ -68,7 +67,7 @@ fn open_serial(path: &str) -> Result<Box<dyn Link>> {
     let port = serialport::new(path, BAUD).timeout(READ_WAIT).dtr_on_open(true).open();
     let port = port.map_err(|error| {
         if is_held(&error) {
-            anyhow::anyhow!("another program has {path} open; end it first")
+            anyhow::anyhow!("another program has {path} open; close it first")
         } else {
             anyhow::Error::new(error).context(format!("cannot open {path}{}", available()))
         }
@@ -77,8 +76,7 @@ fn open_serial(path: &str) -> Result<Box<dyn Link>> {
     Ok(Box::new(Wire::new(reader, port)))
 }
 
-/// Whether a port could not be opened because another program has it: by its lock, or by its claim to be
-/// alone (EBUSY).
+/// Whether a port could not be opened because another program holds it, by a lock or exclusively (EBUSY).
 fn is_held(error: &serialport::Error) -> bool {
     let text = error.description.to_lowercase();
     text.contains("lock") || text.contains("busy")
@@ -93,7 +91,7 @@ fn open_tcp(address: &str) -> Result<Box<dyn Link>> {
     Ok(Box::new(Wire::new(stream.try_clone()?, stream)))
 }
 
-/// The serial ports there are, for the end of an error message.
+/// The available serial ports, for the end of an error message.
 fn available() -> String {
     let ports = serialport::available_ports().unwrap_or_default();
     if ports.is_empty() {
@@ -103,14 +101,14 @@ fn available() -> String {
     format!(" (serial ports here: {})", names.join(", "))
 }
 
-/// What the reading thread has to say at once: bytes, or why there will be none.
+/// A message of the reading thread: bytes, or the error that ends it.
 type Heard = io::Result<Vec<u8>>;
 
-/// A stream of the system's, read by a thread of its own.
+/// A system stream, read by a separate thread.
 pub struct Wire<W> {
     stream: W,
     heard: Receiver<Heard>,
-    /// Bytes that were heard and not yet taken.
+    /// Bytes that were read and not yet returned.
     rest: Vec<u8>,
     closed: Arc<AtomicBool>,
     since: Instant,
@@ -119,7 +117,7 @@ pub struct Wire<W> {
 impl<W: Write> Wire<W> {
     /// A wire of two ends of the same stream.
     pub fn new(reader: impl Read + Send + 'static, writer: W) -> Wire<W> {
-        // Bounded: who reads nothing holds up the other side, as without the thread.
+        // Bounded: a program that does not read blocks the other side, as without the thread.
         let (say, heard) = sync_channel(16);
         let closed = Arc::new(AtomicBool::new(false));
         let watched = Arc::clone(&closed);
@@ -128,13 +126,13 @@ impl<W: Write> Wire<W> {
     }
 }
 
-/// Reads until the stream ends or nobody wants it any more.
+/// Reads until the stream ends or the wire is closed.
 fn listen(mut reader: impl Read, say: &SyncSender<Heard>, closed: &AtomicBool) {
     let mut bytes = [0; 4096];
     while !closed.load(Ordering::Relaxed) {
         let heard = match read_some(&mut reader, &mut bytes) {
             Ok(0) => {
-                // Nothing for one that keeps its time-out, much for one that comes back at once.
+                // Negligible for a read that keeps its timeout, and needed for one that returns at once.
                 std::thread::sleep(LOOK_AGAIN);
                 continue;
             }
@@ -173,7 +171,7 @@ impl<W: Write + Send> Link for Wire<W> {
 }
 
 impl<W> Drop for Wire<W> {
-    /// The port is free again once the thread has let go of its end; one that hangs is not waited for.
+    /// The port is free again once the thread has released its end; a thread that hangs is not waited for.
     fn drop(&mut self) {
         self.closed.store(true, Ordering::Relaxed);
         let deadline = Instant::now() + 5 * READ_WAIT;
@@ -185,7 +183,7 @@ impl<W> Drop for Wire<W> {
     }
 }
 
-/// Bytes that are there: none when the wait is over.
+/// Reads available bytes; 0 when the wait is over.
 ///
 /// # Errors
 /// When the port is gone.
@@ -199,13 +197,13 @@ pub fn read_some(stream: &mut (impl Read + ?Sized), buffer: &mut [u8]) -> io::Re
 }
 
 fn closed_by_the_rig() -> io::Error {
-    io::Error::new(io::ErrorKind::UnexpectedEof, "the rig closed the link")
+    io::Error::new(io::ErrorKind::UnexpectedEof, "the rig closed the connection")
 }
 
-/// Writes everything, waiting where the other side is slow, but not for longer than this.
+/// Writes everything, waiting for a slow reader, but not for longer than this.
 ///
 /// # Errors
-/// When the port is gone, or takes nothing for too long: then a part may have gone.
+/// When the port is gone, or accepts nothing for too long: then a part may have been sent.
 pub fn write_within(stream: &mut (impl Write + ?Sized), mut bytes: &[u8], wait: Duration) -> io::Result<()> {
     let deadline = Instant::now() + wait;
     while !bytes.is_empty() {
@@ -222,7 +220,7 @@ pub fn write_within(stream: &mut (impl Write + ?Sized), mut bytes: &[u8], wait: 
     Ok(())
 }
 
-/// Whether an error only says that there is nothing now.
+/// Whether an error only means that there is nothing now.
 #[must_use]
 pub fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)

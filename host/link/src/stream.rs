@@ -1,4 +1,4 @@
-//! The rows of a stream in their order: what has come, what is to be asked for again. No input or output.
+//! The rows of a stream in their order: which have arrived, which to request again. No input or output.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +10,9 @@ use pneudrive_protocol::{MAX_ROWS, StreamedSample};
 pub struct Arrivals {
     /// Number of the next row to be taken.
     next: u32,
-    /// Rows from there on that have come.
+    /// Rows from there on that have arrived.
     held: BTreeMap<u32, StreamedSample>,
-    /// Rows before this one that are not held will not come any more.
+    /// Rows before this one that are not held will not arrive any more.
     settled: u32,
     lost: u64,
     /// Index of the sample that was taken last.
@@ -20,14 +20,14 @@ pub struct Arrivals {
 }
 
 impl Arrivals {
-    /// Rows have come, numbered from `first` on: unasked or asked for again, once or twice.
+    /// Adds rows numbered from `first` on, whether streamed or requested again, once or twice.
     pub fn came(&mut self, first: u32, rows: impl IntoIterator<Item = StreamedSample>) {
-        // The largest number is left out: there is none for the row behind it.
+        // The largest number is left out, as the row after it would have none.
         let numbered = (first..u32::MAX).zip(rows).filter(|(number, _)| *number >= self.next);
         self.held.extend(numbered);
     }
 
-    /// Number and count of rows to be asked for again: later ones have come.
+    /// Number and count of rows to request again: later ones have arrived.
     #[must_use]
     pub fn missing(&self) -> Option<(u32, u8)> {
         let mut due = self.next.max(self.settled);
@@ -40,15 +40,15 @@ impl Arrivals {
         None
     }
 
-    /// Rows before this one that have not come will not come any more.
+    /// Marks the rows before this one that have not arrived as lost.
     pub fn gone(&mut self, until: u32) {
         self.settled = self.settled.max(until);
     }
 
-    /// The next row, if it has come and the run has reached its sample.
+    /// The next row, if it has arrived and the run has reached its sample.
     ///
     /// # Errors
-    /// When its sample is not behind that of the row before.
+    /// When its sample is not later than that of the row before.
     pub fn take(&mut self, reached: u32) -> Result<Option<StreamedSample>> {
         let first = self.held.first_key_value().map(|(&number, &row)| (number, row));
         let due = first.map_or(self.settled, |(number, _)| number.min(self.settled)).max(self.next);
@@ -65,13 +65,13 @@ impl Arrivals {
         Ok(Some(row))
     }
 
-    /// The sample of a row that has come and was not taken.
+    /// The sample of a row that has arrived and was not taken.
     #[must_use]
     pub fn waiting(&self) -> Option<u32> {
         self.held.first_key_value().map(|(_, row)| row.index)
     }
 
-    /// Number of the row behind the last one that has come.
+    /// Number of the row after the last one that has arrived.
     #[must_use]
     pub fn end(&self) -> u32 {
         self.held.last_key_value().map_or(self.next.max(self.settled), |(&last, _)| last + 1)
@@ -83,7 +83,7 @@ impl Arrivals {
         self.next
     }
 
-    /// Rows that the link has lost for good, of those that were passed over.
+    /// Rows that the link has lost for good, of those that were skipped.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.lost

@@ -1,4 +1,4 @@
-//! Whether a run goes on, and its end before its time.
+//! Whether a run advances, and its early end.
 
 use std::time::Duration;
 
@@ -10,10 +10,10 @@ use pneudrive_records::units::Units;
 use super::Client;
 use crate::failure::Failure;
 
-/// How long the samples of a run may stand still.
+/// How long a run may go without a new sample.
 const STALLED: Duration = Duration::from_secs(5);
 
-/// How far a run has come, and when that was.
+/// The furthest sample of a run, and when it was reached.
 pub(super) struct Advance {
     furthest: Option<u32>,
     at: Duration,
@@ -24,20 +24,17 @@ impl Advance {
         Advance { furthest: None, at: now }
     }
 
-    /// Whether a run goes on, and not past the last sample of its test.
+    /// Checks that a run advances, and not past the last sample of its test.
     pub fn check(&mut self, status: &Status, last_sample: Option<u32>, now: Duration) -> Result<()> {
         let end = last_sample.unwrap_or(UNTIL_STOPPED);
         if status.index > end {
-            bail!(
-                "it says that it is at sample {} of a run that ends at {end}; it was told to stop",
-                status.index
-            );
+            bail!("it reports sample {} of a run that ends at sample {end}; a stop was sent", status.index);
         }
         if Some(status.index) > self.furthest {
             *self = Advance { furthest: Some(status.index), at: now };
         } else if now > self.at + STALLED {
             bail!(
-                "the run stands still at sample {} for {} s; it was told to stop",
+                "the run has been stuck at sample {} for {} s; a stop was sent",
                 status.index,
                 STALLED.as_secs()
             );
@@ -47,14 +44,14 @@ impl Advance {
 }
 
 impl Client {
-    /// Where a run has come to: also in s, where the rig has told its period.
+    /// The position in a run, also in s if the rig's period is known.
     pub(super) fn index_in_run(&self, index: u32) -> String {
         let after =
             |(_, parameters): &(u32, RigParameters)| format!(", after {}", Units::of(parameters).time(index));
         format!("at sample {index}{}", self.known.as_ref().map_or_else(String::new, after))
     }
 
-    /// Ends a run before its time.
+    /// Ends a run early.
     pub(super) fn end_early(&mut self, last: Option<Status>) -> Result<Status> {
         if last.is_some_and(|status| status.duration_samples == UNTIL_STOPPED) {
             self.disarm()?;
@@ -62,7 +59,7 @@ impl Client {
         }
         self.stop()?;
         Err(Failure::Interrupted
-            .error(format!("{}: stopped, as you asked; `pneudrive device arm` leaves the fault", self.name)))
+            .error(format!("{}: stopped on request; `pneudrive device arm` clears the fault", self.name)))
     }
 }
 
@@ -83,7 +80,7 @@ mod tests {
             }
             let error =
                 advance.check(&at(1), None, 2 * STALLED + Duration::from_millis(1)).expect_err("too long");
-            assert!(error.to_string().contains("stands still at sample 1"), "{error}");
+            assert!(error.to_string().contains("stuck at sample 1"), "{error}");
             advance.check(&at(4), None, 3 * STALLED).expect("it goes on");
         }
     }

@@ -1,4 +1,4 @@
-//! Answers that refuse, or do not fit.
+//! Answers that refuse a request, or do not match it.
 
 use anyhow::anyhow;
 use pneudrive_protocol::{Refused, ReplyBody};
@@ -7,13 +7,13 @@ use pneudrive_records::words;
 
 use crate::failure::Failure;
 
-/// What is wrong with an answer to another request than the one that was sent.
+/// The error for an answer that belongs to another kind of request.
 pub(super) fn unexpected(reply: &ReplyBody<'_>) -> anyhow::Error {
     let reply = sanitised(&format!("{reply:?}"), SENTENCE);
-    anyhow!("the rig gave an answer that does not fit the request: {reply}")
+    anyhow!("the rig gave an answer that does not match the request: {reply}")
 }
 
-/// A rig's refusal, as this program ends with it.
+/// The error for a rig's refusal.
 pub(super) fn refusal(rig: &str, refused: &Refused<'_>) -> anyhow::Error {
     Failure::Refused.error(format!("{rig}: {}", words::refusal(refused)))
 }

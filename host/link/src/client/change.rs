@@ -1,5 +1,5 @@
-//! Parameters and a test that a rig takes together or not at all (version 5 of the protocol), and the start that names
-//! them. An older rig takes them request by request.
+//! Atomic changes of parameters and test (version 5 of the protocol), and the start request that names them. An older rig
+//! takes them request by request.
 
 use anyhow::{Result, bail};
 use pneudrive_controller::Parameters;
@@ -14,10 +14,10 @@ use super::Client;
 use super::answer::{refusal, unexpected};
 use crate::failure::Failure;
 
-/// How often a change is begun anew when the rig has lost a part of it.
+/// How often a change is sent when the rig has lost a part of it.
 const TRIES: u32 = 3;
 
-/// A change as it is sent.
+/// The bytes of a change.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Change(Vec<u8>);
 
@@ -38,7 +38,7 @@ impl Change {
         }
     }
 
-    /// Adds the test of a rig, which ends with this sample.
+    /// Adds the test of a rig, ending with this sample.
     fn add_test(&mut self, rig: &Rig, last_sample: u32) {
         let sequence = rig.sequence();
         self.add(&Entry::Test {
@@ -64,7 +64,7 @@ impl Client {
     }
 
     /// The same, but it ends with another sample (with [`UNTIL_STOPPED`](pneudrive_protocol::UNTIL_STOPPED), once it is stopped), and parameters are
-    /// downloaded with it. Tells the names of those that the firmware does not have, as
+    /// downloaded with it. Returns the names of those that the firmware does not have, as
     /// [`Client::import_parameters`] does.
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl Client {
         parameters: Option<&Parameters>,
     ) -> Result<Vec<&'static str>> {
         self.last_sample = Some(last_sample);
-        // Those of the rig as this program has seen them last, if the test comes alone.
+        // For a test without parameters: those of the rig as this program last read them.
         self.meant = self.known.take().map(|(_, parameters)| parameters);
         if self.version < 5 {
             let lacking = parameters.map(|parameters| self.import_parameters(parameters)).transpose()?;
@@ -98,7 +98,7 @@ impl Client {
         Ok(lacking)
     }
 
-    /// Has the rig take a change, whole.
+    /// Makes the rig apply a change as a whole.
     pub(super) fn take(&mut self, change: &Change) -> Result<()> {
         self.known = None;
         for _ in 0..TRIES {
@@ -106,10 +106,7 @@ impl Client {
                 return Ok(());
             }
         }
-        bail!(
-            "{}: parts of a change were lost again and again; is another program using the port?",
-            self.name
-        )
+        bail!("{}: parts of a change were lost repeatedly; is another program using the port?", self.name)
     }
 
     /// False when the rig has lost a part.
@@ -134,7 +131,7 @@ impl Client {
         })
     }
 
-    /// As firmware before version 5 takes a test.
+    /// Downloads a test to firmware before version 5.
     fn download_step_by_step(&mut self, rig: &Rig, last_sample: u32) -> Result<()> {
         let duration_us = last_sample.checked_mul(rig.period_us().get());
         let round = rig.sequence().round();
@@ -155,16 +152,16 @@ impl Client {
         if spans { self.ask_done(RequestBody::TestSpan { last_sample, round }) } else { Ok(()) }
     }
 
-    /// Starts the test that this client has downloaded, with the parameters that it has downloaded with it or else those that
-    /// it had read before, and those that it has read since, if it has.
+    /// Starts the test that this client has downloaded. The parameters in force must be those downloaded with it or, without
+    /// such, those read before; and those read since, if any.
     ///
     /// # Errors
-    /// When it is refused or not answered; also when another program has changed test or parameters since.
+    /// When it is refused or not answered; also when another program has changed the test or the parameters since.
     pub fn start(&mut self) -> Result<()> {
         let Some(test) = self.test_crc32.filter(|_| self.version >= 5) else {
             return self.ask_done(RequestBody::Start);
         };
-        // The drive is armed: its parameters stay what they are from here on.
+        // The drive is armed: its parameters can no longer change.
         let parameters = self.config_state()?.hash;
         let read_since = self.known.take_if(|(hash, _)| *hash != parameters).map(|(_, read)| read);
         for expected in [self.meant.take(), read_since].into_iter().flatten() {
@@ -173,7 +170,7 @@ impl Client {
         self.ask_done(RequestBody::StartTest { crc32: start_crc32(test, parameters) })
     }
 
-    /// Refuses to start where the parameters in force, which have this fingerprint, are not those that are expected.
+    /// Refuses to start if the parameters in force, which have this fingerprint, differ from the expected ones.
     fn refuse_others_parameters(&mut self, expected: &RigParameters, hash: u32) -> Result<()> {
         let now = match &self.known {
             Some((known, read)) if *known == hash => read.clone(),
@@ -187,7 +184,7 @@ impl Client {
     }
 }
 
-/// Arming makes what the last run has learned of the valve's null a parameter.
+/// Compares all but the null offset: arming turns the offset that the last run has learned into a parameter.
 fn are_the_same_but_for_what_was_learned(before: &RigParameters, now: &RigParameters) -> bool {
     let differs = |(was, is): ((u16, i32), (u16, i32))| was.1 != is.1 && was.0 != id::NULL_OFFSET_COUNTS;
     !before.values.iter().zip(now.values.iter()).any(differs)

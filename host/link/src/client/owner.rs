@@ -1,5 +1,5 @@
-//! Who commands the drive (version 5 of the protocol): the session that has armed it, while it is heard. And in which of
-//! its boots (version 6).
+//! The owner of the drive (version 5 of the protocol): the session that armed it, while it is heard. And the boot of the
+//! rig (version 6).
 
 use std::hash::{BuildHasher, RandomState};
 
@@ -15,11 +15,11 @@ use crate::failure::Failure;
 /// The host that commands a drive.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Commander {
-    /// Whether there is one.
+    /// Whether a host commands the drive.
     pub presence: Presence,
     /// Its session.
     pub session: u32,
-    /// For how long nothing was heard of it, milliseconds; 0 where the rig has no clock for that.
+    /// Time since it was last heard, milliseconds; 0 if the rig has no clock for that.
     pub silent_ms: u32,
     /// What it calls itself; empty for a program of version 4 of the protocol or older.
     pub host: String,
@@ -32,7 +32,7 @@ impl From<&Owner<'_>> for Commander {
     }
 }
 
-/// A number that no other host is likely to have.
+/// A random session number, unlikely to be that of another host.
 pub(super) fn any_session() -> u32 {
     let drawn = RandomState::new().hash_one(std::process::id()) as u32;
     if drawn == session::OLD_HOSTS { 1 } else { drawn }
@@ -44,7 +44,7 @@ fn host_name() -> String {
 }
 
 impl Client {
-    /// The number of the rig's boot, if its firmware tells one.
+    /// The number of the rig's boot, if its firmware counts boots.
     pub(super) fn number_of_boot(&mut self) -> Result<u32> {
         if self.version < 6 {
             return Ok(ANY_BOOT);
@@ -61,7 +61,7 @@ impl Client {
         self.version >= version
     }
 
-    /// Whether its requests name the boot of the rig that they are meant for, so that no copy of one counts after a reset.
+    /// Whether its requests name the boot of the rig, so that a delayed copy of one is refused after a reset.
     #[must_use]
     pub fn names_its_boot(&self) -> bool {
         self.boot != ANY_BOOT
@@ -81,10 +81,10 @@ impl Client {
         })
     }
 
-    /// Enables the drive. This client commands it from now on, until it is disarmed or trips, or the client goes.
+    /// Enables the drive. This client commands it until it is disarmed or trips, or the client is dropped.
     ///
     /// # Errors
-    /// When it is refused, also because another host commands the drive, or not answered.
+    /// When it is refused, for instance because another host commands the drive, or not answered.
     pub fn arm(&mut self) -> Result<()> {
         if self.version < 5 {
             return self.ask_done(RequestBody::Arm);
@@ -94,10 +94,10 @@ impl Client {
         Ok(())
     }
 
-    /// Commands a drive that another host has armed and left. One that nobody has armed stays as it is.
+    /// Takes command of a drive that another host armed and left. A drive without an owner stays as it is.
     ///
     /// # Errors
-    /// When another host commands it, or nobody answers.
+    /// When another host commands it, or the rig does not answer.
     pub fn take_over(&mut self) -> Result<()> {
         match self.owner()? {
             Some(owner) if owner.presence == Presence::There && owner.session != self.session => {
@@ -113,7 +113,7 @@ impl Client {
         }
     }
 
-    /// Says the token to a rig, which may ask for it, or be too old to.
+    /// Sends the token to a rig. A rig that needs none, or is too old to know it, goes on without.
     pub(super) fn send_token(&mut self, token: &str) -> Result<()> {
         let name = self.name.clone();
         let recent = self.ask_for_any(RequestBody::Token { token }, |reply| match reply {
@@ -135,11 +135,11 @@ impl Client {
 }
 
 impl Drop for Client {
-    /// Tells the rig that its owner goes: the next program need not wait until that is noticed.
+    /// Tells the rig that its owner leaves, so that the next program need not wait for the timeout.
     fn drop(&mut self) {
         if self.commands {
             self.sequence = self.sequence.wrapping_add(1);
-            // A link that is broken tells the rig as well, a moment later.
+            // If the link is broken, the rig notices that itself a moment later.
             let _ = self.send(Request { sequence: self.sequence, body: RequestBody::Leave });
         }
     }

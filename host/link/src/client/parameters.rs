@@ -1,4 +1,4 @@
-//! The controller's parameters on a rig, also on one whose firmware has fewer of them.
+//! The controller's parameters on a rig, also with firmware that has fewer of them.
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_controller::Parameters;
@@ -11,15 +11,14 @@ use super::Client;
 use super::answer::{refusal, unexpected};
 use super::change::Change;
 
-/// How often parameters are read when they change meanwhile.
+/// How often parameters are read if they change meanwhile.
 const TRIES: u32 = 3;
 
 impl Client {
     /// All parameters of the controller, as they were in force at one time.
     ///
     /// # Errors
-    /// When the rig does not answer, has a value that this program does not know, or another program goes on changing
-    /// them.
+    /// When the rig does not answer, has a value out of this program's range, or another program keeps changing them.
     pub fn parameters(&mut self) -> Result<RigParameters> {
         if self.version < 5 {
             return self.read_blocks();
@@ -73,7 +72,7 @@ impl Client {
         Ok(())
     }
 
-    /// The values of these ids, or the first id that there is not.
+    /// The values of these ids, or the first id that the firmware does not have.
     fn read_values(&mut self, first_id: u16, end: u16) -> Result<Result<Vec<i32>, u16>> {
         let count = end - first_id;
         let name = self.name.clone();
@@ -99,12 +98,12 @@ impl Client {
         self.ask_done(RequestBody::ConfigSet { first_id, values })
     }
 
-    /// Downloads all parameters that the firmware has, and tells the names of those that it has not: they
-    /// are as by default there. All of them are taken or none; firmware before version 5 takes them block by block.
+    /// Downloads all parameters that the firmware has, and returns the names of the others, which have their defaults
+    /// there. All of them are applied or none; firmware before version 5 takes them block by block.
     ///
     /// # Errors
-    /// When one is refused, or the drive is not disarmed; before anything is changed when the firmware does
-    /// not have a parameter that is not as by default.
+    /// When one is refused, or the drive is not disarmed; before anything is changed, when the firmware lacks a parameter
+    /// whose value is not the default.
     pub fn import_parameters(&mut self, parameters: &Parameters) -> Result<Vec<&'static str>> {
         let mut change = Change::default();
         if self.version >= 5 {
@@ -118,7 +117,7 @@ impl Client {
         Ok(on_rig.lacking_names())
     }
 
-    /// Adds the parameters that the firmware has to a change, and tells the names of the others.
+    /// Adds the parameters that the firmware has to a change, and returns the names of the others.
     pub(super) fn add_those_it_has(
         &mut self,
         parameters: &Parameters,
@@ -147,7 +146,7 @@ impl Client {
             Written::of(id).map_or_else(|| value.to_string(), |written| written.text(value))
         };
         bail!(
-            "{}: its firmware has no parameter {}, which shall be {} (by default {}); flash a newer one, or leave it as by default",
+            "{}: its firmware has no parameter {}, which should be {} (default {}); flash newer firmware, or keep the default",
             self.name,
             name_of(id),
             text(parameters),

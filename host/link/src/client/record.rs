@@ -1,4 +1,4 @@
-//! The record of a rig: what it holds, and its samples by a [`Download`].
+//! The record of a rig: its head, and its samples by a [`Download`].
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use super::{ANSWER_WAIT, Client, SILENCE_TIMEOUT};
 use crate::download::Download;
 use crate::failure::Failure;
 
-/// How long a rig may take to form the CRC of a record that it is asked for.
+/// How long a rig may take to compute the CRC of its record.
 const DIGESTING: Duration = Duration::from_secs(5);
 
 /// The rig has another record now than when the download began.
@@ -22,10 +22,10 @@ const DIGESTING: Duration = Duration::from_secs(5);
 #[error("the record changed while it was read; record again")]
 pub struct RecordChanged;
 
-/// What is there of a record.
+/// The downloaded part of a record.
 #[derive(Clone, Debug)]
 pub struct Pieces {
-    /// Up to the last chunk that has come; zeros where one is missing.
+    /// Up to the last chunk received; zeros where one is missing.
     bytes: Vec<u8>,
     /// Bytes of all samples.
     length: usize,
@@ -43,7 +43,7 @@ impl Pieces {
         }
     }
 
-    /// Takes a chunk, unless it is there already or is none of this record.
+    /// Adds a chunk, unless it is there already or does not belong to this record.
     pub fn take(&mut self, first: usize, samples: &[u8]) -> bool {
         let place = first.saturating_mul(RecordedSample::BYTES);
         let whole = CHUNK_SAMPLES * RecordedSample::BYTES;
@@ -57,13 +57,13 @@ impl Pieces {
         true
     }
 
-    /// Samples that are there, at least.
+    /// Number of samples that are there; until the record is complete, a short last chunk counts as a full one.
     #[must_use]
     pub fn samples(&self) -> usize {
         (self.download.arrivals() * CHUNK_SAMPLES).min(self.length / RecordedSample::BYTES)
     }
 
-    /// The record, if its CRC is that of the pieces.
+    /// The record, if its CRC matches the pieces.
     fn join(self, head: &RecordHead) -> Result<Record, RecordChanged> {
         let mut crc = RecordCrc::new();
         crc.update(&self.bytes);
@@ -79,10 +79,10 @@ impl Pieces {
 type Answer = Result<(usize, Vec<u8>)>;
 
 impl Client {
-    /// Pulls the recorded transient; `progress` is given samples done and samples in all.
+    /// Downloads the recorded transient; `progress` is given the number of samples done and of all samples.
     ///
     /// # Errors
-    /// When there is none yet, or what came is not what was recorded.
+    /// When there is none yet, or the samples do not match its CRC.
     pub fn record(&mut self, mut progress: impl FnMut(usize, usize)) -> Result<Record> {
         let head = self.record_head()?;
         let mut done = 0;
@@ -93,8 +93,7 @@ impl Client {
         })
     }
 
-    /// What is missing of a record; `keep` is given each chunk that comes: position of its first sample, and
-    /// their bytes.
+    /// Downloads the missing part of a record; `keep` is given each chunk: the position of its first sample, and its bytes.
     ///
     /// # Errors
     /// [`RecordChanged`], or when the rig falls silent or the link breaks.
@@ -104,7 +103,7 @@ impl Client {
         mut pieces: Pieces,
         mut keep: impl FnMut(usize, &[u8]) -> Result<()>,
     ) -> Result<Record> {
-        // The request for a chunk is the same whenever it is sent: its number is that of the chunk.
+        // Every request for the same chunk has the same number, derived from the chunk.
         let base = self.sequence.wrapping_add(1);
         let chunks = head.samples.div_ceil(CHUNK_SAMPLES);
         self.sequence = self.sequence.wrapping_add(chunks as u16);
@@ -135,7 +134,7 @@ impl Client {
         let first = chunk * CHUNK_SAMPLES;
         let count = (head.samples - first).min(CHUNK_SAMPLES) as u8;
         let first = first as u32;
-        // Older firmware has no name for a record: what it sends of another one, the CRC finds at the end.
+        // Older firmware does not identify records: the CRC at the end detects samples of another one.
         let body = match self.version {
             ..3 => RequestBody::RecordRead { first, count },
             3.. => RequestBody::RecordChunk { crc32: head.crc32, first, count },
@@ -143,13 +142,13 @@ impl Client {
         self.send(Request { sequence: base.wrapping_add(chunk as u16), body })
     }
 
-    /// What the record holds, its CRC included.
+    /// The head of the record, with its CRC.
     ///
     /// # Errors
     /// When there is none yet.
     pub fn record_head(&mut self) -> Result<RecordHead> {
         let (mut head, mut complete) = self.ask_record_info()?;
-        // The rig forms the CRC of its record piece by piece.
+        // The rig computes the CRC of its record piece by piece.
         let deadline = self.link.now() + DIGESTING;
         while !complete && self.link.now() < deadline {
             if matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
@@ -179,7 +178,7 @@ impl Client {
     }
 }
 
-/// What a reply says of a chunk: None for a reply to something else.
+/// The answer for a chunk in a reply; None for a reply to something else.
 fn answer(reply: &Reply<'_>, base: u16, chunks: usize, rig: &str) -> Option<Answer> {
     let chunk = reply.sequence.wrapping_sub(base);
     match reply.body {

@@ -1,4 +1,4 @@
-//! The stream of a rig: samples of a run while it is on (version 3 of the protocol).
+//! The stream of a rig: samples of a run while it lasts (version 3 of the protocol).
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,14 +11,14 @@ use super::Client;
 use super::answer::unexpected;
 use crate::stream::Arrivals;
 
-/// Rows that may come before the next grant: several times what comes until then, so that one is lost
-/// without harm; few enough for a rig to fall silent soon after its host has gone.
+/// Rows that a rig may send before the next grant: several times what it sends until then, so that a lost grant does no
+/// harm; few enough that it falls silent soon after its host has gone.
 const GRANTED: u32 = 4096;
 
-/// How long rows are waited for at once.
+/// How long to wait for rows at a time.
 const LISTEN: Duration = Duration::from_millis(20);
 
-/// How long the rows may take that are left when a run is over: the rig holds some hundred.
+/// How long the remaining rows may take when a run is over: the rig holds some hundred.
 const REST: Duration = Duration::from_secs(3);
 
 /// Rows of a stream.
@@ -36,23 +36,23 @@ impl Rows {
         Some(Rows { first, rows: StreamedSample::read(rows)?.collect() })
     }
 
-    /// Number of the row behind the last one.
+    /// Number of the row after the last one.
     fn end(&self) -> u64 {
         u64::from(self.first) + self.rows.len() as u64
     }
 }
 
-/// What has come unasked and was not looked at yet.
+/// Unsolicited rows that were not examined yet.
 #[derive(Debug, Default)]
 pub(super) struct Unasked {
     /// Number of the request that began the stream.
     stream: Option<u16>,
-    /// Every how manyth sample becomes a row.
+    /// Every Nth sample becomes a row.
     every: u16,
-    /// Number of the first row that may not come unasked.
+    /// Number of the first row that is not granted.
     granted: u32,
     rows: VecDeque<Rows>,
-    /// The end of a row that was not granted. It is not kept.
+    /// The end of rows that were not granted; they are not kept.
     beyond: Option<u64>,
 }
 
@@ -62,7 +62,7 @@ impl Unasked {
         let Some(rows) = Rows::of(&reply.body).filter(|_| self.stream == Some(reply.sequence)) else {
             return false;
         };
-        // As many messages as rows are granted, at most: more repeat each other.
+        // There can be at most as many messages as granted rows: more would be repetitions.
         if rows.end() > u64::from(self.granted) {
             self.beyond = Some(rows.end());
         } else if self.rows.len() < GRANTED as usize {
@@ -74,13 +74,13 @@ impl Unasked {
 
 impl Client {
     /// # Errors
-    /// When the firmware has no streams: says so by name.
+    /// When the firmware has no streams.
     pub fn needs_streams(&mut self) -> Result<()> {
         self.needs_version(3, "a stream")
     }
 
-    /// Begins a stream of every Nth sample of a run; `sample_hz` is how many samples there are a second.
-    /// Rows come a few times a second, or in full messages.
+    /// Begins a stream of every Nth sample of a run; `sample_hz` is the sample rate. Rows come a few times a second, or in
+    /// full messages.
     ///
     /// # Errors
     /// When the firmware is too old, or does not answer.
@@ -108,12 +108,11 @@ impl Client {
         self.ask_done(RequestBody::StreamGrant { until })
     }
 
-    /// Follows a run as [`Client::follow`] does, and gives each sample of its stream to `take`, in order and
-    /// to the last one, whatever ends the run. Tells the status at the end, and how many rows the link has
-    /// lost for good.
+    /// Follows a run as [`Client::follow`] does, and gives each sample of its stream to `take`, in order and to the last
+    /// one, whatever ends the run. Returns the final status, and the number of rows that the link has lost for good.
     ///
     /// # Errors
-    /// As [`Client::follow`], what `take` says, or when the rows are none that the run can have.
+    /// As [`Client::follow`], those of `take`, or when the run cannot have these rows.
     pub fn follow_streamed(
         &mut self,
         interrupted: &AtomicBool,
@@ -129,7 +128,7 @@ impl Client {
         };
         let followed = self.follow_and(interrupted, progress, |client, status| {
             client.stream_on(&mut arrivals, interrupted)?;
-            // Rows that came behind this status wait for the next one.
+            // Rows beyond this status wait for the next one.
             drain(&mut arrivals, status.index)
         });
         let reached = match &followed {
@@ -139,25 +138,31 @@ impl Client {
         let rest = self.stream_rest(&mut arrivals, reached).and_then(|()| {
             drain(&mut arrivals, reached)?;
             match arrivals.waiting() {
-                Some(sample) => bail!("{}: it streams sample {sample} of a run up to {reached}", self.name),
+                Some(sample) => {
+                    bail!("{}: it streams sample {sample} of a run that reached sample {reached}", self.name)
+                }
                 None => Ok(()),
             }
         });
         followed.and_then(|status| rest.map(|()| (status, arrivals.lost())))
     }
 
-    /// Listens for a moment, has the rows again that were lost on the way, and lets as many more come.
+    /// Listens for a moment, requests lost rows again, and grants further rows.
     fn stream_on(&mut self, arrivals: &mut Arrivals, interrupted: &AtomicBool) -> Result<()> {
         self.stream_listen(arrivals, interrupted)?;
         self.stream_grant(arrivals.next().saturating_add(GRANTED))
     }
 
-    /// Listens for a moment, and has the rows again that were lost on the way.
+    /// Listens for a moment, and requests lost rows again.
     fn stream_listen(&mut self, arrivals: &mut Arrivals, interrupted: &AtomicBool) -> Result<()> {
         let deadline = self.link.now() + LISTEN;
         self.hear(deadline, |_| None::<()>)?;
         if let Some(end) = self.unasked.beyond {
-            bail!("{}: it streams up to row {end}, of which {} are granted", self.name, self.unasked.granted);
+            bail!(
+                "{}: it streams up to row {end}, but only {} rows are granted",
+                self.name,
+                self.unasked.granted
+            );
         }
         for Rows { first, rows } in std::mem::take(&mut self.unasked.rows) {
             arrivals.came(first, rows);
@@ -167,8 +172,7 @@ impl Client {
                 break;
             }
             let again = self.stream_read(first, count)?;
-            // What is not among them, the rig does not hold any more. Of what is behind the last row that has come, it
-            // cannot say that yet.
+            // The rig no longer holds the rows that are not among them. Rows after the last received one may still come.
             let gone = again.first.min(arrivals.end()).max(first + u32::from(count));
             arrivals.came(again.first, again.rows);
             arrivals.gone(gone);
@@ -176,8 +180,8 @@ impl Client {
         Ok(())
     }
 
-    /// The last rows of a stream whose run is over at the sample `reached`: nothing came after them that would have told
-    /// that they are missing. No more than the rig holds, so it comes to an end, and is not to be interrupted.
+    /// Requests the last rows of a stream whose run is over at the sample `reached`: no later row shows whether they are
+    /// missing. They are no more than the rig holds, so this ends soon and cannot be interrupted.
     fn stream_rest(&mut self, arrivals: &mut Arrivals, reached: u32) -> Result<()> {
         let most = u64::from(reached / u32::from(self.unasked.every.max(1))) + 1;
         let deadline = self.link.now() + REST;
@@ -195,7 +199,7 @@ impl Client {
             arrivals.came(again.first, again.rows);
             arrivals.gone(gone);
         }
-        bail!("{}: the last rows of its stream do not come", self.name)
+        bail!("{}: the last rows of its stream did not arrive", self.name)
     }
 
     fn stream_read(&mut self, first: u32, count: u8) -> Result<Rows> {

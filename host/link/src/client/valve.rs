@@ -6,7 +6,7 @@ use pneudrive_protocol::RequestBody;
 use super::Client;
 
 impl Client {
-    /// Walks the spool back to its null from where it was before the reset.
+    /// Steps the spool back to its null from its position before the reset.
     ///
     /// # Errors
     /// When it is refused or not answered.
@@ -15,7 +15,7 @@ impl Client {
         self.ask_done(RequestBody::SeekNull)
     }
 
-    /// States that the spool is at its null.
+    /// Declares that the spool is at its null.
     ///
     /// # Errors
     /// When it is refused or not answered.

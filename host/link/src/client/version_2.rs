@@ -1,4 +1,4 @@
-//! What version 2 of the protocol has added: homing, the moves, stored configuration, fault log.
+//! Requests of version 2 of the protocol: homing, the moves, stored configuration, fault log.
 
 use anyhow::Result;
 use pneudrive_controller::Refusal;
@@ -10,13 +10,13 @@ use super::Client;
 use super::answer::{refusal, unexpected};
 
 impl Client {
-    /// Homes the axis; [`Client::motion`] tells when it is done.
+    /// Homes the axis; [`Client::motion`] shows when it is done.
     ///
     /// # Errors
     /// When it is refused or not answered.
     pub fn home(&mut self) -> Result<()> {
         self.needs_version(2, "homing")?;
-        // An older firmware would trip.
+        // Older firmware would trip.
         if self.status()?.mode == Mode::Disarmed {
             let not_armed = Refused::NotNow(Refusal::NotArmed.code());
             return Err(refusal(&self.name, &not_armed));
@@ -25,7 +25,7 @@ impl Client {
         self.ask_done(RequestBody::Home)
     }
 
-    /// How the moves stand.
+    /// The progress of the moves.
     ///
     /// # Errors
     /// When the rig does not answer.
@@ -46,7 +46,7 @@ impl Client {
         self.ask_done(RequestBody::ConfigSave)
     }
 
-    /// Where the parameters come from.
+    /// The origin of the parameters.
     ///
     /// # Errors
     /// When the rig does not answer.
@@ -58,7 +58,7 @@ impl Client {
         })
     }
 
-    /// How even the samples are: from a sample to the next, and from a sample to its output.
+    /// The spread of two intervals: from a sample to the next, and from a sample to its output.
     ///
     /// # Errors
     /// When the rig does not answer.
@@ -88,7 +88,7 @@ impl Client {
             })?;
             place = place.saturating_add(more.len().min(MAX_EVENTS) as u8);
             let none = more.is_empty();
-            // An event that is logged meanwhile moves the others on: one comes twice.
+            // An event that is logged meanwhile shifts the others: one comes twice.
             let oldest = events.last().map_or(u64::MAX, |event| event.number.into());
             events.extend(more.into_iter().filter(|event| u64::from(event.number) < oldest));
             if none || place >= total {

@@ -49,9 +49,9 @@ pub const LIES: &[Told] = &[
             }
         },
         &[
-            (STATUS, "does not fit the request"),
-            (RECORD, "does not fit the request"),
-            (RUN, "does not fit the request"),
+            (STATUS, "does not match the request"),
+            (RECORD, "does not match the request"),
+            (RUN, "does not match the request"),
         ],
     ),
     told(

@@ -12,7 +12,7 @@ pub const LIES: &[Told] = &[
             let values = Values::fill(&mut room, [1, 2]).expect("two");
             instead(reply, ReplyBody::Config { first_id, values })
         },
-        &[(CONFIG, "does not fit the request"), (RECORD, "does not fit the request")],
+        &[(CONFIG, "does not match the request"), (RECORD, "does not match the request")],
     ),
     told(
         "parameters out of their range",

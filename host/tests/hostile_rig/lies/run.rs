@@ -64,7 +64,7 @@ pub const LIES: &[Told] = &[
             RequestBody::ChangeTake { .. } => refused(reply, Refused::ChangeNotWhole),
             _ => Says::Truth,
         },
-        &[(RUN, "parts of a change were lost again and again")],
+        &[(RUN, "parts of a change were lost repeatedly")],
     ),
     told(
         "a homing run without end",
