@@ -109,7 +109,7 @@ fn a_curve_that_there_is_not_is_wrong_use_and_a_file_of_the_users_stays() {
         fs::write(folder.path().join(mine), "mine").expect("written");
         let printed = transcript(folder.path(), "characterise servo-b all --out .");
         assert!(
-            printed.contains(&format!("{mine} is not of this program")) && printed.ends_with("= 1"),
+            printed.contains(&format!("{mine} was not written by this program")) && printed.ends_with("= 1"),
             "{printed}"
         );
         assert_eq!(fs::read_to_string(folder.path().join(mine)).expect("there"), "mine");

@@ -181,7 +181,7 @@ fn a_record_that_cannot_be_replayed_is_refused_and_an_unknown_parameter_named() 
     fs::write(folder.path().join("damaged.dat"), text.replace("\n1,", "\n1,1")).expect("written");
     let printed = transcript(folder.path(), "replay damaged.dat");
     assert!(
-        printed.starts_with("! error: damaged.dat: it is damaged, cut or changed: the CRC is"),
+        printed.starts_with("! error: damaged.dat: it is damaged, truncated or changed: the CRC is"),
         "{printed}"
     );
     let thin = with_line(&text, "decimation", Some("2"));
@@ -328,7 +328,7 @@ fn a_trace_that_was_cut_at_the_end_of_a_line_is_refused() {
     let part: String = text.lines().take(500).map(|line| format!("{line}\n")).collect();
     std::fs::write(&path, part).expect("written");
     let printed = transcript(folder.path(), "eval out");
-    assert!(printed.contains("trace.csv has 499 of the 2385 rows of its run: it was cut"), "{printed}");
+    assert!(printed.contains("trace.csv has 499 of the 2385 rows of its run: it is truncated"), "{printed}");
 }
 
 /// Once a rig file that was cut by a full disk came with exit code 0.

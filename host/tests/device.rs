@@ -108,8 +108,10 @@ fn parameters_have_the_names_the_units_and_the_words_of_rig_files() {
     assert_eq!(device("config set safety.hold_s 1.5"), "safety.hold_s = 1.5 s\n= 0");
     assert_eq!(device("config get hold_ms"), "hold_ms = 1500 ms\n= 0", "the name that it had, in its unit");
     assert_eq!(device("config set controller.loop open"), "controller.loop = open\n= 0");
-    assert!(device("config set controller.loop ajar").contains("\"ajar\" is none of closed, open"));
-    assert!(device("config set safety.hold_s 0.0001").contains("the device has it as a whole number of ms"));
+    assert!(device("config set controller.loop ajar").contains("\"ajar\" is not one of closed, open"));
+    assert!(
+        device("config set safety.hold_s 0.0001").contains("the device stores it as a whole number of ms")
+    );
     assert!(
         device("config set safety.hold_s 4000").contains("safety.hold_s = 4000 is out of range: 0 to 3600 s")
     );

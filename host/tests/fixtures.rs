@@ -54,7 +54,7 @@ fn streams_of_every_version_are_read_and_replayed() {
 #[test]
 fn older_files_are_read_with_a_note_of_what_nothing_covers() {
     for (name, note) in [
-        ("TARGET-1-protocol-4.DAT", Some("it is of format 1, whose CRC covers the samples alone")),
+        ("TARGET-1-protocol-4.DAT", Some("it is of format 1, whose CRC covers only the samples")),
         ("TARGET-2.DAT", None),
         ("STREAM-1.txt", Some("it is a stream of format 1, which has no CRC")),
         ("STREAM-2.txt", None),

@@ -366,9 +366,9 @@ fn files_that_cannot_be_fitted_are_refused_by_what_is_wrong_with_them() {
     for (content, says) in [
         (String::new(), "ends before its data"),
         (cut, "line 4"),
-        (shortened, "damaged, cut or changed"),
+        (shortened, "damaged, truncated or changed"),
         ("\u{0}\u{1}\u{fffd}garbage".to_owned(), "line 1"),
-        (flipped, "damaged, cut or changed"),
+        (flipped, "damaged, truncated or changed"),
         ("time_s,position_m\n0,1\n".to_owned(), "line 1"),
         (coarse, "test.decimation=1"),
         (with_line(&text, "measured_period_us", Some("1e18")), "measured period"),

@@ -303,7 +303,10 @@ fn a_part_file_that_is_a_pipe_or_a_link_is_refused_and_what_the_link_leads_to_st
     fs::write(&mine, "mine").expect("written");
     let refused = |what: &str| {
         let printed = transcript(folder.path(), &format!("record --port {}", rig.port()));
-        assert!(printed.contains("it is no plain file") && printed.ends_with("= 1"), "{what}: {printed}");
+        assert!(
+            printed.contains("it is not a regular file") && printed.ends_with("= 1"),
+            "{what}: {printed}"
+        );
         fs::remove_file(&part).expect("there");
     };
     std::os::unix::fs::symlink(&mine, &part).expect("a link");

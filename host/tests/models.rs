@@ -132,7 +132,8 @@ fn a_foreign_run_json_is_not_overwritten() {
     fs::write(folder.path().join("run.json"), "{\"mine\": true}").expect("written");
     let printed = transcript(folder.path(), "simulate servo-b --set test.duration_s=0.01 --out .");
     assert!(
-        printed.contains("is not of this program; choose another folder") && printed.ends_with("= 1"),
+        printed.contains("was not written by this program; choose another folder")
+            && printed.ends_with("= 1"),
         "{printed}"
     );
     assert_eq!(fs::read_to_string(folder.path().join("run.json")).expect("there"), "{\"mine\": true}");

@@ -107,7 +107,7 @@ fn the_page_and_run_json_tell_of_one_run_and_a_changed_trace_is_refused() {
         let refused = pneudrive(folder.path(), "eval run");
         let printed = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(
-            !refused.status.success() && printed.contains(&format!("{name} is not the file")),
+            !refused.status.success() && printed.contains(&format!("{name} does not belong")),
             "{printed}"
         );
         fs::write(path(name), text).expect("written");

@@ -115,7 +115,7 @@ fn the_list_names_every_study_and_wrong_use_and_files_of_the_users_are_refused()
         fs::write(folder.path().join(mine), "mine").expect("written");
         let printed = transcript(folder.path(), "study all --out .");
         assert!(
-            printed.contains(&format!("{mine} is not of this program")) && printed.ends_with("= 1"),
+            printed.contains(&format!("{mine} was not written by this program")) && printed.ends_with("= 1"),
             "{printed}"
         );
         assert_eq!(fs::read_to_string(folder.path().join(mine)).expect("there"), "mine");

@@ -216,7 +216,7 @@ fn a_journal_of_another_sweep_and_files_of_the_users_are_refused_and_stay() {
         fs::write(folder.path().join(&place).join(mine), "mine").expect("written");
         let printed = transcript(folder.path(), &format!("sweep s.toml --out {place}"));
         assert!(
-            printed.contains(&format!("{mine} is not of this program")) && printed.ends_with("= 1"),
+            printed.contains(&format!("{mine} was not written by this program")) && printed.ends_with("= 1"),
             "{printed}"
         );
         assert_eq!(written(folder.path(), &format!("{place}/{mine}")), "mine");
@@ -299,7 +299,7 @@ fn a_journal_that_is_no_plain_file_is_refused() {
     let pipe = folder.path().join("s/sweep.journal");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
     let printed = transcript(folder.path(), "sweep s.toml");
-    assert!(printed.contains("sweep.journal: it is no plain file, but a link, a pipe"), "{printed}");
+    assert!(printed.contains("sweep.journal: it is not a regular file, but a link, a pipe"), "{printed}");
 }
 
 #[test]

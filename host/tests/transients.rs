@@ -255,14 +255,14 @@ fn what_is_no_record_is_refused_by_what_is_wrong_with_it() {
     assert_ne!(flipped, text);
     for (name, bytes, says) in [
         ("cut.dat", cut_line.as_bytes(), "cut.dat: line "),
-        ("cut-end.dat", cut_end.as_bytes(), "cut-end.dat: it is damaged, cut or changed: the CRC is"),
-        ("flipped.dat", flipped.as_bytes(), "flipped.dat: it is damaged, cut or changed: the CRC is"),
+        ("cut-end.dat", cut_end.as_bytes(), "cut-end.dat: it is damaged, truncated or changed: the CRC is"),
+        ("flipped.dat", flipped.as_bytes(), "flipped.dat: it is damaged, truncated or changed: the CRC is"),
         ("empty.dat", b"".as_slice(), "empty.dat: the file ends before its data"),
         ("sheet.csv", b"a,b\n1,2\n", "sheet.csv: line 1: expected `# key = value`"),
         (
             "picture.png",
             b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\xff",
-            "picture.png is no text: it is neither a TARGET file nor a run folder",
+            "picture.png is not a text file: it is neither a TARGET file nor a run folder",
         ),
     ] {
         fs::write(folder.path().join(name), bytes).expect("written");
@@ -312,7 +312,7 @@ fn a_header_that_cannot_be_is_refused_by_its_key() {
 fn a_folder_that_is_no_run_or_a_damaged_one_is_refused_by_file_and_line() {
     let folder = transients();
     fs::create_dir(folder.path().join("empty")).expect("made");
-    all_refuse(folder.path(), "empty", "empty is no run folder: it has no run.json");
+    all_refuse(folder.path(), "empty", "empty is not a run folder: it has no run.json");
     fs::create_dir(folder.path().join("bad")).expect("made");
     let [trace, json] = ["trace.csv", "run.json"]
         .map(|name| fs::read_to_string(folder.path().join("run").join(name)).expect("written"));
@@ -325,7 +325,7 @@ fn a_folder_that_is_no_run_or_a_damaged_one_is_refused_by_file_and_line() {
         (trace.as_str(), "{", "bad/run.json is not JSON"),
         (&trace, "", "bad/run.json is not JSON"),
         (&trace, "{\"format\": \"other 1\"}", "bad/run.json is not a run of this program"),
-        (&trace, &no_scale, "bad/run.json: encoder.mm_per_count is 0; it must be a number, more than 0"),
+        (&trace, &no_scale, "bad/run.json: encoder.mm_per_count is 0; it must be a number above 0"),
         (
             &trace,
             &no_window,

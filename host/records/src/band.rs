@@ -1,4 +1,4 @@
-//! The band of a run: what it and its neighbours cover at each instant (see [`crate::judged`]).
+//! The band of a run: the range of its neighbours and itself at each instant (see [`crate::judged`]).
 //!
 //! band.csv, beside trace.csv and with its rows: `time_s`, then for each channel of [`CHANNELS`] its lowest and its
 //! highest value, `position_m_low,position_m_high,...`; SI except where the name says otherwise.
@@ -33,14 +33,14 @@ pub struct Band {
 }
 
 impl Band {
-    /// The band of a run alone: its transient.
+    /// The band of a single run: its transient.
     #[must_use]
     pub fn of(run: &Run) -> Band {
         let columns = columns_of(run);
         Band { time_s: run.rows.iter().map(|row| row.time).collect(), low: columns.clone(), high: columns }
     }
 
-    /// Includes another run of the same test. One that ended earlier widens the band as far as it goes.
+    /// Includes another run of the same test. One that ended early widens the band up to its end.
     pub fn include(&mut self, run: &Run) {
         for (channel, values) in columns_of(run).iter().enumerate() {
             let ends = self.low[channel].iter_mut().zip(&mut self.high[channel]);
@@ -72,7 +72,7 @@ impl Band {
     /// Reads band.csv.
     ///
     /// # Errors
-    /// With the file and line of what is wrong.
+    /// With the file and the line of the problem.
     pub fn read(path: &Path) -> Result<Band> {
         let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         Band::of_csv(&text).with_context(|| path.display().to_string())
@@ -104,7 +104,7 @@ impl Band {
     /// Lowest and highest values of a channel.
     ///
     /// # Panics
-    /// When the channel has no band: a slip in the program.
+    /// When the channel has no band: a bug in the program.
     #[must_use]
     pub fn channel(&self, name: &str) -> [&[f64]; 2] {
         let index = CHANNELS.iter().position(|channel| *channel == name);

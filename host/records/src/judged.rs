@@ -1,5 +1,5 @@
-//! A run together with its neighbours, as a run folder keeps them: how exactly it was integrated, whether it is decided,
-//! and the band that it and its neighbours cover.
+//! A run with its neighbours, as stored in a run folder: the accuracy of its integration, whether it is decided, and the
+//! band of the run and its neighbours.
 
 use pneudrive_controller::Fault;
 use pneudrive_sim::trace::Extra;
@@ -7,10 +7,10 @@ use pneudrive_sim::{Accuracy, Decision, Run};
 
 use crate::band::Band;
 
-/// How many runs, and how far they are apart.
+/// The number of runs, and their distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spacing {
-    /// Runs in all, the nominal one among them; 1: that alone.
+    /// Number of runs including the nominal one; 1: only that.
     pub runs: usize,
     /// Relative change of the mass, and of the starting position over the stroke.
     pub relative: f64,
@@ -22,30 +22,30 @@ impl Default for Spacing {
     }
 }
 
-/// A run, and what is known of how far it can be trusted.
+/// A run, with what shows how far it can be trusted.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// The run of the rig as it is.
+    /// The nominal run.
     pub run: Run,
-    /// How exactly it was integrated.
+    /// The accuracy of its integration.
     pub accuracy: Accuracy,
     /// Whether it is decided.
     pub decision: Decision,
-    /// What it and its neighbours cover; None of a run alone.
+    /// The range of the run and its neighbours; None without neighbours.
     pub band: Option<Band>,
-    /// How many neighbours it has, and how far away.
+    /// The number and the distance of its neighbours.
     pub spacing: Spacing,
-    /// What went wrong with its neighbours.
+    /// Its neighbours that failed.
     pub lost: FailedNeighbours,
-    /// Columns of its trace that not every trace has; its rows hold them.
+    /// Optional columns of its trace; its rows hold them.
     pub columns: Vec<&'static Extra>,
 }
 
-/// Neighbours that did not come to the end of their run.
+/// Neighbours that did not reach the end of their run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FailedNeighbours {
     /// Faults of those whose supervisor tripped; their figures are among the others.
     pub tripped: Vec<Fault>,
-    /// Why the others have no run: beyond the limits of a key, or what the integrator says.
+    /// Why the others could not be simulated: a key out of its range, or an error of the integrator.
     pub failed: Vec<String>,
 }

@@ -1,19 +1,19 @@
-//! What rigs say, what they have recorded and what was simulated, as files and as text: no port, no thread.
+//! The data of rigs, records and simulated runs, as files and as text: no port, no thread.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`rig_info`], [`record`] | what a rig says of itself, and the transient that it has recorded |
+//! | [`rig_info`], [`record`] | the identity and parameters of a rig, and the transient that it has recorded |
 //! | [`target`] | TARGETxx.DAT: read, write, number |
-//! | [`stream_file`] | a run as it is streamed to disk |
+//! | [`stream_file`] | a run that is streamed to disk |
 //! | [`run_folder`] | trace.csv and run.json of a simulated run: read, write |
-//! | [`judged`], [`band`] | a run and how far it can be trusted, and what it and its neighbours cover |
-//! | [`rig_text`] | rig files as text: other values, the same comments |
-//! | [`words`] | what the codes of the controller mean |
-//! | [`parameter_names`] | names and values of parameters as a person writes them |
+//! | [`judged`], [`band`] | a run and how far it can be trusted, and the range of the run and its neighbours |
+//! | [`rig_text`] | rig files as text: new values, the same comments |
+//! | [`words`] | the meaning of the controller's codes |
+//! | [`parameter_names`] | names and values of parameters as in rig files |
 //! | [`units`] | figures of a device in mm, kPa and s |
 //! | [`window`] | windows of the controller's estimator |
-//! | [`untrusted`] | texts of a device, made fit for a terminal and a file |
-//! | [`whole_file`], [`own_file`] | files that are there whole or not at all, and which may be replaced |
+//! | [`untrusted`] | texts of a device, made safe for a terminal and a file |
+//! | [`whole_file`], [`own_file`] | files that are written whole or not at all, and which ones may be replaced |
 //!
 //! Nothing is printed: notes go to the log.
 

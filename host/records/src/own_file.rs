@@ -1,4 +1,4 @@
-//! Which files this program may replace: its own, by a mark that each of them holds.
+//! Which files this program may replace: only its own, recognised by a mark in each of them.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -8,39 +8,38 @@ use anyhow::{Context, Result, bail};
 
 use crate::whole_file::is_device;
 
-/// Marks a page as ours, so that writing it again replaces nothing else.
+/// The mark of our HTML pages: only a file with it is replaced.
 pub const GENERATOR: &str = "<meta name=\"generator\" content=\"pneudrive\">";
 
-/// Makes a folder if it is not there, and makes sure that it can be written to, before long work.
+/// Creates a folder if needed, and checks before long work that it can be written to.
 ///
 /// # Errors
-/// When it cannot.
+/// When it cannot be written to.
 pub fn make_writable(folder: &Path) -> Result<()> {
-    // A file without a name, or one that goes with the program: a kill leaves none.
+    // A temporary file without a name: a kill leaves none behind.
     fs::create_dir_all(folder)
         .and_then(|()| tempfile::tempfile_in(folder))
         .map(drop)
-        .with_context(|| format!("cannot write into the folder {}; choose another", folder.display()))
+        .with_context(|| format!("cannot write to the folder {}; choose another", folder.display()))
 }
 
-/// Refuses to replace a file that does not hold `mark`: it is somebody's own. A pipe or a device is written to, and
-/// not replaced.
+/// Refuses to replace a file without `mark`, which is not ours. A pipe or a device is written to, not replaced.
 ///
 /// # Errors
 /// When there is such a file.
 pub fn refuse_to_replace(path: &Path, mark: &str) -> Result<()> {
-    // To read a pipe would be to wait for somebody who writes.
+    // Reading a pipe would block until somebody writes to it.
     if is_device(path) {
         return Ok(());
     }
     match beginning(path) {
         Ok(text) if text.contains(mark) => Ok(()),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        _ => bail!("{} is not of this program; choose another place", path.display()),
+        _ => bail!("{} was not written by this program; choose another place", path.display()),
     }
 }
 
-/// Bytes at the beginning of a file that hold its mark, if it has one.
+/// The mark of a file is within this many bytes.
 const BEGINNING: u64 = 1 << 16;
 
 fn beginning(path: &Path) -> std::io::Result<String> {

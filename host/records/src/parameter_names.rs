@@ -1,8 +1,9 @@
-//! Names and values of the controller's parameters as a person reads and writes them: those of rig files.
+//! Names and values of the controller's parameters for users: those of rig files.
 //!
-//! A parameter that one key of a rig file gives has the name, the unit and the words of that key: `hold_ms = 60000` of
-//! the device is `safety.hold_s = 60`. One that comes of several keys (a limit in counts comes of the stroke, the margin and
-//! the encoder), or of none, has the device's own name. The device's names are understood everywhere, with its units.
+//! A parameter set by a single key of a rig file has the name, the unit and the words of that key: `hold_ms = 60000` of
+//! the device is `safety.hold_s = 60`. A parameter computed from several keys (a limit in counts depends on the stroke,
+//! the margin and the encoder), or from none, has the device's own name. The device's names are accepted everywhere, with
+//! its units.
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
@@ -13,9 +14,9 @@ use pneudrive_controller::parameters::{Parameter, TABLE, by_name, id, lookup};
 enum Form {
     /// As it is.
     Whole,
-    /// In a unit that is 10 to this power times as large, which the key's name tells.
+    /// In a unit that is 10 to this power times as large, given by the key's name.
     Scaled(u32),
-    /// By a word; its place is the value.
+    /// As a word; its index is the value.
     Words(&'static [&'static str]),
 }
 
@@ -23,7 +24,7 @@ use Form::{Scaled, Whole, Words};
 
 const OFF_ON: Form = Words(&["false", "true"]);
 
-/// Parameters that have a key of their own, by id.
+/// Parameters that have their own key, by id.
 #[rustfmt::skip]
 const KEYS: &[(u16, &str, Form)] = &[
     (id::PERIOD_US, "controller.period_s", Scaled(6)),
@@ -70,7 +71,7 @@ const KEYS: &[(u16, &str, Form)] = &[
     (id::GAIN_PROFILE, "controller.gain_profile", Whole),
 ];
 
-/// Keys of a rig file that a parameter comes of together with others.
+/// Keys of a rig file that determine a parameter together with others.
 pub const OF_SEVERAL: [&str; 12] = [
     "actuator.stroke_m",
     "controller.learn_null_offset",
@@ -105,7 +106,7 @@ impl Written {
         Some(Written { parameter, name, form })
     }
 
-    /// A parameter by the key of a rig file or by the device's own name, which goes with its unit.
+    /// A parameter by the key of a rig file, or by the device's own name, which implies the device's unit.
     pub fn named(name: &str) -> Option<Written> {
         let of_key = KEYS.iter().find(|(_, key, _)| *key == name).and_then(|(id, ..)| Written::of(*id));
         let own = || by_name(name).map(|parameter| Written { parameter, name: parameter.name, form: Whole });
@@ -117,7 +118,7 @@ impl Written {
         TABLE.iter().filter_map(|parameter| Written::of(parameter.id))
     }
 
-    /// Its unit: that of the key, whose name may tell it.
+    /// Its unit: that of the key, which may be part of the key's name.
     pub fn unit(&self) -> &'static str {
         match self.form {
             Whole => self.parameter.unit,
@@ -142,7 +143,7 @@ impl Written {
     /// The value of a text.
     ///
     /// # Errors
-    /// When it is no such value, or has more digits than the device.
+    /// When it is not such a value, or has more digits than the device stores.
     pub fn value(&self, text: &str) -> Result<i32> {
         let value = match self.form {
             Whole => whole_number(text).map_err(|error| anyhow!("{error}")),
@@ -152,17 +153,17 @@ impl Written {
                 let place = words.iter().position(|word| *word == text);
                 place
                     .map(|place| place as i32)
-                    .with_context(|| format!("{text:?} is none of {}", words.join(", ")))
+                    .with_context(|| format!("{text:?} is not one of {}", words.join(", ")))
             }
         };
         value.with_context(|| self.name)
     }
 
     fn device_unit(&self) -> String {
-        format!("the device has it as a whole number of {}", self.parameter.unit)
+        format!("the device stores it as a whole number of {}", self.parameter.unit)
     }
 
-    /// Its value or values, equal entries at the end of a list once.
+    /// Its value or values; equal entries at the end of a list are written once.
     pub fn all_text(&self, parameters: &Parameters) -> String {
         let Parameter { id, len, .. } = *self.parameter;
         match len {
@@ -186,22 +187,22 @@ pub fn name_of(id: u16) -> &'static str {
     Written::of(id).map_or("?", |written| written.name)
 }
 
-/// Names of parameters of the device as a person knows them.
+/// The users' names of parameters of the device.
 pub fn names_of(own: &[&'static str]) -> Vec<&'static str> {
     own.iter().map(|name| by_name(name).map_or(*name, |parameter| name_of(parameter.id))).collect()
 }
 
-/// Whether a key of a rig file, or a part of its value, becomes a parameter of the controller.
+/// Whether a key of a rig file determines a parameter of the controller, or part of one.
 pub fn is_parameter(key: &str) -> bool {
     OF_SEVERAL.contains(&key) || KEYS.iter().any(|(_, name, _)| *name == key)
 }
 
-/// The whole number of a text, as the device holds one.
+/// The whole number of a text, within the range of the device.
 pub fn whole_number(text: &str) -> Result<i32, String> {
     text.parse().map_err(|_| format!("{text:?} is not a whole number of up to 32 bits"))
 }
 
-/// The value of a parameter; equal entries at the end of a list are said once, as in a rig file.
+/// The value of a parameter; equal entries at the end of a list are written once, as in a rig file.
 pub fn parameter_text(parameters: &Parameters, first: u16, len: u16) -> String {
     let values: Vec<i32> = (first..first + len).filter_map(|id| parameters.get(id)).collect();
     let last = values.last().copied().unwrap_or(0);
@@ -220,7 +221,7 @@ fn scaled(value: i32, digits: u32) -> String {
     format!("{sign}{}{point}{fraction}", size / unit)
 }
 
-/// The whole number of 10^-digits that a decimal fraction is.
+/// A decimal fraction as a whole number of 10^-digits.
 fn unscaled(text: &str, digits: u32) -> Result<i32> {
     let number: f64 = text.parse().map_err(|_| anyhow!("{text:?} is not a number"))?;
     let value = number * f64::from(10u32.pow(digits));
@@ -229,7 +230,7 @@ fn unscaled(text: &str, digits: u32) -> Result<i32> {
         bail!("{text} is too large");
     }
     if (value - whole).abs() > 1e-5 {
-        bail!("{text} has digits that are too small");
+        bail!("{text} has too many digits");
     }
     Ok(whole as i32)
 }
@@ -252,7 +253,7 @@ mod tests {
         }
     }
 
-    /// What a key says in a rig file, it says of the device, too.
+    /// A key means the same in a rig file and on the device.
     #[test]
     fn a_rig_file_that_says_what_is_written_of_a_parameter_gives_it_that_value() {
         let default = Rig::read("test", "").expect("the empty file").parameters();

@@ -1,14 +1,14 @@
-//! A recorded transient as a rig has it: what is known of it, and its samples.
+//! A recorded transient on a rig: its head, and its samples.
 
 use anyhow::{Result, bail};
 use pneudrive_protocol::{CHUNK_SAMPLES, RecordInfo, RecordedSample};
 
 use crate::untrusted::{NAME, sanitised};
 
-/// The most samples of a record: the number of a request, 16 bits, tells its chunk.
+/// The most samples of a record: its chunks are identified by the 16-bit numbers of requests.
 const MAX_SAMPLES: usize = u16::MAX as usize * CHUNK_SAMPLES;
 
-/// What is known of a record before its samples are there.
+/// What is known of a record before its samples are downloaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordHead {
     /// Name of the test.
@@ -21,7 +21,7 @@ pub struct RecordHead {
     pub decimation: u16,
     /// Samples from before the start.
     pub pre_trigger: u16,
-    /// Mean interval of the samples by the board's clock, ns. It goes on being measured after the record.
+    /// Mean interval of the samples by the board's clock, ns. It is still being measured after the record.
     pub measured_period_ns: u32,
     /// Mean of the spool channel, raw.
     pub mean_spool_raw: i16,
@@ -45,7 +45,7 @@ impl From<&RecordInfo<'_>> for RecordHead {
 }
 
 impl RecordHead {
-    /// The message that tells it.
+    /// The message that carries it.
     #[must_use]
     pub fn info(&self) -> RecordInfo<'_> {
         RecordInfo {
@@ -61,14 +61,14 @@ impl RecordHead {
         }
     }
 
-    /// Whether another head is that of the same record: all but what goes on being measured.
+    /// Whether another head is that of the same record: all but the measured period is equal.
     #[must_use]
     pub fn is_of_the_same_record(&self, other: &RecordHead) -> bool {
         let measured_period_ns = self.measured_period_ns;
         *self == RecordHead { measured_period_ns, ..other.clone() }
     }
 
-    /// The index k of each sample: those from before the start as the recorder says, then from 0 on.
+    /// The index k of each sample: for those before the start as the recorder says, then from 0 on.
     pub fn indices(&self) -> impl Iterator<Item = i64> {
         let (step, first) = (usize::from(self.decimation.max(1)), i64::from(self.first_index));
         (first..0).step_by(step).chain((0..).step_by(step)).take(self.samples)
@@ -83,21 +83,21 @@ impl RecordHead {
         if samples > before { (samples - before - 1) * step } else { first + (samples - 1) * step }
     }
 
-    /// Whether a rig with room for so many samples can have such a record, and a file can hold it.
+    /// Checks that a rig with room for this many samples can have such a record, and that a file can hold it.
     ///
     /// # Errors
-    /// With what is impossible.
+    /// With the reason why not.
     pub fn check(&self, capacity: usize) -> Result<()> {
         let RecordHead { samples, first_index, .. } = *self;
         if samples > capacity.min(MAX_SAMPLES) {
-            bail!("it says that its record has {samples} samples, and that it has room for {capacity}");
+            bail!("it reports a record of {samples} samples, but room for {capacity}");
         }
         if first_index > 0 {
-            bail!("it says that its record begins with sample {first_index}, after the start of the run");
+            bail!("it reports a record that begins with sample {first_index}, after the start of the run");
         }
         if self.last_index() > i64::from(i32::MAX) {
             bail!(
-                "its record ends with sample {}, and files count up to {}; record with a smaller test.decimation",
+                "its record ends with sample {}, but files count only up to {}; record with a smaller test.decimation",
                 self.last_index(),
                 i32::MAX
             );

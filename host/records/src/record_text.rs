@@ -1,5 +1,4 @@
-//! The text of a record, as TARGET files and streamed runs have it: lines `# key = value`, then a line of integers a
-//! sample.
+//! The text of a record in TARGET files and streamed runs: lines `# key = value`, then one line of integers per sample.
 
 use anyhow::{Result, anyhow};
 use pneudrive_controller::parameters::{TABLE, id};
@@ -13,8 +12,7 @@ use crate::untrusted::{NAME, sanitised};
 pub(crate) const COLUMNS: &str =
     "index,position_counts,pressure_1_raw,pressure_2_raw,dac_counts,error_counts,spool_raw";
 
-/// Header lines that tell which rig and which parameters the samples of a file are of. Parameters that the
-/// firmware does not have are left out.
+/// Header lines with the rig and the parameters of the samples. Parameters that the firmware does not have are left out.
 pub(crate) fn described(
     format: &str,
     test: &str,
@@ -28,7 +26,7 @@ pub(crate) fn described(
     let mut header: Vec<(String, String)> = Vec::new();
     let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
     put("format", format.to_owned());
-    // A header is lines: a name with a line break in it would make a file that cannot be read.
+    // A line break in a name would make a header that cannot be read.
     put("test", sanitised(test, NAME));
     put("firmware", sanitised(&info.firmware, NAME));
     put("build", sanitised(&info.build, NAME));
@@ -44,7 +42,7 @@ pub(crate) fn described(
     header
 }
 
-/// The CRC-32 (ISO-HDLC) of a text, as files state it.
+/// The CRC-32 (ISO-HDLC) of a text, as written in files.
 pub(crate) fn crc_text(text: &str) -> String {
     format!("{:08x}", frame::crc32(text.as_bytes()))
 }

@@ -1,9 +1,9 @@
-//! What a rig says of itself: who it is, and the parameters that it runs on.
+//! What a rig reports: its identity, and its parameters.
 
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::lookup;
 
-/// Who a rig is.
+/// The identity of a rig.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Info {
     /// Newest protocol version that it speaks.
@@ -18,12 +18,12 @@ pub struct Info {
     pub record_capacity: u32,
 }
 
-/// What a rig runs on.
+/// The parameters of a rig.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigParameters {
     /// The values; defaults where the firmware has no such parameter.
     pub values: Parameters,
-    /// Ids that the firmware does not have: it is older than they are.
+    /// Ids that the firmware, being older, does not have.
     pub lacking: Vec<u16>,
 }
 

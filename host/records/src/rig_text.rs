@@ -1,12 +1,12 @@
-//! Rig files as text: other values in the places of old ones, and all comments kept.
+//! Rig files as text: new values replace old ones, and all comments stay.
 
 use anyhow::{Context, Result, anyhow};
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
-/// The text with these settings, `key=value`, each with a comment on where it comes from.
+/// The text with these settings, `key=value`, each with a comment on its source.
 ///
 /// # Errors
-/// When the text is no TOML, or a setting is none.
+/// When the text is not TOML, or a setting is malformed.
 pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<String> {
     let mut document: DocumentMut = text.parse().context("the rig file")?;
     for setting in settings {
@@ -22,7 +22,7 @@ pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<St
 /// The text without some keys of a table.
 ///
 /// # Errors
-/// When the text is no TOML.
+/// When the text is not TOML.
 pub fn without(text: &str, table: &str, keys: &[&str]) -> Result<String> {
     let mut document: DocumentMut = text.parse().context("the rig file")?;
     if let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) {
@@ -34,7 +34,7 @@ pub fn without(text: &str, table: &str, keys: &[&str]) -> Result<String> {
     Ok(document.to_string())
 }
 
-/// Puts an item where a path such as `load.mass_kg` leads.
+/// Puts an item at a path such as `load.mass_kg`.
 pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
     let Some((table, name)) = path.split_once('.') else {
         document[path] = item;
@@ -58,17 +58,17 @@ fn remove_other_spelling(table: &mut dyn TableLike, name: &str) {
     }
 }
 
-/// The text of a rig file with these values, by path, as run.json has them.
+/// The text of a rig file with these values, by path, as stored in run.json.
 ///
 /// # Errors
-/// When a value is none that a rig file can have.
+/// When a rig file cannot have such a value.
 pub fn of_keys(keys: &serde_json::Map<String, serde_json::Value>) -> Result<String> {
     let mut document = DocumentMut::new();
     // Top-level keys stand before all tables.
     let (of_tables, of_top): (Vec<_>, Vec<_>) = keys.iter().partition(|(path, _)| path.contains('.'));
     for (path, value) in of_top.into_iter().chain(of_tables) {
         let value =
-            toml_of(value).with_context(|| format!("{path} is {value}, which no rig file can have"))?;
+            toml_of(value).with_context(|| format!("{path} is {value}, which a rig file cannot have"))?;
         put(&mut document, path, Item::Value(value));
     }
     Ok(document.to_string())

@@ -1,7 +1,7 @@
 //! The folder of a simulated run: trace.csv and run.json, band.csv where the run has neighbours, and its page.
 //!
-//! They are one thing: they are replaced together (`replacement.rs`), run.json has the checksums of trace.csv and band.csv,
-//! and the page has the identity of its run, [`IDENTITY`].
+//! The files form a unit: they are replaced together (`replacement.rs`), run.json has the checksums of trace.csv and
+//! band.csv, and the page has the identity of its run, [`IDENTITY`].
 
 mod checksum;
 mod description;
@@ -33,10 +33,10 @@ use description::describe;
 use json_file::read_json;
 use replacement::Replacement;
 
-/// Makes a run's page, which has the given mark in its head: the pieces of the file in their order.
+/// Makes a run's page with the given mark in its head: the pieces of the file in their order.
 pub type PageOf<'a> = &'a dyn Fn(&str) -> Result<[Cow<'static, str>; 3]>;
 
-/// The page's mark that tells of which run it is; run.json has the same under `identity`.
+/// The mark of a page that identifies its run; run.json has the same under `identity`.
 pub const IDENTITY: &str = "pneudrive-run";
 
 const TRACE: &str = "trace.csv";
@@ -44,7 +44,7 @@ const BAND: &str = "band.csv";
 const RUN: &str = "run.json";
 const PAGE: &str = "report.html";
 
-/// Where run.json has the checksums of the other files.
+/// The field of run.json with the checksums of the other files.
 const CHECKSUMS: &str = "checksums";
 
 /// `format` of run.json.
@@ -53,17 +53,17 @@ const FORMAT: &str = "pneudrive-run 1";
 /// `controller.loop` of a run whose moves are commands.
 const OPEN: &str = "open";
 
-/// Keys of the windows over which the controller forms velocity and acceleration.
+/// Keys of the windows over which the controller estimates velocity and acceleration.
 static WINDOWS: [&Typed<i64>; 2] =
     [&keys::controller::VELOCITY_WINDOW_SAMPLES, &keys::controller::ACCELERATION_WINDOW_SAMPLES];
 
-/// Writes trace.csv, run.json and, if there is a band, band.csv of a run into a folder, and its page if it has one; all of
-/// them or none, and none of another run stays. `moves` are those of the run and its neighbours as run.json has
-/// them. Tells the number of the run.
+/// Writes trace.csv, run.json and, if there is a band, band.csv of a run to a folder, and its page if it has one; all of
+/// them or none, and no file of another run stays. `moves` are those of the run and its neighbours in the form of
+/// run.json. Returns the number of the run.
 ///
 /// # Errors
-/// When the folder cannot be written to, holds a file of such a name that is not ours, or the run of another rig that is
-/// to be kept.
+/// When the folder cannot be written to, or holds a file of such a name that is not ours, or a run of another rig that
+/// is to be kept.
 pub fn write(
     folder: &Path,
     rig: &Rig,
@@ -95,17 +95,17 @@ pub fn write(
     Ok(numbered.run)
 }
 
-/// Refuses to replace files that are somebody's own.
+/// Refuses to replace files that this program has not written.
 fn refuse_others(folder: &Path) -> Result<()> {
-    // The files of a run are replaced, whatever they are.
+    // The files of a run are replaced by renaming, which would remove a device.
     if let Some(device) =
         [TRACE, BAND, RUN, PAGE].map(|name| folder.join(name)).iter().find(|path| is_device(path))
     {
-        bail!("{} is no file; choose another folder", device.display());
+        bail!("{} is not a file; choose another folder", device.display());
     }
     let json_path = folder.join(RUN);
     if json_path.exists() && read_json(&json_path).is_err() {
-        bail!("{} is not of this program; choose another folder", json_path.display());
+        bail!("{} was not written by this program; choose another folder", json_path.display());
     }
     refuse_to_replace(&folder.join(TRACE), &COLUMNS.join(","))?;
     refuse_to_replace(&folder.join(BAND), &band::header())?;

@@ -1,10 +1,10 @@
-//! A run as it is streamed to disk: as long as it lasts, not only as long as the board's memory does.
+//! A run that is streamed to disk, so that its length is not limited by the board's memory.
 //!
-//! Text, LF, as a TARGET file: lines `# key = value`, the header, a line of integers a sample. What has come is
-//! in the file at once, so a program that is killed leaves all of it; its end is told once all is on the disk. Where samples are missing, a line
-//! `# gap = 3 samples before index 120` stands; at the end the file says how many there are and how many
-//! are missing, and the CRC-32 of all lines behind the header's. The header ends with a CRC-32 of its own, so that an
-//! interrupted stream has that. [`crate::target::TargetFile`] reads it.
+//! Text with LF, like a TARGET file: lines `# key = value`, the column header, one line of integers per sample. Samples
+//! are written as they arrive, so a program that is killed loses none of them; the end is written once everything is on
+//! the disk. A line `# gap = 3 samples before index 120` marks missing samples; the end of the file has the number of
+//! samples and of missing ones, and the CRC-32 of all lines after the header. The header ends with its own CRC-32, which
+//! an interrupted stream has, too. [`crate::target::TargetFile`] reads it.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -17,27 +17,27 @@ use crate::record_text::{COLUMNS, crc_text, data_line, described, header_text, s
 use crate::rig_info::{Info, RigParameters};
 use crate::whole_file;
 
-/// First line's value.
+/// The value of the first line.
 pub(crate) const FORMAT: &str = "pneudrive-stream 2";
 
-/// The same of files without a CRC.
+/// The same for files without a CRC.
 pub(crate) const FORMAT_1: &str = "pneudrive-stream 1";
 
-/// Key of the header's last line: the CRC-32 of those before it.
+/// Key of the header's last line: the CRC-32 of the lines before it.
 pub(crate) const HEADER_CRC: &str = "header_crc32";
 
-/// What the last line begins with.
+/// The beginning of the last line.
 const CRC: &str = "# crc32 = ";
 
-/// More samples than this do not go into the memory of a small machine.
+/// More samples than this exceed the memory of a small machine.
 const MAX_SAMPLES: usize = 10_000_000;
 
-/// What a stream is written to.
+/// The destination of a stream.
 pub trait Disk: Write {
-    /// Brings all that was written to the disk, so that it outlives a power cut.
+    /// Brings everything written to the disk, so that it survives a power cut.
     ///
     /// # Errors
-    /// When the disk does not take it.
+    /// When the disk does not accept it.
     fn sync(&mut self) -> io::Result<()>;
 }
 
@@ -53,19 +53,19 @@ pub struct StreamFile<W = File> {
     path: PathBuf,
     out: W,
     every: u32,
-    /// Index of the sample that comes next if none is missing.
+    /// Index of the next sample if none is missing.
     due: u32,
     samples: u64,
     missing: u64,
-    /// Of all lines behind those of the header.
+    /// Of all lines after the header.
     crc: RecordCrc,
 }
 
 impl StreamFile {
-    /// A new file for every Nth sample of a run. It must not be there yet.
+    /// Creates the file for every Nth sample of a run. It must not exist yet.
     ///
     /// # Errors
-    /// When it is, or cannot be written.
+    /// When it exists, or cannot be written.
     pub fn create(
         path: &Path,
         test: &str,
@@ -97,10 +97,10 @@ impl<W: Disk> StreamFile<W> {
         }
     }
 
-    /// Adds a sample, and a line about those that are missing before it.
+    /// Adds a sample, and a line about missing samples before it.
     ///
     /// # Errors
-    /// When the disk does not take it.
+    /// When the disk does not accept it.
     pub fn add(&mut self, row: &StreamedSample) -> Result<()> {
         self.skip_to(row.index)?;
         self.due = row.index.saturating_add(self.every);
@@ -118,10 +118,10 @@ impl<W: Disk> StreamFile<W> {
         }
     }
 
-    /// Ends the file and brings it to the disk; `samples_of_run` is how many samples the run had, where that is known.
+    /// Ends the file and brings it to the disk; `samples_of_run` is the number of samples of the run, if known.
     ///
     /// # Errors
-    /// When the disk does not take it.
+    /// When the disk does not accept it.
     pub fn end(&mut self, samples_of_run: Option<u32>) -> Result<()> {
         if let Some(end) = samples_of_run.filter(|&end| end > self.due) {
             self.skip_to(end)?;
@@ -149,11 +149,11 @@ impl<W: Disk> StreamFile<W> {
     }
 }
 
-/// The samples in the numbered lines behind the header, and whether a CRC at their end covers them. A program that was
-/// killed has left no end, and maybe a part of a line: then the text does not end with a line.
+/// The samples in the numbered lines after the header, and whether a CRC at the end covers them. A program that was
+/// killed leaves no end, and maybe a partial line: then the text does not end with a line break.
 ///
 /// # Errors
-/// With the line of what is wrong, when there are fewer samples than the end says, or their CRC is another one.
+/// With the line of the problem; also when there are fewer samples than the end says, or their CRC differs.
 pub(crate) fn samples<'a>(
     lines: impl Iterator<Item = (usize, &'a str)>,
     ends_with_a_line: bool,
@@ -170,7 +170,7 @@ pub(crate) fn samples<'a>(
             return match lines.next() {
                 None => Ok((samples, true)),
                 Some((number, _)) => {
-                    bail!("line {}: it stands behind the CRC, at the end of the file", number + 1)
+                    bail!("line {}: it comes after the CRC, which ends the file", number + 1)
                 }
             };
         }
@@ -178,7 +178,11 @@ pub(crate) fn samples<'a>(
         crc.update(b"\n");
         if let Some(stated) = line.strip_prefix("# samples = ") {
             if stated.trim_end() != samples.len().to_string() {
-                bail!("line {}: {stated} samples should be before it, and {} are", number + 1, samples.len());
+                bail!(
+                    "line {}: there should be {stated} samples before it, but there are {}",
+                    number + 1,
+                    samples.len()
+                );
             }
         } else if !line.starts_with("# ") {
             add_sample(number, line, &mut samples)?;
@@ -194,7 +198,7 @@ fn add_sample(number: usize, line: &str, samples: &mut Vec<(i32, RecordedSample)
         bail!("line {}: sample {} comes after sample {before}", number + 1, sample.0);
     }
     if samples.len() == MAX_SAMPLES {
-        bail!("it has more than {MAX_SAMPLES} samples; cut it in parts, or stream every Nth with --every");
+        bail!("it has more than {MAX_SAMPLES} samples; split it, or stream every Nth with --every");
     }
     samples.push(sample);
     Ok(())
@@ -207,12 +211,13 @@ fn check_crc(stated: &str, actual: u32) -> Result<()> {
     Ok(())
 }
 
-/// What is wrong with a sample whose index is beyond what a reader counts to: 32 days at 1.3 ms.
+/// The error for a sample whose index is too large to be read: 32 days at 1.3 ms.
 fn too_late(line: &str) -> Option<Error> {
     let index: u32 = line.split(',').next()?.parse().ok()?;
     let most = i32::MAX;
-    (index > most as u32)
-        .then(|| anyhow!("sample {index} is beyond the last that is read, {most}; cut the file there"))
+    (index > most as u32).then(|| {
+        anyhow!("sample {index} is beyond the last one that can be read, {most}; cut the file there")
+    })
 }
 
 #[cfg(test)]
@@ -285,10 +290,13 @@ mod tests {
     #[test]
     fn what_a_stream_cannot_hold_is_refused_by_its_line() {
         for (end, expected) in [
-            ("# samples = 4\n", "line 5: 4 samples should be before it, and 3 are"),
+            ("# samples = 4\n", "line 5: there should be 4 samples before it, but there are 3"),
             ("6,1,2,3,4,5,6\n", "line 5: sample 6 comes after sample 6"),
             ("8,1,2\n", "line 5: expected seven whole numbers"),
-            ("2147483648,1,2,3,4,5,6\n", "sample 2147483648 is beyond the last that is read, 2147483647"),
+            (
+                "2147483648,1,2,3,4,5,6\n",
+                "sample 2147483648 is beyond the last one that can be read, 2147483647",
+            ),
         ] {
             let error = read(&format!("{LINES}{end}")).expect_err("refused").to_string();
             assert!(error.starts_with(expected), "{error}");

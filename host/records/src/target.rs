@@ -1,8 +1,7 @@
-//! TARGETxx.DAT: a recorded transient as a text file (thesis 5.5.2), exactly as DESIGN section 3 has
-//! it.
+//! TARGETxx.DAT: a recorded transient as a text file (thesis 5.5.2), as specified in DESIGN section 3.
 //!
-//! A file is written whole or not at all, and never over another one. Its CRC covers every line but its own; that of files
-//! of format 1 covers the samples alone.
+//! A file is written whole or not at all, and never over another one. Its CRC covers every line but its own; the CRC of
+//! format 1 covers only the samples.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,16 +17,16 @@ use crate::whole_file::{Staged, sync_folder};
 
 mod reading;
 
-/// First line's value.
+/// The value of the first line.
 const FORMAT: &str = "pneudrive-target 2";
 
-/// The same of files whose CRC covers the samples alone.
+/// The same for files whose CRC covers only the samples.
 const FORMAT_1: &str = "pneudrive-target 1";
 
 /// Key of the header's last line: the CRC of all other lines.
 const CRC: &str = "crc32";
 
-/// A TARGET file, or what has been streamed of a run.
+/// A TARGET file, or the file of a streamed run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetFile {
     /// The `# key = value` lines, in order.
@@ -37,10 +36,10 @@ pub struct TargetFile {
 }
 
 impl TargetFile {
-    /// The file of a record, with everything that its reader needs to know.
+    /// The file of a record, with everything that is needed to read it.
     ///
     /// # Errors
-    /// When a sample has an index that files do not count to.
+    /// When a sample has an index that is too large for a file.
     pub fn new(record: &Record, info: &Info, parameters: &RigParameters) -> Result<TargetFile> {
         let head = &record.head;
         let mut header = described(FORMAT, &head.test, info, parameters);
@@ -60,7 +59,7 @@ impl TargetFile {
         Ok(file)
     }
 
-    /// States the CRC of what the file holds now, in its last header line.
+    /// Writes the CRC of the current content into the last header line.
     pub fn seal(&mut self) {
         self.header.retain(|(key, _)| key != CRC);
         self.header.push((CRC.to_owned(), crc_text(&self.to_text())));
@@ -75,17 +74,17 @@ impl TargetFile {
     /// A number of the header.
     ///
     /// # Errors
-    /// When the header has no such line or it is no number.
+    /// When the header has no such line, or its value is not a number.
     pub fn number(&self, key: &str) -> Result<f64> {
         let text = self.get(key).ok_or_else(|| anyhow!("the header has no line `# {key} = ...`"))?;
         let number = text.parse().ok().filter(|number: &f64| number.is_finite());
         number.ok_or_else(|| anyhow!("the header's {key} is {text:?}, not a number"))
     }
 
-    /// A number of the header that is more than 0.
+    /// A number of the header that must be above 0.
     ///
     /// # Errors
-    /// When the header has no such line or it is another number, or none.
+    /// When the header has no such line, or its value is not such a number.
     pub fn positive(&self, key: &str) -> Result<f64> {
         match self.number(key)? {
             number if number > 0.0 => Ok(number),
@@ -99,7 +98,7 @@ impl TargetFile {
         header_text(&self.header) + COLUMNS + "\n" + &data_lines(&self.samples)
     }
 
-    /// The sample period that the board has measured, us; of a stream, which has no measured one, that asked for.
+    /// The sample period measured by the board, us; for a stream, which has none, the requested one.
     ///
     /// # Errors
     /// When the header does not have it.
@@ -107,34 +106,34 @@ impl TargetFile {
         self.positive(if self.is_streamed() { "sample_period_us" } else { "measured_period_us" })
     }
 
-    /// Whether it was streamed, and not downloaded.
+    /// Whether it was streamed instead of downloaded.
     #[must_use]
     pub fn is_streamed(&self) -> bool {
         matches!(self.get("format"), Some(stream_file::FORMAT | stream_file::FORMAT_1))
     }
 
-    /// Writes the file under the next free number in a folder, and tells its path.
+    /// Writes the file under the next free number in a folder, and returns its path.
     ///
     /// # Errors
     /// When the folder cannot be written to.
     pub fn write_next(&self, folder: &Path) -> Result<PathBuf> {
         fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         let staged = Staged::write(folder, "TARGET", &[self.to_text().as_bytes()])
-            .with_context(|| format!("cannot write a TARGET file into {}", folder.display()))?;
+            .with_context(|| format!("cannot write a TARGET file to {}", folder.display()))?;
         let path = place(staged.path(), folder)?;
         sync_folder(folder);
         Ok(path)
     }
 }
 
-/// Gives a whole file the first free name. A link never replaces what is there.
+/// Gives a complete file the first free name. A hard link never replaces an existing file.
 fn place(partial: &Path, folder: &Path) -> Result<PathBuf> {
     for number in 1..=999 {
         let path = folder.join(format!("TARGET{number:02}.DAT"));
         match fs::hard_link(partial, &path) {
             Ok(()) => return Ok(path),
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-            // A file system without links: a name that is free now is taken by renaming.
+            // On a file system without hard links, a name that is free now is taken by renaming.
             Err(_) if !path.exists() => {
                 fs::rename(partial, &path).with_context(|| format!("cannot write {}", path.display()))?;
                 return Ok(path);
@@ -148,7 +147,7 @@ fn place(partial: &Path, folder: &Path) -> Result<PathBuf> {
 /// A sample under its index k.
 fn numbered(index: i64, sample: RecordedSample) -> Result<(i32, RecordedSample)> {
     let index = i32::try_from(index)
-        .map_err(|_| anyhow!("sample {index} is beyond the last that a file counts, {}", i32::MAX))?;
+        .map_err(|_| anyhow!("sample {index} is beyond the last one that a file can have, {}", i32::MAX))?;
     Ok((index, sample))
 }
 

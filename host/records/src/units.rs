@@ -1,10 +1,10 @@
-//! Figures of a device for a person: mm, kPa and s, as far as its parameters tell their scales; else what was sent.
+//! Figures of a device in mm, kPa and s, as far as its parameters give the scales; otherwise as they were sent.
 
 use pneudrive_controller::parameters::id;
 
 use crate::rig_info::RigParameters;
 
-/// What the raw numbers of a device mean; None where nobody knows.
+/// The scales of a device's raw numbers; None where unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Units {
     mm_per_count: Option<f64>,
@@ -17,7 +17,7 @@ pub struct Units {
 }
 
 impl Units {
-    /// Those that parameters tell.
+    /// The scales in the parameters of a rig.
     pub fn of(parameters: &RigParameters) -> Units {
         let RigParameters { values, lacking } = parameters;
         let known = |id: u16| values.get(id).filter(|_| !lacking.contains(&id)).map(f64::from);
@@ -35,13 +35,13 @@ impl Units {
         }
     }
 
-    /// None: what a device sends, as it is.
+    /// No scales: figures as the device sends them.
     pub fn raw(parameters: &RigParameters) -> Units {
         let is = |id: u16| parameters.values.get(id) == Some(1);
         Units { open_loop: is(id::OPEN_LOOP), stepper: is(id::STEPPER), ..Units::default() }
     }
 
-    /// A place or a distance of the encoder.
+    /// A position or a distance of the encoder.
     pub fn length(&self, counts: i32) -> String {
         match self.mm_per_count {
             Some(mm) => format!("{:.3} mm", f64::from(counts) * mm),
@@ -49,18 +49,18 @@ impl Units {
         }
     }
 
-    /// The count that is nearest to a place; None where the scale is unknown, or there is none.
+    /// The count nearest to a position; None if the scale is unknown, or the count is out of range.
     pub fn count_at(&self, mm: f64) -> Option<i32> {
         let count = (mm / self.mm_per_count?).round();
         (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&count).then_some(count as i32)
     }
 
-    /// A setpoint: a place, or in open loop a command.
+    /// A setpoint: a position or, in open loop, a command.
     pub fn setpoint(&self, counts: i32) -> String {
         if self.open_loop { self.command(counts) } else { self.length(counts) }
     }
 
-    /// A command to the valve. How many volts the amplifier makes of it, no device tells.
+    /// A command to the valve. The device does not know the volts of its amplifier.
     pub fn command(&self, counts: i32) -> String {
         let unit = if self.stepper { "steps" } else { "counts" };
         format!("{counts} {unit}")
@@ -74,7 +74,7 @@ impl Units {
         }
     }
 
-    /// Where the spool is; of a stepper by its steps.
+    /// The position of the spool; of a stepper in steps.
     pub fn spool(&self, raw: i16) -> String {
         match self.spool_mm {
             _ if self.stepper => format!("{raw} steps"),
@@ -83,7 +83,7 @@ impl Units {
         }
     }
 
-    /// The time of so many samples.
+    /// The duration of this many samples.
     pub fn time(&self, samples: u32) -> String {
         match self.period_s {
             Some(period) => format!("{:.3} s", f64::from(samples) * period),

@@ -1,18 +1,18 @@
-//! Texts that a device sends, made fit for a terminal, a message and a line of a file.
+//! Texts from a device, made safe for a terminal, a message and a line of a file.
 
 use pneudrive_protocol::MAX_TEXT;
 
-/// Longest name, bytes: one that always fits its message.
+/// Longest name, bytes: it always fits its message.
 pub const NAME: usize = MAX_TEXT;
 
 /// Longest sentence, bytes.
 pub const SENTENCE: usize = 256;
 
-/// What a text that is cut ends with.
+/// The end of a text that was cut.
 const CUT: &str = "...";
 
-/// A text of a device with its control and formatting characters escaped (`\n`, `\u{1b}`), cut to `longest` bytes. A
-/// text that is clean stays as it is, so cleaning twice changes nothing.
+/// A text of a device with control and formatting characters escaped (`\n`, `\u{1b}`), cut to `longest` bytes. A clean
+/// text is not changed, so the function is idempotent.
 pub fn sanitised(text: &str, longest: usize) -> String {
     let mut clean = String::new();
     for character in text.chars() {
@@ -29,7 +29,7 @@ pub fn sanitised(text: &str, longest: usize) -> String {
     clean
 }
 
-/// Whether a character shows as itself. Quotes and backslashes do, though Rust would escape them.
+/// Whether a character needs no escape. Quotes and backslashes need none, though Rust would escape them.
 fn is_plain(character: char) -> bool {
     matches!(character, '"' | '\'' | '\\') || character.escape_debug().len() == 1
 }

@@ -1,11 +1,11 @@
-//! Files that are there whole or not at all, after a kill and after a power cut, too.
+//! Files that are written whole or not at all, even if the program is killed or the power fails.
 //!
 //! ```text
 //! stage    .NAME.PID.partial   beside the file: written, and brought to the disk
-//! place    NAME                by one rename; the folder is brought to the disk as well
+//! place    NAME                by one rename; the folder is brought to the disk, too
 //! ```
 //!
-//! What a program that was killed has staged, the next one that writes the same file removes, and says so.
+//! A file that a killed program has staged is removed, with a note, by the next program that writes the same file.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-/// Ends the name of a staged file.
+/// The end of the name of a staged file.
 const ENDING: &str = ".partial";
 
 /// Writes a file whole or not at all.
@@ -25,7 +25,7 @@ pub fn put(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
     put_pieces(path, &[content.as_ref()])
 }
 
-/// The same of a file that is made of several pieces. A device or a pipe is written to, not replaced.
+/// The same for a file made of several pieces. A device or a pipe is written to, not replaced.
 ///
 /// # Errors
 /// When it cannot be written.
@@ -37,7 +37,7 @@ pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
     written.with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Whether something stands there that is neither a file nor a folder.
+/// Whether a path is neither a file nor a folder.
 pub fn is_device(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
@@ -60,13 +60,12 @@ fn write(file: &mut File, pieces: &[&[u8]]) -> io::Result<()> {
     pieces.iter().try_for_each(|piece| file.write_all(piece))
 }
 
-/// Writes a file that only this program knows of, and brings it to the disk; nothing is left of one that does not come to
-/// its end.
+/// Writes a new file of this program alone, and brings it to the disk; nothing is left of one that cannot be completed.
 ///
 /// # Errors
-/// When the disk does not take it.
+/// When the disk does not accept it.
 pub fn write_new(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
-    // Whatever has this name is of an earlier program with our number, or somebody's trap: a link is not followed.
+    // A file of this name is of an earlier program with our number, or a trap: a link is not followed.
     let _ = fs::remove_file(path);
     let mut file = File::create_new(path)?;
     let written = write(&mut file, pieces).and_then(|()| file.sync_all());
@@ -75,23 +74,23 @@ pub fn write_new(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
     })
 }
 
-/// The number of this program among those that run, which is part of the names of what it stages. Where a system has none
-/// (wasm), nothing can be staged either.
+/// The process number of this program, which is part of the names of staged files. On a system without one (wasm),
+/// nothing can be staged either.
 pub fn own_number() -> u32 {
     if cfg!(target_family = "wasm") { 0 } else { std::process::id() }
 }
 
-/// A file that is whole and on the disk, and has not got its name yet. Dropped before, it is removed.
+/// A file that is complete and on the disk, and does not have its name yet. It is removed if it is dropped before.
 #[derive(Debug)]
 pub struct Staged {
     path: PathBuf,
 }
 
 impl Staged {
-    /// Stages what is to become the file of that name in a folder.
+    /// Stages the content of the file of that name in a folder.
     ///
     /// # Errors
-    /// When the disk does not take it.
+    /// When the disk does not accept it.
     pub fn write(folder: &Path, name: impl AsRef<OsStr>, pieces: &[&[u8]]) -> io::Result<Staged> {
         let prefix = format!(".{}.", name.as_ref().to_string_lossy());
         remove_leftovers(folder, &prefix);
@@ -100,7 +99,7 @@ impl Staged {
         Ok(Staged { path })
     }
 
-    /// Where it is.
+    /// Its path.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -109,24 +108,24 @@ impl Staged {
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        // Gone already if it was placed.
+        // If it was placed, it is gone already.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// Removes what programs that are gone have staged for a file.
+/// Removes the files that programs which are gone have staged for a file.
 fn remove_leftovers(folder: &Path, prefix: &str) {
     let number = |name: &str| name.strip_prefix(prefix)?.strip_suffix(ENDING)?.parse::<u32>().ok();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let Some(number) = number(&entry.file_name().to_string_lossy()) else { continue };
         if !may_run(number, &entry.path()) && fs::remove_file(entry.path()).is_ok() {
-            log::info!("removed {}, which an interrupted program had left", entry.path().display());
+            log::info!("removed {}, left by an interrupted program", entry.path().display());
         }
     }
 }
 
-/// Whether the program with this number, which has staged something, may still be running. Where that cannot be told,
-/// what is less than an hour old counts as of one that runs.
+/// Whether the program with this number, which has staged a file, may still be running. Where the system does not say,
+/// the program of a file less than an hour old counts as running.
 pub fn may_run(number: u32, staged: &Path) -> bool {
     if cfg!(target_os = "linux") {
         return Path::new(&format!("/proc/{number}")).exists();
@@ -135,18 +134,18 @@ pub fn may_run(number: u32, staged: &Path) -> bool {
     age.is_none_or(|age| age.as_secs() < 3600)
 }
 
-/// Brings the names in a folder to the disk, where the system can.
+/// Brings the names in a folder to the disk, if the system can.
 pub fn sync_folder(folder: &Path) {
     if cfg!(unix) {
         let _ = File::open(folder).and_then(|file| file.sync_all());
     }
 }
 
-/// Opens a file to be read and added to, or begins it. Only a plain file will do: a link would lead to somebody's
-/// else's, and a pipe has no end.
+/// Opens a file to read and append, or creates it. It must be a regular file: a link could lead to another user's file,
+/// and a pipe has no end.
 ///
 /// # Errors
-/// When something else stands there, or it cannot be opened.
+/// When it is not a regular file, or cannot be opened.
 pub fn open_to_add(path: &Path) -> io::Result<File> {
     let mut options = File::options();
     options.read(true).append(true).create(true);
@@ -154,7 +153,7 @@ pub fn open_to_add(path: &Path) -> io::Result<File> {
     {
         use nix::fcntl::OFlag;
         use std::os::unix::fs::OpenOptionsExt;
-        // Without waiting for whoever may be at the other end of a pipe.
+        // Without waiting for the other end of a pipe.
         options.custom_flags((OFlag::O_NOFOLLOW | OFlag::O_NONBLOCK).bits());
     }
     let opened = options.open(path);
@@ -165,7 +164,7 @@ pub fn open_to_add(path: &Path) -> io::Result<File> {
         Err(_) if fs::symlink_metadata(path).is_err() => opened,
         _ => Err(io::Error::new(
             ErrorKind::InvalidInput,
-            "it is no plain file, but a link, a pipe, a device or a folder; move it away",
+            "it is not a regular file, but a link, a pipe, a device or a folder; move it away",
         )),
     }
 }
@@ -247,7 +246,7 @@ mod tests {
         assert!(made.success());
         for name in ["link", "dangling", "folder", "pipe"] {
             let error = open_to_add(&place(name)).expect_err("no plain file");
-            assert!(error.to_string().contains("it is no plain file"), "{name}: {error}");
+            assert!(error.to_string().contains("it is not a regular file"), "{name}: {error}");
         }
         open_to_add(&place("mine")).expect("a file").write_all(b", more").expect("added");
         assert_eq!(fs::read_to_string(place("mine")).expect("there"), "mine, more");

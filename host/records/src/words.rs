@@ -1,4 +1,4 @@
-//! What the codes of the controller mean to a person, and what to do.
+//! The meaning of the controller's codes in words, with advice.
 
 use std::cmp::Ordering;
 

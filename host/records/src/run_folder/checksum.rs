@@ -2,7 +2,7 @@
 
 use crc::{CRC_64_XZ, Crc};
 
-/// A checksum as run.json has it: CRC-64 (XZ), in hexadecimal digits.
+/// A checksum in run.json: CRC-64 (XZ), in hexadecimal digits.
 pub(super) fn checksum(text: &str) -> String {
     const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
     format!("{:016x}", CRC.checksum(text.as_bytes()))

@@ -1,4 +1,4 @@
-//! run.json: what a run was, in words and numbers.
+//! run.json: the description of a run.
 
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_sim::rig::{Fields, Value};
@@ -41,7 +41,7 @@ pub(super) fn describe(
     })
 }
 
-/// The neighbours of a run, and what went wrong with them.
+/// The neighbours of a run, and those that failed.
 fn neighbours(judged: &Judged) -> serde_json::Value {
     let tripped: Vec<&str> = judged.lost.tripped.iter().map(|fault| words::fault_name(*fault)).collect();
     json!({
@@ -52,7 +52,7 @@ fn neighbours(judged: &Judged) -> serde_json::Value {
     })
 }
 
-/// What the integrator had to do.
+/// The work of the integrator.
 fn work(run: &Run) -> serde_json::Value {
     json!({
         "steps": run.work.integrator.n_steps,
@@ -65,7 +65,7 @@ fn work(run: &Run) -> serde_json::Value {
     })
 }
 
-/// The controller's parameters but for its lists, under the device's own names.
+/// The controller's parameters except lists, under the device's own names.
 fn controller(rig: &Rig) -> Map<String, serde_json::Value> {
     let parameters = rig.parameters();
     let scalars = TABLE.iter().filter(|parameter| parameter.len == 1);

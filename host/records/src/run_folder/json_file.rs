@@ -1,4 +1,4 @@
-//! How run.json is read.
+//! Reading of run.json.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::FORMAT;
 /// Reads run.json.
 ///
 /// # Errors
-/// With the file, when it is none of this program.
+/// With the file, when this program has not written it.
 pub(super) fn read_json(path: &Path) -> Result<serde_json::Value> {
     let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let value: serde_json::Value =

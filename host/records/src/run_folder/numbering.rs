@@ -1,8 +1,8 @@
-//! The number and the date of a run, and whether it may take the place of another (thesis I.1 (a) to (c)).
+//! The number and the date of a run, and whether it may replace another (thesis I.1 (a) to (c)).
 //!
-//! The runs of a folder are counted: the next one has the number behind that of the run in whose place it comes. Runs of
-//! older programs have none and count as 0. The date is that of the clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970),
-//! by which a run is written byte for byte again.
+//! The runs of a folder are counted: a run has the number after that of the run that it replaces. Runs of older versions
+//! have none and count as 0. The date is that of the clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a
+//! run can be written again byte for byte.
 
 use std::path::Path;
 
@@ -14,16 +14,16 @@ use super::RUN;
 use super::json_file::read_json;
 use super::replacement::settle;
 
-/// What becomes of a run of another rig in the folder.
+/// What happens to a run of another rig in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
     /// It is kept, and the new one is refused.
     Keep,
-    /// The new one takes its place.
+    /// The new one replaces it.
     Overwrite,
 }
 
-/// What a run is known by.
+/// What identifies a run in its folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbered {
     /// Its number in its folder, from 1 on.
@@ -36,9 +36,9 @@ impl Numbered {
     /// Of the next run in a folder.
     ///
     /// # Errors
-    /// As [`refuse_other_rig`], and when `SOURCE_DATE_EPOCH` is no time.
+    /// As [`refuse_other_rig`], and when `SOURCE_DATE_EPOCH` is not a time.
     pub(super) fn next(folder: &Path, rig: &Rig, existing: Existing) -> Result<Numbered> {
-        // What a killed program has left counts as the last run.
+        // A run that a killed program has left counts as the last one.
         if let Some(said) = settle(folder)? {
             log::info!("{said}");
         }
@@ -47,14 +47,14 @@ impl Numbered {
         Ok(Numbered { run: before.saturating_add(1), date: date(std::env::var(EPOCH).ok())? })
     }
 
-    /// Of a run as it is described; None of one of an older program.
+    /// From the description of a run; None for a run of an older version.
     pub(super) fn of(description: &serde_json::Value) -> Option<Numbered> {
         Some(Numbered { run: description["run"].as_u64()?, date: description["date"].as_str()?.to_owned() })
     }
 }
 
-/// Refuses a folder whose run is of another rig, unless it may be overwritten. Before long work, and again before it is
-/// written.
+/// Refuses a folder with a run of another rig, unless it may be overwritten. Called before long work, and again before
+/// writing.
 ///
 /// # Errors
 /// When there is such a run.
@@ -70,17 +70,17 @@ pub fn refuse_other_rig(folder: &Path, rig: &Rig, existing: Existing) -> Result<
     }
 }
 
-/// The run of a folder, if it has one of ours.
+/// The run in a folder, if this program has written one there.
 fn last_run(folder: &Path) -> Option<serde_json::Value> {
     read_json(&folder.join(RUN)).ok()
 }
 
-/// Fixes the date of whatever is built or written.
+/// The environment variable that fixes the date.
 const EPOCH: &str = "SOURCE_DATE_EPOCH";
 
 fn date(fixed: Option<String>) -> Result<String> {
     let Some(fixed) = fixed else {
-        ensure!(!cfg!(target_family = "wasm"), "there is no clock here; {EPOCH} must say what time it is");
+        ensure!(!cfg!(target_family = "wasm"), "there is no clock here; set {EPOCH}, in seconds since 1970");
         return Ok(whole_seconds(Timestamp::now()));
     };
     let seconds = fixed.parse::<i64>().ok().and_then(|seconds| Timestamp::from_second(seconds).ok());

@@ -1,13 +1,13 @@
-//! Replaces the files of a run all together or not at all, however the program ends.
+//! Replaces the files of a run together or not at all, however the program ends.
 //!
 //! ```text
 //! stage    .pneudrive-next-PID/   the new files, on the disk
-//! commit   .pneudrive-next/       by one rename: from here on the new run counts
-//! place    each file moves into the folder; those of the old run that the new one has not are removed
+//! commit   .pneudrive-next/       by one rename: from here on the new run is valid
+//! place    each file moves into the folder; files of the old run that the new one does not have are removed
 //! ```
 //!
-//! What a program did not come to place, the next one that writes or reads the folder places. Programs that write at the
-//! same time wait for each other.
+//! If a program ends before it has placed the files, the next one that writes or reads the folder does. Programs that
+//! write at the same time wait for each other.
 
 use std::fs::{self, File};
 use std::io::ErrorKind;
@@ -21,10 +21,10 @@ use crate::whole_file::{may_run, own_number, sync_folder, write_new};
 /// Every file that a run may have in its folder.
 const FILES: [&str; 4] = [TRACE, BAND, RUN, PAGE];
 
-/// What has been committed and not yet placed.
+/// The set that is committed and not yet placed.
 const NEXT: &str = ".pneudrive-next";
 
-/// A new set of files on its way into a folder.
+/// A new set of files for a folder.
 #[derive(Debug)]
 pub struct Replacement<'a> {
     folder: &'a Path,
@@ -33,7 +33,7 @@ pub struct Replacement<'a> {
 }
 
 impl<'a> Replacement<'a> {
-    /// Begins a set for a folder, which is made if it is not there.
+    /// Begins a set for a folder, which is created if needed.
     ///
     /// # Errors
     /// When the folder cannot be written to.
@@ -59,7 +59,7 @@ impl<'a> Replacement<'a> {
             .with_context(|| format!("cannot write {}", self.folder.join(name).display()))
     }
 
-    /// Lets the new set count, and places it.
+    /// Makes the new set valid, and places it.
     ///
     /// # Errors
     /// When it cannot be placed: then the folder holds the old set, or the new one is placed by the next program.
@@ -83,11 +83,11 @@ impl Drop for Replacement<'_> {
     }
 }
 
-/// Makes the files of a folder those of one run: places what a program that was killed has left, and removes what it had
-/// not committed. Says what it did, if it did something.
+/// Makes the files of a folder those of one run: places the committed set of a program that was killed, and removes sets
+/// that were not committed. Returns a note on what it did, if anything.
 ///
 /// # Errors
-/// When the folder cannot be written to and needs it.
+/// When the folder needs to be written to and cannot be.
 pub fn settle(folder: &Path) -> Result<Option<String>> {
     let left = leftovers(folder);
     if left.is_empty() {
@@ -96,13 +96,17 @@ pub fn settle(folder: &Path) -> Result<Option<String>> {
     let _lock = lock(folder)?;
     let committed = folder.join(NEXT).exists();
     place(folder)?;
-    // Under the lock no staged set is about to be committed; one of a program that still runs stays.
+    // Under the lock no other program commits; the staged set of a running program stays.
     let dead = leftovers(folder).into_iter().filter(|path| !is_of_a_running_program(path));
     let removed = dead.map(|path| remove(&path)).collect::<Result<Vec<()>>>()?.len();
     Ok(match (committed, removed) {
-        (true, _) => Some(format!("{}: finished what an interrupted program had left", folder.display())),
+        (true, _) => {
+            Some(format!("{}: finished writing the run of an interrupted program", folder.display()))
+        }
         (false, 0) => None,
-        (false, _) => Some(format!("{}: removed what an interrupted program had begun", folder.display())),
+        (false, _) => {
+            Some(format!("{}: removed the unfinished run of an interrupted program", folder.display()))
+        }
     })
 }
 
@@ -112,7 +116,7 @@ fn leftovers(folder: &Path) -> Vec<PathBuf> {
     ours.map(|entry| entry.path()).collect()
 }
 
-/// Whether the program whose number a staged set has in its name may be there.
+/// Whether the program whose number is in the name of a staged set may still be running.
 fn is_of_a_running_program(staged: &Path) -> bool {
     let number = staged.to_string_lossy().rsplit_once('-').and_then(|(_, pid)| pid.parse::<u32>().ok());
     number.is_some_and(|number| may_run(number, staged))
@@ -124,7 +128,7 @@ fn place(folder: &Path) -> Result<()> {
     if !next.exists() {
         return Ok(());
     }
-    // The manifest is the set itself, so what is gone from it has been placed: removals come first.
+    // Files that have left the set have been placed, so the old run's other files are removed first.
     let marked = next.join(PLACING);
     if !marked.exists() {
         for name in FILES.into_iter().filter(|name| !next.join(name).exists()) {
@@ -144,7 +148,7 @@ fn place(folder: &Path) -> Result<()> {
     remove(&next)
 }
 
-/// Says in a committed set that the files which it has not are removed.
+/// Marks a committed set whose removals are done.
 const PLACING: &str = "placing";
 
 fn remove(path: &Path) -> Result<()> {
@@ -158,7 +162,7 @@ fn remove(path: &Path) -> Result<()> {
     }
 }
 
-/// Waits until no other program changes the folder. Held as long as what is returned lives.
+/// Waits until no other program changes the folder. The lock is held as long as the returned file lives.
 fn lock(folder: &Path) -> Result<Option<File>> {
     // Only Unix opens a folder as a file.
     if !cfg!(unix) {

@@ -1,4 +1,4 @@
-//! A run folder as it is read.
+//! Reading of a run folder.
 
 use std::fs;
 use std::path::Path;
@@ -19,16 +19,16 @@ use crate::band::Band;
 use crate::rig_text;
 use crate::window::{WHOLE_WINDOW, whole_window};
 
-/// The key of the encoder's scale, and what that must be.
+/// The key of the encoder's scale, and the requirement on its value.
 const SCALE: &str = "encoder.mm_per_count";
-const MORE_THAN_0: &str = "it must be a number, more than 0";
+const MORE_THAN_0: &str = "it must be a number above 0";
 
-/// A run as it was written: its description and the columns of its trace.
+/// A stored run: its description and the columns of its trace.
 #[derive(Clone, Debug)]
 pub struct StoredRun {
-    /// What the rig is called.
+    /// The name of the rig.
     pub rig: String,
-    /// Its number in its folder, and when it was written; None of a run of an older program, or one not written.
+    /// Its number in its folder, and its date; None for a run of an older version, or one that is not written.
     pub numbered: Option<Numbered>,
     /// mm of stroke per encoder count.
     pub mm_per_count: f64,
@@ -36,15 +36,15 @@ pub struct StoredRun {
     pub open_loop: bool,
     /// Windows of the controller's velocity and acceleration, samples.
     pub windows: [u8; 2],
-    /// What it and its neighbours cover, if it has some.
+    /// The range of the run and its neighbours, if it has any.
     pub band: Option<Band>,
-    /// How its neighbours were chosen; None of a run without neighbours.
+    /// The number and distance of its neighbours; None without neighbours.
     pub spacing: Option<Spacing>,
-    /// How exactly it was integrated; None where this program does not know.
+    /// The accuracy of its integration; None if this program does not know the method.
     pub accuracy: Option<Accuracy>,
-    /// Columns that not every trace has.
+    /// Its optional columns.
     pub extras: Vec<&'static Extra>,
-    /// Whether its trace is known to be the one that was written; those of older programs have no checksum.
+    /// Whether a checksum confirms its trace; runs of older versions have none.
     pub has_checksum: bool,
     columns: Vec<Vec<f64>>,
 }
@@ -93,14 +93,14 @@ impl StoredRun {
     /// Reads a run folder.
     ///
     /// # Errors
-    /// With the file and line of what is wrong.
+    /// With the file and the line of the problem.
     pub fn read(folder: &Path) -> Result<StoredRun> {
         if let Some(said) = settle(folder)? {
             log::info!("{said}");
         }
         let json_path = folder.join(RUN);
         if !json_path.exists() {
-            bail!("{} is no run folder: it has no run.json", folder.display());
+            bail!("{} is not a run folder: it has no run.json", folder.display());
         }
         let description = read_json(&json_path)?;
         let mm_per_count =
@@ -131,7 +131,7 @@ impl StoredRun {
     /// A column of the trace by its name.
     ///
     /// # Panics
-    /// When there is no such column: a slip in the program.
+    /// When there is no such column: a bug in the program.
     #[must_use]
     pub fn column(&self, name: &str) -> &[f64] {
         let mut names = COLUMNS.into_iter().chain(self.extras.iter().map(|extra| extra.name));
@@ -140,10 +140,10 @@ impl StoredRun {
     }
 }
 
-/// The rig of a run folder, with every value that it was run with.
+/// The rig of a run folder, with all values of the run.
 ///
 /// # Errors
-/// When run.json cannot be read, or this program does not take its values any more.
+/// When run.json cannot be read, or this program no longer accepts its values.
 pub fn rig_of(folder: &Path) -> Result<Rig> {
     let path = folder.join(RUN);
     let description = read_json(&path)?;
@@ -152,7 +152,7 @@ pub fn rig_of(folder: &Path) -> Result<Rig> {
     Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
 }
 
-/// Whether the trace of a run folder is that of a run, to the last digit, in the columns that every trace has.
+/// Whether the trace of a run folder equals that of a run, to the last digit, in the columns that every trace has.
 ///
 /// # Errors
 /// When it cannot be read.
@@ -181,7 +181,7 @@ fn read_text(path: &Path) -> Result<String> {
     fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
 }
 
-/// The band of a run whose trace has these times; None of one without neighbours, or whose program left none.
+/// The band of a run whose trace has these times; None without neighbours, or if its program wrote none.
 fn read_band(folder: &Path, description: &serde_json::Value, time_s: &[f64]) -> Result<Option<Band>> {
     let path = folder.join(BAND);
     let is_there = !description[CHECKSUMS][BAND].is_null() || path.exists();
@@ -191,25 +191,28 @@ fn read_band(folder: &Path, description: &serde_json::Value, time_s: &[f64]) -> 
     check(folder, description, BAND, &read_text(&path)?)?;
     let band = Band::read(&path)?;
     if band.time_s != time_s {
-        bail!("{}: band.csv and trace.csv are of two runs", folder.display());
+        bail!("{}: band.csv and trace.csv belong to different runs", folder.display());
     }
     Ok(Some(band))
 }
 
-/// Whether a trace has the rows of its run; those of older programs do not tell.
+/// Checks that a trace has all rows of its run; older versions did not store their number.
 fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Result<()> {
     if rows == 0 {
         bail!("{} has no samples", folder.display());
     }
     match description["rows"].as_u64() {
         Some(told) if told != rows as u64 => {
-            bail!("{} has {rows} of the {told} rows of its run: it was cut", folder.join(TRACE).display())
+            bail!(
+                "{} has {rows} of the {told} rows of its run: it is truncated",
+                folder.join(TRACE).display()
+            )
         }
         _ => Ok(()),
     }
 }
 
-/// The value of a key, if `read` takes it; else what it must be.
+/// The value of a key, if `read` accepts it; otherwise, an error with the requirement.
 fn of_key<T>(
     json_path: &Path,
     description: &serde_json::Value,
@@ -222,18 +225,18 @@ fn of_key<T>(
     value.as_f64().and_then(read).ok_or_else(wrong)
 }
 
-/// Whether a file is the one that run.json tells of; older programs do not tell.
+/// Checks that a file has the checksum in run.json; older versions stored none.
 fn check(folder: &Path, description: &serde_json::Value, name: &str, text: &str) -> Result<()> {
     match description[CHECKSUMS][name].as_str() {
         Some(told) if told != checksum(text) => bail!(
-            "{} is not the file that belongs to run.json: it was changed or damaged, or is of another run",
+            "{} does not belong to run.json: it was changed or damaged, or is from another run",
             folder.join(name).display()
         ),
         _ => Ok(()),
     }
 }
 
-/// The columns that not every trace has, by the header of one.
+/// The optional columns in the header of a trace.
 fn extras_of(header: &str) -> Result<Vec<&'static Extra>> {
     let expected = || anyhow!("line 1: expected the header {}", COLUMNS.join(","));
     let more = header.strip_prefix(&COLUMNS.join(",")).ok_or_else(expected)?;

@@ -1,4 +1,4 @@
-//! How a TARGET file, or what has been streamed of a run, is read.
+//! Reading of TARGET files and streamed runs.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::{CRC, FORMAT, FORMAT_1, TargetFile};
 use crate::record_text::{COLUMNS, crc_text, data_lines, header_text, sample_of};
 use crate::stream_file;
 
-/// What of a file its checksums cover.
+/// The part of a file that its checksums cover.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Covered {
     /// All of it.
@@ -23,40 +23,38 @@ pub(crate) enum Covered {
 }
 
 impl Covered {
-    /// What is not covered, in a sentence.
+    /// A note on the part that is not covered.
     fn note(self) -> Option<&'static str> {
         match self {
             Covered::Whole => None,
-            Covered::Header => {
-                Some("its stream was interrupted, so nothing tells whether its samples are as they came")
-            }
+            Covered::Header => Some("its stream was interrupted, so no checksum protects its samples"),
             Covered::Samples => Some(
-                "it is of format 1, whose CRC covers the samples alone; nothing tells whether scales and parameters in its header are as they were",
+                "it is of format 1, whose CRC covers only the samples: changed scales or parameters in its header cannot be detected",
             ),
             Covered::Nothing => {
-                Some("it is a stream of format 1, which has no CRC; nothing tells whether it is as it was")
+                Some("it is a stream of format 1, which has no CRC: changes cannot be detected")
             }
         }
     }
 }
 
 impl TargetFile {
-    /// Takes a file's text apart.
+    /// Parses a file's text.
     ///
     /// # Errors
-    /// With the line of what is wrong, or when a CRC does not fit.
+    /// With the line of the problem, or when a CRC does not match.
     pub fn from_text(text: &str) -> Result<TargetFile> {
         Ok(TargetFile::read_text(text)?.0)
     }
 
-    /// Reads a file. What its CRC does not cover is told to the log.
+    /// Reads a file. A note on a part that its CRC does not cover goes to the log.
     ///
     /// # Errors
-    /// With the file and the line of what is wrong.
+    /// With the file and the line of the problem.
     pub fn read(path: &Path) -> Result<TargetFile> {
         let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
         let Ok(text) = String::from_utf8(bytes) else {
-            bail!("{} is no text: it is neither a TARGET file nor a run folder", path.display());
+            bail!("{} is not a text file: it is neither a TARGET file nor a run folder", path.display());
         };
         let (file, covered) = TargetFile::read_text(&text).with_context(|| path.display().to_string())?;
         if let Some(note) = covered.note() {
@@ -65,7 +63,7 @@ impl TargetFile {
         Ok(file)
     }
 
-    /// The file of a text, and what of it is covered by a CRC.
+    /// The file of a text, and the part of it that a CRC covers.
     pub(crate) fn read_text(text: &str) -> Result<(TargetFile, Covered)> {
         let mut lines = text.lines().enumerate();
         let mut file = TargetFile { header: header(&mut lines)?, samples: Vec::new() };
@@ -87,11 +85,9 @@ impl TargetFile {
             }
             Some(other) => {
                 let (target, stream) = (FORMAT, stream_file::FORMAT);
-                bail!(
-                    "its format is {other:?}; this program reads {target:?}, {stream:?} and what was before them"
-                )
+                bail!("its format is {other:?}; this program reads {target:?}, {stream:?} and earlier ones")
             }
-            None => bail!("it is no TARGET file: its header has no `# format = {FORMAT}`"),
+            None => bail!("it is not a TARGET file: its header has no `# format = {FORMAT}`"),
         };
         Ok((file, covered))
     }
@@ -105,7 +101,7 @@ impl TargetFile {
         let actual = crc_text(&text);
         if stated != actual {
             let what = if covered == Covered::Whole { "it is" } else { "its data are" };
-            bail!("{what} damaged, cut or changed: the CRC is {actual}, the header says {stated}");
+            bail!("{what} damaged, truncated or changed: the CRC is {actual}, the header says {stated}");
         }
         Ok(covered)
     }
@@ -130,7 +126,7 @@ impl TargetFile {
 fn header<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Vec<(String, String)>> {
     let mut header: Vec<(String, String)> = Vec::new();
     for (number, line) in lines {
-        // A file that has been through many systems may end its lines with more than one CR.
+        // A file that was converted repeatedly may end its lines with more than one CR.
         let line = line.trim_end_matches('\r');
         if line == COLUMNS {
             return Ok(header);
@@ -140,7 +136,7 @@ fn header<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Vec<
             bail!("line {}: expected `# key = value` or `{COLUMNS}`, found {line:?}", number + 1);
         };
         if let Some(before) = header.iter().position(|(name, _)| name == key) {
-            bail!("line {}: {key} has been given already, in line {}", number + 1, before + 1);
+            bail!("line {}: {key} is already set in line {}", number + 1, before + 1);
         }
         header.push((key.to_owned(), value.to_owned()));
     }

@@ -127,7 +127,7 @@ fn another_scale_or_parameter_in_the_header_is_noticed() {
         let changed = file().to_text().replacen(was, is, 1);
         assert_ne!(changed, file().to_text());
         let error = TargetFile::from_text(&changed).expect_err("changed").to_string();
-        assert!(error.contains("damaged, cut or changed"), "{error}");
+        assert!(error.contains("damaged, truncated or changed"), "{error}");
     }
 }
 
@@ -136,7 +136,7 @@ fn a_key_that_is_given_twice_is_refused_by_its_lines_in_files_of_every_format() 
     for text in [file().to_text(), old_file().to_text()] {
         let twice = text.replacen("# mean_spool_raw", "# mm_per_count = 9\n# mean_spool_raw", 1);
         let error = TargetFile::from_text(&twice).expect_err("twice").to_string();
-        assert!(error.contains("line 14: mm_per_count has been given already, in line 9"), "{error}");
+        assert!(error.contains("line 14: mm_per_count is already set in line 9"), "{error}");
     }
 }
 
