@@ -14,13 +14,13 @@ use pneudrive_sim::Rig;
 use crate::plant_server::{Bus, Hello, PlantServer, SharedRig, Time};
 use crate::timing::LateSample;
 
-/// How long a board may take to say hello: it does so every fifth of a second.
+/// How long a board may take to send its hello, which it repeats five times a second.
 const HELLO_WAIT: Duration = Duration::from_secs(5);
 
-/// A line that is silent for so long has nothing more on its way.
+/// After this silence nothing more is on its way.
 const QUIET: Duration = Duration::from_millis(30);
 
-/// A plant at a port. It ends when dropped; the board trips then, if it runs.
+/// A plant at a port. It ends when dropped; a running board then trips.
 pub struct BoardPlant {
     rig: SharedRig,
     stop: Arc<AtomicBool>,
@@ -31,7 +31,7 @@ impl BoardPlant {
     /// Opens the port and waits for the board's hello. The plant is that of the rig.
     ///
     /// # Errors
-    /// When the port can't be opened, or nobody there speaks the plant bus.
+    /// When the port cannot be opened, or nothing there speaks the plant bus.
     pub fn open(name: &str, rig: &Rig) -> Result<BoardPlant> {
         let link = port::open(name).context("the plant's port")?;
         let stop = Arc::new(AtomicBool::new(false));
@@ -49,7 +49,7 @@ impl BoardPlant {
                 Err(error) => Err(error),
             },
             Err(RecvTimeoutError::Timeout) => bail!(
-                "no board says hello at {name} within {} s; does its image speak the plant bus, and is this its second port?",
+                "no board sent a hello at {name} within {} s; check that its image speaks the plant bus, and that this is its second port",
                 HELLO_WAIT.as_secs()
             ),
         }
@@ -63,7 +63,7 @@ impl BoardPlant {
     fn end(&mut self) -> Result<()> {
         self.stop.store(true, Ordering::Relaxed);
         match self.thread.take().map(JoinHandle::join) {
-            Some(Err(_)) => Err(anyhow!("the plant broke down")),
+            Some(Err(_)) => Err(anyhow!("the plant panicked")),
             Some(Ok(result)) => result,
             None => Ok(()),
         }
@@ -76,14 +76,14 @@ impl Drop for BoardPlant {
     }
 }
 
-/// A port as the bus, until the plant is to end.
+/// The bus over a port, until the plant ends.
 struct PortBus {
     link: Box<dyn Link>,
     stop: Arc<AtomicBool>,
 }
 
 impl Bus for PortBus {
-    /// Looks for a hello among what the board may have left on the line.
+    /// Looks for a hello among earlier bytes of the board on the line.
     fn hello(&mut self) -> Result<Option<Hello>> {
         let mut last: Hello = [0; HELLO.len()];
         while last[..3] != HELLO[..3] {
@@ -110,7 +110,7 @@ impl Bus for PortBus {
         self.link.write(bytes).context("the plant's port broke")
     }
 
-    /// Until the line is quiet.
+    /// Reads until the line is quiet.
     fn forget(&mut self) -> Result<()> {
         let (mut since, mut bytes) = (Instant::now(), [0; 64]);
         while since.elapsed() < QUIET {

@@ -1,10 +1,9 @@
-//! The emulated board: the image that is flashed, on a Cortex-M4 in QEMU, with its plant simulated here.
+//! The emulated board: an image of the firmware on a Cortex-M4 in QEMU, with its plant simulated here.
 //!
-//! QEMU takes the image's plant bus ([`pneudrive_app::plant_bus`]) from two pipes in a folder of its
-//! own, and gives its UART0 as a TCP port to talk to. The processor stands still while it waits for the
-//! plant, and the plant while it waits for the processor: the two are in lock step, however fast each is.
-//! Its flash is served in the same way ([`pneudrive_app::flash_bus`]) and outlives the emulator.
-//! One program can talk to the port at a time, as to a serial port.
+//! QEMU connects the image's plant bus ([`pneudrive_app::plant_bus`]) to two pipes in a folder of its own, and its UART0
+//! to a TCP port. The processor halts while it waits for the plant, and the plant while it waits for the processor, so
+//! they run in lock step, however fast each is. The flash is served in the same way ([`pneudrive_app::flash_bus`]) and
+//! outlives the emulator. One program can use the port at a time, as with a serial port.
 
 mod bridge;
 mod flash;
@@ -36,7 +35,7 @@ use pipes::Pipes;
 /// The emulator.
 const QEMU: &str = "qemu-system-arm";
 
-/// How long the image may take to say hello.
+/// How long the image may take to send its hello.
 const HELLO_WAIT: Duration = Duration::from_secs(20);
 
 /// Pipes of the plant bus and of the flash bus, to the board and from it, as the image opens them.
@@ -46,7 +45,7 @@ const FLASH_BUS: [&str; 2] = ["flash-answers", "flash-requests"];
 /// The port of the emulator's debugger.
 const DEBUGGER: &str = "debugger";
 
-/// What the emulator had to say.
+/// The output of the emulator.
 const LOG: &str = "qemu.log";
 
 /// An emulated board. It is switched off when dropped.
@@ -61,11 +60,11 @@ pub struct EmulatedBoard {
     power: Powered,
 }
 
-/// Who is at the other end of the plant bus.
+/// The other end of the plant bus.
 enum PlantSide {
-    /// The plant of a rig, simulated here; in step with the wall clock or not.
+    /// The plant of a rig, simulated here, optionally in step with the wall clock.
     Simulated { rig: Box<Rig>, seed: u64, in_step: bool },
-    /// Whoever calls at this port.
+    /// A program that connects to this port.
     Port(TcpListener),
 }
 
@@ -74,13 +73,13 @@ impl EmulatedBoard {
     /// sensor noise. The image has its own parameters: download those of the rig.
     ///
     /// # Errors
-    /// When QEMU is missing, or the image is none or of another version.
+    /// When QEMU is missing, or the image is invalid or of another version.
     pub fn start(rig: &Rig, image: &Path, seed: u64) -> Result<EmulatedBoard> {
         let plant = PlantSide::Simulated { rig: Box::new(rig.clone()), seed, in_step: false };
         EmulatedBoard::switched_on(image, plant)
     }
 
-    /// The same, its plant in step with the wall clock: the silence of the host counts.
+    /// The same, with its plant in step with the wall clock: the timeout for host silence is active.
     ///
     /// # Errors
     /// As [`EmulatedBoard::start`].
@@ -89,8 +88,8 @@ impl EmulatedBoard {
         EmulatedBoard::switched_on(image, plant)
     }
 
-    /// Starts an image whose plant is at a port of its own, as that of a real board; the port's name, too.
-    /// The plant can call there once.
+    /// Starts an image whose plant is at a separate port, as with a real board; also returns the name of that port. A plant
+    /// can connect there once.
     ///
     /// # Errors
     /// As [`EmulatedBoard::start`].
@@ -117,13 +116,13 @@ impl EmulatedBoard {
         &self.port
     }
 
-    /// What the runs so far have cost.
+    /// The cost of the runs so far.
     #[must_use]
     pub fn figures(&self) -> Figures {
         *self.figures.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What the longest part of the requests has cost since this was last asked, instructions.
+    /// The cost of the longest part of a request since the last call, instructions.
     #[must_use]
     pub fn take_request_instructions(&self) -> u64 {
         std::mem::take(&mut self.figures.lock().unwrap_or_else(PoisonError::into_inner).request_instructions)
@@ -141,11 +140,11 @@ impl EmulatedBoard {
         &self.late
     }
 
-    /// Takes the power away, if it is not gone yet, and gives it back: memory is lost, the flash is kept, the
-    /// plant stands in its initial state, and the port is the same.
+    /// Cuts the power, if it is still on, and restores it: memory is lost, the flash is kept, the plant is in its initial
+    /// state, and the port is the same.
     ///
     /// # Errors
-    /// When the board does not come up again, or the simulation could not go on before.
+    /// When the board does not boot again, or its simulation had failed before.
     pub fn power_up(&mut self) -> Result<()> {
         self.power.off()?;
         self.flash.switch_on();
@@ -157,7 +156,7 @@ impl EmulatedBoard {
     /// Puts the processor into an endless loop, as a fault of the program would.
     ///
     /// # Errors
-    /// When the emulator does not let it.
+    /// When the emulator does not allow it.
     pub fn stall(&self) -> Result<()> {
         stall::stall(&self.power.folder.path().join(DEBUGGER))
     }
@@ -165,7 +164,7 @@ impl EmulatedBoard {
     /// Switches the board off.
     ///
     /// # Errors
-    /// When it has ended by itself, or the simulation could not go on.
+    /// When it had ended by itself, or the simulation had failed.
     pub fn stop(mut self) -> Result<()> {
         match self.power.off()? {
             Some(status) => Err(self.power.explain(anyhow!("{QEMU} ended by itself with {status}"))),
@@ -174,7 +173,7 @@ impl EmulatedBoard {
     }
 }
 
-/// What serves the plant bus until the board has gone; it tells when the board has said hello.
+/// Serves the plant bus until the board has gone; signals when the board has sent its hello.
 type Serve = Box<dyn FnOnce(Pipes, &Sender<()>) -> Result<()> + Send>;
 
 impl PlantSide {
@@ -194,7 +193,7 @@ impl PlantSide {
     }
 }
 
-/// A board that has power: the emulator, and who serves its two buses.
+/// A board under power: the emulator, and the threads that serve its two buses.
 struct Powered {
     qemu: Arc<Mutex<Child>>,
     plant: Option<JoinHandle<Result<()>>>,
@@ -241,12 +240,12 @@ impl Powered {
                 bail!("{QEMU} ended with {status}");
             }
             if Instant::now() > deadline {
-                bail!("the image did not say hello on the plant bus within {} s", HELLO_WAIT.as_secs());
+                bail!("the image did not send a hello on the plant bus within {} s", HELLO_WAIT.as_secs());
             }
         }
     }
 
-    /// An error with what the emulator or its image said of it. A processor's registers may follow there.
+    /// An error with the first line that the emulator or its image wrote about it. A register dump may follow in the log.
     fn explain(&self, error: anyhow::Error) -> anyhow::Error {
         let log = std::fs::read_to_string(self.folder.path().join(LOG)).unwrap_or_default();
         match log.lines().find(|line| !line.contains("warning:") && !line.trim().is_empty()) {
@@ -255,7 +254,7 @@ impl Powered {
         }
     }
 
-    /// Takes the power away; how the emulator had ended before, if it had.
+    /// Cuts the power; returns the exit status of the emulator if it had already ended.
     fn off(&mut self) -> Result<Option<ExitStatus>> {
         let ended = lock(&self.qemu).try_wait()?;
         kill(&self.qemu);
@@ -284,13 +283,13 @@ fn kill(qemu: &Mutex<Child>) {
 
 fn result_of(thread: Option<JoinHandle<Result<()>>>) -> Result<()> {
     match thread.map(JoinHandle::join) {
-        Some(Err(_)) => Err(anyhow!("the plant or the flash of the emulated board broke down")),
+        Some(Err(_)) => Err(anyhow!("the plant or the flash of the emulated board panicked")),
         Some(Ok(result)) => result,
         None => Ok(()),
     }
 }
 
-/// Starts the emulator. It finds the listener as its standard input.
+/// Starts the emulator. It inherits the listener as its standard input.
 fn start_qemu(program: &str, image: &Path, folder: &Path, listener: TcpListener) -> Result<Child> {
     let image = std::path::absolute(image)?;
     let icount = format!("shift={ICOUNT_SHIFT}");
@@ -310,7 +309,7 @@ fn start_qemu(program: &str, image: &Path, folder: &Path, listener: TcpListener)
         ErrorKind::NotFound => {
             anyhow!("{program} is not found; install {QEMU}: apt-get install {QEMU}")
         }
-        _ => anyhow::Error::new(error).context(format!("{program} can't be started")),
+        _ => anyhow::Error::new(error).context(format!("{program} cannot be started")),
     })
 }
 

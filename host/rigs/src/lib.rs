@@ -1,4 +1,4 @@
-//! Rigs that are not there: the firmware's application, or its image, on the simulated plant.
+//! Simulated rigs: the firmware's application, or its image, on the simulated plant.
 //!
 //! | module | holds |
 //! |---|---|
@@ -6,7 +6,7 @@
 //! | [`emulated_board`] | the image of the firmware in QEMU, on the simulated plant |
 //! | [`board_plant`] | the simulated plant of a real board, over its second serial port |
 //! | [`persistent_flash`] | their flash, which outlives them |
-//! | [`timing`] | how they keep time |
+//! | [`timing`] | their timing faults |
 //!
 //! Nothing is printed: notes go to the log.
 

@@ -1,6 +1,6 @@
 //! The sensor noise of a simulated rig, run by run.
 //!
-//! Every run has noise of its own, as on a real rig; the seed fixes the whole sequence:
+//! Every run has different noise, as on a real rig; the seed fixes the whole sequence:
 //!
 //! ```text
 //! seed of run 1 = seed
@@ -9,7 +9,7 @@
 //!
 //! with the mixing function of SplitMix64 (Steele, Lea and Flood 2014, figure 17).
 
-/// The odd number next to 2^64 over the golden ratio.
+/// The odd number nearest to 2^64 over the golden ratio.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The seeds of a rig's runs, in their order.
@@ -29,7 +29,7 @@ impl RunSeeds {
         self.runs
     }
 
-    /// A run begins: its seed.
+    /// Begins a run and returns its seed.
     pub(crate) fn begin(&mut self) -> u64 {
         self.runs += 1;
         if self.runs == 1 {

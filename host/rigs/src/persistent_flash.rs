@@ -6,14 +6,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use pneudrive_app::ram_flash::{RamFlash, SECTOR, WORD};
 
-/// The flash. Clones are one and the same.
+/// The flash. Clones share it.
 #[derive(Clone, Debug, Default)]
 pub struct PersistentFlash(Arc<Mutex<Cells>>);
 
 #[derive(Debug, Default)]
 struct Cells {
     flash: RamFlash,
-    /// Writes and erases that are still carried out whole; None: all.
+    /// Writes and erases that are still completed; None: all.
     until_cut: Option<u64>,
     powered_off: bool,
 }
@@ -29,13 +29,13 @@ impl NorFlashError for PowerOff {
 }
 
 impl PersistentFlash {
-    /// The power goes in the middle of the nth write or erase from now, the next one being the first:
-    /// half of its bytes are done.
+    /// Cuts the power in the middle of the nth write or erase from now, the next one being the first: half of its bytes are
+    /// done.
     pub fn cut_power_at(&self, nth: u64) {
         self.cells().until_cut = Some(nth.saturating_sub(1));
     }
 
-    /// The heads of both slots of the configuration read as zeros from now on.
+    /// Overwrites the heads of both slots of the configuration with zeros.
     pub fn damage_configuration(&self) {
         let mut cells = self.cells();
         for slot in RamFlash::layout().config {
@@ -49,7 +49,7 @@ impl PersistentFlash {
         self.cells().powered_off
     }
 
-    /// The power is on again, and stays on.
+    /// Switches the power on again, without a further cut.
     pub fn switch_on(&self) {
         let mut cells = self.cells();
         (cells.until_cut, cells.powered_off) = (None, false);
@@ -61,7 +61,7 @@ impl PersistentFlash {
 }
 
 impl Cells {
-    /// How many of `bytes` are done: all, or half of them in whole `unit`s as the power goes.
+    /// How many of `bytes` are done: all or, if the power fails, half of them in whole `unit`s.
     fn grant(&mut self, bytes: usize, unit: usize) -> Result<usize, PowerOff> {
         match self.until_cut {
             _ if self.powered_off => Err(PowerOff),

@@ -1,4 +1,4 @@
-//! The plant's end of the plant bus, whatever carries it.
+//! The plant's end of the plant bus, over any transport.
 
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,25 +12,25 @@ use crate::noise::RunSeeds;
 use crate::sample_cost::Figures;
 use crate::timing::LateSample;
 
-/// The first bytes of a board.
+/// The first bytes from a board.
 pub(crate) type Hello = [u8; HELLO.len()];
 
-/// What carries the bus to a board.
+/// The transport of the bus.
 pub(crate) trait Bus {
-    /// The board's hello, or what it says instead; None once it has gone.
+    /// The board's hello, or the bytes that it sends instead; None once it has gone.
     fn hello(&mut self) -> Result<Option<Hello>>;
 
-    /// The bytes that the board says next; None once it has gone.
+    /// The next bytes from the board; None once it has gone.
     fn read<const N: usize>(&mut self) -> Result<Option<[u8; N]>>;
 
-    /// Says something to the board.
+    /// Sends bytes to the board.
     fn write(&mut self, bytes: &[u8]) -> Result<()>;
 
-    /// Forgets what was on its way when the board was reset.
+    /// Discards the bytes that were in transit when the board was reset.
     fn forget(&mut self) -> Result<()>;
 }
 
-/// The rig whose plant is simulated; another one is taken over when a run begins.
+/// The rig whose plant is simulated; a new one takes effect when a run begins.
 pub(crate) type SharedRig = Arc<Mutex<Rig>>;
 
 fn current(rig: &SharedRig) -> Rig {
@@ -50,11 +50,11 @@ pub(crate) struct PlantServer {
     figures: Arc<Mutex<Figures>>,
 }
 
-/// How the plant's time goes on.
+/// The time of the plant.
 pub(crate) struct Time {
     /// A sample that comes late.
     pub late: LateSample,
-    /// It keeps step with the wall clock.
+    /// Whether it keeps step with the wall clock.
     pub in_step: bool,
     /// Samples of the run so far.
     k: u64,
@@ -63,7 +63,7 @@ pub(crate) struct Time {
 }
 
 impl Time {
-    /// Without a run.
+    /// The time before any run.
     pub(crate) fn new(late: LateSample, in_step: bool) -> Time {
         Time { late, in_step, k: 0, period_us: 0, begun: Instant::now() }
     }
@@ -72,7 +72,7 @@ impl Time {
         (self.k, self.period_us, self.begun) = (0, u64::from(period_us), Instant::now());
     }
 
-    /// The next sample of the run; waits for its instant where there is one.
+    /// Advances to the next sample of the run; in step with the wall clock, waits for its instant.
     fn advance(&mut self) {
         self.k += 1;
         let due = Duration::from_micros(self.k * self.period_us);
@@ -94,8 +94,8 @@ impl PlantServer {
         PlantServer { rig, seeds: RunSeeds::new(seed), plant, time, figures }
     }
 
-    /// Serves the bus until the board has gone. Tells `greet` once the hellos are exchanged. A board that was
-    /// reset says hello again.
+    /// Serves the bus until the board has gone. Signals `greet` when the hellos are exchanged. A board that was reset sends
+    /// its hello again.
     pub(crate) fn serve(mut self, mut bus: impl Bus, greet: &Sender<()>) -> Result<()> {
         let hello = bus.hello()?.context("the board ended before its hello")?;
         exchange_hellos(hello, &mut bus)?;
@@ -110,7 +110,7 @@ impl PlantServer {
             let Some(rest) = bus.read()? else { break };
             let bytes = together(first, rest);
             let Some(from_board) = Outputs::from_bytes(bytes) else {
-                bail!("the board said something that is not of version {VERSION} of the plant bus: {bytes:?}")
+                bail!("the board sent bytes that are not of version {VERSION} of the plant bus: {bytes:?}")
             };
             let begun = Instant::now();
             let answer = self.answer(from_board).context("the plant of the board stopped")?;
@@ -153,14 +153,14 @@ fn exchange_hellos(hello: Hello, bus: &mut impl Bus) -> Result<()> {
         HELLO => Ok(()),
         [b'P', b'N', b'B', version] => {
             bail!(
-                "the image speaks version {version} of the plant bus, this program {VERSION}: build it again"
+                "the image speaks version {version} of the plant bus, this program {VERSION}: rebuild the image"
             )
         }
-        other => bail!("the image does not speak the plant bus: it said {other:?}"),
+        other => bail!("the image does not speak the plant bus: it sent {other:?}"),
     }
 }
 
-/// Bytes of outputs after as many as a hello has. No command looks like a hello.
+/// Bytes of outputs after the length of a hello. No outputs begin like a hello.
 const REST: usize = Outputs::BYTES - HELLO.len();
 
 fn together(first: Hello, rest: [u8; REST]) -> [u8; Outputs::BYTES] {

@@ -1,18 +1,18 @@
-//! What the samples of a run cost on the emulated board.
+//! The cost of the samples of a run on the emulated board.
 
 use std::fmt;
 use std::time::{Duration, Instant};
 
 use pneudrive_app::plant_bus::{Next, Outputs};
 
-/// Nanoseconds of virtual time an instruction takes, as a power of two. Each of the counter's ticks
-/// (25 MHz) is less than that, so that ticks tell the number of instructions exactly.
+/// Virtual time of an instruction, ns, as a power of two. A tick of the counter (25 MHz) is shorter, so the number of
+/// instructions follows exactly from ticks.
 pub(crate) const ICOUNT_SHIFT: u32 = 7;
 
 /// Nanoseconds of a tick of the board's counter: 25 MHz.
 const NS_PER_TICK: u64 = 40;
 
-/// Least, mean and most of a number.
+/// Minimum, mean and maximum of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spread {
     /// The least.
@@ -31,7 +31,7 @@ impl Spread {
         self.count += 1;
     }
 
-    /// This and other numbers of the same kind.
+    /// The spread of both sets of numbers.
     #[must_use]
     pub fn and(self, other: Spread) -> Spread {
         match (self.count, other.count) {
@@ -59,15 +59,15 @@ impl fmt::Display for Spread {
     }
 }
 
-/// Cost of the samples of all runs. Instructions are those of the processor, the same in every
-/// repetition; times are the computer's and are not.
+/// Cost of the samples of all runs. Instructions are those of the emulated processor and the same in every repetition;
+/// times are those of this computer and vary.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Figures {
     /// Samples of runs.
     pub samples: u64,
     /// Time of the computer from the beginning of the runs to their ends.
     pub elapsed: Duration,
-    /// The part of it in which the plant was simulated.
+    /// The part of it spent on the plant.
     pub in_plant: Duration,
     /// Instructions of `Control::on_sample`.
     pub sample_instructions: Spread,
@@ -75,16 +75,16 @@ pub struct Figures {
     pub output_instructions: Spread,
     /// Both together, sample by sample, after the first samples of the runs.
     pub control_instructions: Spread,
-    /// Both together at the first samples of the runs, where estimator and sequencer begin.
+    /// Both together at the first samples of the runs, where estimator and sequencer start.
     pub first_instructions: Spread,
-    /// The most instructions of a part of a request that is carried out in one go.
+    /// The most instructions of an uninterrupted part of a request.
     pub request_instructions: u64,
     since: Option<Instant>,
     is_first: bool,
 }
 
 impl Figures {
-    /// Takes in a turn of the board that the plant answered from `begun` to `ended`.
+    /// Adds a turn of the board that the plant answered from `begun` to `ended`.
     pub(crate) fn add(&mut self, outputs: Outputs, begun: Instant, ended: Instant) {
         if outputs.next == Next::Advance {
             self.samples += 1;
@@ -97,7 +97,7 @@ impl Figures {
         self.since = runs.then_some(ended);
     }
 
-    /// Takes in the ticks of a request.
+    /// Adds the ticks of a request.
     pub(crate) fn add_request(&mut self, ticks: u32) {
         self.request_instructions = self.request_instructions.max(instructions(ticks));
     }
@@ -110,13 +110,13 @@ impl Figures {
         control.add(sample + output);
     }
 
-    /// Samples a second that emulator and bus would do if the plant took no time.
+    /// Samples per second of emulator and bus if the plant took no time.
     #[must_use]
     pub fn samples_per_second_without_plant(&self) -> f64 {
         self.samples as f64 / self.elapsed.saturating_sub(self.in_plant).as_secs_f64().max(1e-9)
     }
 
-    /// Samples a second.
+    /// Samples per second.
     #[must_use]
     pub fn samples_per_second(&self) -> f64 {
         self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
@@ -139,7 +139,7 @@ impl fmt::Display for Figures {
     }
 }
 
-/// Instructions in a number of ticks: virtual time goes on by the same with each.
+/// Instructions in a number of ticks: each takes the same virtual time.
 fn instructions(ticks: u32) -> u64 {
     let ns = u64::from(ticks) * NS_PER_TICK;
     (ns + (1 << (ICOUNT_SHIFT - 1))) >> ICOUNT_SHIFT

@@ -1,13 +1,13 @@
-//! How a simulated rig keeps time: a sample that comes late, and whether time goes on with the wall clock.
+//! Timing faults of a simulated rig: a sample that comes late.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A sample of the next runs that comes late. Clones are one and the same.
+/// A sample of the next runs that comes late. Clones share it.
 #[derive(Clone, Debug, Default)]
 pub struct LateSample(Arc<Mutex<Option<(u64, u16)>>>);
 
 impl LateSample {
-    /// Sample k of each run comes so many microseconds after its instant.
+    /// Delays sample k of each run by this many microseconds.
     pub fn set(&self, k: u64, late_us: u16) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((k, late_us));
     }

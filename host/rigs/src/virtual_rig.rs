@@ -1,10 +1,9 @@
 //! The virtual rig: the firmware's application on the simulated plant, behind a port.
 //!
-//! It behaves as the board does, over the same protocol. After the moves of a run the drive holds
-//! and the plant lives on. In a disabled drive, and in an armed one, it stands frozen, first in the initial state of its
-//! test and then where it was left, unless it is live; a start resets it.
-//! Over TCP several programs may talk to it at once, so that a `stop` reaches it while a run is
-//! followed.
+//! It behaves like the board, over the same protocol. After the moves of a run the drive holds and the plant keeps
+//! running. While the drive is disabled or armed, the plant is frozen, first in the initial state of its test and then
+//! where the last run left it; a start resets it. A live plant is never frozen. Over TCP, several programs may talk to it
+//! at once, so that a `stop` reaches it while a run is followed.
 
 mod caller;
 mod listener;
@@ -33,32 +32,32 @@ use caller::Caller;
 pub use caller::Token;
 pub use listener::Listener;
 
-/// How a virtual rig runs.
+/// How the time of a virtual rig advances.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
-    /// As fast as it goes, instead of in real time.
+    /// As fast as possible, instead of in real time.
     pub fast: bool,
-    /// The plant lives between runs.
+    /// The plant keeps running between runs.
     pub live: bool,
 }
 
-/// Most samples between two looks at the port.
+/// The most samples between two polls of the port.
 const SAMPLES_AT_ONCE: u32 = 64;
 
-/// Most samples that are made up for after the computer was busy with something else.
+/// The most samples to catch up after the computer was busy with something else.
 const MAX_BEHIND: u64 = 1000;
 
 /// Kind of board.
 const NAME: &str = "virtual rig";
 
-/// Bytes of the name of a board at most.
+/// The longest name of a board, bytes.
 const LONGEST_NAME: usize = 32;
 
 /// The board of a virtual rig.
 struct VirtualBoard {
     rig: Rig,
     seeds: RunSeeds,
-    /// Told the number of a run that begins.
+    /// Called with the number of a run that begins.
     on_run: Box<dyn FnMut(u64) + Send>,
     name: String,
     pace: Pace,
@@ -66,14 +65,14 @@ struct VirtualBoard {
     mode: Mode,
     period_us: u64,
     time_us: u64,
-    /// From the sample's instant to now.
+    /// Time since the sample's instant.
     since_sample_us: u64,
     /// Samples of the run so far.
     k: u64,
     late: LateSample,
     since: Instant,
     failed: Option<IntegrationError>,
-    /// What it keeps.
+    /// Its non-volatile memory.
     store: FlashStore<PersistentFlash, Box<Memory>>,
 }
 
@@ -107,7 +106,7 @@ impl VirtualBoard {
         self.mode == Mode::Done || self.is_on_its_way() || self.pace.live
     }
 
-    /// To the next sample instant; a frozen plant stays as it is.
+    /// Advances to the next sample instant; a frozen plant stays as it is.
     fn next_sample(&mut self) {
         if self.moves()
             && let Err(error) = self.plant.next_sample()
@@ -124,14 +123,14 @@ impl VirtualBoard {
     }
 }
 
-/// With the seed of the noise, if there is noise and the name has room for it.
+/// The name of the board, with the seed of its noise if there is noise and room for the seed.
 fn name_of(rig: &Rig, seed: u64) -> String {
     let with_seed = format!("{NAME}, seed {seed}");
     let name_with_seed = rig.get(&keys::sensors::NOISE_COUNTS) > 0.0 && with_seed.len() <= LONGEST_NAME;
     if name_with_seed { with_seed } else { NAME.to_owned() }
 }
 
-/// What is in the flash, and memory that was without power.
+/// The store in this flash, with memory that has lost its power.
 fn store_in(flash: PersistentFlash) -> FlashStore<PersistentFlash, Box<Memory>> {
     let memory = Box::new([0; MEMORY_BYTES]);
     let taken_up = FlashStore::take_up(flash, RamFlash::layout(), memory);
@@ -154,7 +153,7 @@ impl Board for VirtualBoard {
     }
 
     fn read_sensors(&mut self, _: &Config) -> Sample {
-        // A rig that cannot be read stops at the end of this sample.
+        // If the sensors cannot be read, the rig stops at the end of this sample.
         self.plant.sample().unwrap_or_else(|error| {
             self.failed = Some(error);
             Sample::default()
@@ -176,8 +175,8 @@ impl Board for VirtualBoard {
         (!self.pace.fast).then(|| self.since.elapsed().as_millis() as u64)
     }
 
-    /// The plant's clock is that of the configuration, which may not be the rig file's any more; a live
-    /// plant keeps its own.
+    /// The plant takes the timing of the configuration, which may differ from the rig file by now; a live plant keeps its
+    /// own.
     fn run_begins(&mut self, config: &Config) {
         self.mode = Mode::Running;
         self.k = 0;
@@ -212,18 +211,18 @@ impl VirtualRig {
         VirtualRig::with_flash(rig, seed, pace, PersistentFlash::default())
     }
 
-    /// The same with a flash that it has had before: what is stored there is in force.
+    /// The same with a flash that was used before: the stored configuration is in force.
     ///
     /// # Errors
     /// For a rig with the simulator's own controller.
     pub fn with_flash(rig: Rig, seed: u64, pace: Pace, flash: PersistentFlash) -> Result<VirtualRig> {
         if rig.get(&keys::controller::MODEL) == controller::Model::Continuous {
             bail!(
-                "the continuous controller is the simulator's own; a virtual rig runs the firmware's, so write controller.model = \"sampled\""
+                "the continuous controller exists only in the simulator; a virtual rig runs the firmware's controller, so write controller.model = \"sampled\""
             );
         }
         if let Some(switch) = SWITCHES.into_iter().find(|switch| rig.get(switch)) {
-            bail!("{} is the simulator's own; no firmware has this bug", switch.path);
+            bail!("{} is only for the simulator; no firmware has this bug", switch.path);
         }
         let mut board = VirtualBoard::new(rig, seed, pace, flash);
         let mut control = Box::<Control>::default();
@@ -237,7 +236,7 @@ impl VirtualRig {
         Ok(VirtualRig { control, board })
     }
 
-    /// Has `tell` called with the number of each run as it begins, from 1 on.
+    /// Calls `tell` with the number of each run as it begins, from 1 on.
     pub fn on_run(&mut self, tell: impl FnMut(u64) + Send + 'static) {
         self.board.on_run = Box::new(tell);
     }
@@ -251,7 +250,7 @@ impl VirtualRig {
     /// Serves a port until `stop` is set, or the power is cut.
     ///
     /// # Errors
-    /// When the simulation cannot go on.
+    /// When the simulation fails.
     pub fn serve(&mut self, listener: &mut Listener, stop: &AtomicBool) -> Result<()> {
         while !stop.load(Ordering::Relaxed) {
             listener.admit();
@@ -268,7 +267,7 @@ impl VirtualRig {
         Ok(())
     }
 
-    /// Carries out what has come, and lets go of callers that have gone. Whether anything has come.
+    /// Executes the requests that have arrived, and drops callers that have gone. Whether anything has arrived.
     fn hear(&mut self, callers: &mut Vec<Caller>) -> bool {
         let mut heard = false;
         callers.retain_mut(|caller| {
@@ -282,13 +281,13 @@ impl VirtualRig {
         heard
     }
 
-    /// Takes the samples that are due; whether there were any that moved the plant.
+    /// Takes the samples that are due; whether any moved the plant.
     fn catch_up(&mut self, callers: &mut [Caller]) -> Result<bool> {
         if self.board.pace.fast && callers.iter().any(|caller| caller.server.waits_for_host()) {
             return Ok(false);
         }
         if self.board.pace.fast {
-            // Nobody waits for a drive that holds.
+            // Nothing waits for a drive that holds.
             let moves = self.board.is_on_its_way() || self.board.pace.live;
             for _ in 0..if moves { SAMPLES_AT_ONCE } else { 1 } {
                 self.tick(callers)?;
@@ -298,11 +297,11 @@ impl VirtualRig {
         let now_us = self.board.since.elapsed().as_micros() as u64;
         let period = self.board.period_us;
         if now_us > self.board.time_us + MAX_BEHIND * period {
-            // The computer slept: the rig's clock goes on from where it stands.
+            // The computer slept: the rig's clock continues from its present value.
             self.board.since += Duration::from_micros(now_us - self.board.time_us);
         }
         let due = self.board.time_us <= now_us;
-        // A few at a time: the port is looked at in between, also by a computer that is behind.
+        // A few at a time: the port is polled in between, even if the computer is behind.
         for _ in 0..SAMPLES_AT_ONCE {
             if self.board.time_us > now_us {
                 break;
@@ -312,7 +311,7 @@ impl VirtualRig {
         Ok(due && self.board.moves())
     }
 
-    /// One sample and its output, and a look at them for each caller.
+    /// One sample and its output, which each caller's server then attends to.
     fn tick(&mut self, callers: &mut [Caller]) -> Result<()> {
         if !self.board.pace.live {
             self.board.period_us = u64::from(self.control.config().timing.period_us.get());
@@ -330,7 +329,7 @@ impl VirtualRig {
     }
 }
 
-/// A virtual rig that serves its port on a thread of its own, until it is stopped or dropped.
+/// A virtual rig that serves its port on a separate thread, until it is stopped or dropped.
 pub struct Background {
     port: String,
     stop: Arc<AtomicBool>,
@@ -357,12 +356,12 @@ impl Background {
     /// Ends serving.
     ///
     /// # Errors
-    /// When the simulation could not go on.
+    /// When the simulation failed.
     pub fn stop(mut self) -> Result<()> {
         self.stop.store(true, Ordering::Relaxed);
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
-            Some(Err(_)) => bail!("the virtual rig broke down"),
+            Some(Err(_)) => bail!("the virtual rig panicked"),
             None => Ok(()),
         }
     }

@@ -1,4 +1,4 @@
-//! Leads the plant bus of an emulated board to a TCP port, as a real board has it on a second serial port.
+//! Bridges the plant bus of an emulated board to a TCP port; a real board has it on a second serial port.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -11,11 +11,11 @@ use pneudrive_link::port::is_wait;
 use super::pipes::Pipes;
 use crate::plant_server::Bus;
 
-/// How long the plant may take to call.
+/// How long the plant may take to connect.
 const CALL_WAIT: Duration = Duration::from_secs(20);
 
-/// Carries the bus for one program that calls, until the board or that program has gone. Tells `greet` once
-/// the board has said hello.
+/// Carries the bus for one program that connects, until the board or that program has gone. Signals `greet` when the
+/// board has sent its hello.
 pub(super) fn carry(mut pipes: Pipes, listener: &TcpListener, greet: &Sender<()>) -> Result<()> {
     let hello = pipes.hello()?.context("the image ended before its hello")?;
     // Nobody may be waiting any more.
@@ -46,10 +46,10 @@ fn wait_for_caller(listener: &TcpListener) -> Result<TcpStream> {
             Err(error) => return Err(error.into()),
         }
     }
-    bail!("no plant has called within {} s", CALL_WAIT.as_secs())
+    bail!("no plant connected within {} s", CALL_WAIT.as_secs())
 }
 
-/// Until one of the two has gone.
+/// Copies until either side has gone.
 fn copy(from: &mut impl Read, to: &mut impl Write) {
     let mut bytes = [0; 64];
     while let Ok(count @ 1..) = from.read(&mut bytes) {

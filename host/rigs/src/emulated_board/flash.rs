@@ -8,11 +8,11 @@ use super::pipes::Pipes;
 use crate::persistent_flash::{PersistentFlash, PowerOff};
 use crate::plant_server::Bus;
 
-/// Serves the flash until the board has gone; true when it went because its power was cut.
+/// Serves the flash until the board has gone; true if its power was cut.
 pub(super) fn serve(flash: &mut PersistentFlash, mut bus: Pipes) -> Result<bool> {
     while let Some(request) = bus.read()? {
         let Some(request) = Request::from_bytes(request) else {
-            bail!("the board asked its flash for what there is not: {request:?}")
+            bail!("the board sent its flash an unknown request: {request:?}")
         };
         match carry_out(flash, request, &mut bus)? {
             Ok(answer) => bus.write(&answer)?,
@@ -28,7 +28,7 @@ fn carry_out(
     bus: &mut Pipes,
 ) -> Result<Result<Vec<u8>, PowerOff>> {
     if offset.checked_add(length).is_none_or(|end| end as usize > flash.capacity()) {
-        bail!("the board asked for {length} bytes at {offset}, which is outside of its flash");
+        bail!("the board requested {length} bytes at {offset}, which is outside its flash");
     }
     let mut bytes = vec![0; length as usize];
     Ok(match operation {

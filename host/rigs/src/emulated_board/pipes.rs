@@ -15,11 +15,11 @@ use crate::plant_server::{Bus, Hello};
 pub(super) struct Pipes {
     to_board: File,
     from_board: File,
-    /// Where `to_board` is.
+    /// The path of `to_board`.
     path: PathBuf,
 }
 
-/// Writes nothing; keeps a pipe from waiting for the emulator, or from ending before it has come.
+/// Writes nothing; keeps the opening of a pipe from blocking, and the pipe from ending before the emulator has opened it.
 pub(super) struct OpenEnd(#[expect(dead_code, reason = "held open, not used")] File);
 
 impl Pipes {
@@ -39,7 +39,7 @@ impl Pipes {
         (self.to_board, self.from_board)
     }
 
-    /// Fills the bytes with what the board says next; false once it has gone.
+    /// Fills the bytes with the next ones from the board; false once it has gone.
     pub(super) fn fill(&mut self, bytes: &mut [u8]) -> Result<bool> {
         match self.from_board.read_exact(bytes) {
             Ok(()) => Ok(true),
@@ -63,11 +63,11 @@ impl Bus for Pipes {
         Ok(self.to_board.write_all(bytes)?)
     }
 
-    /// Takes out of the pipe what the board has left there.
+    /// Discards the bytes that the board has not read.
     fn forget(&mut self) -> Result<()> {
         let mut options = OpenOptions::new();
         let mut pipe = options.read(true).custom_flags(OFlag::O_NONBLOCK.bits()).open(&self.path)?;
-        // It ends as empty, not as closed: this program holds the other end, too.
+        // Reading ends with an empty pipe, not a closed one, as this program holds the other end, too.
         let _ = pipe.read_to_end(&mut Vec::new());
         Ok(())
     }

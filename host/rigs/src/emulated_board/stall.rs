@@ -1,4 +1,4 @@
-//! Makes the processor of an emulated board hang, from outside: the image knows nothing of it.
+//! Makes the processor of an emulated board hang from outside, without support in the image.
 
 use std::io::{self, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -7,30 +7,30 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
-/// Where the loop is put: memory that the machine has and the image does not.
+/// The address of the loop: memory of the machine that the image does not use.
 const LOOP_ADDRESS: u32 = 0x2003_0000;
 
 /// `b .`, a branch to itself.
 const LOOP: [u8; 2] = 0xe7fe_u16.to_le_bytes();
 
-/// The debugger's answer to what it has done.
+/// The debugger's answer to a request that it has executed.
 const DONE: &[u8] = b"$OK#9a";
 
-/// How long an answer may take, and how often it is asked for.
+/// How long an answer may take, and how often a request is sent.
 const ANSWER_WAIT: Duration = Duration::from_millis(200);
 const ATTEMPTS: u32 = 25;
 
-/// Stops the processor by the debugger's port, puts it into an endless loop, and lets it go on.
+/// Stops the processor through the debugger's port, puts an endless loop into memory, and continues there.
 pub(super) fn stall(debugger: &Path) -> Result<()> {
     let mut link = UnixStream::connect(debugger).context("the emulator's debugger port")?;
     link.set_read_timeout(Some(ANSWER_WAIT))?;
     ask(&mut link, &format!("M{LOOP_ADDRESS:x},{:x}:{}", LOOP.len(), hex(&LOOP)))?;
-    // It goes on there, in Thumb state, and there is no answer before it stops again.
+    // It continues there in Thumb state, and sends no answer before it stops again.
     Ok(send(&mut link, &format!("c{:x}", LOOP_ADDRESS | 1))?)
 }
 
-/// One request of the GDB remote protocol. While the processor still runs, the emulator takes what it hears
-/// for a wish to stop: it is asked again.
+/// One request of the GDB remote protocol. While the processor runs, the emulator takes any bytes as a request to stop,
+/// so the request is repeated.
 fn ask(link: &mut UnixStream, request: &str) -> Result<()> {
     let mut heard = Vec::new();
     for _ in 0..ATTEMPTS {
@@ -39,7 +39,7 @@ fn ask(link: &mut UnixStream, request: &str) -> Result<()> {
             return Ok(link.write_all(b"+")?);
         }
     }
-    bail!("the debugger did not do {request}: {}", String::from_utf8_lossy(&heard))
+    bail!("the debugger did not execute {request}: {}", String::from_utf8_lossy(&heard))
 }
 
 fn send(link: &mut UnixStream, request: &str) -> io::Result<()> {
@@ -47,7 +47,7 @@ fn send(link: &mut UnixStream, request: &str) -> io::Result<()> {
     write!(link, "${request}#{sum:02x}")
 }
 
-/// Whether the emulator says so in time.
+/// Whether the emulator confirms the request in time.
 fn is_done(link: &mut UnixStream, heard: &mut Vec<u8>) -> bool {
     let mut byte = [0];
     while !heard.ends_with(DONE) {

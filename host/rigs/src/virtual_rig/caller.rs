@@ -1,4 +1,4 @@
-//! A program that talks to the rig: its link, what it has yet to take, and whether it has been let in.
+//! A program connected to the rig: its link, its pending bytes, and whether it is admitted.
 
 use std::convert::Infallible;
 use std::fmt;
@@ -18,13 +18,13 @@ pub(super) trait Stream: Read + Write + Send {}
 
 impl<T: Read + Write + Send> Stream for T {}
 
-/// The most that a caller may leave untaken, bytes: a second of the serial line. What is more is lost, as on that line.
+/// The most pending bytes of a caller: a second of the serial line. Further bytes are lost, as on that line.
 const UNTAKEN: usize = 92_160;
 
-/// The fewest characters of a token.
+/// The shortest token, bytes.
 const MIN_TOKEN: usize = 16;
 
-/// What programs and a rig at a network both know. It keeps out who does not know it, and travels in the clear.
+/// A secret shared by a rig on a network and its programs. It keeps others out; it is sent unencrypted.
 #[derive(Clone)]
 pub struct Token(Arc<str>);
 
@@ -41,34 +41,35 @@ impl Token {
     /// For a shorter or a longer one.
     pub fn new(text: &str) -> Result<Token> {
         if !(MIN_TOKEN..=MAX_TEXT).contains(&text.len()) {
-            bail!("a token has {MIN_TOKEN} to {MAX_TEXT} bytes, and this one {}", text.len());
+            bail!("a token must have {MIN_TOKEN} to {MAX_TEXT} bytes; this one has {}", text.len());
         }
         Ok(Token(text.into()))
     }
 
-    /// Whether another one is the same; takes the same time for all of the same length.
+    /// Whether another token is the same, in a time that depends only on the length.
     fn is(&self, other: &str) -> bool {
         self.0.as_bytes().ct_eq(other.as_bytes()).into()
     }
 }
 
-/// A caller, with a server of its own.
+/// A caller with its own server.
 pub(super) struct Caller {
     port: Box<dyn Stream>,
     pub(super) server: Server,
-    /// None once it has been let in.
+    /// None once it is admitted.
     gate: Option<(Token, Accumulator)>,
     untaken: Vec<u8>,
 }
 
 impl Caller {
-    /// A caller that must first say the token, if there is one.
+    /// A caller that must first send the token, if there is one.
     pub(super) fn new(port: impl Stream + 'static, token: Option<Token>) -> Caller {
         let gate = token.map(|token| (token, Accumulator::new()));
         Caller { port: Box::new(port), server: Server::default(), gate, untaken: Vec::new() }
     }
 
-    /// Carries out what has come; how many bytes. An error when the caller has gone, or does not know the token.
+    /// Executes the requests that have arrived, and returns their number of bytes. An error if the caller has gone, or does
+    /// not know the token.
     pub(super) fn hear(&mut self, control: &mut Control, board: &mut impl Board) -> io::Result<usize> {
         let mut bytes = [0; 1024];
         let count = read_some(&mut *self.port, &mut bytes)?;
@@ -82,7 +83,7 @@ impl Caller {
         Ok(count)
     }
 
-    /// A byte of a caller that has not been let in.
+    /// Takes a byte of a caller that is not admitted yet.
     fn knock(&mut self, byte: u8, replies: &mut Vec<u8>) -> io::Result<()> {
         let Some((token, accumulator)) = &mut self.gate else { return Ok(()) };
         let Some(Ok(message)) = accumulator.push(byte) else { return Ok(()) };
@@ -101,18 +102,18 @@ impl Caller {
         Ok(())
     }
 
-    /// Replies and rows for the caller, if it has taken enough of those before.
+    /// Queues replies and rows for the caller, if there is room.
     fn leave_for_it(&mut self, replies: &[u8]) {
         if self.untaken.len() + replies.len() <= UNTAKEN {
             self.untaken.extend_from_slice(replies);
         }
     }
 
-    /// All that is due unasked, and as much as the caller takes without being waited for.
+    /// Queues the unsolicited rows that are due, and writes as much as the caller accepts without blocking.
     pub(super) fn speak(&mut self) -> io::Result<()> {
         let mut rows = Vec::new();
         let mut sent = None;
-        // Many samples may have been taken since the last look.
+        // Many samples may have been taken since the last call.
         while sent != Some(rows.len()) {
             sent = Some(rows.len());
             let spoken: Result<(), Infallible> = self.server.speak(&mut rows);

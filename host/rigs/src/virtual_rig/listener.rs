@@ -1,4 +1,4 @@
-//! Where a virtual rig listens, and who talks to it.
+//! Where a virtual rig listens, and its callers.
 
 use std::net::TcpListener;
 #[cfg(unix)]
@@ -8,29 +8,29 @@ use anyhow::{Context, Result, bail};
 
 use super::caller::{Caller, Token};
 
-/// The door.
+/// A listening port.
 pub struct Listener {
     listener: Option<TcpListener>,
     token: Option<Token>,
     pub(super) callers: Vec<Caller>,
     name: String,
-    /// The far end of a pty, held open so that ours lives without a client.
+    /// The far end of a pty, held open so that ours stays open without a client.
     _far_end: Option<Box<dyn Send>>,
 }
 
 impl Listener {
-    /// A door at `pty` or `tcp:HOST:PORT`, of this machine alone.
+    /// Listens at `pty` or `tcp:HOST:PORT`, for programs on this machine only.
     ///
     /// # Errors
-    /// When the address cannot be listened at, can be reached from a network, or there are no ptys.
+    /// When it cannot listen at the address, the address can be reached from a network, or there are no ptys.
     pub fn open(at: &str) -> Result<Listener> {
         Listener::open_with(at, None)
     }
 
-    /// The same, for programs that know the token. At an address that can be reached from a network there must be one.
+    /// The same, for programs that know the token. An address that can be reached from a network needs one.
     ///
     /// # Errors
-    /// When the address cannot be listened at, lacks a token, or there are no ptys.
+    /// When it cannot listen at the address, the address needs a token, or there are no ptys.
     pub fn open_with(at: &str, token: Option<Token>) -> Result<Listener> {
         match at.strip_prefix("tcp:").map(|address| address.trim_start_matches("//")) {
             Some(address) => {
@@ -40,7 +40,7 @@ impl Listener {
                 let local = listener.local_addr()?;
                 if token.is_none() && !local.ip().is_loopback() {
                     bail!(
-                        "{at} can be reached from the network, and whoever reaches it moves the drive: set the same PNEUDRIVE_TOKEN here and for the programs that may, or listen at tcp:127.0.0.1:{}",
+                        "{at} can be reached from the network, where anyone could move the drive: set the same PNEUDRIVE_TOKEN here and for the programs that may, or listen at tcp:127.0.0.1:{}",
                         local.port()
                     );
                 }
@@ -79,7 +79,7 @@ impl Listener {
         self.token.is_some()
     }
 
-    /// Lets in who is waiting.
+    /// Accepts a waiting program.
     pub(super) fn admit(&mut self) {
         let waiting = self.listener.as_ref().and_then(|listener| listener.accept().ok());
         if let Some((stream, _)) = waiting
