@@ -53,6 +53,17 @@ fn ctrl_c_stops_a_homing_run() {
 }
 
 #[test]
+fn a_disarmed_drive_has_no_setpoint() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    let shown =
+        |status: &str| ["setpoint ", "error ", "position "].map(|name| status.contains(&format!("\n{name}")));
+    assert_eq!(shown(&device("status")), [false, false, true], "nothing controls it");
+    device("arm");
+    assert_eq!(shown(&device("status")), [true, true, true]);
+}
+
+#[test]
 fn a_rig_without_faults_says_so() {
     let (folder, rig) = (folder(), virtual_rig("servo-b"));
     assert_eq!(transcript(folder.path(), &format!("device --port {} faults", rig.port())), "no faults\n= 0");
@@ -64,7 +75,7 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
     let info = device("info");
     assert!(info.contains(", never stored\n"), "{info}");
-    assert!(info.contains("\noutputs     after 500 to 500 us; off by none: "), "{info}");
+    assert!(info.contains("\noutputs     after 500 to 500 us: ") && info.contains(" exact\n"), "{info}");
     assert_eq!(device("config save"), "stored; they survive a reset\n= 0");
     assert!(device("info").contains(", stored 1 times\n"));
     device("config set velocity_gain 5");
@@ -95,6 +106,8 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     );
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
     assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
+    assert_eq!(device("config set velocity_gain=5"), "velocity_gain = 5\n= 0", "as --set takes it");
+    assert!(device("config set velocity_gain").contains("`device config set velocity_gain VALUE`"));
     assert!(device("config set velocity_gain 1.5").contains("\"1.5\" is not a whole number"));
     assert_eq!(device("config get velocity_gain"), "velocity_gain = 5\n= 0", "nothing was changed");
 }

@@ -96,7 +96,7 @@ fn deviation(reference: &Transient, other: &Transient, channel: usize) -> Option
 /// The deviations as a table.
 #[must_use]
 pub fn table(heading: &str, deviations: &[Deviation]) -> Table {
-    let columns = ["channel", "unit", "mean", "std deviation", "mean square", "largest", "rms / range"];
+    let columns = ["channel", "unit", "mean", "std deviation", "rms", "largest", "rms / range"];
     let banded = deviations.iter().any(|deviation| deviation.within_band.is_some());
     let of_band = if banded { &["inside band", "rms beyond it"][..] } else { &[] };
     Table {
@@ -126,7 +126,7 @@ fn cells(deviation: &Deviation) -> Vec<String> {
         deviation.unit.to_owned(),
         number(deviation.mean),
         number(deviation.standard_deviation),
-        number(deviation.mean_square),
+        number(deviation.mean_square.sqrt()),
         number(deviation.largest),
         if percent.is_nan() { "-".to_owned() } else { format!("{percent:.2} %") },
     ]

@@ -91,10 +91,10 @@ pub enum ConfigAction {
     /// Change a parameter; the drive must be disarmed
     #[command(allow_negative_numbers = true)]
     Set {
-        /// Its name; `controller.gain_profile[3]` is one entry of the gain profile
+        /// Its name; `controller.gain_profile[3]` is one entry of the gain profile. NAME=VALUE is accepted as well
         name: String,
         /// The new value, as in a rig file: safety.hold_s 60, controller.loop open
-        value: String,
+        value: Option<String>,
     },
     /// Write all parameters to a file, one per line
     Export {

@@ -99,14 +99,14 @@ fn spread(times: &Spread) -> String {
         return "nothing measured yet".to_owned();
     }
     let off = |bin: usize| match bin {
-        0 => "none".to_owned(),
-        1 => "1 us".to_owned(),
-        last if last == HISTOGRAM_BINS - 1 => format!("{} us and more", 1 << (last - 1)),
-        bin => format!("{} to {} us", 1 << (bin - 1), (1 << bin) - 1),
+        0 => "exact".to_owned(),
+        1 => "1 us off".to_owned(),
+        last if last == HISTOGRAM_BINS - 1 => format!("{} us off or more", 1 << (last - 1)),
+        bin => format!("{} to {} us off", 1 << (bin - 1), (1 << bin) - 1),
     };
     let bins = times.bins.iter().enumerate().filter(|(_, count)| **count > 0);
-    let bins: Vec<String> = bins.map(|(bin, count)| format!("{}: {count}", off(bin))).collect();
-    format!("{} to {} us; off by {}", times.least_us, times.most_us, bins.join(", "))
+    let bins: Vec<String> = bins.map(|(bin, count)| format!("{count} {}", off(bin))).collect();
+    format!("{} to {} us: {}", times.least_us, times.most_us, bins.join(", "))
 }
 
 /// Where the parameters come from, in words.
@@ -229,9 +229,15 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
     if let Some(owner) = client.owner()? {
         say!("owner       {}", words_of(&owner));
     }
-    say!("setpoint    {}", units.setpoint(status.setpoint));
+    // A disarmed drive has no setpoint: its controller does not run.
+    let controlled = status.mode != Mode::Disarmed;
+    if controlled {
+        say!("setpoint    {}", units.setpoint(status.setpoint));
+    }
     say!("position    {}", units.length(status.position));
-    say!("error       {}", units.length(status.error));
+    if controlled {
+        say!("error       {}", units.length(status.error));
+    }
     say!("command     {}", units.command(status.command.into()));
     say!("pressures   {} and {}", units.pressure(status.pressure_1), units.pressure(status.pressure_2));
     say!("spool       {}", units.spool(status.spool));

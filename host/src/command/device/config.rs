@@ -23,6 +23,7 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
         }
         ConfigAction::Get { name: Some(name) } => print_one(name, &read(client)?),
         ConfigAction::Set { name, value } => {
+            let (name, value) = name_and_value(name, value.as_deref())?;
             let (written, entry) = parameter_of(name)?;
             let value = written.value(value)?;
             client.set_parameters(written.parameter.id + entry, &[value])?;
@@ -40,6 +41,15 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
             say!("stored; they survive a reset");
             Ok(())
         }
+    }
+}
+
+/// `NAME VALUE`, or `NAME=VALUE` as `--set` takes it.
+fn name_and_value<'a>(name: &'a str, value: Option<&'a str>) -> Result<(&'a str, &'a str)> {
+    match (value, name.split_once('=')) {
+        (Some(value), _) => Ok((name, value)),
+        (None, Some((name, value))) => Ok((name.trim(), value.trim())),
+        (None, None) => bail!("{name} needs a value: `device config set {name} VALUE`"),
     }
 }
 
