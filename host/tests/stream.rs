@@ -168,7 +168,9 @@ fn a_run_is_streamed_to_a_file_and_watched_from_the_command_line() {
     let longer = run.replace("--set test.duration_s=0.4", "--for 1s").replace("run.csv", "longer.csv");
     assert!(transcript(folder.path(), &longer).contains("longer.csv: 385 samples, none missing\n"));
     let never = longer.replace("--for 1s", "--for 900d");
-    assert!(transcript(folder.path(), &never).contains("! error: --for: at 1300 us a sample, 65 days can"));
+    assert!(
+        transcript(folder.path(), &never).contains("! error: --for: at 1300 us per sample, a run can last")
+    );
 }
 
 #[test]

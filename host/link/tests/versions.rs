@@ -201,7 +201,7 @@ fn an_older_rig_takes_the_parameters_that_it_has_unless_one_that_it_lacks_would_
     parameters.set(id::DWELL_US, 5000).expect("in range");
     let error = client.import_parameters(&parameters).expect_err("it would dwell").to_string();
     assert!(
-        error.contains("has no parameter controller.dwell_s, which shall be 0.005 (by default 0)"),
+        error.contains("has no parameter controller.dwell_s, which should be 0.005 (default 0)"),
         "{error}"
     );
     let values = client.parameters().expect("an answer").values;
