@@ -99,7 +99,10 @@ fn a_run_goes_on_from_the_end_of_another() {
     let moving = "simulate servo-b-tuned --set test.duration_s=0.36 --ensemble 1 --no-report --out moving";
     ok(folder.path(), moving);
     let printed = transcript(folder.path(), "simulate servo-b-tuned --from moving --ensemble 1 --out on");
-    assert!(printed.contains("moving cannot be started from: its drive still moves at"), "{printed}");
+    assert!(
+        printed.contains("moving cannot be used as a starting point: its drive still moves at"),
+        "{printed}"
+    );
 }
 
 #[test]
@@ -110,7 +113,7 @@ fn a_record_of_another_rig_and_what_is_no_transient_are_refused() {
     let fine = "--set encoder.mm_per_count=0.01";
     let printed =
         transcript(folder.path(), &format!("simulate servo-b-tuned {fine} --from TARGET01.DAT --out x"));
-    assert!(printed.contains("its encoder counts 0.01205 mm, that of servo-b-tuned 0.01 mm"), "{printed}");
+    assert!(printed.contains("its encoder has 0.01205 mm per count, not 0.01"), "{printed}");
     fs::write(folder.path().join("page.html"), "<p>no").expect("written");
     let printed = transcript(folder.path(), "simulate servo-b-tuned --from page.html --out x");
     assert!(printed.ends_with("= 1"), "{printed}");

@@ -391,7 +391,7 @@ fn keys_that_cannot_be_fitted_are_refused_before_any_work() {
     recorded(folder.path());
     for (key, says) in [
         ("load.mas", "there is no key"),
-        ("controller.scale", "no physical number"),
+        ("controller.scale", "not a physical number"),
         ("actuator.leakage_coefficient", "above 0"),
     ] {
         let printed = transcript(folder.path(), &format!("identify rig.toml TARGET01.DAT --fit {key}"));

@@ -157,7 +157,7 @@ fn an_incline_that_friction_cannot_make_up_for_is_a_misfit_and_named_with_its_si
     assert_eq!((&cause["effect"], &cause["significant"]), (&"an incline".into(), &true.into()), "{cause}");
     let number = |name: &str| cause[name].as_f64().expect("a number");
     assert!((number("value") - 65.0).abs() < 3.0 * number("standard_error") + 2.0, "{cause}");
-    assert!(printed.contains("load.coulomb_retract_n: look whether the file is of this rig"), "{printed}");
+    assert!(printed.contains("load.coulomb_retract_n. Check that the file belongs to this rig"), "{printed}");
 }
 
 /// Bristles yield as the pressures change, long before the load slips: the first count that it moves is neither the end of

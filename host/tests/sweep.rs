@@ -105,7 +105,7 @@ fn the_points_of_a_grid_tell_whether_they_are_decided_and_have_neighbours_on_req
     let decided = alone.lines().skip(1).map(|line| line.split(',').nth(3).expect("a cell"));
     assert!(decided.clone().all(|cell| ["yes", "no"].contains(&cell)) && decided.count() == 2, "{alone}");
     let refused = transcript(folder.path(), "sweep s.toml --ensemble 3");
-    assert!(refused.contains("is of another sweep") && refused.ends_with("= 1"), "{refused}");
+    assert!(refused.contains("belongs to another sweep") && refused.ends_with("= 1"), "{refused}");
     for shard in 1..=2 {
         let shard = format!("sweep s.toml --ensemble 3 --shard {shard}/2 --out shard{shard}");
         ok(folder.path(), &shard);
@@ -125,7 +125,7 @@ fn the_points_of_a_grid_tell_whether_they_are_decided_and_have_neighbours_on_req
     assert!(refused.contains("two columns end_least") && refused.ends_with("= 1"), "{refused}");
     fs::write(folder.path().join("s.toml"), format!("ensemble = 8\n{SWEEP}")).expect("written");
     let refused = transcript(folder.path(), "sweep s.toml --out drawn");
-    assert!(refused.contains("draws are an ensemble already"), "{refused}");
+    assert!(refused.contains("draws are already an ensemble"), "{refused}");
 }
 
 #[test]
@@ -206,7 +206,8 @@ fn a_journal_of_another_sweep_and_files_of_the_users_are_refused_and_stay() {
     fs::write(folder.path().join("s.toml"), SWEEP.replace("[4e5, 6e5]", "[4e5, 5e5]")).expect("written");
     let printed = transcript(folder.path(), "sweep s.toml --out out");
     assert!(
-        printed.contains("sweep.journal is of another sweep (s.toml); delete it") && printed.ends_with("= 1"),
+        printed.contains("sweep.journal belongs to another sweep (s.toml); delete it")
+            && printed.ends_with("= 1"),
         "{printed}"
     );
     assert_eq!(written(folder.path(), "out/sweep.journal"), before);

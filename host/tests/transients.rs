@@ -106,8 +106,8 @@ fn a_record_is_not_evaluated_with_the_cylinder_of_another_rig_unsaid() {
     let fine = folder.path().join("fine.toml");
     fs::write(&fine, "name = \"fine\"\n[encoder]\nmm_per_count = 0.01\n").expect("written");
     for (rig, says) in [
-        ("short.toml", "TARGET01.DAT is not of short: it goes from 98.7 to"),
-        ("fine.toml", "TARGET01.DAT is not of fine: its encoder counts 0.01205 mm, that of fine 0.01 mm"),
+        ("short.toml", "TARGET01.DAT does not belong to short: it goes from 98.7 to"),
+        ("fine.toml", "TARGET01.DAT does not belong to fine: its encoder has 0.01205 mm per count, not 0.01"),
     ] {
         let printed = transcript(folder.path(), &format!("eval TARGET01.DAT --rig {rig}"));
         assert!(printed.contains(&format!("! error: {says}")) && printed.ends_with("= 1"), "{printed}");
@@ -269,7 +269,7 @@ fn what_is_no_record_is_refused_by_what_is_wrong_with_it() {
         all_refuse(folder.path(), name, says);
     }
     all_refuse(folder.path(), "nothing.dat", "cannot read nothing.dat");
-    all_refuse(folder.path(), "run/trace.csv", "run/trace.csv is a part of a run; give its folder");
+    all_refuse(folder.path(), "run/trace.csv", "run/trace.csv is part of a run; give its folder");
 }
 
 /// The CRC is that of the data: the header has to make sense of itself.

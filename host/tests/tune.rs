@@ -25,7 +25,7 @@ fn a_tuning_leaves_a_page_and_a_rig_that_can_be_simulated() {
         "in 5 fresh draws from the spread",
         "the rig of the file in mid-stroke",
         "controller.velocity_gain",
-        "where they lie in what was searched",
+        "the gains within their search ranges",
         "the fresh draws one by one, the worst first",
         "the gain profile",
         "the search",

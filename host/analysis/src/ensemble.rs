@@ -1,8 +1,8 @@
-//! A run with its neighbours: the same drive, its mass and its starting position changed by next to nothing.
+//! A run with its neighbours: the same drive with very slightly different mass and starting position.
 //!
-//! A closed loop can depend on less than anyone knows of a rig: a part in a hundred thousand of the mass may decide
-//! whether a piston sticks here or a count further on. One run is then one draw of many. Its neighbours show what the
-//! others look like, and every figure of the run is stated as the range over all of them.
+//! A closed loop can depend on details that nobody knows of a rig: a hundred-thousandth of the mass may decide whether
+//! a piston sticks here or a count further on. A single run is then one draw of many. Its neighbours show the others,
+//! and every figure of the run is stated as the range over all of them.
 //!
 //! With a relative change s, the neighbours i = 0, 1, ... lie around the nominal rig,
 //!
@@ -10,8 +10,8 @@
 //! mass (1 + s cos a_i),   position + s stroke sin a_i,   a_i = 2 pi (b_i + 1/24)
 //! ```
 //!
-//! with b_i = 0, 1/2, 1/4, 3/4, 1/8, ... , the binary digits of i behind the point in the reverse order (van der Corput):
-//! nearly even for any number of them, and more of them are the same ones and others, so that a range only grows.
+//! with b_i = 0, 1/2, 1/4, 3/4, 1/8, ... , the binary digits of i after the point in reverse order (van der Corput). They
+//! are nearly even for any number of them, and a longer sequence contains the shorter one, so a range only grows with it.
 //!
 //! The nominal run is integrated until it is decided (see [`pneudrive_sim::decision`]); its neighbours are draws, for
 //! which a coarser tolerance will do.

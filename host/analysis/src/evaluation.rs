@@ -1,12 +1,12 @@
-//! What a transient tells about its moves (the thesis's EVAL.PR, and the figures a machine builder asks for).
+//! The figures of the moves of a transient (the thesis's EVAL.PR, and those that a machine builder needs).
 //!
 //! A move begins where the setpoint changes, or, in open loop, the command; it ends where the next one
 //! begins, or with the transient. With `x0` the position at its beginning, `r` the setpoint and `h = r - x0`:
 //!
-//! | figure | is | there is none |
+//! | figure | definition | left out |
 //! |---|---|---|
-//! | rise time | from 10 % to 90 % of `h`, for the first time each | of a way of less than 10 counts |
-//! | overshoot | how far the position goes beyond `r`, in the direction of `h` | of a way of less than 2.5 counts, and while the drive still goes on |
+//! | rise time | from 10 % to 90 % of `h`, each for the first time | for a way of less than 10 counts |
+//! | overshoot | how far the position goes beyond `r`, in the direction of `h` | for a way of less than 2.5 counts, and while the drive still moves on |
 //! | settling time | from the beginning until the position stays within the tolerance of `r` | if it is not there throughout the last quarter of the move |
 //! | steady error | mean of `r - x` over the move's last quarter, or over the cycles of a limit cycle | while the drive still moves |
 //! | limit cycle | swing from peak to peak and frequency ([`LimitCycle`]) | says so itself |

@@ -1,7 +1,7 @@
 //! Parameters of a rig from recorded transients, with their uncertainties (thesis 7.1).
 //!
-//! Output error: the recorded commands drive the model, and the parameters are those with which it repeats
-//! what the sensors read. For each channel c at each sample k that counts
+//! Output error method: the recorded commands drive the model, and the parameters are those with which it reproduces the
+//! sensor readings. For each channel c at each sample k that counts
 //!
 //! ```text
 //! r = (measured - model) / sigma_c           in counts of encoder and converters
@@ -205,7 +205,7 @@ pub fn identify(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     if parameters.is_empty() || recordings.is_empty() {
-        bail!("a fit needs a parameter and a transient");
+        bail!("a fit needs at least one parameter and one transient");
     }
     let mut model = Model::new(rig, recordings, parameters, accuracy);
     let start = vec![0.0; model.unknowns()];
@@ -213,7 +213,7 @@ pub fn identify(
     let before = model.channel_fits(&residuals).map(|fit| fit.map(|fit| fit.after));
     let silent = model.leave_out_what_nothing_depends_on(&residuals);
     if model.parameters.is_empty() {
-        bail!("none of the parameters can be seen in the transients; the drive must move in them");
+        bail!("the transients do not depend on any of the parameters; the drive must move in them");
     }
     let start = vec![0.0; model.unknowns()];
     let Termination { found, causes } = search::search(&mut model, start, progress)?;

@@ -258,7 +258,7 @@ fn ratios(pairs: &[[f64; 2]]) -> [f64; 3] {
 pub fn page(name: &str, rungs: &[Rung]) -> Page {
     let cost = Figure {
         heading: "what a model costs, and what it changes".to_owned(),
-        across: "evaluations of the right-hand side a sample".to_owned(),
+        across: "evaluations of the right-hand side per sample".to_owned(),
         panels: vec![Panel {
             title: "largest difference of the position, mm".to_owned(),
             curves: rungs[1..].iter().map(place).collect(),
@@ -278,9 +278,9 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
     Page {
         title: format!("{name}: the ladder of fidelity"),
         notes: vec![
-            "The reference has every model in its most complete form that the rig file has figures for. On each rung one component has another model, with the defaults of the keys that the file lacks; its transient is compared with that of the reference. In closed loop a difference of the position is what the controller leaves of it; --set controller.loop=open with moves as commands shows the bare one.".to_owned(),
-            "In brackets: the range over neighbours of both, whose mass and starting position differ by next to nothing. The first row tells how far the neighbours of the reference are from it: a difference of that size says nothing of a model.".to_owned(),
-            format!("Evaluations and iterations are counted and the same everywhere; times are of the machine that made this page, over those of the reference, which was run beside each rung: of the shortest of {TIMES} runs of both, and in brackets the least and the most of a pair. A wide range says that the machine was busy."),
+            "The reference has every model in the most complete form for which the rig file has figures. On each rung one component has another model, with defaults for the keys that the file lacks; its transient is compared with that of the reference. In closed loop the controller reduces a difference of the position; --set controller.loop=open, with moves as commands, shows it without a controller.".to_owned(),
+            "In brackets: the range over neighbours of both, whose mass and starting position differ very slightly. The first row shows how far the neighbours of the reference are from it: a difference of that size says nothing about a model.".to_owned(),
+            format!("Evaluations and iterations are counted and the same on every machine. Times are of the machine that made this page, relative to the reference, which was run beside each rung: the ratio of the shortest of {TIMES} runs of both and, in brackets, the least and the largest ratio of a pair. A wide range means that the machine was busy."),
         ],
         tables: vec![table(rungs)],
         figures: vec![cost, transients],
@@ -309,8 +309,8 @@ pub fn table(rungs: &[Rung]) -> Table {
     let columns = [
         "component",
         "model",
-        "evaluations a sample",
-        "flow iterations a sample",
+        "evaluations per sample",
+        "flow iterations per sample",
         "time, %",
         "position rms, mm",
         "largest, mm",

@@ -1,17 +1,17 @@
-//! What transients tell, as a library: no command line and no port, and nothing is printed.
+//! The analysis of transients as a library: no command line and no port; nothing is printed.
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
 //! | [`alignment`] | two transients on one time |
-//! | [`evaluation`] | what a transient tells about its moves |
+//! | [`evaluation`] | the figures of a transient's moves |
 //! | [`ensemble`], [`range`] | a run with its neighbours, and figures as ranges over them |
 //! | [`recorded_test`] | the test that a record was made with, for a simulation of it |
 //! | [`replay`] | a TARGET file's inputs through the controller on the PC, compared with its outputs |
 //! | [`spectrum`] | which frequencies a channel holds |
 //! | [`identification`] | parameters of a rig from its transients, with their uncertainties |
 //! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
-//! | [`tuning`] | gains for a step, at the worst of all rigs within a spread |
+//! | [`tuning`] | gains for a step, on rigs within a spread |
 //! | [`sensitivity`] | which value that nobody has measured moves the transient most |
 //! | [`ladder`] | what each model of a component costs, and what it changes |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |

@@ -1,7 +1,6 @@
 //! A page of this program: notes, tables and graphs in one file that opens without a network.
 //!
-//! Graphs are drawn by the plotting library that the page carries: they zoom, and each saves itself as
-//! SVG or PNG.
+//! The plotting library in the page draws the graphs: they zoom, and each can be saved as SVG or PNG.
 
 mod figure;
 
@@ -170,7 +169,7 @@ fn plotly_script() -> Result<&'static str> {
         let script = scripts.split_inclusive("</script>").find(|script| script.contains("plotly.js v"));
         script.map(|script| script.trim().to_owned())
     });
-    SCRIPT.as_deref().context("the plotting library brings no script")
+    SCRIPT.as_deref().context("the plotting library has no script")
 }
 
 /// A page beside this one as a link, other text as it is.

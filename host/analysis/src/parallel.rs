@@ -1,8 +1,7 @@
-//! The same for each of many, on the threads of one pool.
+//! Parallel maps on the threads of one pool.
 //!
-//! The pool is rayon's: whoever runs the program says how many threads it has; by default there is one for each
-//! processor, and where a system has no threads (wasm), the one that asks does all the work. Which thread makes what
-//! changes nothing in a result.
+//! The pool is rayon's: the program sets its number of threads, by default one for each processor; on a system without
+//! threads (wasm), the caller does all the work. The result does not depend on which thread computes what.
 
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};

@@ -1,4 +1,4 @@
-//! The run of a transient, to be simulated again (thesis 5.5.2): what a rig takes from it.
+//! The test of a transient, to be simulated again (thesis 5.5.2): what a rig takes from it.
 //!
 //! | of the rig | from a record | from a simulated run |
 //! |---|---|---|
@@ -49,7 +49,7 @@ pub fn taken_from(path: &Path, rig: &Rig) -> Result<Taken> {
     } else {
         from_record(&path.display().to_string(), &TargetFile::read(path)?, rig)
     };
-    taken.with_context(|| format!("{} cannot be started from", path.display()))
+    taken.with_context(|| format!("{} cannot be used as a starting point", path.display()))
 }
 
 fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
@@ -129,7 +129,7 @@ fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {
     let speed = last("velocity_m_s").abs();
     if speed > AT_REST_M_S {
         bail!(
-            "its drive still moves at {:.1} mm/s at the end, and a simulation begins at rest; let it run longer",
+            "its drive still moves at {:.1} mm/s at the end, but a simulation begins at rest; let it run longer",
             1e3 * speed
         );
     }

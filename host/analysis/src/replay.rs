@@ -1,17 +1,16 @@
-//! The recorded inputs of a TARGET file, through the controller on the PC: the proof on a real cylinder
-//! that the board computes what the PC computes.
+//! Replay of the recorded inputs of a TARGET file through the controller on the PC: it proves with a real cylinder that
+//! board and PC compute the same.
 //!
 //! Position and pressures of each sample go in; command, error and, for a stepper, SPLLOC come out and
 //! are compared with the recorded ones, bit for bit. Recorded positions count from the reference, so the
-//! replay runs with the origin 0. What the file does not say is found like this:
+//! replay runs with the origin 0. Facts that are not in the file are found as follows:
 //!
 //! - **Moves** ([`moves`]). Closed loop: setpoint = position + error. Open loop: the moves are the commands
 //!   themselves, so such a record proves the limits and the stepper, not the law.
 //! - **Arrival.** A move begins at its recorded sample and, with `on_arrival`, also waits for the end of the
 //!   one before, as on the board. So arrival and learning are those of the board.
 //! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it.
-//!   What comes from outside (a stop, a late sample, a silent host) is in no sample: the record ends before
-//!   it.
+//!   External causes (a stop, a late sample, a silent host) are in no sample: the record ends before them.
 //! - **Older rules** (`replay/older.rs`). A record is replayed by the rules of the firmware that made it.
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
 //!   learned, whether a run that begins with a setpoint that is held anyway began with a move to it.
@@ -149,13 +148,13 @@ pub enum ReplayError {
         max: i32,
     },
     /// The parameters are not those of any controller.
-    #[error("the parameters of its header do not go together: {}", .0.advice())]
+    #[error("the parameters in its header are inconsistent: {}", .0.advice())]
     Inconsistent(ConfigError),
     /// There is no sample of a run.
     #[error("it has no sample k = 0: the replay begins with the first sample of a run; record one")]
     NoStart,
     /// A sample is not where it should be.
-    #[error("sample {found} stands where sample {expected} should; record the run again")]
+    #[error("sample {found} is in the place of sample {expected}; record the run again")]
     Gap {
         /// The k that comes next.
         expected: i32,
@@ -164,7 +163,7 @@ pub enum ReplayError {
     },
     /// No sample of a move tells its setpoint.
     #[error(
-        "the setpoint of the samples {first} to {last} is not in the file: their error is at the limit of its 16 bits, and no sample of the same move is nearer than 32767 counts; record a run that comes nearer to each setpoint"
+        "the setpoint of samples {first} to {last} is not in the file: their error is at the limit of 16 bits, and no sample of the same move is nearer than 32767 counts; record a run that comes nearer to each setpoint"
     )]
     SetpointUnknown {
         /// First sample without a setpoint.
@@ -173,11 +172,13 @@ pub enum ReplayError {
         last: i32,
     },
     /// Position and error do not make a setpoint.
-    #[error("position and error of sample {0} make no setpoint of 32 bits; the file is not the recorder's")]
+    #[error(
+        "position and error of sample {0} give no setpoint of 32 bits; the recorder did not write this file"
+    )]
     NoSetpoint(i32),
     /// The setpoint changes more often than a test has moves.
     #[error(
-        "the setpoint changes at sample {0} for the 65th time, and a test has 64 moves at most; moves that come again (test.repeat_every_s) are not known in a file, so cut it to fewer"
+        "the setpoint changes at sample {0} for the 65th time, but a test has at most 64 moves; repeated moves (test.repeat_every_s) are not marked in a file, so cut it to fewer"
     )]
     TooManyMoves(i32),
     /// The controller would not have run this.

@@ -1,5 +1,4 @@
-//! The page of transients: position with setpoint, both pressures together, spool, command, error, over
-//! one axis of time.
+//! The page of transients: position with setpoint, both pressures, spool, command and error over a common time axis.
 
 use crate::page::{Curve, Figure, Look, Page, Panel, Shade, Table};
 use crate::transient::{COMMAND, Transient};

@@ -1,9 +1,9 @@
-//! Which of the values that nobody has measured moves the transient most.
+//! Which unmeasured values affect the transient most.
 //!
-//! Each value that is a default, typical or unknown is set to either end of its range, or 10 % below and above where it has
-//! none, and the rig's test is run. What counts is the largest distance of the piston from where it is with the value of the
-//! file, at any sample, and beyond what neighbours of the run show: a closed loop that depends on less than anyone knows of a
-//! rig does so for every value.
+//! Each value that is a default, typical or unknown is set to either end of its range, or 10 % below and above if it has
+//! none, and the rig's test is run. The effect is the largest deviation of the piston from its position with the file's
+//! value, at any sample. It must exceed the deviation of neighbours of the run: a closed loop that is sensitive to tiny
+//! changes is so for every value.
 
 use pneudrive_records::judged::Spacing;
 use pneudrive_sim::rig::{Key, Kind, Origin, Problems, Source, Value};

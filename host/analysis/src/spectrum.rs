@@ -1,4 +1,4 @@
-//! Which frequencies a channel holds (the thesis used a package of its time, ILS, for this).
+//! The spectrum of a channel (the thesis used a package of its time, ILS, for this).
 //!
 //! With the samples `x_k` less their mean, the weights `w_k` of a window, `N` samples a period `T` apart:
 //!

@@ -1,10 +1,10 @@
 //! The application studies of the thesis (chapter 8) and its published comparisons (7.3), run on the model.
 //!
 //! A [`Study`] names rigs with settings, what the thesis says of them, and for each such statement a predicate over
-//! the runs. What the model shows and whether it agrees is computed from the runs, never written: each drive is run
-//! from many starts, and a verdict holds if it surely holds in most of them. A drive without the change stands beside
-//! each one with it, from the same start: what both show is not the work of the change. The rigs of the thesis are not
-//! here: where it compares with one, the verdict is open.
+//! the runs. What the model shows and whether it agrees is always computed from the runs: each drive is run from many
+//! starts, and a verdict holds if it significantly holds in most of them. Each drive with a change is compared with one
+//! without it from the same start: what both show is not due to the change. The rigs of the thesis are not available: a
+//! statement that compares with one is undecided.
 
 mod catalogue;
 mod finding;

@@ -1,8 +1,8 @@
 //! Many runs of one rig: some keys vary, figures of the moves are collected, the best point is found.
 //!
 //! [`Sweep::read`] takes a TOML file and gives a fixed list of points: every combination of the varied values,
-//! each with every draw of the distributions. A point is a number; it always stands for the same rig, so that
-//! points may be run in any order, on any machine, and again.
+//! each with every draw of the distributions. A point is a number that always means the same rig, so points may be run
+//! in any order, on any machine, and repeatedly.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,8 +1,8 @@
-//! The thesis, reproduced: the numbers in the text of its chapters 7 and 8 that the model can be held against.
+//! The thesis, reproduced: the numbers in the text of its chapters 7 and 8 with which the model can be compared.
 //!
 //! An [`Exhibit`] is one table, figure or section of the thesis: what it prints ([`Entry`], a line each), the experiment
 //! that repeats it, and the command that repeats the experiment. The experiment gives a [`Reading`] for each entry, with
-//! what it rests on; [`Agreement`] follows from the two and is never written down. The application studies
+//! its basis; [`Agreement`] is always computed from the two. The application studies
 //! ([`crate::study`]) are exhibits, too: their statements are entries without a number.
 //!
 //! | module | holds |

@@ -128,7 +128,7 @@ impl Transient {
     /// When it is none of them, or damaged.
     pub fn read(path: &Path) -> Result<Transient> {
         if path.file_name().is_some_and(|name| name == "trace.csv" || name == "run.json") {
-            bail!("{} is a part of a run; give its folder", path.display());
+            bail!("{} is part of a run; give its folder", path.display());
         }
         if path.is_dir() {
             Ok(Transient::of_run(&path.display().to_string(), &StoredRun::read(path)?))

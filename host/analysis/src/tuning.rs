@@ -1,4 +1,4 @@
-//! Gains for a drive: a step there and back, on every rig and at every place of a stated spread.
+//! Gains for a drive: a step there and back, on rigs and at positions drawn from a stated spread.
 //!
 //! ```text
 //! genes in [0, 1] -> gains, windows, dither, null -> runs of the step on draws from the spread -> mean cost
@@ -8,10 +8,10 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`gains`] | what is looked for, in units that fit every rig, and the keys that it becomes |
-//! | [`fixed`] | which keys a user may hold |
-//! | [`goal`] | what is asked of a step, and what a run costs |
-//! | [`spread`] | the rigs that the drive may turn out to be, and the places and directions of its steps |
+//! | [`gains`] | the design variables, in units that suit every rig, and the keys that they set |
+//! | [`fixed`] | which keys a user may fix |
+//! | [`goal`] | the goal of a step, and the cost of a run |
+//! | [`spread`] | the rigs that the drive may turn out to be, and the positions and directions of its steps |
 //! | [`trial`] | the step on a rig |
 //! | [`mod@search`] | differential evolution |
 //! | [`drive`] | candidates on many rigs, and how far that is |

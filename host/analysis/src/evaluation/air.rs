@@ -1,11 +1,12 @@
-//! The air that is let into the chambers.
+//! The air that flows into the chambers.
 //!
-//! It is told in litres at 20 degrees Celsius, 100 kPa and 65 % relative humidity (ANR, ISO 8778). What the valve leaks
-//! from the supply to the exhaust does not come into the chambers and is not in it.
+//! It is stated in litres at 20 degrees Celsius, 100 kPa and 65 % relative humidity (ANR, ISO 8778). Leakage of the valve
+//! from the supply to the exhaust does not enter the chambers and is not included.
 //!
-//! Of a run the flows into the chambers are summed, by the trapezoidal rule; how far the sum over every other row is
-//! from it tells how well it is known. A record has no flows: there the pressures tell ([`filling`]). Rows or samples too
-//! far apart to follow the dither tell nothing: at a multiple of its period all of them see it at one phase.
+//! For a run, the flows into the chambers are integrated by the trapezoidal rule; the difference from the integral over
+//! every other row gives its uncertainty. A record has no flows: there the air is computed from the pressures
+//! ([`filling`]). Rows or samples too far apart to follow the dither are not used: at a multiple of its period all of them
+//! would see it at the same phase.
 
 mod filling;
 mod record;

@@ -1,4 +1,4 @@
-//! The figures of a move, in a run alone or over the run and its neighbours.
+//! The figures of a move, for a single run or over the run and its neighbours.
 
 use serde_json::{Map, Value, json};
 

@@ -1,4 +1,4 @@
-//! The samples of a move, and what they show of its step. What they do not show is None.
+//! The samples of a move, and its step as they show it. What they do not show is None.
 
 use super::limit_cycle::{rest, still_band};
 use super::{Doubt, LimitCycle};

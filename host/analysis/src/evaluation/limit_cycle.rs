@@ -1,23 +1,23 @@
-//! Whether a move ends in a limit cycle: an oscillation that goes on to the end of the move with a constant swing.
+//! Whether a move ends in a limit cycle: an oscillation that continues to the end of the move with a constant swing.
 //!
 //! ```text
 //! position -> swings -> cycles of two swings -> trend of ln(swing) over the cycles -> verdict
 //! ```
 //!
 //! Two swings make a cycle, and their mean is its swing: a drift lengthens one and shortens the other. The line
-//! `ln(swing) = a + b cycle` is fitted by least squares to the later half of the cycles, of which there must be three
-//! at least. Over these n cycles the swing changes by `b n`, known to within twice its standard error. The
+//! `ln(swing) = a + b cycle` is fitted by least squares to the later half of the cycles, of which there must be at least
+//! three. Over these n cycles the swing changes by `b n`, known to within twice its standard error. The
 //! oscillation is a limit cycle if it loses less than a tenth or gains less than three tenths over them, or if its
 //! change is not significant, and certainly less than a half. Where the later half still holds the end of a transient,
 //! fewer cycles may show the limit cycle, if the swing changes at less than a third of the rate before them: a
 //! ringing that dies out exponentially never does.
 //!
-//! The drive comes to rest if it stands still at the end of the move for a quarter of the move, for 0.2 s, and for as
-//! long as the longest cycle before, and if its pressures come to rest with it. To see that, this time is cut into
-//! three: the mean pressures must change by less than 7 kPa/s from the second part to the third, or by less than 0.7
-//! of their change from the first to the second. A drive that sticks while its pressures go on changing will jump.
+//! The drive comes to rest if it does not move at the end of the move for a quarter of the move, for 0.2 s, and for the
+//! length of the longest cycle before, and if its pressures come to rest, too. For the latter, this time is divided into
+//! three parts: the mean pressures must change by less than 7 kPa/s from the second part to the third, or by less than
+//! 0.7 of their change from the first to the second. A drive that sticks while its pressures still change will jump.
 //!
-//! Everything else is not decidable: the record is too short.
+//! Everything else cannot be decided: the record is too short.
 
 mod trend;
 
@@ -94,21 +94,21 @@ impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Doubt::TooShort => write!(f, "it lasts for less than {REST_S} s"),
-            Doubt::JustStopped => {
-                f.write_str("it stands still at the end, but has not done so for long enough")
-            }
+            Doubt::JustStopped => f.write_str("it is at rest at the end, but not for long enough"),
             Doubt::Sticking { kpa_s } => {
-                write!(f, "it stands still at the end, while its pressures still change by {kpa_s:.0} kPa/s")
+                write!(f, "it is at rest at the end, but its pressures still change by {kpa_s:.0} kPa/s")
             }
             Doubt::Moving => f.write_str("it still moves at the end"),
-            Doubt::FewCycles => write!(f, "it swings at the end, for fewer than {FEWEST} whole cycles"),
+            Doubt::FewCycles => {
+                write!(f, "it oscillates at the end, but for fewer than {FEWEST} whole cycles")
+            }
             Doubt::DyingOut { last_mm } => {
-                write!(f, "its swing is still dying out, {last_mm:.3} mm peak to peak in the last cycle")
+                write!(f, "its oscillation is still decaying, {last_mm:.3} mm peak to peak in the last cycle")
             }
             Doubt::Growing { last_mm } => {
-                write!(f, "its swing is still growing, {last_mm:.3} mm peak to peak in the last cycle")
+                write!(f, "its oscillation is still growing, {last_mm:.3} mm peak to peak in the last cycle")
             }
-            Doubt::Irregular => f.write_str("its swing differs too much from cycle to cycle"),
+            Doubt::Irregular => f.write_str("its amplitude varies too much from cycle to cycle"),
             Doubt::NoMove => f.write_str("the run broke off"),
         }
     }

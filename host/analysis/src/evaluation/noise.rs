@@ -1,8 +1,7 @@
-//! How much of a channel is noise: told from the channel itself, as a record does not say it.
+//! The noise of a channel, estimated from the channel itself, as a record does not state it.
 //!
-//! Noise of standard deviation s that differs from sample to sample has sixth differences of s sqrt(924); a drive
-//! that moves smoothly has next to none of them, up to a tenth of the sampling rate. Their median holds the noise
-//! against the samples at which a valve opens or a drive hits its stop.
+//! White noise of standard deviation s has sixth differences of s sqrt(924); those of a smooth motion are negligible up
+//! to a tenth of the sampling rate. The median ignores the samples at which a valve opens or a drive hits its stop.
 
 /// How often differences are taken.
 const ORDER: usize = 6;

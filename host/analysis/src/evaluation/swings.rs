@@ -1,7 +1,7 @@
 //! The swings of a position: from one turning point to the next.
 //!
-//! A turning point counts when the position has come back from it by more than a band. Where the position leaves its
-//! first value is none, nor is where the move ends.
+//! A turning point counts when the position has come back from it by more than a band. The first position and the end of
+//! the move are not turning points.
 
 /// From one turning point to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]

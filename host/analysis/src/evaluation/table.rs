@@ -15,7 +15,7 @@ pub fn table(runs: &[Vec<Move>], tolerance_mm: f64) -> Table {
     let columns = columns.chain([TOP_SPEED.heading, "air, l (ANR)"]);
     Table {
         heading: format!(
-            "moves; settled means within {tolerance_mm} mm for the last quarter, - that a move does not show it"
+            "moves; settled: within {tolerance_mm} mm for the last quarter; -: not shown by the move"
         ),
         columns: columns.map(str::to_owned).collect(),
         rows: numbered(runs).flat_map(|(number, moves)| rows(number, &moves)).collect(),
@@ -123,7 +123,7 @@ pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
     let doubt = |one: &Move| match one.limit_cycle {
         LimitCycle::Undecided(doubt) => {
             let number = one.number;
-            Some(format!("Move {number}: whether it ends in a limit cycle is not decidable; {doubt}."))
+            Some(format!("Move {number}: it cannot be decided whether it ends in a limit cycle; {doubt}."))
         }
         _ => None,
     };
@@ -134,7 +134,7 @@ pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
     let rests = rests.reduce(|(band, time), (below_mm, for_s)| (band.max(below_mm), time.min(for_s)));
     let none = rests.map(|(below_mm, for_s)| {
         format!(
-            "No limit cycle means that the drive stands still within {below_mm:.3} mm, for the last {for_s:.2} s at least."
+            "No limit cycle means that the drive is at rest within {below_mm:.3} mm for at least the last {for_s:.2} s."
         )
     });
     let divided = numbered(runs).filter_map(|(number, moves)| divided(number, &moves));
@@ -150,7 +150,7 @@ fn numbered(runs: &[Vec<Move>]) -> impl Iterator<Item = (usize, InRuns<'_>)> {
 }
 
 /// Why moves have no setpoint.
-const COMMANDED: &str = "In open loop a move is a command to the valve. It has no setpoint to go to, so there is no rise, overshoot, settling or steady error.";
+const COMMANDED: &str = "In open loop a move is a command to the valve. It has no setpoint, so there is no rise, overshoot, settling or steady error.";
 
 /// How the runs divide where they do not all end alike.
 fn divided(number: usize, moves: &InRuns) -> Option<String> {
@@ -160,6 +160,6 @@ fn divided(number: usize, moves: &InRuns) -> Option<String> {
         return None;
     }
     Some(format!(
-        "Move {number}: of {all} runs that differ by next to nothing {at_rest} come to rest, {swinging} end in a limit cycle and {undecided} cannot be told."
+        "Move {number}: of {all} nearly identical runs, {at_rest} come to rest, {swinging} end in a limit cycle and {undecided} cannot be decided."
     ))
 }

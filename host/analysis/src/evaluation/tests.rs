@@ -177,8 +177,8 @@ fn the_table_and_its_doubts_tell_rest_limit_cycle_and_neither() {
     assert_eq!(
         remarks(std::slice::from_ref(&moves)),
         [
-            "Move 3: whether it ends in a limit cycle is not decidable; it still moves at the end.",
-            "No limit cycle means that the drive stands still within 0.025 mm, for the last 2.00 s at least."
+            "Move 3: it cannot be decided whether it ends in a limit cycle; it still moves at the end.",
+            "No limit cycle means that the drive is at rest within 0.025 mm for at least the last 2.00 s."
         ]
     );
 }
@@ -211,7 +211,7 @@ fn runs_that_do_not_all_end_alike_are_counted() {
     let swinging = evaluated(&transient(|_| 100.0, swing, 3000));
     let runs = [short_by(0.0), swinging, short_by(1.0)];
     let text = remarks(&runs).join("\n");
-    let counts = "of 3 runs that differ by next to nothing 2 come to rest, 1 end in a limit cycle";
+    let counts = "of 3 nearly identical runs, 2 come to rest, 1 end in a limit cycle";
     assert!(text.contains(counts), "{text}");
     let cycle = &table(&runs, 0.05).rows;
     assert_eq!((cycle[0][9].as_str(), cycle[1][9].as_str()), ("none", "none"));

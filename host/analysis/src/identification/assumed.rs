@@ -1,7 +1,7 @@
-//! What a fit assumes: values that it does not find, and that may be off nevertheless.
+//! Assumptions of a fit: values that are not fitted, but may be wrong nevertheless.
 //!
-//! They are unknowns of the posterior without being unknowns of the search: the estimates hold for the file's values, and
-//! the intervals for what these may be.
+//! They are unknowns of the posterior but not of the search: the estimates hold for the file's values, and the intervals
+//! allow for their uncertainty.
 
 use std::ops::Range;
 
@@ -47,8 +47,11 @@ fn assumed(model: &Model) -> Vec<Parameter> {
 pub(super) fn posterior(model: &Model, found: &Found) -> Result<Considered> {
     let assumed = assumed(model);
     let priors = priors(model, &assumed);
-    let cannot =
-        || anyhow!("the sensitivities of the model to its parameters are too far apart to be worked with");
+    let cannot = || {
+        anyhow!(
+            "the sensitivities of the model to its parameters differ too much in size to be used together"
+        )
+    };
     let wider = model.with(&assumed);
     let mut u = found.minimum.u.clone();
     u.splice(model.parameters.len()..model.parameters.len(), vec![0.0; assumed.len()]);

@@ -1,10 +1,10 @@
-//! What would explain residuals that are more than noise: effects that the rig file does not have, or has at a fixed
-//! value, one at a time.
+//! Possible causes of residuals that exceed the noise: effects that the rig file does not have, or has at a fixed value,
+//! one at a time.
 //!
 //! ```text
-//! d    = r(with the effect at its usual size) - r              what it does to the residuals
-//! d_   = d - J (J' J)^-1 J' d                                  what no parameter could do as well
-//! gain = (d_' r)^2 / d_' d_                                    sum of squares that it would take away, linearised
+//! d    = r(with the effect at its usual size) - r              its effect on the residuals
+//! d_   = d - J (J' J)^-1 J' d                                  the part that no parameter can reproduce
+//! gain = (d_' r)^2 / d_' d_                                    sum of squares that it would remove, linearised
 //! F    = (S_0 - S_1) / (t S_1 / (n - p)),  t = (1 + rho) / (1 - rho)
 //! ```
 //!
@@ -182,7 +182,7 @@ pub(super) fn explain(
     if misfit == 0.0 {
         return Vec::new();
     }
-    progress("what would explain the rest: effects that the rig file does not have");
+    progress("what would explain the residuals: effects that are not in the rig file");
     let promising = traces.trials.iter().take(FITTED);
     let mut fits: Vec<Fit> = promising.filter_map(|trial| Fit::by_secants(model, found, trial)).collect();
     // Those that secants do not make better than no effect stay in the order of what they promise.

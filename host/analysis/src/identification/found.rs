@@ -56,7 +56,9 @@ pub(super) fn found_at(model: &Model, minimum: Minimum) -> Result<Found> {
     let jacobian = minimum.jacobian.rows(0, rows).into_owned();
     let priors = DVector::from_fn(minimum.u.len(), |i, _| model.prior(i));
     let covariance = inverse(&jacobian.tr_mul(&jacobian), &priors).ok_or_else(|| {
-        anyhow!("the sensitivities of the model to its parameters are too far apart to be worked with")
+        anyhow!(
+            "the sensitivities of the model to its parameters differ too much in size to be used together"
+        )
     })?;
     let transform = Transform::of(&blocks, &minimum.residuals, &jacobian);
     let moving = transform.spectrum(&covariance, rests(model));

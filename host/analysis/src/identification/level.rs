@@ -1,4 +1,4 @@
-//! Friction that differs between the two ways as it would on a drive that does not lie level.
+//! Friction that differs between the directions as on an inclined drive.
 //!
 //! ```text
 //! d_i   = s_i (found_i - file_i) = F + e_i      s = 1: stiction and Coulomb friction of extension, -1: of retraction
@@ -8,9 +8,9 @@
 //! F     = m g sin(incline)
 //! ```
 //!
-//! The weight of a load on an incline adds one force to all four. A transient does not tell it from friction that really
-//! is so (docs/identification.md); but four values that are off the file's by the same force, one way up and the other
-//! way down, seldom come about by chance.
+//! The weight of a load on an incline adds the same force to all four. A transient cannot distinguish it from friction that
+//! really differs (docs/identification.md); but four values that deviate from the file's by the same force, up in one
+//! direction and down in the other, are seldom due to chance.
 
 use pneudrive_sim::keys;
 use statrs::distribution::{ContinuousCDF, StudentsT};

@@ -4,8 +4,7 @@
 //! minimise  d' H d / 2 + g' d     where     u_above - u_below + d_above - d_below <= bound
 //! ```
 //!
-//! by an active set (Nocedal and Wright 2006, section 16.5): the limits that hold the step are equations, those that
-//! would not hold it are left out.
+//! by an active set (Nocedal and Wright 2006, section 16.5): active limits are equations, inactive ones are left out.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,7 +1,7 @@
-//! A rig's model held against recordings, as a sum of squares.
+//! The comparison of a rig's model with recordings, as a sum of squares.
 //!
-//! Unknown are the parameters, and for each recording the state that it starts from: position and pressures,
-//! as sensors tell these to a count only.
+//! The unknowns are the parameters and, for each recording, its initial state: position and pressures, which sensors
+//! resolve only to a count.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -146,7 +146,7 @@ impl<'a> Model<'a> {
         let rig = self.rig_at(job.u)?;
         let readings = recording.follow(&rig, self.accuracy, start, self.samples(recording))?;
         let residuals = self.compare(recording, &readings);
-        ensure!(residuals.iter().all(|r| r.is_finite()), "the model's readings are no numbers");
+        ensure!(residuals.iter().all(|r| r.is_finite()), "the model's readings are not finite numbers");
         Ok(residuals)
     }
 

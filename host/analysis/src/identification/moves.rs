@@ -1,14 +1,14 @@
-//! The tests whose transients show what a fit is after.
+//! The tests whose transients show the parameters of a fit.
 //!
 //! Open loop, in strokes of the valve, short, and from rest. What makes a test good for a fit:
 //!
 //! - **The sum of squares is smooth.** A stroke opens the valve far and at once, so the drive breaks away once. Slow
-//!   motion, and a closed loop that creeps to its setpoint, sticks and slips at instants that a hair decides: a
-//!   little more stiction then moves all that follows. So a record ends while the drive moves.
-//! - **Spool steps of a middling size.** A spool swings to its new place and sticks there; how often it swings
-//!   changes at steps of 745 and 1205 counts from rest, and at 480 more each, for servo-drive B. The strokes keep 10 %
-//!   away from these, so that a gain within 10 % of the file's is found without a jump.
-//! - **Both directions, two sizes, there and back.** Accelerations tell the mass, speeds viscous and Coulomb friction
+//!   motion, and a closed loop that creeps to its setpoint, sticks and slips at instants that depend on tiny differences: a
+//!   little more stiction then shifts everything that follows. So a record ends while the drive moves.
+//! - **Spool steps of a medium size.** A spool oscillates to its new position and sticks there; the number of swings
+//!   changes at steps of 745 and 1205 counts from rest, and at every further 480 counts, for servo-drive B. The strokes stay
+//!   10 % away from these, so that a gain within 10 % of the file's is found without a jump.
+//! - **Both directions, two sizes, there and back.** Accelerations show the mass, speeds the viscous and Coulomb friction
 //!   and the discharge, breakaways the stiction.
 //! - **A half open valve**, so that its opening matters: gain and null.
 //! - **Rests of two lengths**, in which pressures creep: noise, leakage and null.
@@ -146,7 +146,7 @@ fn room(rig: &Rig, start: f64, direction: f64) -> Result<f64> {
     let room = (end - FROM_END * stroke).min(MAX_STROKE * stroke);
     if room < SHORTEST * stroke {
         bail!(
-            "the drive stands {:.0} mm from an end; bring it to rest near {:.0} mm, the middle of its stroke",
+            "the piston is {:.0} mm from an end; bring it to rest near {:.0} mm, the middle of its stroke",
             1e3 * end,
             500.0 * stroke
         );

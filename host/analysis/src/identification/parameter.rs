@@ -186,7 +186,7 @@ impl Parameter {
 }
 
 fn not_physical(path: &str) -> anyhow::Error {
-    anyhow!("{path} cannot be fitted: it is no physical number of the rig")
+    anyhow!("{path} cannot be fitted: it is not a physical number of the rig")
 }
 
 /// Numbers that are fitted beside those that a spread draws: what nobody knows exactly, too.
@@ -279,8 +279,8 @@ mod tests {
     fn what_is_no_physical_number_of_this_rig_is_refused_with_the_reason() {
         let refused = |path: &str| Parameter::of(&rig(""), path).expect_err("refused").to_string();
         assert!(refused("load.mas").contains("there is no key"));
-        assert!(refused("controller.scale").contains("no physical number"));
-        assert!(refused("test.duration_s").contains("no physical number"));
+        assert!(refused("controller.scale").contains("not a physical number"));
+        assert!(refused("test.duration_s").contains("not a physical number"));
         assert!(refused("operator.mm_per_step").contains("does not use it"));
         assert!(refused("actuator.leakage_coefficient").contains("above 0"));
         assert!(refused("test.pressure_1_pa").contains("no value"));

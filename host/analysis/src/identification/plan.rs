@@ -1,8 +1,8 @@
 //! The tests that a fit needs, run on a rig.
 //!
-//! First the movement test, which ends the plan where the drive does not go the way that the valve says; then the
-//! static test (stiction, hysteresis), the dynamic one (top speed and acceleration), and those that are fitted. Before
-//! each of these the drive goes back to where the plan began, in closed loop.
+//! First comes the movement test, which ends the plan if the drive does not move in the direction of the valve; then the
+//! static test (stiction, hysteresis), the dynamic one (top speed and acceleration), and the tests to fit. Before each
+//! of these the drive returns to its first position in closed loop.
 
 use anyhow::{Context, Result, bail};
 use pneudrive_protocol::RecordedSample;
@@ -52,7 +52,7 @@ impl Recorded {
     fn read_off(&mut self, recording: Result<Recording>) {
         match recording {
             Ok(recording) => self.all.push(recording),
-            Err(error) => log::info!("nothing is read off a record: {error:#}"),
+            Err(error) => log::info!("a record gives no figures: {error:#}"),
         }
     }
 }
@@ -83,7 +83,9 @@ impl<B: Bench> Plan<'_, B> {
         let movement = test(moves::MOVEMENT)?;
         let ramp = moves::ramp(open, position)?;
         if ramp.is_none() {
-            log::info!("there is no static test; the drive would go too far while the valve opens slowly");
+            log::info!(
+                "the static test is skipped; the drive would travel too far while the valve opens slowly"
+            );
         }
         let mut read_off: Vec<(&str, Rig)> = ramp.map(|ramp| ("static", ramp)).into_iter().collect();
         read_off.push(test(moves::DYNAMIC)?);
@@ -136,27 +138,27 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
         (MOVED.., 1..) => Ok(()),
         (MOVED.., 0) => {
             log::info!(
-                "the pressures swing too much before the movement test to tell whether their sensors are swapped"
+                "the pressures vary too much before the movement test to show whether their sensors are swapped"
             );
             Ok(())
         }
         (..=UNMOVED, 0) => bail!(
-            "the drive retracts by {} counts under a command to extend, and the pressures swing too much before to tell why: exchange the tubes of the valve's ports, or change encoder.polarity, and begin again",
+            "the drive retracts by {} counts on a command to extend, and the pressures vary too much beforehand to show why: swap the tubes of the valve's ports, or change encoder.polarity, and start again",
             -way
         ),
         (..=UNMOVED, ..=-1) => bail!(
-            "the drive retracts by {} counts under a command to extend, and chamber 2 is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; exchange them and begin again",
+            "the drive retracts by {} counts on a command to extend, and chamber 2 is fed: the tubes of the valve's ports are swapped, or its polarity is wrong; correct this and start again",
             -way
         ),
         (..=UNMOVED, 1..) => bail!(
-            "the encoder counts down by {} while chamber 1 pushes the drive out; change encoder.polarity and begin again",
+            "the encoder counts down by {} while chamber 1 pushes the piston out; change encoder.polarity and start again",
             -way
         ),
         (MOVED.., ..=-1) => bail!(
-            "the drive extends by {way} counts while the pressure of chamber 2 rises: the pressure sensors are swapped; exchange them and begin again"
+            "the drive extends by {way} counts while the pressure of chamber 2 rises: the pressure sensors are swapped; correct this and start again"
         ),
         _ => bail!(
-            "the drive moves by {way} counts under a wide open valve; look for the supply of air, what gates the amplifier, a stuck spool, the encoder"
+            "the drive moves by only {way} counts with the valve wide open; check the air supply, the enable of the amplifier, the spool and the encoder"
         ),
     }
 }
@@ -201,12 +203,12 @@ mod tests {
         assert!(verdict(-900, -20).contains("tubes of the valve's ports are swapped"));
         assert!(verdict(-900, 20).contains("encoder.polarity"));
         assert!(verdict(900, -20).contains("sensors are swapped"));
-        assert!(verdict(3, 20).contains("supply of air"));
+        assert!(verdict(3, 20).contains("check the air supply"));
     }
 
     #[test]
     fn a_drive_that_moves_is_not_said_to_stand_because_its_pressures_swing() {
         assert_eq!(verdict_under(900, 5, 400), "right");
-        assert!(verdict_under(-900, 5, 400).contains("swing too much"));
+        assert!(verdict_under(-900, 5, 400).contains("vary too much"));
     }
 }

@@ -1,4 +1,4 @@
-//! How exactly the data and what is assumed determine the parameters.
+//! The uncertainty of the parameters from the data and the assumptions.
 //!
 //! ```text
 //! C = (J' J + L)^-1                      L: the inverse variances of the priors
@@ -6,9 +6,9 @@
 //! S = J' J, each band of the spectrum weighted by its noise ([`super::spectrum`])
 //! ```
 //!
-//! The first part of V is what noise does to the estimates, the second one what the priors do: by how much a value may
-//! be off the file's without the data telling. It has a term for each unknown; where it is the larger part, the parameter
-//! rests on what is assumed, and these terms say on what. Some unknowns are never fitted but may be off, too:
+//! The first part of V is the effect of noise on the estimates, the second that of the priors: how far a value may deviate
+//! from the file's without an effect on the data. It has a term for each unknown; where it is the larger part, the
+//! parameter rests on assumptions, and the terms show which. Some unknowns are never fitted but may be wrong, too:
 //! they are assumed (`assumed.rs`), so they are in V, as in the consider filter of orbit determination
 //! (Schmidt 1966). Where that is small, V is that of plain least squares.
 //!

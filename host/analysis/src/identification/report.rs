@@ -1,4 +1,4 @@
-//! What a fit has found, for a terminal, a page, a program and the next simulation.
+//! The results of a fit for the terminal, the page, other programs and the next simulation.
 
 mod judged;
 mod numbers;
@@ -18,16 +18,16 @@ use judged::{Intervals, not_testable, rounded, suspicious};
 
 pub use numbers::to_json;
 
-/// First line of a fitted rig file: such a file may be written anew.
+/// First line of a fitted rig file: a file with it may be replaced.
 pub const FITTED_MARK: &str = "# Fitted by pneudrive identify";
 
 /// Format of the file of numbers.
 pub const FORMAT: &str = "pneudrive-identification 1";
 
-/// Samples between two points of a curve at least: a page of a long record stays small.
+/// The most points of a curve, so that the page of a long record stays small.
 const POINTS: usize = 4000;
 
-/// Four significant digits more than the standard error has meaning.
+/// Six significant digits, four more than those of a standard error.
 fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     format!("{rounded}")
@@ -64,7 +64,7 @@ pub fn parameters(found: &Identification) -> Table {
     table("parameters", &columns, found.estimates.iter().map(row).collect())
 }
 
-/// What parameters would be if those that they rest on were known.
+/// The estimates of parameters if the values that they rest on were exact.
 #[must_use]
 pub fn dependent(found: &Identification) -> Table {
     let row = |estimate: &Estimate| {
@@ -75,11 +75,11 @@ pub fn dependent(found: &Identification) -> Table {
         Some(vec![estimate.parameter.key.path.to_owned(), exact.join(", "), range(*interval), by.join(", ")])
     };
     let then = if found.fits { "95 % interval then" } else { "interval then" };
-    let columns = ["parameter", "were it exact that", then, "and it changes by"];
+    let columns = ["parameter", "if exact:", then, "changes by"];
     table("parameters that rest on others", &columns, found.estimates.iter().filter_map(row).collect())
 }
 
-/// What is assumed of the values that intervals rest on, or that are not seen.
+/// The assumptions on values that intervals rest on, or that cannot be seen.
 #[must_use]
 pub fn assumed(found: &Identification) -> Table {
     let needed = |parameter: &&Parameter| {
@@ -128,7 +128,7 @@ pub fn channels(found: &Identification) -> Table {
     table("root mean square of the residuals, counts", &columns, rows.collect())
 }
 
-/// What would explain the residuals.
+/// Effects that would explain the residuals.
 #[must_use]
 pub fn causes(found: &Identification) -> Table {
     let rows = found.causes.iter().map(|cause| {
@@ -144,19 +144,19 @@ pub fn causes(found: &Identification) -> Table {
             cause.effect.measure.to_owned(),
         ]
     });
-    let columns = ["effect", "explains", "is that sure", "as it was found", "how to measure it"];
+    let columns = ["effect", "explains", "significant", "estimate", "how to measure it"];
     table("what would explain the residuals, one effect at a time", &columns, rows.collect())
 }
 
 fn verdict(cause: &Explanation) -> &'static str {
     match (cause.is_significant(), cause.as_good_as_best) {
-        (true, true) => "as well as any",
-        (true, false) => "another one does better",
-        (false, _) => "no: chance does as much",
+        (true, true) => "yes",
+        (true, false) => "no: another explains more",
+        (false, _) => "no: could be chance",
     }
 }
 
-/// What is not seen, and why.
+/// The parameters that cannot be seen, and why.
 #[must_use]
 pub fn unseen(found: &Identification) -> Table {
     let rows = found.unseen.iter().map(|unseen| {
@@ -188,20 +188,20 @@ fn correlation(found: &Identification) -> Table {
     Table { heading: "correlation of the estimates' errors".to_owned(), columns, rows }
 }
 
-/// What has to be known before the numbers are used.
+/// Notes to read before the numbers are used.
 #[must_use]
 pub fn notes(found: &Identification) -> Vec<String> {
     let mut notes = Vec::new();
     if !found.converged {
-        notes.push("The search did not converge: the estimates are where it ended, and their intervals mean little. Look at the residuals; other starting values or other transients may help.".to_owned());
+        notes.push("The search did not converge: the estimates are those at its end, and their intervals mean little. Check the residuals; other starting values or other transients may help.".to_owned());
     }
     notes.extend(not_testable(found));
     if Intervals::of(found) == Intervals::Widened {
-        notes.push("More remains than noise: the model does not explain these data, or another minimum does it better. No interval is one of 95 %: each is widened by what an error of the model, as large as the residuals that remain, can do to the estimate. An error that the estimates have taken up is not in it.".to_owned());
+        notes.push("The residuals exceed the noise: the model does not explain these data, or another minimum explains them better. The intervals are not 95 % intervals: each is widened by what a model error as large as the residuals can do to the estimate. A model error that the estimates have absorbed is not included.".to_owned());
     }
     if let Some(best) = found.causes.first().filter(|cause| cause.is_significant()) {
         notes.push(format!(
-            "Of the effects that the rig file does not have, {} would explain most: {:.0} % of the misfit. Measure it as its table says; with `--set {}` the same records are fitted again.",
+            "Of the effects that are not in the rig file, {} would explain most: {:.0} % of the misfit. Measure it as its table says; with `--set {}` the same records can be fitted again.",
             best.effect.name,
             100.0 * best.explained,
             best.setting.replace(' ', " --set ")
@@ -210,18 +210,18 @@ pub fn notes(found: &Identification) -> Vec<String> {
     notes.extend(rounded(found));
     notes.extend(suspicious(found));
     if found.estimates.iter().any(|estimate| !estimate.rests_on.is_empty()) {
-        notes.push("Some intervals rest less on the data than on what is assumed of other values: the table of these tells what each would be, were they exact. Measure those, write them into the rig file, and leave them out of the fit.".to_owned());
+        notes.push("Some intervals rest less on the data than on assumptions about other values: their table shows what each interval would be if those values were exact. Measure those, write them to the rig file, and leave them out of the fit.".to_owned());
     }
     if !found.unseen.is_empty() {
         notes.push(format!(
-            "What cannot be seen is as uncertain as the file's value, or nearly so: its standard error is above {:.0} % of what is assumed.",
+            "A parameter that cannot be seen is as uncertain as the file's value, or nearly so: its standard error is above {:.0} % of the assumed one.",
             100.0 * UNSEEN
         ));
     }
     notes
 }
 
-/// A record with the model before and after the fit, and what remains.
+/// A record with the model before and after the fit, and the residuals.
 #[must_use]
 pub fn figure(recording: &Recording, before: &[Reading], after: &[Reading]) -> Figure {
     let period = 1e-6 * recording.timing.period_us as f64;
@@ -275,7 +275,7 @@ fn residual_panel(
 /// The rig file with settings and estimates in it, each estimate with its interval as a comment.
 ///
 /// # Errors
-/// When the text is no TOML.
+/// When the text is not TOML.
 pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result<String> {
     let mut document: DocumentMut = rig_text::with_settings(text, settings, "set by hand")?.parse()?;
     let mut set = |parameter: &Parameter, number: f64, comment: String| {

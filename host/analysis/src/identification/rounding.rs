@@ -1,15 +1,15 @@
-//! Converters without noise of their own: what rounding does to a reading is then known with the reading.
+//! Rounding of readings with little noise: it is then determined by the reading.
 //!
 //! ```text
 //! round(m + noise) - m = -sum over k of (-1)^(k+1) exp(-2 (pi k s)^2) sin(2 pi k m) / (pi k)     in the mean
 //! ```
 //!
-//! m: what the model would read, counts; s: standard deviation of the noise, counts. Noise of half a count makes that
-//! next to nothing, so that rounding is noise, too (Widrow 1956). With less noise it follows the course of the reading: it is
-//! slow where that is slow, and repeats where that repeats, as residuals of a wrong model do, and it moves the estimates by
-//! several standard errors. So where the residuals r are smaller without it, it is taken off, q, and the fit goes on with
-//! steps -(J' J)^-1 J' q until q is no smaller. A model that is off by more than a part of a count does not know it, and
-//! is fitted and judged with it.
+//! m: reading of the model, counts; s: standard deviation of the noise, counts. With noise of half a count this mean is
+//! negligible, and rounding acts as noise (Widrow 1956). With less noise it depends on the signal: it varies slowly
+//! and repeats as the signal does, like residuals of a wrong model, and shifts the estimates by several standard errors.
+//! So if the residuals r are smaller without it, it is subtracted, giving q, and the fit continues with steps
+//! -(J' J)^-1 J' q until q is no longer reduced. A model that is wrong by more than a fraction of a count cannot predict
+//! it, and is fitted and judged with it.
 
 use std::f64::consts::{PI, TAU};
 

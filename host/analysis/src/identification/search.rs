@@ -1,5 +1,5 @@
-//! The search for the minimum of a fit: stage by stage, from other points where that ends in a wrong minimum, and with
-//! the noise that the residuals show.
+//! The search for the minimum of a fit: in stages, from other points if it ends in a wrong minimum, and with the noise
+//! that the residuals show.
 
 use anyhow::{Result, anyhow};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -78,7 +78,7 @@ fn from_elsewhere(
         if !best.spectrum.is_more_than_noise() {
             break;
         }
-        progress("that is no fit: the search begins at another point");
+        progress("that is not a fit: the search starts again at another point");
         let noise = std::mem::replace(&mut model.noise, first_noise(model.recordings));
         let near = approach(model, scanned(model, from), progress);
         model.fine = true;
@@ -129,7 +129,7 @@ fn settled(model: &mut Model, first: Found, progress: &mut dyn FnMut(&str)) -> R
         let Some(u) = beyond_a_jump(model, &best).filter(|_| best.spectrum.is_more_than_noise()) else {
             break;
         };
-        progress("the sum of squares jumps beside that: the search goes on there");
+        progress("the sum of squares jumps near that point: the search continues there");
         let noise = model.noise;
         let other = found(model, &u, progress)?;
         let other = with_its_noise(model, other, progress)?;

@@ -1,9 +1,9 @@
-//! What remains of a fit, by frequency: whether it is noise, and how much of it is where the parameters are found.
+//! The residuals of a fit by frequency: whether they are noise, and how large they are where the parameters are found.
 //!
 //! ```text
 //! c_k = cosine transform (orthonormal DCT-II) of the residuals of a channel in a record
 //! E_b = sum of c_k^2 over a band b, and over the records          expected of noise: sigma^2 (n_b - l_b)
-//! l_b = sum of g_k' C g_k                                         what the fit takes of it; g_k: the transform of J
+//! l_b = sum of g_k' C g_k                                         absorbed by the fit; g_k: the transform of J
 //! F_b = E_b / (n_b - l_b) over the same of the highest band       F distributed where all is noise
 //! ```
 //!

@@ -30,7 +30,7 @@ pub fn drop_slope(csv: &str, reference_flow: f64) -> Result<Figure> {
     // A point without flow lies on every line through the origin, and says nothing of how well one fits.
     let flowing = points(csv)?.into_iter().filter(|(flow, _)| flow.abs() > NO_FLOW);
     let points: Vec<(f64, f64)> = flowing.map(|(flow, ratio)| (flow / reference_flow, ratio.ln())).collect();
-    let line = Line::through_origin(&points).context("it needs two points with a flow at least")?;
+    let line = Line::through_origin(&points).context("it needs at least two points with a flow")?;
     let left = line.slope.value.exp();
     if left >= 1.0 {
         bail!("the pressure rises with the flow; is the ratio that of the far end over the near one?");
@@ -56,7 +56,7 @@ fn points(csv: &str) -> Result<Vec<(f64, f64)>> {
             match (number(flow), number(ratio)) {
                 (Some(flow), Some(_)) if !is_flow(flow * unit) => {
                     bail!(
-                        "line {n}: {:e} kg/s is no flow through a tube; is it in the unit of the header?",
+                        "line {n}: {:e} kg/s is not a plausible flow through a tube; is it in the unit of the header?",
                         flow * unit
                     )
                 }
@@ -102,7 +102,7 @@ mod tests {
             ("flow_g_s,ratio\n0,1\n0,1\n", "two points"),
             ("flow_g_s,ratio\n0,1\n1,0.9\n", "two points"),
             ("flow_g_s,ratio\n1,0.9\n2,inf\n", "line 3"),
-            ("flow_g_s,ratio\n1e300,0.9\n2e300,0.8\n", "kg/s is no flow through a tube"),
+            ("flow_g_s,ratio\n1e300,0.9\n2e300,0.8\n", "kg/s is not a plausible flow through a tube"),
             ("flow_g_s,ratio\n1e-300,0.9\n2e-300,0.8\n", "two points"),
             ("flow_g_s,ratio\nnan,0.9\n2,0.8\n", "line 2"),
             ("flow_g_s,ratio\n1,1.2\n2,1.5\n", "far end"),

@@ -1,4 +1,4 @@
-//! Graphs above each other over one axis, so that zooming one zooms all.
+//! Stacked graphs with a common axis: zooming one zooms all.
 
 use plotly::common::{Anchor, DashType, Fill, Font, HoverInfo, Line, LineShape, Marker, Mode, Orientation};
 use plotly::layout::{Axis, AxisType, HoverMode, Legend, Margin};

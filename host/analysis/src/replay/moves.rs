@@ -1,11 +1,11 @@
 //! The moves of a record, which are not in the file.
 //!
 //! Closed loop: setpoint = position + error, and a move begins where it changes. The recorder stores the
-//! error in 16 bits; where it is at a limit of them, the setpoint is that of the nearest sample before or
-//! after that has it, if the error can be that of this setpoint.
+//! error in 16 bits; if it is at their limit, the setpoint is that of the nearest sample before or after that shows it,
+//! provided that the error fits this setpoint.
 //!
-//! Open loop: the moves are commands. A move begins where the command is not what the one before makes of
-//! this position (a software end position holds back, the drive stage limits).
+//! Open loop: the moves are commands. A move begins where the command differs from what the move before would give at
+//! this position (software end positions and the drive stage limit commands).
 
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::{Config, Move, Sequence};

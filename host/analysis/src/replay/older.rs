@@ -1,4 +1,4 @@
-//! What older firmware did otherwise: its records replay by the rules that they were made under.
+//! Rules of older firmware: its records are replayed by the rules with which they were made.
 //!
 //! A header names every parameter that its firmware had. One without `late_output_us` is older than these rules:
 //!

@@ -35,8 +35,8 @@ impl Header {
         let names = file.header.iter().filter_map(|(key, _)| key.strip_prefix("param."));
         let unknown = names.filter(|name| by_name(name).is_none());
         let notes = [
-            note(missing, "not in the file, so the default holds"),
-            note(unknown, "in the file, but this version does not know it and leaves it out"),
+            note(missing, "not in the file, so the default applies"),
+            note(unknown, "in the file, but this version does not know it and ignores it"),
         ];
         Ok(Header { parameters, notes: notes.into_iter().flatten().collect() })
     }

@@ -295,7 +295,7 @@ fn a_file_that_cannot_be_replayed_is_refused_by_name() {
         ),
         (|file| file.samples.clear(), "it has no sample k = 0"),
         (|file| remove(file, 0), "it has no sample k = 0"),
-        (|file| remove(file, 7), "sample 8 stands where sample 7 should"),
+        (|file| remove(file, 7), "sample 8 is in the place of sample 7"),
         (|file| put(file, "param.velocity_gain", "fast"), "`# param.velocity_gain = ...`: \"fast\""),
         (|file| put(file, "param.velocity_gain", "1,2"), "`# param.velocity_gain = ...`"),
         (
@@ -304,8 +304,8 @@ fn a_file_that_cannot_be_replayed_is_refused_by_name() {
         ),
         (|file| put(file, "param.delay_us", "1300"), "delay_us must be less than period_us"),
         (|file| put(file, "param.end_max_counts", "8500"), "a setpoint lies beyond a software end position"),
-        (|file| file.samples[9].1.error = i16::MAX, "the setpoint of the samples 9 to 9 is not in the file"),
-        (|file| file.samples[9].1.position = i32::MAX, "sample 9 make no setpoint of 32 bits"),
+        (|file| file.samples[9].1.error = i16::MAX, "the setpoint of samples 9 to 9 is not in the file"),
+        (|file| file.samples[9].1.position = i32::MAX, "sample 9 give no setpoint of 32 bits"),
     ] {
         let error = refused(change);
         assert!(error.contains(expected), "{error}");

@@ -1,4 +1,4 @@
-//! A run of a study and what its statements ask of it.
+//! A run of a study, with the quantities that its statements need.
 
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::{Rig, Run};
@@ -160,7 +160,10 @@ fn mean(values: &[f64]) -> Option<f64> {
 
 /// A figure in words.
 pub(super) fn formatted(value: Option<f64>, decimals: usize, unit: &str) -> String {
-    value.map_or_else(|| "nothing that is decidable".to_owned(), |value| format!("{value:.decimals$} {unit}"))
+    value.map_or_else(
+        || "nothing that can be decided".to_owned(),
+        |value| format!("{value:.decimals$} {unit}"),
+    )
 }
 
 #[cfg(test)]
@@ -215,7 +218,7 @@ mod tests {
     fn a_drive_whose_moves_are_short_or_that_was_stopped_has_no_swing() {
         assert_eq!(outcome().swing(), None);
         assert_eq!(outcome().settled(POSITION), 100.0);
-        assert_eq!(outcome().rest(), "straight swings by nothing that is decidable");
+        assert_eq!(outcome().rest(), "straight swings by nothing that can be decided");
         assert_eq!(Outcome { tripped: Some(3), ..outcome() }.swing(), None);
     }
 }

@@ -33,7 +33,7 @@ fn graphs(transients: &[Transient]) -> Vec<Figure> {
 /// On how many starts a verdict rests, in a sentence.
 fn over(starts: usize) -> String {
     format!(
-        "Each drive was run from {starts} starts: its test elsewhere on the stroke, its dither elsewhere in its period. Figures are those of the rig as it is, with their range over the starts; a verdict holds if the 95 % interval of its share of starts lies above two thirds. The graphs show the rig as it is. A drive vibrates if it swings by more than {SEEN_MM} mm in each of the last three intervals of 0.4 s of a move of 2 s or more, and is steady if it does so in none."
+        "Each drive was run from {starts} starts, with its test at another position on the stroke and its dither at another phase. Figures are those of the unchanged rig, with their range over the starts; a verdict holds if the 95 % interval of its share of starts lies above two thirds. The graphs show the unchanged rig. A drive vibrates if it swings by more than {SEEN_MM} mm in each of the last three intervals of 0.4 s of a move of 2 s or more, and is steady if it does so in none."
     )
 }
 
@@ -43,7 +43,7 @@ pub fn summary(findings: &[Finding]) -> String {
     let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
     let differs = match count(Verdict::Differs) {
         0 => "It differs in none.".to_owned(),
-        differs => format!("It differs in {differs}: what the thesis says there, the model does not show."),
+        differs => format!("It differs in {differs}: there the model does not show what the thesis says."),
     };
     let depends = match count(Verdict::Depends) {
         0 => String::new(),
@@ -99,7 +99,8 @@ pub fn index(studies: &[&Study], findings: &[Vec<Finding>]) -> Page {
         title: "Application studies: the thesis and the model".to_owned(),
         notes: vec![
             summary(&all),
-            "The rigs of the thesis are not here: where it compares with one, the statement cannot be decided.".to_owned(),
+            "The rigs of the thesis are not available: a statement that compares with one cannot be decided."
+                .to_owned(),
         ],
         tables: vec![Table {
             heading: "all statements".to_owned(),

@@ -1,5 +1,5 @@
 //! Runs the drives of studies from many starts: all of them together on all processors. At each start the drives of a
-//! study begin in the same place and phase, so that they differ by what the study changes alone.
+//! study begin at the same position and phase, so that they differ only by the change that is studied.
 
 use anyhow::{Context, Result};
 use pneudrive_sim::{Accuracy, run as simulate};

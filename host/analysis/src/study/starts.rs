@@ -1,15 +1,15 @@
-//! The starts of a drive: its test elsewhere on the stroke, and its dither elsewhere in its period.
+//! The starts of a drive: its test at different positions on the stroke, and its dither at different phases.
 //!
-//! Whether a drive with stiction comes to rest depends on where it stands and when its dither begins, and the thesis
-//! gives neither. So each drive of a study is run from many starts, and what holds is told as a share of them.
+//! Whether a drive with stiction comes to rest depends on its position and on the phase of its dither, and the thesis
+//! gives neither. So each drive of a study is run from many starts, and results are stated as a share of them.
 //!
 //! ```text
 //! start 0      the rig as it is
 //! start i      the whole test moved by 48 mm (2 u_i - 1), the dither's phase moved by 360 degrees v_i
 //! ```
 //!
-//! u_i and v_i are the digits of i behind the point in the reverse order, to the base of 2 and of 3 (Halton): they
-//! cover position and phase evenly for any number of starts, and more starts are the same ones and others.
+//! u_i and v_i are the digits of i after the point in reverse order, to the bases 2 and 3 (Halton): they cover position
+//! and phase evenly for any number of starts, and a larger set of starts contains the smaller one.
 
 use anyhow::{Context, Result};
 use pneudrive_sim::Rig;

@@ -1,4 +1,4 @@
-//! Whether a drive stands steady or vibrates at the end of its moves, as one sees it in a graph of the thesis.
+//! Whether a drive is steady or vibrates at the end of its moves, by what would be visible in a graph of the thesis.
 //!
 //! The position is cut into three intervals of 0.4 s before the end of each move that lasts for 2 s at least. A drive
 //! vibrates if it swings by more than 1 mm in each of them, and is steady if it does so in none; a graph over the

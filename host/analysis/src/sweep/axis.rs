@@ -1,8 +1,8 @@
-//! What varies from point to point, and what it takes on.
+//! What varies from point to point, and its values.
 //!
 //! A Latin hypercube of `n` draws has, for each key, exactly one draw in each `n`th of its probability: the
-//! `n`ths are shuffled, and a draw lies anywhere in its own. Each key has a stream of random numbers of its
-//! own. A normal distribution comes from the inverse of `P(x) = erfc(-x / sqrt 2) / 2`, found by bisection.
+//! `n`ths are shuffled, and a draw lies anywhere in its own. Each key has its own stream of random numbers. A normal
+//! distribution comes from the inverse of `P(x) = erfc(-x / sqrt 2) / 2`, found by bisection.
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::unit_interval;

@@ -1,6 +1,6 @@
 //! The points of a sweep on all threads of the pool.
 //!
-//! Which thread runs a point, and when, changes nothing in its row, and rows come out in the order of their points.
+//! A row does not depend on the thread or the time at which its point is run, and rows come out in the order of points.
 
 use std::collections::BTreeMap;
 

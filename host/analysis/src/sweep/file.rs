@@ -1,4 +1,4 @@
-//! The file of a sweep: its keys, and everything that is wrong with it.
+//! The file of a sweep: its keys, and all errors in it.
 //!
 //! | key | is |
 //! |---|---|
@@ -121,7 +121,7 @@ impl Sweep {
 }
 
 /// Why draws have no neighbours.
-const DRAWS: &str = "draws are an ensemble already; take ensemble out";
+const DRAWS: &str = "draws are already an ensemble; remove ensemble";
 
 impl Reader<'_> {
     /// The rig with its settings.
@@ -201,7 +201,7 @@ impl Reader<'_> {
             self.file.problem(
                 entry.line,
                 "draw",
-                "no key has a distribution to draw from; take [draw] out".to_owned(),
+                "no key has a distribution to draw from; remove [draw]".to_owned(),
             );
         }
         (axes, draw.filter(|_| drawn).map_or(1, |draw| draw.count))
@@ -249,7 +249,7 @@ impl Reader<'_> {
     fn objective(&mut self, top: &Table, metrics: &[Metric]) -> Option<Objective> {
         let entries = self.section(top, "objective");
         if let Some(second) = entries.get(1) {
-            self.note(second, Err::<(), _>("one objective is enough; take the other out".to_owned()));
+            self.note(second, Err::<(), _>("there can be only one objective; remove the other".to_owned()));
         }
         let entry = entries.first()?;
         let read = known(&entry.name, &["minimise", "maximise"]).and_then(|()| {
@@ -273,7 +273,7 @@ impl Reader<'_> {
             self.file.problem(
                 None,
                 "vary",
-                format!("that makes more than {MAX_POINTS} points; take fewer steps"),
+                format!("that makes more than {MAX_POINTS} points; use fewer steps"),
             );
         }
     }
@@ -285,14 +285,14 @@ fn refuse_twice(axis: &Axis, settings: &[String], axes: &[Axis]) -> Result<(), S
     let is_varied = |key: &&str| axes.iter().any(|other| other.keys().any(|own| own == *key));
     // What is set may be scaled.
     if axis.scaled.is_empty() && is_set(&axis.name) {
-        return Err("is in [set], too; take it out there".to_owned());
+        return Err("is also in [set]; remove it there".to_owned());
     }
     axis.keys().find(is_varied).map_or(Ok(()), |key| Err(format!("{key} is varied twice")))
 }
 
 /// `key=value`, without the comments around it.
 fn setting(entry: &Entry<'_>) -> Result<String, String> {
-    let value = entry.item.as_value().ok_or("write its value behind a =; of tables a list: [{ ... }]")?;
+    let value = entry.item.as_value().ok_or("write its value after a =; for tables, a list: [{ ... }]")?;
     Ok(format!("{}={}", entry.name, value.clone().decorated("", "")))
 }
 

@@ -1,7 +1,7 @@
-//! What a sweep has done so far: a text file that only grows, so that a kill costs the points on their way.
+//! The journal of a sweep: a text file that only grows, so that a kill loses only the points in progress.
 //!
-//! First [`MARK`], then lines, each behind the CRC-32 of its text: JSON that tells which sweep it is, and rows
-//! of the result. A line that was cut or damaged is passed over; its point is run again.
+//! First [`MARK`], then lines, each preceded by the CRC-32 of its text: JSON that identifies the sweep, and rows of the
+//! result. A truncated or damaged line is skipped; its point is run again.
 
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
@@ -91,7 +91,7 @@ impl Kept {
     /// When it is none.
     pub fn of(path: &Path, text: &str) -> Result<Kept> {
         if !text.starts_with(MARK) && !MARK.starts_with(text) {
-            bail!("{} is not of this program; choose another folder (--out)", path.display());
+            bail!("{} was not written by this program; choose another folder (--out)", path.display());
         }
         let mut kept = Kept::default();
         for line in text.lines().filter_map(checked) {
@@ -136,7 +136,7 @@ impl Journal {
     /// When it is of another sweep, in use, or cannot be read or written.
     pub fn open(folder: &Path, sweep: &Sweep) -> Result<(Journal, BTreeMap<usize, Row>)> {
         let path = folder.join(NAME);
-        let cannot = || format!("cannot go on with {}", path.display());
+        let cannot = || format!("cannot continue {}", path.display());
         let mut file = open_to_add(&path).with_context(cannot)?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => bail!("{} is in use by another sweep", path.display()),
@@ -156,13 +156,13 @@ impl Journal {
     fn begin(&mut self, about: &About, kept: &Kept, text: &str) -> Result<()> {
         match &kept.about {
             Some(before) if before.identity != about.identity => bail!(
-                "{} is of another sweep ({}{}); delete it, or choose another folder (--out)",
+                "{} belongs to another sweep ({}{}); delete it, or choose another folder (--out)",
                 self.path.display(),
                 before.sweep.name,
                 if before.program == about.program { "" } else { ", by another version of the program" },
             ),
             None if !kept.lines.is_empty() => {
-                bail!("{} does not tell which sweep it is of; delete it", self.path.display())
+                bail!("{} does not say which sweep it belongs to; delete it", self.path.display())
             }
             _ => {}
         }

@@ -22,24 +22,26 @@ pub(super) const REVISION: u32 = 3;
 pub const FIGURES: [Figure; 11] = [
     figure_of_a_way("rise_s", "from 10 % to 90 % of the way", |one| one.rise_s),
     figure_of_a_way("overshoot_mm", "how far it goes beyond the setpoint", |one| one.overshoot_mm),
-    figure_of_a_way("overshoot_percent", "the same, of the way", |one| {
+    figure_of_a_way("overshoot_percent", "the same, relative to the way", |one| {
         Some(100.0 * one.overshoot_mm? / (one.to_mm? - one.from_mm).abs())
     }),
     figure(
         "settling_s",
-        "until it stays within settled_mm of the setpoint, for the last quarter at least",
+        "until it stays within settled_mm of the setpoint, for at least the last quarter",
         |one| one.settling_s,
     ),
     figure(
         "steady_error_mm",
-        "mean error of the last quarter, if it stands still or limit-cycles there",
+        "mean error of the last quarter, if it is at rest or in a limit cycle there",
         |one| one.steady_error_mm,
     ),
     figure("end_mm", "where it ends", |one| Some(one.end_mm)),
-    figure("limit_cycle_mm", "half its swing from peak to peak; 0 at rest, empty if not decidable", |one| {
-        Some(one.limit_cycle.swing_mm()? / 2.0)
-    }),
-    figure("limit_cycle_hz", "how often it swings; 0 at rest, empty if not decidable", |one| {
+    figure(
+        "limit_cycle_mm",
+        "half its peak-to-peak swing; 0 at rest, empty if it cannot be decided",
+        |one| Some(one.limit_cycle.swing_mm()? / 2.0),
+    ),
+    figure("limit_cycle_hz", "its frequency; 0 at rest, empty if it cannot be decided", |one| {
         match one.limit_cycle {
             LimitCycle::None { .. } => Some(0.0),
             LimitCycle::Sustained(seen) => Some(seen.frequency_hz),
@@ -50,9 +52,11 @@ pub const FIGURES: [Figure; 11] = [
     figure("air_l", "air let into the chambers, litres at 20 C, 100 kPa, 65 % humidity (ANR)", |one| {
         Some(one.air?.litres)
     }),
-    figure("limit_cycle_swing_mm", "its swing from peak to peak; 0 at rest, empty if not decidable", |one| {
-        one.limit_cycle.swing_mm()
-    }),
+    figure(
+        "limit_cycle_swing_mm",
+        "its peak-to-peak swing; 0 at rest, empty if it cannot be decided",
+        |one| one.limit_cycle.swing_mm(),
+    ),
 ];
 
 const fn figure(name: &'static str, meaning: &'static str, of: fn(&Move) -> Option<f64>) -> Figure {

@@ -144,5 +144,5 @@ fn row(sweep: &Sweep, point: usize, run: &Run, moves: &[Vec<Move>]) -> Result<Ro
 fn told(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-    format!("the simulator broke down: {}", text.unwrap_or("it does not say why"))
+    format!("the simulator panicked: {}", text.unwrap_or("no reason given"))
 }

@@ -34,14 +34,15 @@ fn notes(sweep: &Sweep, rows: &[Row]) -> Vec<String> {
     let common = (!sweep.settings.is_empty()).then(|| format!("All have {}.", sweep.settings.join(", ")));
     let ranges = (sweep.ensemble > 1).then(|| {
         format!(
-            "Each point was run {} times, its mass and starting position changed by next to nothing; a constraint is kept if all of these runs keep it.",
+            "Each point was run {} times with very slightly different mass and starting position; a constraint is met if all of these runs meet it.",
             sweep.ensemble
         )
     });
     let hidden = sweep.metrics.iter().enumerate().filter(|(place, _)| !is_shown(rows, *place));
     let hidden: Vec<&str> = hidden.map(|(_, metric)| metric.name.as_str()).collect();
-    let hidden = (!hidden.is_empty())
-        .then(|| format!("No point has a value of {}: there is no graph of it.", hidden.join(", nor of ")));
+    let hidden = (!hidden.is_empty()).then(|| {
+        format!("No point has a value of {}, so there is no graph of it.", hidden.join(", nor of "))
+    });
     std::iter::once(count(sweep, rows)).chain(ranges).chain(common).chain(scaled).chain(hidden).collect()
 }
 
@@ -163,7 +164,7 @@ fn constraints(sweep: &Sweep, rows: &[Row]) -> Table {
     };
     Table {
         heading: "constraints".to_owned(),
-        columns: ["", "at least", "at most", "points that keep it"].map(str::to_owned).to_vec(),
+        columns: ["", "at least", "at most", "points that meet it"].map(str::to_owned).to_vec(),
         rows: sweep.constraints.iter().map(row).collect(),
     }
 }

@@ -151,5 +151,5 @@ fn a_metric_that_no_point_shows_has_no_graph_and_the_page_says_so() {
     assert_eq!((page.figures.len(), page.notes.len()), (1, 1), "{:?}", page.notes);
     let page = report::page(&sweep, &[row(0, None), row(1, None)]);
     assert!(page.figures.is_empty());
-    assert_eq!(page.notes[1], "No point has a value of air: there is no graph of it.");
+    assert_eq!(page.notes[1], "No point has a value of air, so there is no graph of it.");
 }

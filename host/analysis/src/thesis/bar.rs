@@ -1,5 +1,5 @@
-//! The bar that holds a printed number and what was found beside each other: the tolerance shaded, the printed number
-//! as a tick, what was found as a dot on its range.
+//! The bar that compares a printed number with ours: the tolerance shaded, the printed number as a tick, ours as a dot on
+//! its range.
 
 use super::number::value_of;
 use super::{Agreement, Entry, Found, Printed, Reading};

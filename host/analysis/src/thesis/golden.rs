@@ -1,4 +1,4 @@
-//! The readings as TOML, and what has changed against an older file: a change of the model shows.
+//! The readings as TOML, and the differences from an older file, which show changes of the model.
 //!
 //! ```toml
 //! # pneudrive: the thesis in numbers; written by `pneudrive thesis`

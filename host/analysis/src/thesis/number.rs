@@ -6,5 +6,5 @@
 /// If it is no number; a test reads all of them.
 #[must_use]
 pub fn value_of(text: &str) -> f64 {
-    text.replace(',', "").parse().unwrap_or_else(|_| panic!("{text:?} is no number"))
+    text.replace(',', "").parse().unwrap_or_else(|_| panic!("{text:?} is not a number"))
 }

@@ -1,4 +1,5 @@
-//! The page: a summary, and each exhibit with its graphs, its numbers beside the printed ones, and what repeats it.
+//! The page: a summary, and each exhibit with its graphs, its numbers beside the printed ones, and the command that
+//! repeats it.
 
 use pneudrive_records::own_file::GENERATOR;
 
@@ -45,7 +46,7 @@ fn summary(shown: &[Shown]) -> String {
 }
 
 /// Behind the counts.
-const LEGEND: &str = "<b>agrees</b>: the whole range of our figure lies within the tolerance of the printed number, or the share of starts is surely above two thirds; \
+const LEGEND: &str = "<b>agrees</b>: the whole range of our figure lies within the tolerance of the printed number, or the share of starts that agree is significantly above two thirds; \
 <b>in part</b>: a part of the range does, or some of the starts; <b>cannot be decided</b>: the thesis compares with a measurement or a graph that is lost, or the runs do not show it; \
 <b>taken over</b>: our rig file has the number from the thesis. A bar shows the printed number as a tick, its tolerance shaded, and our figure as a dot on its range.";
 
@@ -103,7 +104,7 @@ fn section(one: &Shown) -> String {
     let charts: String = one.charts.iter().map(super::Chart::svg).collect();
     let why = match exhibit.why {
         "" => String::new(),
-        why => format!("<p class=\"why\"><b>What differs, and why most likely.</b> {}</p>\n", escaped(why)),
+        why => format!("<p class=\"why\"><b>What differs, and the likely reason.</b> {}</p>\n", escaped(why)),
     };
     let commands = match exhibit.experiment {
         Experiment::Own(_) => exhibit.commands.join("\n"),

@@ -1,4 +1,4 @@
-//! What an experiment gives for an entry, and whether that is what the thesis prints.
+//! The result of an experiment for an entry, and whether it agrees with the thesis.
 //!
 //! ```text
 //! agrees             the whole range of the figure lies within the tolerance of the printed number

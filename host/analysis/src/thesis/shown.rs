@@ -1,4 +1,4 @@
-//! An exhibit with what was found.
+//! An exhibit with its results.
 
 use anyhow::{Context, Result, ensure};
 

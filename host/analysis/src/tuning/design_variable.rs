@@ -1,4 +1,4 @@
-//! Genes: each a quantity, and the range that it is looked for in.
+//! Genes: each a quantity with its search range.
 
 /// A quantity, and its range as a share from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,13 +69,13 @@ impl DesignVariable {
 use Scale::{Linear, Logarithmic, Whole};
 
 pub(super) const E_NEAR: DesignVariable = design_variable(
-    "error that opens the valve whole, by the gain at small errors",
+    "error that opens the valve fully, by the gain at small errors",
     "mm",
     [0.15, 30.0],
     Logarithmic,
 );
 pub(super) const E_FAR: DesignVariable = design_variable(
-    "error that opens the valve whole, by the gain at large errors",
+    "error that opens the valve fully, by the gain at large errors",
     "mm",
     [3.0, 150.0],
     Logarithmic,
@@ -93,12 +93,12 @@ pub(super) const ACCELERATION_WINDOW: DesignVariable =
     design_variable("window of the acceleration", "samples", [1.0, 8.0], Whole).bounded_below();
 /// A wider one forbids to settle.
 pub(super) const DEAD_BAND: DesignVariable =
-    design_variable("dead band, of the distance that counts as settled", "", [0.0, 1.0], Linear)
+    design_variable("dead band, relative to the settling tolerance", "", [0.0, 1.0], Linear)
         .bounded_below()
         .bounded_above();
 /// Of the whole command.
 pub(super) const NULL_OFFSET: DesignVariable =
-    design_variable("null offset, of the whole command", "%", [-2.0, 2.0], Linear);
+    design_variable("null offset, relative to the full command", "%", [-2.0, 2.0], Linear);
 pub(super) const DITHER: DesignVariable =
     design_variable("dither of the spool", "mm", [0.0, 0.6], Linear).bounded_below();
 pub(super) const DITHER_HZ: DesignVariable =

@@ -1,4 +1,4 @@
-//! Candidates on many rigs, and how far that is.
+//! Candidates on many rigs, with their progress.
 
 use anyhow::Result;
 

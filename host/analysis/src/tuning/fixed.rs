@@ -1,4 +1,4 @@
-//! Keys that a user holds: no search changes them.
+//! Keys that a user fixes: no search changes them.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::rig::value_of_setting;
@@ -31,7 +31,7 @@ pub fn check(task: &Task) -> Result<()> {
         }
         if task.spread.keys().any(|drawn| drawn == key) {
             bail!(
-                "--fix {setting}: the spread draws {key}; give its value by --set and its spread as 0% (--load, --friction, --supply). {CAN_BE_FIXED}"
+                "--fix {setting}: the spread draws {key}; give its value with --set and its spread as 0% (--load, --friction, --supply). {CAN_BE_FIXED}"
             );
         }
         if OF_THE_STEP.contains(&key) {
@@ -44,4 +44,4 @@ pub fn check(task: &Task) -> Result<()> {
 }
 
 /// What may be held.
-const CAN_BE_FIXED: &str = "Of what is looked for, these can be held: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; and any other key of a rig";
+const CAN_BE_FIXED: &str = "Of the keys that are searched, these can be fixed: controller.gain_profile (with its span), controller.profile_span_counts, controller.proportional_gain, controller.velocity_gain, controller.acceleration_gain, controller.velocity_window_samples, controller.acceleration_window_samples, controller.dead_band_counts, controller.null_offset_counts, operator.dither_mm, operator.dither_hz; and any other key of a rig";

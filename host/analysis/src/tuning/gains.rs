@@ -1,17 +1,17 @@
-//! What is looked for, and the keys that it becomes.
+//! The design variables of the search, and the keys that they set.
 //!
-//! The law's gains are integers whose size depends on valve, encoder and period. Looked for are therefore
+//! The law's gains are integers whose size depends on valve, encoder and period. The design variables are therefore
 //!
 //! ```text
-//! e_near, e_far   error at which the profile alone opens the valve whole: at small errors, at large ones   mm
+//! e_near, e_far   error at which the profile alone opens the valve fully: at small errors, at large ones   mm
 //! e_knee          error at which the profile is halfway between                                            mm
 //! T_d, T_a        Kv = K_far T_d / (window T),   Ka = K_far T_a^2 / (windows T^2)                          s
 //! Kp[i]           K_far + (K_near - K_far) / (1 + (e / e_knee)^2),   K = scale full / e
 //! ```
 //!
-//! with `full` the command that opens the valve whole and T the sample period; and beside them the dead band, the
-//! null offset and, where the valve has one, the dither. Keys that are held keep the rig's value, and genes that set
-//! nothing else are left out. A held profile keeps its span, too, and its last entry is K_far.
+//! with `full` the command that opens the valve fully and T the sample period; in addition the dead band, the null offset
+//! and, if the valve has one, the dither. Fixed keys keep the rig's value, and genes that set nothing else are left out. A
+//! fixed profile keeps its span, too, and its last entry is K_far.
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
@@ -65,15 +65,12 @@ impl Space {
             || rig.get(&keys::controller::MODEL) != controller::Model::Sampled
         {
             bail!(
-                "gains are looked for in closed loop, with the controller that is flashed: controller.loop=closed, controller.model=sampled"
+                "gains are searched in closed loop, with the firmware's controller: controller.loop=closed, controller.model=sampled"
             );
         }
         let law = rig.get(&keys::controller::LAW);
         if law == controller::Law::OnOff {
-            bail!(
-                "the on-off law of {} has no gain that a step could be tuned with; choose controller.law=gain-profile",
-                rig.name()
-            );
+            bail!("the on-off law of {} has no gain to tune; choose controller.law=gain-profile", rig.name());
         }
         let has_profile = law == controller::Law::GainProfile;
         let has_dither = rig.get(&keys::operator::MODEL).is_solenoid();
@@ -101,7 +98,7 @@ impl Space {
             .filter_map(|(design_variable, is_free)| is_free.then_some(design_variable))
             .collect();
         if variables.is_empty() {
-            bail!("every key that tune looks for is held; hold fewer (--fix)");
+            bail!("every key that tune searches is fixed; fix fewer (--fix)");
         }
         Ok(Space { rig: rig.clone(), variables, fixed: fixed.to_vec(), settled_mm })
     }
@@ -199,7 +196,7 @@ impl Space {
         self.rig.get(&keys::encoder::MM_PER_COUNT)
     }
 
-    /// The command that opens the valve whole, counts.
+    /// The command that opens the valve fully, counts.
     fn full_counts(&self) -> f64 {
         match self.rig.get(&keys::operator::MODEL) {
             operator::Model::Stepper => self.rig.get(&keys::stepper::MAX_STEPS) as f64,
@@ -207,7 +204,7 @@ impl Space {
         }
     }
 
-    /// The gain that opens the valve whole at an error.
+    /// The gain that opens the valve fully at an error.
     fn gain_at(&self, error_mm: f64) -> f64 {
         self.full_counts() * self.rig.get(&keys::controller::SCALE) as f64 / (error_mm / self.mm())
     }

@@ -1,17 +1,18 @@
-//! What is asked of a step, and what a run costs.
+//! The goal of a step, and the cost of a run.
 //!
-//! The search asks for gains that meet the goal in as many trials as can be, and among those for the fastest. With the
-//! time t that a step has, a trial costs
+//! The search minimises a cost that favours gains which meet the goal in as many trials as possible and, among those, the
+//! fastest. With the time t of a step, a trial costs
 //!
 //! ```text
 //! settling / t       if the goal is met: less than 1
 //! 1 + c / (c + 5 s)  if it is not: from 1 to 2
 //! ```
 //!
-//! and gains the mean over their trials. The worst trial alone would not do: where it is out of reach, the search
-//! gives up all others for it. c tells how far a step is from the goal: its settling time; one that does not settle, the time that it had and a second for each time that
-//! its error at the end is the allowed one. What it overshoots too far costs 0.2 s a percent, a limit cycle
-//! 0.5 s and half its swing, and what may be one 0.5 s and half of what it covers in its last quarter. A run that trips costs more than all of that.
+//! and gains cost the mean over their trials. The worst trial alone is not a useful cost: if it cannot meet the goal, the
+//! search would sacrifice all others for it. c is the distance of a step from the goal: its settling time or, if it does
+//! not settle, the time of the step and a second for each multiple of the allowed error at its end. Each percent of
+//! excess overshoot adds 0.2 s; a limit cycle adds 0.5 s and a second for each multiple of the settling tolerance in half its
+//! swing, a possible one the same with the range of its last quarter. A run that trips costs more than all of that.
 
 use super::Proportion;
 use crate::evaluation::{Doubt, LimitCycle, Move};

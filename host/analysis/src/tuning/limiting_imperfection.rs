@@ -1,5 +1,4 @@
-//! Which parameter of the rig is in the way: the search goes on, each time on a rig without one of its
-//! imperfections.
+//! Which imperfection of the rig limits the result: the search continues, each time on a rig without one of them.
 
 use anyhow::Result;
 use pneudrive_sim::Rig;
@@ -107,7 +106,7 @@ fn of_operator(rig: &Rig) -> Vec<Suspect> {
     if model == operator::Model::Stepper {
         let length = times(rig, "operator.mm_per_step", 0.25);
         let steps = format!("operator.max_steps={}", 4 * rig.get(&keys::stepper::MAX_STEPS));
-        all.push(suspect("steps of the spool a quarter as long", vec![length, steps]));
+        all.push(suspect("spool steps a quarter as long", vec![length, steps]));
     }
     all
 }

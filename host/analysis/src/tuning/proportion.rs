@@ -1,4 +1,4 @@
-//! How often something holds, known from some draws.
+//! A proportion estimated from draws.
 
 use std::fmt;
 

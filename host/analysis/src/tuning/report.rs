@@ -1,4 +1,4 @@
-//! What a tuning says: the page, its sentences, and the rig file.
+//! The results of a tuning: the page, its notes, and the rig file.
 
 pub mod figures;
 pub mod tables;
@@ -15,7 +15,7 @@ use crate::page::Page;
 /// Writes the page: the fresh draws first.
 ///
 /// # Errors
-/// When the step cannot be simulated any more, or the page cannot be written.
+/// When the step cannot be simulated, or the page cannot be written.
 pub fn write_page(task: &Task, tuned: &Tuned, path: &Path) -> Result<()> {
     let trial = Trial::of(task, &[])?;
     let goal = &task.goal;
@@ -46,23 +46,23 @@ pub fn write_page(task: &Task, tuned: &Tuned, path: &Path) -> Result<()> {
     page.write_led_by(path, &figures::draws(task, &trial, tuned))
 }
 
-/// The verdict, and what must be known of it: a sentence or a few each.
+/// The verdict and its qualifications, a few sentences each.
 #[must_use]
 pub fn notes(task: &Task, tuned: &Tuned) -> Vec<String> {
     let reason = reason(task, tuned);
     [verdict(task, tuned), nominal(task, tuned)].into_iter().chain(reason).chain(limits(tuned)).collect()
 }
 
-/// How often the goal is met in fresh draws, and in what the gains were tuned on.
+/// How often the goal is met in fresh draws, and in the trials that the gains were tuned on.
 #[must_use]
 pub fn verdict(task: &Task, tuned: &Tuned) -> String {
     let goal = &task.goal;
     let fresh = format!("The goal is met in {} of the fresh draws", tuned.after.met(goal));
     if !tuned.is_changed() {
         let why = if task.budget.generations == 0 {
-            "with the gains of the file, which were judged as they are"
+            "with the gains of the file, without a search"
         } else {
-            "with the gains of the file; the search found none that are better on what it tuned on"
+            "with the gains of the file; the search found none that are better in its own trials"
         };
         return format!("{fresh}, {why}.");
     }
@@ -82,14 +82,14 @@ fn nominal(task: &Task, tuned: &Tuned) -> String {
         0 => "does not meet it, nor does any of its neighbours".to_owned(),
         all if all == seen.of => format!("meets it, and so do its {} neighbours", seen.of - 1),
         some => format!(
-            "is not decided: it and its neighbours, which differ by next to nothing, meet it in {some} of {} runs",
+            "is not decided: it and its neighbours, which differ very slightly, meet it in {some} of {} runs",
             seen.of
         ),
     };
     format!("The rig of the file, in mid-stroke, {how}.")
 }
 
-/// What is in the way, if the goal is not met everywhere: of meeting it, or else of settling at all.
+/// What prevents the goal, or settling at all, if the goal is not met everywhere.
 fn reason(task: &Task, tuned: &Tuned) -> Option<String> {
     let met = |found: &Found| found.met(&task.goal);
     let settled = |found: &Found| {
@@ -106,12 +106,12 @@ fn reason(task: &Task, tuned: &Tuned) -> Option<String> {
         let own = settled(&tuned.after);
         Some(format!("With {what}, the drive settles in {count} of them, instead of in {own}."))
     });
-    let none = "No single imperfection that was taken away changes that by more than chance may.";
+    let none = "Removing any single imperfection changes that by no more than chance could.";
     Some(better.unwrap_or_else(|| none.to_owned()))
 }
 
-/// The imperfections without which most draws are as they should be, and how many, if that is beyond chance: if the
-/// interval does not overlap that of the rig as it is.
+/// The imperfections whose removal improves most draws, and the count then, if it is significant: if its interval does
+/// not overlap that of the unchanged rig.
 fn remover(tuned: &Tuned, count: &dyn Fn(&Found) -> Proportion) -> Option<(String, Proportion)> {
     let most = tuned.obstacles.iter().map(|one| count(&one.found)).max_by_key(|count| count.met)?;
     let with = tuned.obstacles.iter().filter(|one| count(&one.found) == most).map(|one| one.suspect.what);
@@ -119,7 +119,7 @@ fn remover(tuned: &Tuned, count: &dyn Fn(&Found) -> Proportion) -> Option<(Strin
     is_more.then(|| (with.collect::<Vec<_>>().join("; or with "), most))
 }
 
-/// What lies at an end of what was searched: there may be something better beyond it.
+/// The values at an end of their search range: there may be better ones beyond it.
 fn limits(tuned: &Tuned) -> Option<String> {
     let places = tuned.after.places.iter().filter(|place| place.at_limit).map(|place| {
         let [value, low, high] = [place.value, place.range[0], place.range[1]].map(tables::digits);
@@ -130,23 +130,23 @@ fn limits(tuned: &Tuned) -> Option<String> {
     let all: Vec<String> = places.chain(saturated).collect();
     (!all.is_empty()).then(|| {
         format!(
-            "At the limit of what was searched, so that there may be better beyond it: {}.",
+            "At the limit of the search range, so there may be better gains beyond it: {}.",
             all.join("; ")
         )
     })
 }
 
-/// What was asked for.
+/// The task in words.
 fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
     let Goal { step_mm, settled_mm, overshoot_percent, time_s } = task.goal;
     let percent = |what: &str, by: f64| format!("{what} \u{b1}{:.0} %", 100.0 * by);
     let [low, high] = trial.way_mm();
     let fixed = match task.fixed.as_slice() {
         [] => String::new(),
-        fixed => format!(" Held: {}.", fixed.join(", ")),
+        fixed => format!(" Fixed: {}.", fixed.join(", ")),
     };
     format!(
-        "Asked for: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: the share of its time that a step takes to settle if it meets the goal, and from 1 to 2 if it does not, the more the further it is from it. They are judged on {} other draws, which the search has not seen.{fixed} {} runs, seed {}.",
+        "Goal: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: for a step that meets the goal, the share of its time that it takes to settle; otherwise 1 to 2, growing with the distance from the goal. They are judged on {} other draws, which the search has not seen.{fixed} {} runs, seed {}.",
         percent("load", task.spread.load),
         percent("friction", task.spread.friction),
         percent("supply", task.spread.supply),
@@ -157,10 +157,10 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
     )
 }
 
-/// The rig file with what was set and found, and in its first line where it comes from.
+/// The rig file with the settings and the gains; its first line gives its origin.
 ///
 /// # Errors
-/// When the text is no TOML.
+/// When the text is not TOML.
 pub fn rig_file(task: &Task, tuned: &Tuned) -> Result<String> {
     let typed: Vec<String> = task.settings.iter().chain(&task.fixed).cloned().collect();
     let text = rig_text::with_settings(&task.source.1, &typed, "set for pneudrive tune")?;

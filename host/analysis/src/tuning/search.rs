@@ -5,8 +5,8 @@
 //! trial_j = x_j + F (best_j - x_j) + F (a_j - b_j)     with probability C, and for one j at least; else x_j
 //! ```
 //!
-//! with F drawn anew for each trial. A trial takes the place of its parent if it is not worse, so a trial need
-//! not be looked at any further once it is worse. A whole generation is asked for at once.
+//! with a new random F for each trial. A trial replaces its parent if it is not worse, so its evaluation can stop once it
+//! is worse. A whole generation is evaluated at once.
 
 use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,4 @@
-//! What a drive may meet: the rigs that it may turn out to be, and the places and directions of its steps.
+//! The spread of a drive: the rigs that it may turn out to be, and the positions and directions of its steps.
 //!
 //! Gains are tuned on some draws from the stated spread, and judged on others that no search has seen.
 

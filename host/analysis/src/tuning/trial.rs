@@ -184,7 +184,7 @@ impl Way {
         };
         if way.step > way.high - way.low {
             bail!(
-                "a step of {} mm does not fit between {low_mm:.1} and {high_mm:.1} mm of the stroke of {stroke_mm:.0} mm; make it shorter (--step), or the way longer (--lowest, --highest, safety.end_min_mm, safety.end_max_mm)",
+                "a step of {} mm does not fit between {low_mm:.1} and {high_mm:.1} mm of the stroke of {stroke_mm:.0} mm; make it shorter (--step), or the range wider (--lowest, --highest, safety.end_min_mm, safety.end_max_mm)",
                 goal.step_mm
             );
         }

@@ -1,14 +1,14 @@
-//! What has come into a chamber less what has gone out, from its pressures and volumes.
+//! The net air mass that entered a chamber, from its pressures and volumes.
 //!
-//! The chamber is adiabatic, as the thesis's is (6.15 to 6.18), and what comes in has the supply's temperature T_s, or
-//! is what leaks past the piston:
+//! The chamber is adiabatic as in the thesis (6.15 to 6.18); air that enters has the supply temperature T_s, or leaks past
+//! the piston:
 //!
 //! ```text
 //! mdot = (V P' + n P V') / (n R T_s) - mdot_leak
 //! ```
 //!
-//! As a chamber that is shut keeps P V^n, its compression counts for nothing. Of air that goes out, which has the
-//! chamber's temperature, this is no mass, but its sign holds: the rises of the integral are the air that came in.
+//! Compression of a closed chamber keeps P V^n and does not count. For air that leaves, which has the chamber's
+//! temperature, the value is not a mass, but its sign is right: the rises of the integral are the air that entered.
 
 /// A chamber at the samples of a record.
 pub(super) struct Readings {

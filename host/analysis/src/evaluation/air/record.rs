@@ -1,14 +1,14 @@
-//! The air that a record shows, and between which bounds it lies.
+//! The air that a record shows, with its bounds.
 //!
 //! | | is |
 //! |---|---|
 //! | seen | the rises of the filling above 6.5 standard deviations of its noise |
-//! | gained | what they have more than those of every other sample |
+//! | gained | their excess over the rises of every other sample |
 //! | how much | seen, and a third of what is gained: what is lost between samples goes with the square of their distance |
 //! | at least | the rises of the smoothed filling, each less 2 standard deviations at its ends, and less 1.5 % |
 //! | at most | seen, and 0.5 %, all of what is gained, and a ripple as large as the noise in each period of the dither in which the filling stays within its noise |
 //!
-//! The 1.5 % are for air that comes in hotter than the supply: in the model it is, where it comes fast through the port.
+//! The 1.5 % allow for air that enters hotter than the supply, as fast air through the port does in the model.
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::actuator::Actuator;

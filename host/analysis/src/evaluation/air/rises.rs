@@ -1,4 +1,4 @@
-//! How far a noisy value rises in all.
+//! The total rise of a noisy value.
 
 /// Rises up to each value.
 pub(super) struct Rises {

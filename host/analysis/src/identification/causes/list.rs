@@ -16,7 +16,7 @@ pub(super) const EFFECTS: [Effect; 14] = [
     Effect {
         name: "lag of the pressure sensors",
         change: number("sensors.pressure_lag_s", 1e-3, 2e-5),
-        measure: "read it off the data sheets of sensor and amplifier, or vent a sensor suddenly and record it",
+        measure: "take it from the data sheets of sensor and amplifier, or vent a sensor suddenly and record it",
     },
     Effect {
         name: "lag of the tubes",
@@ -51,7 +51,7 @@ pub(super) const EFFECTS: [Effect; 14] = [
     Effect {
         name: "another supply temperature",
         change: number("supply.temperature_k", 5.0, 150.0),
-        measure: "hold a thermometer into the supply air",
+        measure: "measure the temperature of the supply air",
     },
     Effect {
         name: "another exhaust pressure",
@@ -61,12 +61,12 @@ pub(super) const EFFECTS: [Effect; 14] = [
     Effect {
         name: "another lap of the valve's lands",
         change: number("valve.underlap_mm", 0.01, -10.0),
-        measure: "record the flow about the null (`pneudrive characterise RIG flow-gain` shows what the model has)",
+        measure: "record the flow near the null (`pneudrive characterise RIG flow-gain` shows that of the model)",
     },
     Effect {
         name: "another ratio of heat capacities",
         change: number("gas.heat_capacity_ratio", -0.02, 1.01),
-        measure: "look at what gas it is: 1.4 is dry air; less stands for heat exchange, too",
+        measure: "check which gas it is: 1.4 is dry air; a lower value also stands for heat exchange",
     },
     Effect {
         name: "the speed of the air in the ports",

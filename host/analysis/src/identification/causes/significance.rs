@@ -1,4 +1,4 @@
-//! How clear an effect is beside noise.
+//! The significance of an effect against noise.
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 

@@ -1,4 +1,4 @@
-//! What a fit has found, for a program.
+//! The results of a fit for other programs.
 
 use serde_json::{Value, json};
 

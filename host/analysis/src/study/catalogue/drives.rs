@@ -1,4 +1,4 @@
-//! The drives of the studies, and the tests that they are put to.
+//! The drives of the studies, and their tests.
 
 use super::super::Variant;
 

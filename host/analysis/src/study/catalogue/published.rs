@@ -1,5 +1,5 @@
-//! Published data that the thesis compares with (7.3). Their figures are lost from the scan, so only what the
-//! text says of them can be held against the model.
+//! Published data that the thesis compares with (7.3). Their figures are lost from the scan, so only the statements of the
+//! text can be compared with the model.
 
 use std::collections::BTreeSet;
 

@@ -6,6 +6,6 @@ pub(super) fn plain_name(name: &str) -> Result<(), String> {
     if !name.is_empty() && name.chars().all(fits) {
         Ok(())
     } else {
-        Err("a name has letters, digits, - and _ only".to_owned())
+        Err("a name may contain only letters, digits, - and _".to_owned())
     }
 }

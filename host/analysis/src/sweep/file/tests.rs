@@ -54,9 +54,9 @@ fn what_is_wrong_with_a_setting_is_named_by_line_and_key() {
         ),
         (
             "[[set.faults.event]]\nkind = \"leak\"\n[vary]",
-            "s.toml:2: set.faults.event: write its value behind a =",
+            "s.toml:2: set.faults.event: write its value after a =",
         ),
-        ("[set]\nload.mass_kg = 2\n[vary]", "s.toml:5: vary.load.mass_kg: is in [set], too"),
+        ("[set]\nload.mass_kg = 2\n[vary]", "s.toml:5: vary.load.mass_kg: is also in [set]"),
     ] {
         assert!(formatted("[vary]", with).contains(says), "{with}: {}", formatted("[vary]", with));
     }
@@ -70,7 +70,7 @@ fn what_is_wrong_with_a_key_that_varies_is_named_by_line_and_key() {
         ("load.mass_kg = 3", "load.mass_kg: must be a list of values, {"),
         ("load.mass_kg = []", "load.mass_kg: the list is empty"),
         ("load.mass_kg = [1, -2]", "load.mass_kg: must be between 0.001 kg and 100000 kg, is -2"),
-        ("load.mass_kg = [[1]]", "load.mass_kg: [1] is no number, word or switch"),
+        ("load.mass_kg = [[1]]", "load.mass_kg: [1] is not a number, word or switch"),
         (
             "load.mass_kg = { from = 1, to = 2 }",
             "load.mass_kg: a range has from, to and steps; steps is missing",
@@ -81,7 +81,7 @@ fn what_is_wrong_with_a_key_that_varies_is_named_by_line_and_key() {
         ),
         (
             "load.mass_kg = { from = 0, to = 2, steps = 3, spacing = \"log\" }",
-            "load.mass_kg: even ratios need",
+            "load.mass_kg: a logarithmic range needs",
         ),
         ("load.mass_kg = { from = 1, to = 2, steps = 3, spacing = \"lok\" }", "spacing must be"),
         (
@@ -112,7 +112,7 @@ fn what_is_wrong_with_a_factor_or_with_two_keys_is_named_by_line_and_key() {
         ("f = { values = [1], scale = [] }", "f: scale must be a list of keys of the rig"),
         (
             "f = { values = [1], scale = [\"controller.velocity_gain\"] }",
-            "f: controller.velocity_gain is no real number",
+            "f: controller.velocity_gain is not a real number",
         ),
         ("f = { values = [-1], scale = [\"load.mass_kg\"] }", "f: load.mass_kg times -1: must be between"),
         ("f = { values = [\"a\"], scale = [\"load.mass_kg\"] }", "f: a factor must be a number, is a"),
@@ -142,7 +142,7 @@ fn what_is_wrong_with_metrics_and_goals_is_named_by_line_and_key() {
             "air = { figure = \"air_l\", of = 1 }\n",
             "s.toml:5: metrics.air: unknown key of; there are figure, move",
         ),
-        ("\"a,b\" = \"air_l\"\n", "s.toml:5: metrics.a,b: a name has letters"),
+        ("\"a,b\" = \"air_l\"\n", "s.toml:5: metrics.a,b: a name may contain only letters"),
         ("fault = \"air_l\"\n", "s.toml:5: metrics.fault: is the name of another column"),
         (
             "air = \"air_l\"\n[objective]\nminimise = \"ear\"\n",
@@ -151,7 +151,7 @@ fn what_is_wrong_with_metrics_and_goals_is_named_by_line_and_key() {
         ("air = \"air_l\"\n[objective]\nleast = \"air\"\n", "s.toml:7: objective.least: unknown key"),
         (
             "air = \"air_l\"\n[objective]\nminimise = \"air\"\nmaximise = \"air\"\n",
-            "s.toml:8: objective.maximise: one objective is enough",
+            "s.toml:8: objective.maximise: there can be only one objective",
         ),
         ("air = \"air_l\"\n[constraints]\nair = 3\n", "s.toml:7: constraints.air: must be { max"),
         ("air = \"air_l\"\n[constraints]\nair = {}\n", "s.toml:7: constraints.air: must be { max"),

@@ -1,4 +1,4 @@
-//! What a key takes on.
+//! The values of a varied key.
 //!
 //! | written | means |
 //! |---|---|
@@ -8,8 +8,8 @@
 //! | `{ uniform = [1.0, 4.0] }` | drawn evenly between these |
 //! | `{ normal = [2.0, 0.1] }` | drawn with this mean and standard deviation |
 //!
-//! With `scale = ["load.static_extend_n", ...]` the name is free, and what it takes on is a factor on the values
-//! that these keys have in the rig; a list then is `{ values = [0.7, 1.0, 1.3], scale = [...] }`.
+//! With `scale = ["load.static_extend_n", ...]` the name is free, and its values are factors on the values of these keys
+//! in the rig; a list is then `{ values = [0.7, 1.0, 1.3], scale = [...] }`.
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::value_of_setting;
@@ -118,7 +118,7 @@ fn has_number(rig: &Rig, key: &str) -> Result<(), String> {
     match variable(key).map_err(|message| format!("{key}: {message}"))?.kind {
         Kind::Number { .. } if rig.number_at(key).is_some() => Ok(()),
         Kind::Number { .. } => Err(format!("{key} has no value in the rig; give it one under [set]")),
-        _ => Err(format!("{key} is no real number; only such can be scaled")),
+        _ => Err(format!("{key} is not a real number; only real numbers can be scaled")),
     }
 }
 
@@ -156,7 +156,7 @@ fn listed(list: &Array) -> Result<Vec<String>, String> {
         Value::Float(real) if real.value().is_finite() => Ok(format!("{:?}", real.value())),
         Value::Boolean(on) => Ok(on.value().to_string()),
         Value::String(word) => Ok(word.value().clone()),
-        other => Err(format!("{} is no number, word or switch", other.to_string().trim())),
+        other => Err(format!("{} is not a number, word or switch", other.to_string().trim())),
     };
     if list.is_empty() { Err("the list is empty".to_owned()) } else { list.iter().map(level).collect() }
 }
@@ -178,7 +178,7 @@ fn range(table: &dyn TableLike) -> Result<Range, String> {
     let (from, to) = (number(field("from")?)?, number(field("to")?)?);
     let steps = count(field("steps")?, 2, MAX_STEPS).map_err(|message| format!("steps {message}"))?;
     if logarithmic && !(from > 0.0 && to > 0.0) {
-        return Err("even ratios need from and to of more than 0".to_owned());
+        return Err("a logarithmic range needs from and to above 0".to_owned());
     }
     Ok(Range { from, to, steps, logarithmic })
 }

@@ -1,7 +1,7 @@
 //! System accuracy (7.2.4): the standard deviations of Tab. 7.4.
 //!
-//! The transients of the three rigs are lost, so nothing can be deviated from. What can be told is how far rigs whose
-//! physical values lie within 10 % of the file are from it: that much of the table would be ignorance of the values.
+//! The transients of the three rigs are lost, so the deviations cannot be reproduced. Instead, rigs whose physical values
+//! lie within 10 % of the file are compared with it: that part of the table is explained by unknown values.
 
 use anyhow::Result;
 use pneudrive_sim::keys;

@@ -1,7 +1,7 @@
 //! The operator of the valve on the bench (7.1.2.1, 7.1.2.2): its hysteresis, and what dither leaves of it.
 //!
 //! Three values are open in the text: the Coulomb friction of the spool, K_d of (6.33), and what 4 V from peak to peak are
-//! at the spool. Each reading of the text is held against what is printed; that of `servo-b-thesis` counts.
+//! at the spool. Each reading of the text is compared with the printed values; that of `servo-b-thesis` counts.
 
 use anyhow::{Context, Result};
 use pneudrive_sim::Rig;

@@ -102,7 +102,8 @@ pub fn places(trial: &Trial, tuned: &Tuned, goal: &Goal) -> Figure {
         points("does not settle (at the top)", REQUIRED, false, false),
     ];
     Figure {
-        heading: "settling time over where the step begins, the later of there and back".to_owned(),
+        heading: "settling time over the position at which the step begins; the later of there and back"
+            .to_owned(),
         across: "begins at, mm".to_owned(),
         panels: vec![Panel::new("settles after, s", shown(curves))],
         ..Figure::default()
@@ -126,7 +127,7 @@ pub fn profile(trial: &Trial, tuned: &Tuned) -> Option<Figure> {
     };
     Some(Figure {
         heading:
-            "the gain profile: the controller takes one gain for each span of error, without interpolation"
+            "the gain profile: the controller uses one gain for each span of error, without interpolation"
                 .to_owned(),
         across: "size of the error, mm (from one count on)".to_owned(),
         logarithmic: true,

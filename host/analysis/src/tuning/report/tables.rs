@@ -6,11 +6,11 @@ use crate::range::with_range;
 use crate::tuning::trial::Trial;
 use crate::tuning::{Found, Goal, LimitingImperfection, Performance, Tuned, Variant};
 
-/// Columns of what gains do on many rigs.
+/// Columns for the performance of gains on many rigs.
 const ON_MANY: [&str; 9] = [
     "goal met, fresh draws",
     "95 % interval",
-    "met of those tuned on",
+    "goal met, tuning trials",
     "settle",
     "after, s: median, slowest",
     "overshoot, %: largest",
@@ -19,7 +19,7 @@ const ON_MANY: [&str; 9] = [
     "not decidable",
 ];
 
-/// What gains do in the fresh draws.
+/// The performance of gains in the fresh draws.
 fn on_many(found: &Found, goal: &Goal) -> Vec<String> {
     let all = &found.fresh;
     let count = |is: &dyn Fn(&Performance) -> bool| all.iter().filter(|one| is(one)).count().to_string();
@@ -65,13 +65,13 @@ pub fn judged(tuned: &Tuned, goal: &Goal) -> Table {
     many(&format!("in {} fresh draws from the spread", tuned.fresh.len()), "gains", rows)
 }
 
-/// What is in the way.
+/// What limits the performance.
 #[must_use]
 pub fn obstacles(all: &[LimitingImperfection], goal: &Goal) -> Table {
     let row =
         |one: &LimitingImperfection| [vec![one.suspect.what.to_owned()], on_many(&one.found, goal)].concat();
     many(
-        "what is in the way: the same draws, with gains found for a rig that has",
+        "what limits it: the same draws, with gains found for a rig that has",
         "instead",
         all.iter().map(row).collect(),
     )
@@ -128,7 +128,7 @@ pub fn gains(trial: &Trial, tuned: &Tuned) -> Table {
     }
 }
 
-/// Where what was found lies in what was searched.
+/// The gains found, with their search ranges.
 #[must_use]
 pub fn places(tuned: &Tuned) -> Table {
     let rows = tuned.after.places.iter().map(|place| {
@@ -137,7 +137,7 @@ pub fn places(tuned: &Tuned) -> Table {
         vec![place.what.to_owned(), value, format!("{low} to {high}"), place.unit.to_owned(), note.to_owned()]
     });
     Table {
-        heading: "where they lie in what was searched".to_owned(),
+        heading: "the gains within their search ranges".to_owned(),
         columns: ["what", "found", "searched from", "unit", ""].map(str::to_owned).to_vec(),
         rows: rows.collect(),
     }

@@ -76,7 +76,7 @@ fn a_key_that_cannot_be_held_is_refused_by_what_can() {
     let all: Vec<String> = all.map(|key| format!("controller.{key}")).collect();
     let rig_a = rig("servo-a", &["controller.law=proportional".to_owned()]);
     let error = Space::of(&rig_a, GOAL.settled_mm, &all).expect_err("nothing is left").to_string();
-    assert!(error.contains("every key that tune looks for is held"), "{error}");
+    assert!(error.contains("every key that tune searches is fixed"), "{error}");
 }
 
 #[test]

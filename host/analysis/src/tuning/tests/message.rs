@@ -62,5 +62,5 @@ fn the_verdict_says_the_fresh_draws_first_and_what_is_not_decided() {
         notes(&tuned(found(0, 1, 60), &[("no rod", found(5, 41, 60)), ("no air", found(0, 3, 60))]));
     assert!(settles.contains("With no rod, the drive settles in 46 of 60"), "{settles}");
     let chance = notes(&tuned(found(6, 2, 20), &[("no rod", found(9, 3, 20))]));
-    assert!(chance.contains("No single imperfection"), "{chance}");
+    assert!(chance.contains("Removing any single imperfection"), "{chance}");
 }
