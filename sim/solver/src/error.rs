@@ -33,7 +33,7 @@ pub enum IntegrationError {
         at_s: f64,
     },
     /// Events follow each other without end.
-    #[error("events pile up at t = {at_s} s: two modes hand over to each other without end")]
+    #[error("events pile up at t = {at_s} s: two modes switch to each other endlessly")]
     EventsPileUp {
         /// When.
         at_s: f64,

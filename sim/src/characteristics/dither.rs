@@ -83,7 +83,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     }
     Ok(Characteristic {
         notes: vec![format!(
-            "The amplitude of the dither is {} mm at every frequency. Read is the mean pressure over its period.",
+            "The amplitude of the dither is {} mm at every frequency. The pressure is the mean over a period of the dither.",
             rig.get(&keys::dither::DITHER_MM)
         )],
         across: "command, mm",

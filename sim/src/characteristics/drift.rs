@@ -56,7 +56,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let rate = rig.get(&keys::valve::NULL_DRIFT_MM_PER_H);
     if rate == 0.0 {
         return Err(Unfit::NoPart(
-            "its null does not move (valve.null_drift_mm_per_h = 0); state how fast it drifts, as with --set valve.null_drift_mm_per_h=0.01",
+            "its null does not drift (valve.null_drift_mm_per_h = 0); give a drift, for example with --set valve.null_drift_mm_per_h=0.01",
         ));
     }
     if rig.get(&keys::controller::LOOP) == controller::Loop::Open {

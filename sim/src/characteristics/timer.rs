@@ -25,7 +25,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         notes: vec![
             "A shorter period than the floor is refused; the thesis's timer stretched it, to 0.28 ms at least. On a board, whether its interrupt is in time is watched (safety.late_sample_us), and `identify --timer` holds the periods of records against those asked for.".to_owned(),
         ],
-        across: "period asked for, ms",
+        across: "requested period, ms",
         graphs: vec![Graph {
             title: "sample period, ms",
             series: vec![

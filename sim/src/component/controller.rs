@@ -57,7 +57,7 @@ keys! {
     LAW: Law = choice("controller.law", "L(22), L(8)", "How the position error becomes a demand. The variable dead band gain of 6.3.3 has no equation there; dead_band_counts, or zeros at the head of gain_profile, give a fixed one.");
     LOOP: Loop = choice("controller.loop", "L(3)", "Open: moves are valve commands, nothing is fed back.");
     PERIOD_S: f64 = number("controller.period_s", 0.0013, 1e-4, 0.1, "C(41)", "Sample period; whole microseconds.");
-    START_S: f64 = number("controller.start_s", 0.0, 0.0, 60.0, "C(40)", "So long before the first sample the drive lives with its valve at the null, from the initial state of the test on; whole microseconds. Times of test, trace and faults count from that sample.");
+    START_S: f64 = number("controller.start_s", 0.0, 0.0, 60.0, "C(40)", "Time for which the drive runs with its valve at the null before the first sample, from the initial state of the test; whole microseconds. Times of test, trace and faults count from the first sample.");
     DELAY_S: f64 = number("controller.delay_s", 0.0005, 1e-6, 0.099_999, "C(26)", "From a sample to its output; whole microseconds, less than the period.");
     GAIN_PROFILE: Vec<i64> = other("controller.gain_profile", Kind::Integers { min: 0, max: GAIN, max_entries: 256 }, Preset::Integers(PROFILE), "Kp(0)..Kp(255)", "Gain on the error, an entry for each span of error; the last one repeats to 256 entries.");
     PROFILE_SPAN_COUNTS: i64 = integer("controller.profile_span_counts", 4, 1, 65_535, "L(67)", "Range of error that one entry of the gain profile covers.");
@@ -78,13 +78,13 @@ keys! {
     MONITORING_S: f64 = number("controller.monitoring_s", 0.0, 0.0, 2000.0, "", "Exact stop: time inside the tolerance after which a move has arrived. 0: fast stop, at the first sample inside.");
     DWELL_S: f64 = number("controller.dwell_s", 0.0, 0.0, 2000.0, "", "From the arrival at a target to the next one.");
     LEARN_NULL_OFFSET: bool = switch("controller.learn_null_offset", false, "8.2.3", "Whether the controller learns the command at which the valve is at its null.");
-    LEARNING_GAIN: i64 = integer("controller.learning_gain", 256, 1, GAIN, "8.2.3", "How much of the error at rest goes into the null offset, divided by the scale; 1 in the thesis, which learns nothing in a day.");
+    LEARNING_GAIN: i64 = integer("controller.learning_gain", 256, 1, GAIN, "8.2.3", "Part of the error at rest that is added to the null offset, divided by the scale; 1 in the thesis, which has no effect within a day.");
     HOMING: Homing = choice("controller.homing", "", "Where a homing run ends: against a stop, or at the edge of a switch.");
     HOMING_COMMAND_COUNTS: i64 = integer("controller.homing_command_counts", -200, -2048, 2048, "", "Valve command of the homing run, not 0; its sign is the direction. -200 for the DAC, -4 for the stepper.");
     HOMING_POSITION_COUNTS: i64 = integer("controller.homing_position_counts", 0, -COUNT, COUNT, "", "The position where the homing run ends.");
     HOMING_STILL_S: f64 = number("controller.homing_still_s", 0.5, 0.001, 3600.0, "", "Standing still for so long is being at the stop.");
     HOMING_TIMEOUT_S: f64 = number("controller.homing_timeout_s", 10.0, 0.001, 3600.0, "", "A longer homing run trips.");
-    PRESSURE_FEEDBACK_GAIN: f64 = number("controller.pressure_feedback_gain", 12.4, 0.0, 1e6, "C(68)", "Burrows' k5: how many counts of error a kPa of quasi-transient pressure difference takes off for the on-off law; the thesis does not say its unit.");
+    PRESSURE_FEEDBACK_GAIN: f64 = number("controller.pressure_feedback_gain", 12.4, 0.0, 1e6, "C(68)", "Burrows' k5: counts of error that a kPa of quasi-transient pressure difference subtracts in the on-off law; the thesis does not give its unit.");
 }
 
 /// What the clock of the controller must hold.

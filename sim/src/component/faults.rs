@@ -50,20 +50,20 @@ const KIND: Kind = Kind::Choice(&[
 ]);
 
 keys! {
-    EVENT: Option<Vec<Fields>> = other("faults.event", Kind::Events, Preset::Absent("nothing goes wrong"), "", "What goes wrong and when, a table [[faults.event]] each.");
+    EVENT: Option<Vec<Fields>> = other("faults.event", Kind::Events, Preset::Absent("nothing goes wrong"), "", "Faults and their times, one table [[faults.event]] each.");
 }
 
 /// Every field of an event, made and read like a key of the file; `models` of a field are the kinds that have it.
 #[rustfmt::skip]
 pub(crate) static FIELDS: &[Key] = &[
-    other::<String>("faults.event.kind", KIND, Preset::Absent("must be given"), "", "What goes wrong.").key,
-    optional_number("faults.event.at_s", 0.0, 4000.0, "must be given", "", "When, from the start of the test on; whole microseconds.").key,
+    other::<String>("faults.event.kind", KIND, Preset::Absent("must be given"), "", "Kind of fault.").key,
+    optional_number("faults.event.at_s", 0.0, 4000.0, "must be given", "", "Time from the start of the test; whole microseconds.").key,
     optional_number("faults.event.pressure_pa", 1e4, 5e6, "midway between exhaust.pressure_pa and supply.pressure_pa", "", "Absolute supply pressure during the dip.").of(&["supply-dip"]).key,
-    number("faults.event.duration_s", 0.5, 1e-6, 4000.0, "", "How long the dip lasts; whole microseconds.").of(&["supply-dip"]).key,
+    number("faults.event.duration_s", 0.5, 1e-6, 4000.0, "", "Duration of the dip; whole microseconds.").of(&["supply-dip"]).key,
     integer("faults.event.chamber", 1, 1, 2, "", "The chamber that leaks.").of(&["leak"]).key,
     number("faults.event.diameter_mm", 1.0, 1e-3, 10.0, "", "Bore of the hole, as that of an ideal nozzle that passes as much; a sharp hole passes 0.6 to 0.8 of it.").of(&["leak"]).key,
     integer("faults.event.counts", 1000, -COUNT, COUNT, "", "By how much the count is off.").of(&["encoder-jump"]).key,
-    key::choice::<OpenSensor>("faults.event.sensor", "", "The sensor that comes off.").of(&["sensor-open"]).key,
+    key::choice::<OpenSensor>("faults.event.sensor", "", "The sensor that fails.").of(&["sensor-open"]).key,
 ];
 
 words! {
@@ -273,7 +273,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
         if let FaultKind::SupplyDip { pressure, .. } = event.kind
             && !(low < pressure && pressure < high)
         {
-            findings.note(&keys::EVENT, format!("pressure_pa = {pressure} is no dip: it must be between exhaust.pressure_pa = {low} and supply.pressure_pa = {high}"));
+            findings.note(&keys::EVENT, format!("pressure_pa = {pressure} is not a dip: it must be between exhaust.pressure_pa = {low} and supply.pressure_pa = {high}"));
         }
     }
 }

@@ -26,7 +26,7 @@ keys! {
     BITS: i64 = integer("sensors.bits", 12, 8, 15, "", "Width of the converter.");
     HOME_SWITCH_MM: Option<f64> = optional_number("sensors.home_switch_mm", -1000.0, 20_000.0, "there is no switch", "", "The homing switch is closed below this position.");
     PRESSURE_LAG_S: f64 = number("sensors.pressure_lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure sensors; 0: none.");
-    CHANNEL_SKEW_S: f64 = number("sensors.channel_skew_s", 0.0, 0.0, 0.01, "5.3.1", "The converter reads pressure 1 with the encoder, pressure 2 so much later, and the spool as much after that; whole microseconds, twice it less than controller.delay_s. 0: all at once. About 1e-4 on the thesis's test rig.");
+    CHANNEL_SKEW_S: f64 = number("sensors.channel_skew_s", 0.0, 0.0, 0.01, "5.3.1", "Delay between the channels of the converter: it reads pressure 1 with the encoder, pressure 2 this much later, and the spool this much after that; whole microseconds, less than half of controller.delay_s. 0: all at once. About 1e-4 on the thesis's test rig.");
     NOISE_COUNTS: f64 = number("sensors.noise_counts", 0.0, 0.0, 1000.0, "", "Standard deviation of the converter's noise.");
 }
 

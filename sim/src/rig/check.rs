@@ -85,7 +85,7 @@ fn check_continuous(rig: &Rig, findings: &mut Findings) {
 /// A flow that has no steady value ends a run as soon as a chamber is full.
 fn check_flow(rig: &Rig, findings: &mut Findings) {
     if speed_outweighs_supply_tube(rig) {
-        let message = "the tube from the supply loses less pressure than the speed in the ports gives back behind wide lands: no steady flow near the supply's pressure; make the tube longer or narrower, or write upstream_mach = false";
+        let message = "the tube from the supply loses less pressure than the ports recover from their speed behind wide lands: there is no steady flow near the supply pressure; make the tube longer or narrower, or write upstream_mach = false";
         findings.note(&keys::valve::UPSTREAM_MACH, message);
     }
 }

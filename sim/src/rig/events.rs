@@ -82,7 +82,9 @@ impl Reader<'_> {
             return;
         }
         let message = match FIELDS.iter().find(|field| name_of(field) == name) {
-            Some(field) => format!("a fault of the kind {kind} has none; {} has", field.models.join(", ")),
+            Some(field) => {
+                format!("does not belong to a fault of the kind {kind}, but to {}", field.models.join(", "))
+            }
             None => format!("unknown key{}", did_you_mean(name, fields_of(kind).map(name_of))),
         };
         let line = self.file.line_of(table.key(name).and_then(toml_edit::Key::span));

@@ -42,7 +42,9 @@ pub(super) fn stated(item: &Item) -> Result<Stated, String> {
     };
     for (name, _) in table.iter() {
         if !SOURCES.iter().any(|(word, _)| *word == name) && !["low", "high", "from"].contains(&name) {
-            return Err(format!("{name} is none of given, computed, typical, unknown, low, high and from"));
+            return Err(format!(
+                "{name} is not one of given, computed, typical, unknown, low, high and from"
+            ));
         }
     }
     let range = range(table)?;

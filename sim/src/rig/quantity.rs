@@ -43,10 +43,10 @@ pub fn read(text: &str, unit: &str) -> Result<Reading, String> {
     }
     let (symbol, gauge) = pressure_reference(given);
     let target =
-        parse(unit).ok_or_else(|| format!("is counted in {unit}, which no other unit stands for"))?;
-    let from = parse(symbol).ok_or_else(|| format!("{given} is no unit known here; {unit} would do"))?;
+        parse(unit).ok_or_else(|| format!("is in {unit}, which cannot be converted from another unit"))?;
+    let from = parse(symbol).ok_or_else(|| format!("{given} is not a known unit; use {unit}"))?;
     if from.dimension != target.dimension || (gauge && unit != "Pa") {
-        return Err(format!("{given} does not measure what {unit} does"));
+        return Err(format!("{given} is not a unit of the same quantity as {unit}"));
     }
     Ok(Reading { value: digits(number * from.factor / target.factor), gauge })
 }
@@ -217,10 +217,10 @@ mod tests {
         for (text, unit, expected) in [
             ("6", "Pa", "needs a unit: write it as \"6 Pa\", or in another unit"),
             ("six bar", "Pa", "must be a number with a unit, such as \"6 bar(g)\", is \"six bar\""),
-            ("6 foo", "Pa", "foo is no unit known here; Pa would do"),
-            ("6 mm", "Pa", "mm does not measure what Pa does"),
-            ("6 bar(g)", "N", "bar(g) does not measure what N does"),
-            ("6 mm", "counts", "is counted in counts, which no other unit stands for"),
+            ("6 foo", "Pa", "foo is not a known unit; use Pa"),
+            ("6 mm", "Pa", "mm is not a unit of the same quantity as Pa"),
+            ("6 bar(g)", "N", "bar(g) is not a unit of the same quantity as N"),
+            ("6 mm", "counts", "is in counts, which cannot be converted from another unit"),
             ("inf mm", "m", "must be a number with a unit"),
         ] {
             let message = read(text, unit).expect_err(text);

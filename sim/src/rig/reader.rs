@@ -180,7 +180,7 @@ fn within(value: &Value, range: [f64; 2]) -> Result<[f64; 2], String> {
     let number = match value {
         Value::Number(number) => *number,
         Value::Integer(number) => *number as f64,
-        _ => return Err("has no low and no high: it is no number".to_owned()),
+        _ => return Err("cannot have low and high: it is not a number".to_owned()),
     };
     let [low, high] = range;
     if (low..=high).contains(&number) {

@@ -52,7 +52,10 @@ fn a_key_with_and_without_its_unit_is_given_twice() {
 #[test]
 fn a_unit_of_something_else_is_refused_at_its_line() {
     for (text, expected) in [
-        ("[actuator]\nstroke = \"250 kg\"\n", "rig.toml:2: actuator.stroke: kg does not measure what m does"),
+        (
+            "[actuator]\nstroke = \"250 kg\"\n",
+            "rig.toml:2: actuator.stroke: kg is not a unit of the same quantity as m",
+        ),
         ("[actuator]\nstroke = \"250\"\n", "rig.toml:2: actuator.stroke: needs a unit"),
         (
             "[actuator]\nbore = \"32 m\"\n",
@@ -69,7 +72,7 @@ fn a_unit_of_something_else_is_refused_at_its_line() {
         assert!(message.starts_with(expected), "{message}");
     }
     assert!(
-        only_problem("", &["load.mass=8 stone"]).starts_with("--set: load.mass: stone is no unit known here")
+        only_problem("", &["load.mass=8 stone"]).starts_with("--set: load.mass: stone is not a known unit")
     );
 }
 
@@ -105,7 +108,7 @@ fn an_origin_that_says_nothing_is_refused() {
         ("{ unknown = 8 }", "an unknown value needs low and high"),
         ("{ typical = 8, low = 7 }", "low and high go together"),
         ("{ typical = 8, low = 9, high = 10 }", "must lie between its low, 9, and its high, 10, is 8"),
-        ("{ given = 8, source = \"x\" }", "source is none of given, computed"),
+        ("{ given = 8, source = \"x\" }", "source is not one of given, computed"),
         ("{ given = 8, from = 3 }", "from must be a text"),
     ] {
         let message = only_problem(&format!("[load]\nmass_kg = {text}\n"), &[]);

@@ -22,8 +22,8 @@ use crate::values::{Findings, Rig};
 keys! {
     BRISTLE_STIFFNESS_N_PER_M: f64 = number("load.bristle_stiffness_n_per_m", 1e5, 1e3, 1e8, "", "Stiffness of the bristles, s_0: that of a load before it slides.").chosen_by(&load::FRICTION, &["lugre"]).spread().vague();
     BRISTLE_DAMPING_N_S_PER_M: f64 = number("load.bristle_damping_n_s_per_m", 10.0, 0.0, 1e5, "", "Damping of the bristles, s_1.").chosen_by(&load::FRICTION, &["lugre"]).spread().vague();
-    STRIBECK_VELOCITY_M_S: f64 = number("load.stribeck_velocity_m_s", 0.02, 1e-4, 10.0, "", "Velocity at which friction has come down towards Coulomb's, v_s.").chosen_by(&load::FRICTION, &["lugre"]).spread().vague();
-    STRIBECK_EXPONENT: f64 = number("load.stribeck_exponent", 1.0, 0.25, 4.0, "", "How sharply it comes down there, n.").chosen_by(&load::FRICTION, &["lugre"]);
+    STRIBECK_VELOCITY_M_S: f64 = number("load.stribeck_velocity_m_s", 0.02, 1e-4, 10.0, "", "Velocity at which friction has dropped towards Coulomb friction, v_s.").chosen_by(&load::FRICTION, &["lugre"]).spread().vague();
+    STRIBECK_EXPONENT: f64 = number("load.stribeck_exponent", 1.0, 0.25, 4.0, "", "How sharply it drops there, n.").chosen_by(&load::FRICTION, &["lugre"]);
     FILM_VELOCITY_M_S: f64 = number("load.film_velocity_m_s", 0.05, 1e-4, 10.0, "", "Velocity from which on the film is as thick as it gets, v_b.").chosen_by(&load::FRICTION, &["lugre"]).spread().vague();
     FILM_GROWTH_S: f64 = number("load.film_growth_s", 0.05, 1e-4, 100.0, "", "Time constant of a film that grows, t_g.").chosen_by(&load::FRICTION, &["lugre"]).spread().vague();
     FILM_DECAY_S: f64 = number("load.film_decay_s", 0.2, 1e-4, 100.0, "", "Time constant of a film that gets thinner, t_d.").chosen_by(&load::FRICTION, &["lugre"]).spread().vague();

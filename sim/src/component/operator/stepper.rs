@@ -9,7 +9,7 @@ keys! {
     MM_PER_STEP: f64 = number("operator.mm_per_step", 0.0125, 1e-5, 1.0, "C(66)", "Spool travel of a step.").of(&["stepper"]);
     MAX_STEPS: i64 = integer("operator.max_steps", 40, 1, 2048, "L(20)", "Furthest step from mid-travel.").of(&["stepper"]);
     PULSE_WIDTH_US: i64 = integer("operator.pulse_width_us", 10, 1, 1000, "", "Length of a stepper's pulse, kept by the board.").of(&["stepper"]);
-    DIRECTION_SETUP_US: i64 = integer("operator.direction_setup_us", 10, 1, 1000, "", "A stepper's direction stands so long before the pulse, kept by the board.").of(&["stepper"]);
+    DIRECTION_SETUP_US: i64 = integer("operator.direction_setup_us", 10, 1, 1000, "", "Time from a change of a stepper's direction to the pulse, kept by the board.").of(&["stepper"]);
 }
 
 impl Stepper {

@@ -92,7 +92,7 @@ fn every_slip_is_named_with_file_line_and_key() {
         ("at_s = 1\ndiameter = 2", "7: faults.event.diameter: unknown key; did you mean diameter_mm?"),
         (
             "at_s = 1\ncounts = 2",
-            "7: faults.event.counts: a fault of the kind leak has none; encoder-jump has",
+            "7: faults.event.counts: does not belong to a fault of the kind leak, but to encoder-jump",
         ),
     ] {
         let message = only_problem(&format!("{leak}{field}\n"));
@@ -115,7 +115,7 @@ fn a_dip_that_is_none_is_refused() {
     for pressure in [589_000, 101_300, 600_000] {
         let text = format!("\n[[faults.event]]\nkind = \"supply-dip\"\nat_s = 0\npressure_pa = {pressure}\n");
         let message = only_problem(&text);
-        assert!(message.contains(&format!("faults.event: pressure_pa = {pressure} is no dip")), "{message}");
+        assert!(message.contains(&format!("faults.event: pressure_pa = {pressure} is not a dip")), "{message}");
     }
 }
 
