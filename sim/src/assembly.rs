@@ -1,12 +1,12 @@
-//! The drive put together (thesis 6.7): operator, valve, tubing, cylinder and load as one
-//! event-driven system for the integrator.
+//! The assembled drive (thesis 6.7): operator, valve, tubing, cylinder and load as one event-driven system for the
+//! integrator.
 //!
 //! ```text
 //! command -> amplifier, hysteresis, coil -> spool -> lands -> network of flows -> chambers -> piston -> load
 //! ```
 //!
 //! State, in SI: position and velocity of the load, mass and Exner pressure of both chambers, position and velocity of the
-//! spool, the pressure ratios of lagged tubes, the pressures that lagged sensors tell of, and the states of the load's
+//! spool, the pressure ratios of lagged tubes, the pressures of lagged sensors, and the states of the load's
 //! friction. The modes say on which smooth piece of the equations the system is; the order of what happens at one
 //! instant is EQUATIONS section 11.
 

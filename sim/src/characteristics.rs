@@ -17,7 +17,7 @@
 //! | [`leakage`] | 8.3.3, Fig. 8.8 | what passes the piston |
 //! | [`timer`] | 7.1.5, Fig. 7.13 | which sample periods the drive can have |
 //!
-//! There is no second model: [`bench`] fastens the very parts that a run is built of.
+//! There is no second model: [`bench`] uses the same parts as a run.
 
 mod bench;
 pub mod dither;
@@ -40,7 +40,7 @@ use crate::values::Rig;
 use pneudrive_solver::IntegrationError;
 pub use points::SUPPLY_FAMILY_PA;
 
-/// A curve that can be asked for.
+/// A curve that can be requested.
 pub struct Curve {
     /// What a user types.
     pub name: &'static str,

@@ -1,5 +1,5 @@
-//! The components of a drive, a file each: its equations with their numbers in the thesis, its keys in a rig file,
-//! what they must hold, and how it is made from them.
+//! The components of a drive, one file each: its equations with their numbers in the thesis, its keys in a rig file with
+//! their constraints, and its construction from them.
 
 pub mod actuator;
 pub mod air;

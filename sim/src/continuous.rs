@@ -11,7 +11,7 @@
 //!
 //! The windows Wv T and Wa T give n_v and n_a the units of the sampled law, so that the same gains
 //! mean the same. y'' includes the friction, so the command jumps at stick and slip. The index of the
-//! profile is a mode: each change of it is an event. The target changes at sample instants alone.
+//! profile is a mode: each change of it is an event. The target changes only at sample instants.
 //!
 //! A hysteresis asks which way the command moves. Between the jumps, and before it is limited:
 //!
@@ -40,7 +40,7 @@ pub struct ContinuousLaw {
     /// Counts.
     target: f64,
     index: usize,
-    /// Before its first target a law that waits asks for the null.
+    /// Before its first target, a waiting law demands the null.
     waits: bool,
 }
 
@@ -110,7 +110,7 @@ impl ContinuousLaw {
         operator::within_range(self.demand(position, velocity, acceleration))
     }
 
-    /// What the law asks for, in DAC counts, before it is limited to their range.
+    /// The demand of the law, in DAC counts, before it is limited to their range.
     #[must_use]
     pub fn demand(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
         if self.is_open() {

@@ -31,13 +31,13 @@ use pneudrive_solver::IntegrationError;
 /// A run whose positions are estimated to be more wrong than this is not decided, m.
 pub const LARGEST_ERROR_M: f64 = 1e-5;
 
-/// How much coarser and finer the other integrations are. Beyond [`COARSEST`] there is no coarser one.
+/// How much coarser and finer the other integrations are. None is coarser than [`COARSEST`].
 const DECADES: f64 = 100.0;
 
 /// Part of the distance to the coarser run that counts as the run's own error.
 const OF_COARSER: f64 = 0.1;
 
-/// The loosest and the tightest tolerance that tell anything.
+/// The loosest and the tightest tolerance that are of use.
 const COARSEST: f64 = 1e-4;
 /// The other integration of a coarse run must not be coarse itself.
 const FINE: f64 = 1e-7;
@@ -75,10 +75,10 @@ impl Decision {
     }
 }
 
-/// Tells whether a run of a rig, integrated as told, is decided.
+/// Determines whether a run of a rig with this accuracy is decided.
 ///
 /// # Errors
-/// When the finer integration cannot go on.
+/// When the finer integration fails.
 pub fn decide(rig: &Rig, accuracy: Accuracy, run: &Run) -> Result<Decision, IntegrationError> {
     let other = |tolerance: f64| readings(rig, Accuracy { tolerance, ..accuracy }, run);
     let judge = |other: &[Reading], part: f64| Judge::new(rig).judge(run, other, part);
@@ -149,7 +149,7 @@ impl Judge {
                 decision.undecided_from_s = Some(at_s);
             }
         }
-        // One of them tripped, and what the other did from there on has nothing to be held against.
+        // One of them tripped; from there on the other one has nothing to be compared with.
         if run.readings.len() != other.len() && decision.is_decided() {
             decision.undecided_from_s = Some(seconds(common as u64 * self.period_us));
         }

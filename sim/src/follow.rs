@@ -1,7 +1,7 @@
-//! A plant under commands that are known: what was recorded on a rig, driven into its model again.
+//! A plant under known commands: those recorded on a rig drive its model.
 //!
-//! The loop is not closed a second time. A controller that sees a model instead of the rig gives other
-//! commands, and two closed loops part; with the recorded ones a deviation is the plant's alone.
+//! The loop is not closed a second time. A controller that sees a model instead of the rig gives other commands, and two
+//! closed loops diverge; with the recorded commands, a deviation is due to the plant alone.
 
 use pneudrive_controller::Command;
 
@@ -23,7 +23,7 @@ pub struct Timing {
 /// the commands computed from these samples: as many as there are commands.
 ///
 /// # Errors
-/// When the integration cannot go on.
+/// When the integration fails.
 pub fn follow(
     rig: &Rig,
     accuracy: Accuracy,

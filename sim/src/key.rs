@@ -1,6 +1,6 @@
-//! A key of a rig file: what it takes, what holds without it, what it means, and the Rust type of its value.
+//! A key of a rig file: its range, default and meaning, and the Rust type of its value.
 //!
-//! Each component lists its own keys with `keys!`; [`crate::rig`] collects the lists. Units stand in the key's name
+//! Each component lists its own keys with `keys!`; [`crate::rig`] collects the lists. Units are part of the key's name
 //! ([`unit()`]); equations get values in the unit of the name, or SI.
 
 use std::marker::PhantomData;
@@ -264,7 +264,7 @@ pub trait Choice: Copy + PartialEq + Sized + 'static {
     /// Each word, with whether it is built; the first one is the default.
     const WORDS: &'static [(&'static str, bool)];
 
-    /// What a word stands for; None for one that is not built.
+    /// The meaning of a word; None for one that is not implemented.
     fn of_word(word: &str) -> Option<Self>;
 
     /// The word.

@@ -1,4 +1,4 @@
-//! The twin of a servo-pneumatic drive.
+//! The digital twin of a servo-pneumatic drive.
 //!
 //! ```text
 //! rig file -> components -> assembly -> integrator -> trace

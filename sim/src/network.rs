@@ -126,7 +126,7 @@ pub struct Network {
 /// Counters of the work of the network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NetworkWork {
-    /// Solutions asked for.
+    /// Requested solutions.
     pub solutions: u64,
     /// Newton iterations over all of them.
     pub iterations: u64,
@@ -136,7 +136,7 @@ pub struct NetworkWork {
     pub passes: u64,
 }
 
-/// Allowed error of a flow, kg/s, unless told otherwise.
+/// Default of the allowed error of a flow, kg/s.
 const FLOW_ERROR: f64 = 1e-15;
 
 impl Network {
@@ -201,7 +201,7 @@ impl Network {
         Network { turbulence_squared: coefficient * coefficient, ..self }
     }
 
-    /// The same with flows to an error of so many kg/s.
+    /// The same with flows to this error, kg/s.
     #[must_use]
     pub fn to_within(self, flow_error: f64) -> Network {
         Network { flow_error, short_error: flow_error, ..self }
@@ -219,7 +219,7 @@ impl Network {
         self.flow_error = self.short_error * (self.short_step / h).min(1.0);
     }
 
-    /// Has flows solved to rounding from now on, or no more; tells whether that is new.
+    /// Switches on or off that flows are solved to rounding; returns whether that is a change.
     pub fn tighten(&mut self, tight: bool) -> bool {
         std::mem::replace(&mut self.tight, tight) != tight
     }

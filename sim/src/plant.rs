@@ -28,11 +28,11 @@ pub struct Plant {
     integrator: Integration,
     sensors: Sensors,
     sensor_faults: SensorFaults,
-    /// The plant's time at sample 0, microseconds: from its initial state on it has lived so long at the null.
+    /// The plant's time at sample 0, microseconds: the time that it has run at the null since its initial state.
     start_us: u64,
     period_us: u64,
     delay_us: u64,
-    /// The converter reads a channel so long after the one before, microseconds.
+    /// Delay of the converter from one channel to the next, microseconds.
     channel_skew_us: u64,
     /// Request in force.
     request: Request,
@@ -73,7 +73,7 @@ pub struct Snapshot {
     pub temperatures: [f64; 2],
     /// Spool position, m.
     pub spool: f64,
-    /// Spool position that the command in force asks for, m.
+    /// Spool position demanded by the command in force, m.
     pub spool_command: f64,
     /// Mass flows into the chambers through their ports, kg/s: the slopes of the masses of the air inside, less
     /// what leaks.
@@ -131,7 +131,7 @@ impl Plant {
     /// and the spool one and two channel skews later.
     ///
     /// # Errors
-    /// When the integration cannot go on to the last channel.
+    /// When the integration fails before the last channel.
     #[inline]
     pub fn reading(&mut self) -> Result<Reading, IntegrationError> {
         let now = self.sample_time_of(self.k);
@@ -191,7 +191,7 @@ impl Plant {
     /// From sample k to sample k + 1, with `command` in force from the output in between.
     ///
     /// # Errors
-    /// When the integration cannot go on.
+    /// When the integration fails.
     pub fn advance(&mut self, command: Command) -> Result<Sample, IntegrationError> {
         self.command(command);
         self.next_sample()?;
@@ -227,7 +227,7 @@ impl Plant {
     /// To sample k + 1.
     ///
     /// # Errors
-    /// When the integration cannot go on.
+    /// When the integration fails.
     pub fn next_sample(&mut self) -> Result<(), IntegrationError> {
         self.run_to(self.sample_time_of(self.k + 1))?;
         self.k += 1;
@@ -238,7 +238,7 @@ impl Plant {
     /// the steps are the same without it.
     ///
     /// # Errors
-    /// When the integration cannot go on.
+    /// When the integration fails.
     pub fn look(&mut self, t: f64) -> Result<Snapshot, IntegrationError> {
         let t = self.plant_time(t);
         self.run_to(t)?;
@@ -248,7 +248,7 @@ impl Plant {
     /// The same of no more than position (m), velocity (m/s) and pressures (Pa).
     ///
     /// # Errors
-    /// When the integration cannot go on.
+    /// When the integration fails.
     #[inline]
     pub fn look_at_motion(&mut self, t: f64) -> Result<(f64, f64, [f64; 2]), IntegrationError> {
         let t = self.plant_time(t);
@@ -346,7 +346,7 @@ impl Plant {
         self.time_of(k * self.period_us + self.delay_us)
     }
 
-    /// The plant's time so many microseconds after sample 0, s.
+    /// The plant's time at this many microseconds after sample 0, s.
     fn time_of(&self, after_start_us: u64) -> f64 {
         seconds(self.start_us + after_start_us)
     }

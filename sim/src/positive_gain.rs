@@ -51,7 +51,7 @@ keys! {
 /// The keys that ask for it, the first one before the second.
 pub static SWITCHES: [&Typed<bool>; 2] = [&keys::POSITIVE_GAIN_ONLY, &keys::LAST_GAIN_FOR_NEGATIVE_ERRORS];
 
-/// What must hold where the bug is asked for.
+/// The constraints on a rig with the bug.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     let [positive, last] = SWITCHES.map(|switch| rig.get(switch));
     if positive && let Some(refused) = refused(rig, false) {
@@ -83,7 +83,7 @@ fn refused(rig: &Rig, last_gain: bool) -> Option<&'static str> {
 }
 
 impl PositiveGain {
-    /// The bug, if a rig asks for it.
+    /// The bug, if a rig has it.
     #[must_use]
     pub fn of(rig: &Rig, config: &Config) -> Option<PositiveGain> {
         let reading = match SWITCHES.map(|switch| rig.get(switch)) {

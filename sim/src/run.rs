@@ -39,7 +39,7 @@ pub trait Record: Sized {
     /// What there is at `time` (s), while the controller goes by what it saw last.
     ///
     /// # Errors
-    /// When the integration cannot go on.
+    /// When the integration fails.
     fn of(
         plant: &mut Plant,
         time: f64,
@@ -78,15 +78,15 @@ impl Record for MotionRow {
 /// Runs the test of a rig. The drive starts referenced, armed and at rest.
 ///
 /// # Errors
-/// When the integration cannot go on.
+/// When the integration fails.
 pub fn run(rig: &Rig, accuracy: Accuracy) -> Result<Run, IntegrationError> {
     run_watched(rig, accuracy, |_, _| {})
 }
 
-/// The same; `progress` is given samples done and samples in all.
+/// The same; `progress` is given the number of samples done and of all samples.
 ///
 /// # Errors
-/// When the integration cannot go on.
+/// When the integration fails.
 pub fn run_watched(
     rig: &Rig,
     accuracy: Accuracy,
@@ -98,7 +98,7 @@ pub fn run_watched(
 /// The same with what else to record.
 ///
 /// # Errors
-/// When the integration cannot go on.
+/// When the integration fails.
 pub fn run_recorded(
     rig: &Rig,
     accuracy: Accuracy,
@@ -154,15 +154,15 @@ impl<R: Record> Runner<R> {
     /// Runs the test, from its start.
     ///
     /// # Errors
-    /// When the integration cannot go on.
+    /// When the integration fails.
     pub fn run(&mut self) -> Result<&Run<R>, IntegrationError> {
         self.run_watched(|_, _| {})
     }
 
-    /// The same; `progress` is given samples done and samples in all.
+    /// The same; `progress` is given the number of samples done and of all samples.
     ///
     /// # Errors
-    /// When the integration cannot go on.
+    /// When the integration fails.
     pub fn run_watched(&mut self, mut progress: impl FnMut(u32, u32)) -> Result<&Run<R>, IntegrationError> {
         self.run.clear();
         let mut drive = self.start.clone();
@@ -231,7 +231,7 @@ impl Drive {
         Drive { config, sequence, state, plant, bug, target: None, fault: None }
     }
 
-    /// What the controller makes of a sample: what is recorded of it, and its command.
+    /// Runs the controller on a sample: its recorded values, and its command.
     #[inline]
     fn control(&mut self, reading: &Reading) -> (Observation, Command) {
         let taken = self.plant.sample_of(reading);
@@ -249,7 +249,7 @@ impl Drive {
         (seen, command)
     }
 
-    /// Gives the plant the command of the present sample, and tells what it was.
+    /// Gives the plant the command of the present sample, and returns it.
     #[inline]
     fn output(&mut self, seen: &Observation, command: Command) -> Command {
         let command = match &mut self.bug {

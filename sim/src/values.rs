@@ -32,7 +32,7 @@ pub enum Value {
 
 /// A type that keys hand out.
 pub trait FromValue: Sized {
-    /// The value in this type; None where it is none of it.
+    /// The value in this type; None if it is of another type.
     fn from_value(value: Option<&Value>) -> Option<Self>;
 }
 
@@ -205,7 +205,7 @@ pub(crate) fn whole_microseconds(seconds: f64) -> Option<u64> {
 pub struct Findings(pub Vec<(&'static str, String)>);
 
 impl Findings {
-    /// Notes what is wrong at a key.
+    /// Notes an error at a key.
     pub fn note(&mut self, key: &Key, message: impl Into<String>) {
         self.0.push((key.path, message.into()));
     }

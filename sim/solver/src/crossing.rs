@@ -1,4 +1,4 @@
-//! Where in a step, or in a span of time, a guard becomes negative.
+//! Locates where a guard becomes negative in a step or in a span of time.
 
 use crate::root::bracketed_root;
 

@@ -1,9 +1,9 @@
-//! Why an integration cannot go on.
+//! Why an integration fails.
 
 /// Most steps in a millisecond, tried or accepted: at that pace a second takes a quarter of an hour.
 pub(crate) const MAX_STEPS: u64 = 200_000;
 
-/// Why an integration cannot go on.
+/// Why an integration fails.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum IntegrationError {
     /// The state is no longer a number.

@@ -13,7 +13,7 @@ use crate::stiffness::Stiffness;
 use crate::system::{Derivative, Event, System};
 use crate::tableau::{Method, Tableau};
 
-/// Smallest step, s: below it rounding of the time is felt.
+/// Smallest step, s: below it, rounding of the time matters.
 const MIN_STEP: f64 = 1e-13;
 
 /// Most events within [`MIN_STEP`] of each other.
@@ -42,11 +42,11 @@ pub struct Integrator<
     guards: Option<[f64; G]>,
     /// The step that led to t.
     last_step: Option<DenseOutput<N>>,
-    /// The state that was asked for last, as long as it is what it was.
+    /// The state that was requested last, as long as it is valid.
     read: Option<(f64, [f64; N])>,
     /// The event at t, until it has been handled.
     pending: Option<Event>,
-    /// The step size that the error asks for.
+    /// The step size for the allowed error.
     step_size: f64,
     /// The same where the system oscillates while now it does not, or the other way about.
     other_step_size: f64,
@@ -225,7 +225,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             return Ok(());
         }
         let derivative = self.present_derivative(system);
-        // No step is short enough for a derivative that is no number.
+        // No step is short enough for a derivative that is not a number.
         if !derivative.iter().all(|rate| rate.is_finite()) {
             return Err(IntegrationError::NotANumber { at_s: self.now.t });
         }
@@ -279,7 +279,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             } else {
                 let next = h * self.control.factor(h, error, trial.order);
                 if let Some(step) = trial.accepted {
-                    // A step cut short by an event says nothing of the size that the error asks for.
+                    // A step cut short by an event says nothing about the size for the allowed error.
                     self.step_size = if limited { next.max(self.step_size) } else { next };
                     self.note_stiffness(&step, limited);
                     return Ok((step, end));

@@ -1,4 +1,4 @@
-//! Where an integration is, how exactly it goes on, and what it has cost: all that a step begins from.
+//! The progress of an integration: its state, its accuracy and its cost, from which a step begins.
 
 use crate::dense_output::{DenseOutput, REFINED_AT};
 use crate::statistics::Statistics;
@@ -25,11 +25,11 @@ impl<const N: usize> Progress<N> {
             largest = largest.max(ratio);
             sum += ratio;
         }
-        // What is no number is in no maximum.
+        // max() ignores a NaN, the sum does not.
         if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
     }
 
-    /// Makes the dense output as exact inside a step as at its end; tells whether it was not.
+    /// Makes the dense output as accurate inside a step as at its end; returns whether it was not yet.
     pub fn refine<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,

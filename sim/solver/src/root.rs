@@ -24,7 +24,7 @@ pub fn bracketed_root(mut f: impl FnMut(f64) -> f64, bracket: [(f64, f64); 2], t
         if t_least > 0.5 || f_best == 0.0 {
             return best;
         }
-        // Not clamp(): what is no number must come out as none, not as a panic.
+        // Not clamp(), which panics on NaN.
         t = interpolate(a, fa, b, fb, c, fc).unwrap_or(0.5).max(t_least).min(1.0 - t_least);
     }
     a

@@ -1,6 +1,5 @@
-//! One trial step of a method for stiff stretches: RODAS, a Rosenbrock method of order 4(3) that damps
-//! what is infinitely fast (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.7 and
-//! IV.10), with its interpolant of order 3.
+//! One trial step of a method for stiff stretches: RODAS, a stiffly accurate, L-stable Rosenbrock method of order 4(3)
+//! (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.7 and IV.10), with its interpolant of order 3.
 //!
 //! ```text
 //! (1/(h gamma) - J) u_i = f(t + alpha_i h, x + sum_j a_ij u_j) + sum_j c_ij u_j / h + h gamma_i df/dt

@@ -1,4 +1,4 @@
-//! What an integration has cost.
+//! The cost of an integration.
 
 /// Counts of the work done. A slower program shows here without a clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub struct Statistics {
     pub n_rejected_steps: u64,
     /// Evaluations of the right-hand side.
     pub n_rhs_evaluations: u64,
-    /// Restarts of the method: events and interruptions after which dx/dt had to be evaluated anew.
+    /// Restarts of the method: events and interruptions after which dx/dt had to be evaluated again.
     pub n_restarts: u64,
     /// Events of all kinds.
     pub n_events: u64,

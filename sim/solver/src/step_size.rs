@@ -1,8 +1,8 @@
-//! How long the next step should be.
+//! The size of the next step.
 //!
 //! ```text
 //! h_new/h = 0.9 err^(-1/p)                                          from one step
-//! h_new/h = 0.9 err^(-1/p) (h/h_before) (err_before/err)^(1/p)      from two: the error goes on to change as it did
+//! h_new/h = 0.9 err^(-1/p) (h/h_before) (err_before/err)^(1/p)      from two: the error continues its trend
 //! ```
 //!
 //! The shorter of the two is taken (predictive controller: Gustafsson, ACM Transactions on Mathematical Software 20,

@@ -1,4 +1,4 @@
-//! Which kind of method the present stretch needs.
+//! The kind of method that the present stretch needs.
 //!
 //! An explicit method may not step farther than about 3 over the fastest rate of decay, however little
 //! happens. A right-hand side that goes with the root of a state (a flow through an

@@ -1,4 +1,4 @@
-//! What the integrator needs to know of a system.
+//! The interface of a system to the integrator.
 
 /// A hybrid system of N states: smooth as long as its modes stay, with G guards that are cheap and E that are
 /// dear.

@@ -1,6 +1,6 @@
-//! The air of a drive in a state: what is in its chambers, what flows into them, and what it carries.
+//! The air of a drive in a state: the content of its chambers, the flows into them, and the energy that they carry.
 //!
-//! Ports are told of the valve's side and chambers of the cylinder's; tubes that are swapped join each port to the
+//! Ports are on the valve's side and chambers on the cylinder's; tubes that are swapped join each port to the
 //! other chamber.
 
 use super::{Assembly, StateVector, slot};
@@ -39,7 +39,7 @@ impl Assembly {
         self.nodes_of(t, x, &self.air(x))
     }
 
-    /// The same for the air that a state tells of.
+    /// The same for the air of a state.
     pub(super) fn nodes_of(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
         match &self.solved {
             Some((at, solved, nodes)) if *at == t && solved == x => *nodes,
@@ -86,7 +86,7 @@ impl Assembly {
         Station { exner: self.joined(stations.exner), temperature: self.joined(stations.temperature) }
     }
 
-    /// What is told of the ports, told of the chambers that they are joined to, and the other way about.
+    /// Values of the ports in the order of their chambers, and the other way round.
     #[inline(always)]
     pub(super) fn joined(&self, each: Pair) -> Pair {
         if self.parts.faults.now.swapped_tubes { Pair::new([each.lane(1), each.lane(0)]) } else { each }
@@ -94,7 +94,7 @@ impl Assembly {
 
     /// The flows into the chambers through their ports, kg/s.
     ///
-    /// Looking leaves no trace: the network goes on from where the integrator left it.
+    /// Reading has no side effect: the network continues from where the integrator left it.
     pub fn port_flows(&mut self, t: f64, x: &StateVector) -> Pair {
         let left = (self.parts.network.clone(), self.solved);
         let nodes = self.nodes_for_a_row(t, x);
@@ -109,7 +109,7 @@ impl Assembly {
         {
             *at = t;
         }
-        // A row is no trial step: where the flows are hard to find, they are searched for.
+        // A row is not a trial step: if the flows are hard to find, they are searched for.
         self.parts.network.expect_jump();
         self.nodes(t, x)
     }

@@ -1,11 +1,11 @@
-//! What happens to the plant from outside: faults, and another pressure of the supply.
+//! External disturbances of the plant: faults, and changes of the supply pressure.
 
 use super::layout::spool_state;
 use super::{Assembly, StateVector, slot};
 use pneudrive_solver::Derivative;
 
 impl Assembly {
-    /// Faults of the plant that begin or end at `t`; tells whether any do. They take the flows with them.
+    /// Applies faults of the plant that begin or end at `t`; returns whether any do. They change the flows.
     pub(super) fn pass_faults(&mut self, t: f64, x: &mut StateVector) -> bool {
         if !self.parts.faults.pass(t) {
             return false;

@@ -29,7 +29,7 @@ impl Assembly {
         Some(operator::within_range(demand))
     }
 
-    /// What the continuous controller asks for, counts.
+    /// The demand of the continuous controller, counts.
     fn demand(&self, x: &StateVector) -> Option<f64> {
         self.parts.continuous.as_ref().map(|law| self.demand_of(law, x))
     }

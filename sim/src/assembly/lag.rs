@@ -5,7 +5,7 @@
 //! ratio' = (settled ratio at the present flow - ratio) / lag
 //! ```
 //!
-//! To the network they are no tubes, and the pressures behind them are states.
+//! The network does not contain them; the pressures behind them are states.
 //!
 //! One part of the supply tube cannot lag. Behind a land wider than its port the speed of the air gives pressure
 //! back at once (6.54), so that with a given pressure in front of it the flow near rest has no unique value, and

@@ -1,4 +1,4 @@
-//! Where each state and each guard of the assembly stands: one list, from which all places follow.
+//! The index of each state and each guard of the assembly: one list, from which all indices follow.
 
 use crate::component::friction::{self, Friction, States};
 use crate::component::operator::{self, SpoolState};
@@ -44,7 +44,7 @@ pub(crate) mod slot {
         SPOOL_VELOCITY,
         /// Pressure behind a lagged tube over that at its known end: supply, cylinder 1, cylinder 2.
         RATIO: 3,
-        /// Pressures that lagged sensors tell of, Pa.
+        /// Pressures of lagged sensors, Pa.
         SENSED: 2,
         /// Those of the model of the load's friction.
         FRICTION: friction::STATES,

@@ -6,7 +6,7 @@ use crate::component::air::Air;
 use crate::component::friction::{Body, Contact, FrictionModel, States};
 use crate::number::{Number, Pair};
 
-/// What follows from a state alone.
+/// Quantities that depend only on the state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effects {
     pub air: Air<Pair>,
@@ -52,7 +52,7 @@ impl Assembly {
         }
     }
 
-    /// What follows from a state alone.
+    /// Quantities that depend only on the state.
     pub fn effects(&self, x: &StateVector) -> Effects {
         let air = self.air(x);
         let actuator_force = self.parts.actuator.force(air.pressure.lane(0), air.pressure.lane(1));

@@ -1,9 +1,9 @@
-//! Which way the air goes in each port.
+//! The direction of the flow in each port.
 //!
 //! A reversal is an event. Where a flow comes to rest its sign is rounding, and would turn about at every
 //! step: a port that turns twice within [`MOMENT`] rests, and keeps its direction until a flow of
-//! [`RESTING_FLOW`] goes against it. The direction decides the temperature alone, and so little air
-//! carries nothing.
+//! [`RESTING_FLOW`] goes against it. The direction affects only the temperature, and so little air carries negligible
+//! energy.
 
 use crate::network::{Nodes, PortFlow};
 use crate::number::Number;
@@ -27,7 +27,7 @@ impl Ports {
         Ports { directions: [PortFlow::Charging; 2], turned_at: [f64::NEG_INFINITY; 2], resting: [false; 2] }
     }
 
-    /// The directions that flows have; tells whether one is new.
+    /// Sets the directions of the flows; returns whether one is new.
     pub fn follow(&mut self, nodes: &Nodes) -> bool {
         let directions = nodes.port_flow().to_array().map(|flow| match flow >= 0.0 {
             true => PortFlow::Charging,

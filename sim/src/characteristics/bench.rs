@@ -43,7 +43,7 @@ impl ValveBench {
         let ports = ports_pa.map(|pressure| Station { exner: self.gas.exner(pressure), temperature });
         self.network.expect_jump();
         let mut nodes = self.network.flows(&self.valve, spool, &ports, &[PortFlow::Charging; 2]);
-        // The direction decides the temperature alone, so the second solution has the right signs.
+        // The direction affects only the temperature, so the second solution has the right signs.
         for _ in 0..2 {
             let directions = nodes.map(|node| match node.port_flow() >= 0.0 {
                 true => PortFlow::Charging,
@@ -149,7 +149,7 @@ impl SpoolBench {
         self.counts = counts;
     }
 
-    /// Goes on to `t` and tells where the spool is then, m.
+    /// Advances to `t` and returns the spool position, m.
     pub fn spool_at(&mut self, t: f64) -> Result<f64, IntegrationError> {
         self.integrator.integrate_to(&mut self.on_bench, t, t)?;
         self.at = t;
@@ -157,7 +157,7 @@ impl SpoolBench {
         Ok(self.on_bench.0.position(t, self.on_bench.spool_state_at(t, &x)))
     }
 
-    /// Goes on for `duration` and tells the spool at `samples` places of it, m, each in the middle of its part.
+    /// Advances by `duration` and returns the spool position at `samples` instants of it, m, each in the middle of its part.
     pub fn watch(&mut self, duration: f64, samples: usize) -> Result<Vec<f64>, IntegrationError> {
         let from = self.at;
         let seen: Result<Vec<f64>, _> = (0..samples)

@@ -1,8 +1,8 @@
-//! The error that a drive is left with as its valve's null drifts (8.4).
+//! The remaining error of a drive as its valve's null drifts (8.4).
 //!
 //! The thesis calls drift "a disastrous phenomenon on the control electronics and the pneumatic components" and leaves it
-//! to a "time-dependent offset function". Here that is a null that moves at a constant speed. It stands still, as good as,
-//! while a test lasts, so that a shift of eight hours is the rig's own test once every half an hour.
+//! to a "time-dependent offset function". Here that is a null that moves at a constant speed. It is practically constant
+//! during a test, so a shift of eight hours is represented by the rig's own test once every half an hour.
 
 use crate::component::controller;
 use crate::keys;
@@ -83,7 +83,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     })
 }
 
-/// What the rig's test is left with when its null has drifted for so many hours.
+/// The remaining error of the rig's test when its null has drifted for this many hours.
 fn after(rig: &Rig, rate: f64, hour: f64) -> Result<[ErrorAtRest; 2], Unfit> {
     let null = rig.get(&keys::valve::NULL_OFFSET_MM) + rate * hour;
     let Ok(rig) = rig.with_numbers(&[("valve.null_offset_mm", null)]) else {

@@ -181,7 +181,7 @@ fn quarter(rig: &Rig, way: Way, k: u32) -> Command {
 }
 
 impl Rise {
-    /// Takes note of the first motion; tells whether the time after it is over.
+    /// Records the first motion; returns whether the time after it is over.
     fn is_over(&mut self) -> bool {
         let last = self.readings.len() - 1;
         if self.moving.is_none() && self.readings[last].velocity.abs() > self.creep {

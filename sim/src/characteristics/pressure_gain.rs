@@ -26,7 +26,7 @@ const INTERVALS: usize = 20;
 /// Slope are taken over this part of the travel to either side.
 const SLOPE_OVER: f64 = 1e-3;
 
-/// What the gauges can tell apart, Pa.
+/// Resolution of the gauges, Pa.
 const READING_PA: f64 = 1e3;
 
 /// A blocked-port test: spool positions (m) and the pressures (Pa) read there.

@@ -2,7 +2,7 @@
 //!
 //! The thesis's timer stretched a period that its interrupt could not keep: below 0.28 ms the interrupts came as fast as
 //! they were served. Here the time from sample to output is `controller.delay_s`, C(26), and a period that leaves no room
-//! for it is refused, not stretched. What a timer makes of the period that it is asked for is measured on a board.
+//! for it is refused, not stretched. The actual period of a timer is measured on a board.
 
 use super::points::evenly;
 use super::{Characteristic, Figure, Graph, Series, Unfit};
@@ -11,7 +11,7 @@ use crate::rig::Rig;
 
 pub(super) const ABOUT: &str = "sample period that a drive has over the one asked for (7.1.5, Fig. 7.13)";
 
-/// Periods are asked for up to this one at least, us.
+/// Periods are requested up to at least this one, us.
 const LONGEST_US: u64 = 3000;
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
@@ -41,7 +41,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     })
 }
 
-/// Whether a rig takes a period of so many microseconds.
+/// Whether a rig accepts a period of this many microseconds.
 fn takes(rig: &Rig, period_us: u64) -> bool {
     rig.with_numbers(&[("controller.period_s", period_us as f64 / 1e6)]).is_ok()
 }

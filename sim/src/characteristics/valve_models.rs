@@ -17,7 +17,7 @@ const PORT_PA: f64 = 110e3;
 /// A model of the valve's flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Model {
-    /// The lands alone.
+    /// Only the lands.
     SingleRestriction,
     /// Lands and port, air at rest in front of each.
     FlowNode,

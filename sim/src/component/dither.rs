@@ -89,7 +89,7 @@ impl Dither {
         if rising { Motion::Rising } else { Motion::Falling }
     }
 
-    /// The first instant after `t` at which the cycle stands at `cycle` (0 to 1); an instant nearer
+    /// The first instant after `t` at which the cycle is at `cycle` (0 to 1); an instant nearer
     /// than 1e-9 cycles counts as passed.
     pub(crate) fn next(&self, t: f64, cycle: f64) -> f64 {
         let mut ahead = cycle - self.cycle(t);

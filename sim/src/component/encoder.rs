@@ -4,7 +4,7 @@
 //! count = floor(position / pulse + 1e-9)
 //! ```
 //!
-//! as DESIGN section 4 has it.
+//! as in DESIGN section 4.
 
 use crate::key::keys;
 use crate::values::{Findings, Rig};

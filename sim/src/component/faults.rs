@@ -1,4 +1,4 @@
-//! What goes wrong with a drive, and when (`[[faults.event]]` of a rig file).
+//! Faults of a drive and their times (`[[faults.event]]` of a rig file).
 //!
 //! | kind | from its instant on |
 //! |---|---|
@@ -191,7 +191,7 @@ impl Schedule {
         Schedule { events, instants, passed: 0, now: PlantFaults::default() }
     }
 
-    /// The same on a clock that has run for so many microseconds before the start of the test.
+    /// The same on a clock that has run for this many microseconds before the start of the test.
     pub fn later_by(mut self, us: u64) -> Schedule {
         self.events.iter_mut().for_each(|event| event.at_us += us);
         self.instants.iter_mut().for_each(|instant| *instant += us);

@@ -1,4 +1,4 @@
-//! Friction of the load: the models, and what a drive asks of them. A model is a file and its line in `models!`.
+//! Friction of the load: the models, and their interface to the drive. A model is a file and its line in `models!`.
 //!
 //! Positive means extension; friction counts positive against it. The static and the Coulomb force by direction are
 //! common to all models.

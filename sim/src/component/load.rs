@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Positive means extension. F_const acts along +y (EQUATIONS section 6); L_e is the force of the
-//! end stops ([`crate::component::stop`]), F_r the friction but for its viscous part
+//! end stops ([`crate::component::stop`]), F_r the friction except its viscous part
 //! ([`crate::component::friction`]). The applied force is all but F_r: what a stuck load is tested with.
 
 use crate::component::actuator;

@@ -173,7 +173,7 @@ impl Operator {
         }
     }
 
-    /// The spool stays where it is at `t`, whatever is asked for.
+    /// The spool stays where it is at `t`, whatever the request.
     pub fn stick(&mut self, t: f64, spool: SpoolState) {
         if !matches!(self, Operator::Stuck(_)) {
             *self = Operator::Stuck(Stuck::new(self.position(t, spool), self.clone()));
@@ -198,7 +198,7 @@ impl Operator {
         }
     }
 
-    /// Whether it remembers the way that the demand took, and so has to be told of its jumps.
+    /// Whether it depends on the history of the demand, and so must be notified of its jumps.
     #[must_use]
     pub fn remembers_demand(&self) -> bool {
         matches!(self, Operator::Solenoid(solenoid) if solenoid.remembers_command())
@@ -217,7 +217,7 @@ impl Operator {
         }
     }
 
-    /// The spool position that the request in force asks for, m.
+    /// The spool position demanded by the request in force, m.
     #[must_use]
     pub fn commanded(&self) -> f64 {
         match self {

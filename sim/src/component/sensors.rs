@@ -1,10 +1,10 @@
-//! The sensors and their converter: what the controller is given of the plant.
+//! The sensors and their converter: the readings that the controller gets.
 //!
 //! ```text
 //! raw   = clamp(floor((x - min) / (max - min) (2^bits - 1) + 0.5 + noise), 0, 2^bits - 1)
 //! ```
 //!
-//! as DESIGN section 4 has it; the noise, in counts, is normal and drawn from a seeded generator.
+//! as in DESIGN section 4; the noise, in counts, is normal and drawn from a seeded generator.
 
 use std::f64::consts::PI;
 

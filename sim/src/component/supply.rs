@@ -1,4 +1,4 @@
-//! The supply: a reservoir that nothing changes.
+//! The supply: an ideal reservoir.
 
 use crate::component::air::Station;
 use crate::component::gas::Gas;

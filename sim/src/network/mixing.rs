@@ -1,4 +1,4 @@
-//! Air that comes together.
+//! Mixing of flows.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};

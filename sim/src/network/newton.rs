@@ -19,7 +19,7 @@ const SMALLEST: f64 = 1e-12;
 /// A node's w whose correction is more than this part of it is not found.
 const ARRIVED: f64 = 0.01;
 
-/// kg/s: less than this is no flow at all.
+/// kg/s: less than this counts as no flow.
 const NO_FLOW: f64 = 1e-20;
 
 /// Whether another correction would be no more than the allowed error.

@@ -1,4 +1,4 @@
-//! Both nodes at once, and what surrounds them.
+//! Both nodes at once, and their surroundings.
 
 use super::{Node, PortFlow};
 use crate::component::air::Station;

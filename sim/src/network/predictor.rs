@@ -18,7 +18,7 @@ type Unknowns = [Pair; 3];
 pub(super) struct Predictor {
     at: [f64; 3],
     solutions: [Unknowns; 3],
-    /// The instant of the solution that is asked for.
+    /// The instant of the requested solution.
     now: f64,
 }
 

@@ -49,7 +49,7 @@ impl Rig {
     /// When a number is out of its key's range, or what must hold between keys does not.
     ///
     /// # Panics
-    /// When there is no such key, or the key takes no number.
+    /// When there is no such key, or its value is not a number.
     pub fn with_numbers(&self, numbers: &[(&'static str, f64)]) -> Result<Rig, Problems> {
         let mut rig = self.clone();
         for &(path, number) in numbers {

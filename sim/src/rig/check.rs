@@ -36,7 +36,7 @@ pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     ] {
         check(rig, findings);
     }
-    // The others ask what only a sound rig can tell.
+    // The other checks need a rig that passes these.
     for check in [check_flow, check_dead_volumes, check_parameters] {
         if findings.0.is_empty() {
             check(rig, findings);

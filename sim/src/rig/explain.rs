@@ -32,7 +32,7 @@ pub fn explain(name: &str) -> Result<String, Problem> {
     Ok(table.iter().map(|key| format!("{:<38} {}\n", key.path, key.meaning)).collect())
 }
 
-/// A number of the thesis, and the keys that stand for it.
+/// A number of the thesis, and the keys that represent it.
 fn of_thesis(name: &Name) -> String {
     let keys: Vec<String> = name.keys().map(in_full).collect();
     let here = if keys.is_empty() { format!("  no key     {}\n", name.instead) } else { keys.join("\n") };

@@ -27,7 +27,7 @@ pub(super) struct StatedOrigin {
     pub from: String,
 }
 
-/// Takes the value of a key from what stands behind its equals sign.
+/// The value of a key, from the item after its equals sign.
 ///
 /// # Errors
 /// What is wrong with a table that states an origin.

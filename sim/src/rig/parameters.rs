@@ -10,11 +10,11 @@ use crate::key::Typed;
 use crate::keys;
 use crate::values::Rig;
 
-/// What is closer to an end of a converter than this part of its range is no pressure.
+/// A reading closer to an end of the converter than this part of its range is not a pressure.
 const OPEN_SENSOR: i32 = 64;
 
 impl Rig {
-    /// The controller's parameters that this rig asks for.
+    /// The controller's parameters for this rig.
     #[must_use]
     pub fn parameters(&self) -> Parameters {
         self.try_parameters()

@@ -7,7 +7,7 @@ use std::fmt;
 pub struct Problem {
     /// The file, or the part of the command line.
     pub source: String,
-    /// Counted from 1; None where there is no line.
+    /// Counted from 1; None without a line.
     pub line: Option<usize>,
     /// The key, as `table.name`.
     pub key: String,

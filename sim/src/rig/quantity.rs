@@ -20,7 +20,7 @@ struct Unit {
 /// A number that was read with its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// In the unit that was asked for.
+    /// In the requested unit.
     pub value: f64,
     /// Whether it counts from the pressure of the surroundings.
     pub gauge: bool,

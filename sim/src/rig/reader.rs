@@ -25,7 +25,7 @@ pub(super) struct Reader<'a> {
     gauge: BTreeMap<&'static str, Entry>,
 }
 
-/// What stands at a key.
+/// The item at a key.
 struct Entry {
     key: &'static Key,
     /// As the file spells it: with its unit, or without it in front of a number with one.

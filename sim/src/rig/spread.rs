@@ -13,7 +13,7 @@ use crate::values::{Rig, Value};
 /// Why a spread was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SpreadError {
-    /// The fraction is none that can be meant.
+    /// The fraction is out of range.
     #[error("a spread must lie between 0 and 50 %, is {} %", .0 * 100.0)]
     Fraction(f64),
     /// The rig that was drawn is not valid: the file's values lie too close to a limit.

@@ -1,4 +1,4 @@
-//! A TOML file that is being read: where each key stands, and what is wrong with the file.
+//! A TOML file that is being read: the position of each key, and the errors in the file.
 
 use std::ops::Range;
 
@@ -23,13 +23,13 @@ impl<'a> TomlFile<'a> {
         TomlFile { source, text, problems: Vec::new() }
     }
 
-    /// Its tables and keys; None if it is no TOML, which is noted.
+    /// Its tables and keys; None if it is not TOML, which is noted.
     pub fn document(&mut self) -> Option<Document<&'a str>> {
         let syntax = |error| self.problems.push(Problem::of_syntax(self.source, self.text, &error));
         Document::parse(self.text).map_err(syntax).ok()
     }
 
-    /// Notes what is wrong with a key.
+    /// Notes an error in a key.
     pub fn problem(&mut self, line: Option<usize>, key: &str, message: String) {
         self.problems.push(Problem { source: self.source.to_owned(), line, key: key.to_owned(), message });
     }

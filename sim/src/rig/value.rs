@@ -44,7 +44,7 @@ pub(super) fn is_gauge(key: &Key, path: &str, stated: &Stated) -> bool {
     text.is_some_and(|text| quantity::read(text, key.unit()).is_ok_and(|reading| reading.gauge))
 }
 
-/// The value of a key, or what is wrong with it.
+/// The value of a key, or the error in it.
 pub(super) fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
     match key.kind {
         Kind::Number { min, max } => number(key, item, min, max),

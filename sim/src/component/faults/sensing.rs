@@ -1,4 +1,4 @@
-//! Faults of the encoder and of the converters, on the samples that they spoil.
+//! Faults of the encoder and of the converters, applied to samples.
 //!
 //! ```text
 //! count = (count, or from its loss on that of the last sample before) + sum of the jumps so far
@@ -27,7 +27,7 @@ impl SensorFaults {
         SensorFaults { events, last_count: None }
     }
 
-    /// What becomes of the sample taken at `us`.
+    /// The sample taken at `us`, with the faults applied.
     pub fn corrupt(&mut self, us: u64, sample: Sample) -> Sample {
         let kinds = || self.events.iter().filter(|event| event.at_us <= us).map(|event| event.kind);
         let lost = kinds().any(|kind| kind == FaultKind::EncoderLoss);

@@ -89,7 +89,7 @@ impl DryFriction {
         }
     }
 
-    /// Whether there is no friction at all.
+    /// Whether it has no friction at all.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == DryFriction::symmetric(0.0, 0.0)

@@ -1,11 +1,11 @@
-//! What an operator is asked for.
+//! The request to an operator.
 
 use pneudrive_controller::drive;
 
 /// What the drive stage does at an output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Request {
-    /// Counts of a DAC; for a stepper the location asked for, steps.
+    /// Counts of a DAC; for a stepper the requested location, steps.
     pub counts: i16,
     /// Pulse for a stepper: -1, 0 or 1.
     pub step: i8,

@@ -157,7 +157,7 @@ impl Solenoid {
         (p.amplifier_gain * self.commanded()).clamp(-p.saturation, p.saturation)
     }
 
-    /// The forces have changed: the spool is tested for breakaway, and its motion begins anew.
+    /// The forces have changed: the spool is tested for breakaway, and its motion restarts.
     fn set_off(&mut self, t: f64, spool: SpoolState, flow_force: f64) {
         self.break_away(t, spool, flow_force);
         self.fly(t, spool);

@@ -1,4 +1,4 @@
-//! A spool that is stuck where it is: its operator goes on taking requests, and moves nothing.
+//! A stuck spool: its operator still accepts requests, but does not move.
 
 use super::{Operator, Request, SpoolState};
 

@@ -115,7 +115,10 @@ fn a_dip_that_is_none_is_refused() {
     for pressure in [589_000, 101_300, 600_000] {
         let text = format!("\n[[faults.event]]\nkind = \"supply-dip\"\nat_s = 0\npressure_pa = {pressure}\n");
         let message = only_problem(&text);
-        assert!(message.contains(&format!("faults.event: pressure_pa = {pressure} is not a dip")), "{message}");
+        assert!(
+            message.contains(&format!("faults.event: pressure_pa = {pressure} is not a dip")),
+            "{message}"
+        );
     }
 }
 

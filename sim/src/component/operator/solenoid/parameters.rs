@@ -87,7 +87,7 @@ pub struct SolenoidParameters {
     pub friction: DryFriction,
     /// The ends of the spool's travel.
     pub stops: Stops,
-    /// Whether it is given a force of the flow.
+    /// Whether a flow force acts on it.
     pub feels_flow: bool,
 }
 
