@@ -1,4 +1,4 @@
-//! Test bodies that every rung is put through. They panic, as tests do.
+//! Test bodies that run on every rung. They panic, as tests do.
 
 pub mod axis;
 pub mod jitter;

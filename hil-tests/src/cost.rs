@@ -1,4 +1,4 @@
-//! What the control interrupt costs, over runs of the servo-drives in the emulator.
+//! The cost of the control interrupt, over runs of the servo-drives in the emulator.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Golden hashes: what each built-in rig and each reference case has come to, bit for bit.
+//! Golden hashes: the results of each built-in rig and each reference case, bit for bit.
 //!
 //! `golden.toml` holds CRC-64 (XZ) of trace.csv, and of the samples of a TARGET file, each with its cause: the
 //! words of the CHANGELOG line that says why the hash is what it is. `cargo xtask bless` replaces hashes that

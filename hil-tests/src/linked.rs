@@ -1,5 +1,5 @@
-//! The firmware's application natively, its plant at a second port as a Nucleo board with the feature
-//! `plant-bus` has it: TCP in the place of the two serial ports, the rest is the board's.
+//! The firmware's application, run natively, with its plant at a second port, as on a Nucleo board with the feature
+//! `plant-bus`: TCP replaces the two serial ports, and everything else is as on the board.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};

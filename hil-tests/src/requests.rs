@@ -1,4 +1,4 @@
-//! How long a request keeps the control interrupt out, in instructions: it is carried out in one go.
+//! How long a request blocks the control interrupt, in instructions: it is executed without interruption.
 
 use std::time::Duration;
 

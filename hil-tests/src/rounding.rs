@@ -1,5 +1,5 @@
-//! The proof that the equality of the rungs is held by a test: with one rounding changed in the image, and
-//! nowhere else, it fails.
+//! The proof that a test enforces the equality of the rungs: if one rounding is changed in the image, and nowhere else, it
+//! fails.
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};

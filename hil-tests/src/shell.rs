@@ -1,4 +1,4 @@
-//! The `pneudrive` program at a rung's port, as a user types it.
+//! The `pneudrive` program at a rung's port, as a user runs it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

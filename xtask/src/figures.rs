@@ -1,4 +1,4 @@
-//! Tables of documents, which programs write and tests hold.
+//! Tables in the documentation that programs write and tests check.
 
 use std::fs;
 use std::path::PathBuf;

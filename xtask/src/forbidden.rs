@@ -1,8 +1,8 @@
-//! What an image of the controller must not hold, and the symbols that give it away.
+//! What an image of the controller must not contain, and the symbols that reveal it.
 
 use std::fmt;
 
-/// A kind of thing that must not be there.
+/// A kind of forbidden content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A path that panics, or the text formatting that only a panic needs.

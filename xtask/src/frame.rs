@@ -1,4 +1,4 @@
-//! What instructions take from the stack (Arm Architecture Reference Manual ARMv7-M, A7.7).
+//! The stack that instructions use (Arm Architecture Reference Manual ARMv7-M, A7.7).
 
 use crate::thumb::Instruction;
 

@@ -1,4 +1,4 @@
-//! Reads an image of the firmware and finds in it what must not be there.
+//! Reads an image of the firmware and finds forbidden content in it.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -35,7 +35,7 @@ struct Symbol {
     defined: bool,
 }
 
-/// One thing that must not be in the image.
+/// A forbidden item in the image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// What it is.
@@ -170,7 +170,7 @@ impl Image {
         functions.find(|symbol| symbol.name.contains(part)).map(|symbol| symbol.name.clone())
     }
 
-    /// Everything in the image that must not be there.
+    /// All forbidden content in the image.
     #[must_use]
     pub fn findings(&self) -> Vec<Finding> {
         let symbols = self.symbols.iter().filter_map(|symbol| {

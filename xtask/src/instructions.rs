@@ -1,7 +1,6 @@
-//! The instructions that the simulator needs for a run, counted by valgrind, and the table of docs/counts.md that holds
-//! them.
+//! The instructions of simulator runs, counted by valgrind, and their table in docs/counts.md.
 //!
-//! They repeat to the last few on one machine; another processor family has others, and is told so.
+//! On one machine they repeat to within a few; on another processor family they differ, and are not compared.
 
 use std::process::Command;
 
@@ -62,7 +61,7 @@ fn count(name: &str) -> Result<u64> {
     let output = command.arg(program).arg(name).output().context("valgrind can't be started")?;
     let said = String::from_utf8_lossy(&output.stderr);
     ensure!(output.status.success(), "the run of {name} ended with {}: {said}", output.status);
-    counted(&said).with_context(|| format!("valgrind told no count of {name}: {said}"))
+    counted(&said).with_context(|| format!("valgrind reported no count for {name}: {said}"))
 }
 
 /// `I   refs:      149,089,887`

@@ -1,9 +1,9 @@
-//! What a developer runs, and what CI runs: the same (`cargo xtask ci`).
+//! The commands of developers and CI, which run the same (`cargo xtask ci`).
 //!
 //! | module | holds |
 //! |---|---|
 //! | [`steps`] | the commands: fmt, lint, test, docs, probe, ci |
-//! | [`tally`] | what passed, what failed, and going on after a failure |
+//! | [`tally`] | what passed, what failed; work continues after a failure |
 //! | [`cargo`] | how cargo and rustup are called, and where they build |
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
@@ -11,7 +11,7 @@
 //! | [`targets`] | what must compile for other systems |
 //! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
 //! | [`probe`] | builds the probe image of the firmware and judges it |
-//! | [`image`] | reads an image: its symbols, its code, what is in it that must not be |
+//! | [`image`] | reads an image: its symbols, its code, forbidden content |
 //! | [`forbidden`] | which symbols those are |
 //! | [`memory`] | what the images take of flash, memory and stack |
 //! | [`figures`] | tables of documents that programs write and tests hold |

@@ -1,4 +1,4 @@
-//! `cargo xtask`: what a developer runs, and what CI runs.
+//! `cargo xtask`: the commands of developers and CI.
 
 use std::process::ExitCode;
 

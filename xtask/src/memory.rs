@@ -1,4 +1,4 @@
-//! What the images take of flash, memory and stack, and the table of it.
+//! The flash, memory and stack that the images use, and their table.
 
 use std::fmt::Write;
 use std::fs;

@@ -1,5 +1,5 @@
-//! Builds the images for the Nucleo board and judges them: do they fit, do they leave alone what is kept
-//! in flash, and can their control interrupt panic?
+//! Builds the images for the Nucleo board and checks them: whether they fit, whether they spare the stored data in flash,
+//! and whether their control interrupt can panic.
 
 use std::fs;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! Builds the probe image of the firmware and judges it.
+//! Builds the probe image of the firmware and checks it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ const REQUIRED: [&str; 4] = ["probe_sample", "probe_output", "probe_configure", 
 pub enum Variant {
     /// The controller alone.
     Honest,
-    /// With one of each thing that must not be there.
+    /// With one of each kind of forbidden content.
     Guilty,
 }
 
@@ -47,7 +47,7 @@ pub fn read(path: &Path) -> Result<Image> {
 /// Builds the honest probe, prints what it takes and what it was searched for.
 ///
 /// # Errors
-/// When anything is in it that must not be.
+/// When it has forbidden content.
 pub fn check() -> Result<()> {
     let image = read(&build(&cargo::image_folder()?, Variant::Honest)?)?;
     let findings = image.findings();
@@ -60,5 +60,5 @@ pub fn check() -> Result<()> {
         return Ok(());
     }
     let list: Vec<String> = findings.iter().map(ToString::to_string).collect();
-    bail!("the image holds what it must not:\n  {}", list.join("\n  "))
+    bail!("the image has forbidden content:\n  {}", list.join("\n  "))
 }

@@ -1,9 +1,9 @@
-//! How much stack a function of an image takes with everything that it calls.
+//! The stack that a function of an image uses with everything that it calls.
 //!
 //! A function's frame is the sum of all that its instructions take from the stack, wherever they stand: no
 //! path through it takes more, as long as none of them is in a loop, and compilers do not put them there.
-//! The bound is the deepest way along direct calls. Calls by a register are listed, since nothing is known
-//! of what is behind them. A panic is not followed: it ends the program.
+//! The bound is the deepest path along direct calls. Calls by a register are listed, since their targets are not known. A
+//! panic is not followed: it ends the program.
 
 use std::collections::BTreeMap;
 

@@ -132,7 +132,7 @@ fn tests_by(tally: &mut Tally, name: &str, call: impl FnOnce() -> Result<Command
     match tally.timed(name, |tally| follow_tests(tally, &mut call()?)) {
         Ok(true) => {}
         Ok(false) if tally.failed() > before => {}
-        Ok(false) => tally.fail(1, format!("{name}: cargo test did not come to its end")),
+        Ok(false) => tally.fail(1, format!("{name}: cargo test did not finish")),
         Err(error) => tally.fail(1, format!("{name}: {error:#}")),
     }
 }

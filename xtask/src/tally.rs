@@ -1,4 +1,4 @@
-//! What passed and what failed. A failure doesn't end the work: all of them are told at the end.
+//! What passed and what failed. A failure does not end the work: all of them are reported at the end.
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};

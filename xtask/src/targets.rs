@@ -1,5 +1,4 @@
-//! What must compile for other systems than the one at hand: the simulator and its analysis for a browser, the command
-//! for Windows.
+//! Builds for other systems: the simulator and its analysis for a browser, the command for Windows.
 
 use anyhow::Result;
 

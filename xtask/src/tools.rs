@@ -1,5 +1,5 @@
-//! The programs that tests need beside Rust: the emulator of the boards' processor, a counter of instructions, a
-//! browser, and what the emulator of the flashed image is built with.
+//! The programs that tests need besides Rust: the emulator of the boards' processor, a counter of instructions, a
+//! browser, and the build tools for the emulator of the flashed image.
 
 use std::process::{Command, Stdio};
 

@@ -1,7 +1,7 @@
-//! What the board is wired to: the plant of a rig, and what may be wrong with the wires.
+//! The wiring of the board: the plant of a rig, and faults of the wires.
 //!
 //! ```text
-//! encoder             A and B to PA0, PA1: an edge a count
+//! encoder             A and B to PA0, PA1: one edge per count
 //! pressures, spool    to PC0, PC1, PB0: the middle of the voltages that a code of 12 bits stands for
 //! DAC on PA4          counts = U / U(ref) * 4096 - 2048, which the amplifier holds at null while it is disabled;
 //!                     the largest code stands for +2048 counts, as nothing at the pin is larger

@@ -1,4 +1,4 @@
-//! The board: its peripherals at their addresses, brought up to the present whenever one is touched.
+//! The board: its peripherals at their addresses, updated to the present time whenever one is accessed.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The image that is flashed, as its ELF file has it.
+//! The flashed image, read from its ELF file.
 
 use std::path::Path;
 

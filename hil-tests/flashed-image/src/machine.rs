@@ -1,4 +1,4 @@
-//! A powered board with its line: what runs on a thread of its own.
+//! A powered board with its line, on a separate thread.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
-//! The peripherals that the image touches, a file each with the section of the manual that it is modelled from.
+//! The peripherals that the image uses, one file each with the section of the manual on which its model is based.
 //!
 //! RM0390 is the reference manual of the STM32F446, DS10693 its data sheet, PM0214 the programming manual of the
-//! Cortex-M4. A model has what the image asks of it and no more.
+//! Cortex-M4. A model implements only what the image uses.
 
 pub mod adc;
 pub mod control_timer;

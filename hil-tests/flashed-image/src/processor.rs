@@ -1,4 +1,4 @@
-//! The processor: Unicorn executes its instructions, block by block; exceptions are entered and left here.
+//! The processor: Unicorn executes its instructions block by block; exception entry and return are done here.
 //!
 //! ```text
 //! time      = instructions * cycles an instruction * a cycle's ticks     (an interval: Corner)

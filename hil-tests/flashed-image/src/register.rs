@@ -1,4 +1,4 @@
-//! Registers as the peripherals hold them, and an access to one.
+//! Registers of peripherals, and accesses to them.
 
 /// A write: where, what, and which of its bits are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

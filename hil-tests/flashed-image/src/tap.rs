@@ -1,7 +1,7 @@
-//! What is heard on the line to the host, as a logic analyser hears it: when a run or a homing run has been begun.
+//! Listens to the line to the host, like a logic analyser, for the start of a run or a homing run.
 //!
-//! A simulated plant stands frozen between runs and is set back to its beginning for each, so that a record does not
-//! depend on when the requests came. Nothing at the board's pins tells that a run begins; the reply to its request does.
+//! A simulated plant is frozen between runs and reset for each, so that a record does not depend on when the requests
+//! came. No pin of the board signals the start of a run, but the reply to its request does.
 
 use pneudrive_protocol::{Accumulator, InBoot, ReplyBody, RequestBody, decode_reply, frame};
 

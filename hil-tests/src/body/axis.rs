@@ -1,4 +1,4 @@
-//! What a machine asks of an axis: named faults, homing, moves that wait, requirements on a step.
+//! Requirements of a machine on an axis: named faults, homing, moves that wait, requirements on a step.
 
 use std::sync::atomic::AtomicBool;
 

@@ -1,4 +1,4 @@
-//! What trips a drive in time: a sample that comes late, a host that falls silent.
+//! Timing faults that trip a drive: a late sample, a silent host.
 
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;

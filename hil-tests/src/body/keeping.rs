@@ -1,4 +1,4 @@
-//! What a drive keeps when its power goes.
+//! What a drive keeps when its power fails.
 
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;

@@ -1,4 +1,4 @@
-//! A run of a rig on a rung, and its record beside the simulation.
+//! A run of a rig on a rung, and the comparison of its record with the simulation.
 
 use std::sync::atomic::AtomicBool;
 
@@ -14,7 +14,7 @@ use crate::Target;
 /// A built-in rig with settings.
 ///
 /// # Panics
-/// When there is no such rig, or the settings are none.
+/// When there is no such rig, or a setting is invalid.
 #[must_use]
 pub fn rig(name: &str, settings: &[&str]) -> Rig {
     let text = pneudrive_sim::rig::builtin(name).expect("a built-in rig");

@@ -1,4 +1,4 @@
-//! Runs again and again on a drive that is never switched off.
+//! Repeated runs on a drive that is never switched off.
 
 use std::fmt::Write;
 use std::time::{Duration, Instant};

@@ -1,4 +1,4 @@
-//! A run that goes to the PC while it is on.
+//! A run that is streamed to the PC while it lasts.
 
 use std::sync::atomic::AtomicBool;
 

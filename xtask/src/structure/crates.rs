@@ -51,6 +51,6 @@ pub fn not_below(name: &str, layer: usize, manifest: &str) -> Result<Vec<String>
         |key: &String| LAYERS[layer..].iter().flat_map(|crates| crates.iter()).any(|(other, _)| other == key);
     Ok(named
         .filter(above)
-        .map(|key| format!("{name} depends on {key}, which is no layer below it"))
+        .map(|key| format!("{name} depends on {key}, which is not a layer below it"))
         .collect())
 }

@@ -1,4 +1,4 @@
-//! The paths that a module names, resolved to the modules that they lead to.
+//! The paths in a module, resolved to modules.
 
 use std::collections::BTreeSet;
 

@@ -65,7 +65,7 @@ fn tests_may_use_what_they_test() {
 fn a_crate_that_depends_on_a_layer_above_it_is_found() {
     let manifest = "[dependencies]\nanyhow = \"1\"\npneudrive-sim.workspace = true\n";
     let found = crates::not_below("pneudrive-controller", 0, manifest).expect("a manifest");
-    assert_eq!(found, ["pneudrive-controller depends on pneudrive-sim, which is no layer below it"]);
+    assert_eq!(found, ["pneudrive-controller depends on pneudrive-sim, which is not a layer below it"]);
     assert!(crates::not_below("pneudrive", 3, manifest).expect("a manifest").is_empty());
 }
 

@@ -1,7 +1,7 @@
-//! Leaves out rounds of a task that only polls.
+//! Skips rounds of a task that only polls.
 //!
-//! The idle task looks at the state of its port once a round. A round in which nothing was written to a peripheral, no
-//! interrupt came, and no byte came or went, is one that the next round repeats, until something happens.
+//! The idle task polls its port once per round. A round without a write to a peripheral, an interrupt or a byte in either
+//! direction repeats identically until something happens.
 
 /// Rounds that are gone through before the rest is left out: the first may be the end of some work, and each goes on a
 /// little with what the task does beside.

@@ -1,4 +1,4 @@
-//! A DMA controller. RM0390 section 9.5: streams with a channel each, a counter of transfers (NDTR) that begins anew in
+//! A DMA controller. RM0390 section 9.5: streams with a channel each, a counter of transfers (NDTR) that restarts in
 //! circular mode, and a flag at the end. A transfer takes no time here.
 
 use crate::register::{Words, Write};

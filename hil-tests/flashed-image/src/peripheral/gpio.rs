@@ -1,7 +1,7 @@
 //! A port of general-purpose pins. RM0390 section 7.4.
 //!
 //! A pin is driven by the board where MODER says output, and belongs to a peripheral where it says alternate function
-//! and AFR that peripheral's number. Any other pin is what the wiring makes of it.
+//! and AFR that peripheral's number. The wiring determines the level of any other pin.
 
 use crate::register::{Words, Write};
 

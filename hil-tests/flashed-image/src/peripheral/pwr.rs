@@ -1,4 +1,4 @@
-//! Power controller. RM0390 section 5.4: the over-drive of 180 MHz is ready as soon as it is asked for.
+//! Power controller. RM0390 section 5.4: the over-drive of 180 MHz is ready as soon as it is requested.
 
 use crate::register::{Words, Write};
 

@@ -1,4 +1,4 @@
-//! What is private to the processor. PM0214 section 2.3 (exceptions), 4.3 (interrupt controller), 4.4 (system control
+//! The private peripherals of the processor. PM0214 section 2.3 (exceptions), 4.3 (interrupt controller), 4.4 (system control
 //! block); RM0390 section 10.2 (vectors); the cycle counter of the debug unit (DWT).
 //!
 //! ```text
