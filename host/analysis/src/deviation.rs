@@ -36,7 +36,7 @@ pub struct WithinBand {
 }
 
 /// The deviations of `other` from `reference`, channel by channel, at the reference's instants that
-/// both cover. The setpoint is what was asked for and is left out.
+/// both cover. The setpoint is not a result and is left out.
 #[must_use]
 pub fn deviations(reference: &Transient, other: &Transient) -> Vec<Deviation> {
     (1..CHANNELS.len()).filter_map(|channel| deviation(reference, other, channel)).collect()

@@ -79,7 +79,7 @@ fn van_der_corput(number: usize) -> f64 {
 /// what is to do, in samples of one run.
 ///
 /// # Errors
-/// When the rig itself cannot be simulated. What happens to neighbours stands in [`Judged::lost`].
+/// When the rig itself cannot be simulated. Failures of neighbours are in [`Judged::lost`].
 pub fn run_ensemble<T: Send>(
     rig: &Rig,
     accuracy: Accuracy,
@@ -114,7 +114,7 @@ pub fn run_ensemble<T: Send>(
     })
 }
 
-/// What there is to do of a rig and its neighbours, and why some of these are no rigs.
+/// The jobs for a rig and its neighbours, and why some of the neighbours are not valid rigs.
 fn jobs(rig: &Rig, spacing: Spacing) -> (Vec<Job>, Vec<String>) {
     let (mut jobs, mut failed) = (vec![Job::Nominal, Job::Decision], Vec::new());
     for neighbour in neighbours(rig, spacing) {
@@ -134,7 +134,7 @@ struct Gathered<T> {
 }
 
 impl<T> Gathered<T> {
-    /// In the order of the jobs; `failed` tells why some neighbours are no rigs.
+    /// In the order of the jobs; `failed` says why some neighbours are not valid rigs.
     fn of(done: Vec<Done<T>>, failed: Vec<String>) -> Gathered<T> {
         let lost = FailedNeighbours { tripped: Vec::new(), failed };
         let mut all =

@@ -59,7 +59,7 @@ pub struct Move {
     pub settling_s: Option<f64>,
     /// Steady error, mm.
     pub steady_error_mm: Option<f64>,
-    /// Mean of the setpoint less the position over the last quarter, mm, whether the drive stands there or moves;
+    /// Mean of the setpoint less the position over the last quarter, mm, whether the drive rests there or moves;
     /// None in open loop.
     pub mean_error_mm: Option<f64>,
     /// From the lowest to the highest position in the last quarter, mm, whatever the drive does there.
@@ -119,7 +119,7 @@ pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
     moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm)
 }
 
-/// A move has settled within this distance of its setpoint, mm, unless a user says otherwise.
+/// Default of the distance from its setpoint within which a move has settled, mm.
 pub const TOLERANCE_MM: f64 = 0.05;
 
 fn measured(interval: &Interval, motion: &Motion, tolerance_mm: f64) -> Move {

@@ -123,7 +123,7 @@ pub struct Given {
 pub struct Unseen {
     /// With the file's value.
     pub parameter: Parameter,
-    /// The value that the fitted rig has: what the little that the data show makes of the file's.
+    /// The value of the fitted rig: the file's, shifted by the little that the data show.
     pub value: f64,
     /// Its standard error over that of its prior; 1 where no sample depends on it.
     pub over_prior: f64,
@@ -131,7 +131,7 @@ pub struct Unseen {
     pub confused_with: Vec<Share>,
 }
 
-/// What a channel says of the fit.
+/// The fit of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelFit {
     /// Samples that count.
@@ -158,7 +158,7 @@ impl ChannelFit {
 /// A finished fit.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// The parameters that the data show, in the order asked for.
+    /// The parameters that the data show, in the requested order.
     pub estimates: Vec<Estimate>,
     /// Those that they do not.
     pub unseen: Vec<Unseen>,
@@ -193,7 +193,7 @@ pub struct Identification {
     pub rig: Rig,
 }
 
-/// Fits `parameters` of a rig to recordings. `progress` is told what is being done.
+/// Fits `parameters` of a rig to recordings. `progress` is given what is being done.
 ///
 /// # Errors
 /// When there is nothing to fit, or the model cannot follow the recordings at the file's values.

@@ -107,7 +107,7 @@ struct Plan {
 }
 
 /// The rungs of a rig: the reference first, then the file's own models, then each other model of each component, each
-/// with its neighbours. `clock` tells the time since some instant, and `progress` is given rungs done and in all.
+/// with its neighbours. `clock` tells the time since some instant, and `progress` is given the rungs done and all rungs.
 ///
 /// # Errors
 /// When a rung cannot be simulated, or `progress` wants no more.

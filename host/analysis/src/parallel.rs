@@ -14,7 +14,7 @@ pub fn threads() -> NonZeroUsize {
     NonZeroUsize::new(rayon::current_num_threads()).unwrap_or(NonZeroUsize::MIN)
 }
 
-/// What `make` makes of each item, in their order. `progress` is given items done.
+/// The results of `make` for each item, in their order. `progress` is given the number of items done.
 pub fn map<T: Sync, U: Send>(
     items: &[T],
     make: impl Fn(&T) -> U + Sync,
@@ -31,7 +31,8 @@ pub fn map<T: Sync, U: Send>(
     items.par_iter().with_max_len(1).map(one).collect()
 }
 
-/// Gives what `make` makes of each item to `take`, one after the other as they come. After an error no item is begun.
+/// Gives the result of `make` for each item to `take`, one after the other as they are finished. After an error no item is
+/// started.
 ///
 /// # Errors
 /// The first one of `take`.

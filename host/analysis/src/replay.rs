@@ -36,7 +36,7 @@ use pneudrive_records::words;
 use moves::Plan;
 use parameters::Header;
 
-/// What the controller on the PC made of a sample.
+/// The output of the controller on the PC for a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
     /// Whether the run was on. The recorder stores such samples only.
@@ -103,7 +103,7 @@ pub struct Difference {
 pub struct Replay {
     /// The recorded samples from k = 0 on; the place of a sample is its k.
     pub recorded: Vec<RecordedSample>,
-    /// What the controller on the PC made of each.
+    /// The output of the controller on the PC for each.
     pub replayed: Vec<Output>,
     /// The first difference.
     pub first: Option<Difference>,
@@ -161,7 +161,7 @@ pub enum ReplayError {
         /// The k that came.
         found: i32,
     },
-    /// No sample of a move tells its setpoint.
+    /// No sample of a move shows its setpoint.
     #[error(
         "the setpoint of samples {first} to {last} is not in the file: their error is at the limit of 16 bits, and no sample of the same move is nearer than 32767 counts; record a run that comes nearer to each setpoint"
     )]

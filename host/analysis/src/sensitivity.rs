@@ -31,12 +31,12 @@ pub struct Effect {
     pub moves_m: Option<f64>,
 }
 
-/// What the values that nobody has measured do, the largest effect first.
+/// The effects of unmeasured values, the largest first.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     /// The effects.
     pub effects: Vec<Effect>,
-    /// How far neighbours of the run are from it, m: less than that tells nothing of a value.
+    /// How far neighbours of the run are from it, m: a smaller effect is not significant.
     pub floor_m: f64,
 }
 
@@ -47,7 +47,7 @@ struct Trial {
     effect: Option<usize>,
 }
 
-/// Tries all values that nobody has measured. `progress` is given runs done and runs in all.
+/// Tries all unmeasured values. `progress` is given the number of runs done and of all runs.
 ///
 /// # Errors
 /// When the rig itself cannot be simulated.
@@ -79,7 +79,7 @@ pub fn sensitivity(
     Ok(Sensitivity { effects, floor_m })
 }
 
-/// The values that nobody has measured, and what is tried in their places.
+/// The unmeasured values, and the values tried instead.
 fn open_values(rig: &Rig) -> Vec<Effect> {
     let open = |(key, value): (&'static Key, &Value)| {
         let origin = rig.origin(key);

@@ -48,7 +48,7 @@ pub struct Variant {
     pub settings: &'static [&'static str],
 }
 
-/// Something the thesis says, and how the runs are asked for it.
+/// A statement of the thesis, and how it is tested on the runs.
 #[derive(Debug)]
 pub struct Statement {
     /// What the thesis says.

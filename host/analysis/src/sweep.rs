@@ -40,7 +40,7 @@ pub use point::Row;
 pub struct Source {
     /// Its name, for messages.
     pub name: String,
-    /// What stands in it.
+    /// Its text.
     pub text: String,
 }
 
@@ -61,7 +61,7 @@ pub struct Sweep {
     pub settled_mm: f64,
     /// What varies, in the order of the file.
     pub axes: Vec<Axis>,
-    /// How many runs a point has: the rig as it is, and neighbours that differ from it by next to nothing.
+    /// Number of runs of a point: the rig itself, and neighbours that differ very slightly.
     pub ensemble: usize,
     /// How many draws of the distributions each combination is run with; 1 without distributions.
     pub draws: usize,
@@ -104,7 +104,7 @@ impl Sweep {
         self.settings.iter().cloned().chain(varied).collect()
     }
 
-    /// Whether a point is a draw of many, and not a rig of its own.
+    /// Whether a point is one of many draws, and not a single rig.
     #[must_use]
     pub fn is_drawn(&self) -> bool {
         self.axes.iter().any(|axis| axis.drawn)
@@ -153,7 +153,7 @@ impl Sweep {
     }
 }
 
-/// The column that tells whether a point is decided.
+/// The column that says whether a point is decided.
 const DECIDED: &str = "decided";
 
 /// What the columns of the ends of a metric's range have behind its name.

@@ -35,7 +35,7 @@ pub(super) struct Course {
     best: Vec<f64>,
     least: Vec<f64>,
     most: Vec<f64>,
-    /// Whether a pressure is beyond its converter at an instant, so that nobody knows it.
+    /// Whether a pressure is beyond its converter at an instant, and so not known.
     beyond: Vec<bool>,
 }
 

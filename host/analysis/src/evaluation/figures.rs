@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::{LimitCycle, Move};
 use crate::range::Range;
 
-/// A figure of a move: how it is told, and how it is read off one.
+/// A figure of a move: its format, and how it is read from a move.
 pub(super) struct Figure {
     /// The head of its column.
     pub heading: &'static str,
@@ -17,7 +17,7 @@ pub(super) struct Figure {
     pub of: fn(&Move) -> Option<f64>,
 }
 
-/// Those that stand before the limit cycle.
+/// Those in front of the limit cycle.
 pub(super) const FIGURES: [Figure; 8] = [
     Figure { heading: "begins, s", name: "begins_s", decimals: 4, of: |one| one.of_whole(one.start_s) },
     Figure { heading: "from, mm", name: "from_mm", decimals: 3, of: |one| one.of_whole(one.from_mm) },

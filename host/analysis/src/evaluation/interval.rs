@@ -4,7 +4,7 @@ use super::limit_cycle::{rest, still_band};
 use super::{Doubt, LimitCycle};
 use crate::transient::{POSITION, PRESSURES, SETPOINT, Transient};
 
-/// A way of fewer counts cannot be told from a drive that holds its place on the edge of a count.
+/// A way of fewer counts cannot be distinguished from a drive that rests on the edge of a count.
 const SHORTEST_WAY_COUNTS: f64 = 2.5;
 
 /// A tenth of the way must be a count at least to be seen.
@@ -38,7 +38,7 @@ impl Interval<'_> {
         LimitCycle::of(self.time(), self.position(), pressures, self.transient.mm_per_count)
     }
 
-    /// How far it should go, mm, if that is at least so many counts.
+    /// How far it should go, mm, if that is at least this many counts.
     fn way(&self, to: f64, least_counts: f64) -> Option<f64> {
         Some(to - self.position()[0]).filter(|way| way.abs() > least_counts * self.transient.mm_per_count)
     }
@@ -108,7 +108,7 @@ impl Interval<'_> {
         }
     }
 
-    /// Whether it stands still in the last quarter.
+    /// Whether it is at rest in the last quarter.
     fn stands(&self) -> bool {
         let band_mm = still_band(self.position(), self.transient.mm_per_count);
         let position = &self.position()[self.last_part()..];

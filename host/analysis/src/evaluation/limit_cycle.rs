@@ -32,9 +32,9 @@ use trend::Trend;
 pub enum LimitCycle {
     /// The drive comes to rest.
     None {
-        /// Within this it stands still, mm: a smaller swing cannot be seen.
+        /// It is at rest within this, mm: a smaller swing cannot be seen.
         below_mm: f64,
-        /// For so long at the end of its move, s.
+        /// For this long at the end of its move, s.
         for_s: f64,
     },
     /// It swings to the end of the move.
@@ -43,7 +43,7 @@ pub enum LimitCycle {
     Undecided(Doubt),
 }
 
-/// An oscillation that goes on.
+/// A sustained oscillation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillation {
     /// From its lowest to its highest position, mean over the cycles, mm.
@@ -61,18 +61,18 @@ pub struct Oscillation {
 /// Why a limit cycle cannot be decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt {
-    /// The move lasts for less time than a rest is told from.
+    /// The move is too short to show a rest.
     TooShort,
-    /// The drive stands still, but not for long enough.
+    /// The drive is at rest, but not for long enough.
     JustStopped,
-    /// The drive stands still, but its pressures still change.
+    /// The drive is at rest, but its pressures still change.
     Sticking {
         /// How fast, kPa/s.
         kpa_s: f64,
     },
     /// It moves, and has not turned back lately.
     Moving,
-    /// Too few cycles to tell a swing that stays from one that dies out.
+    /// Too few cycles to distinguish a sustained oscillation from one that decays.
     FewCycles,
     /// Its swing is still on the way down.
     DyingOut {
@@ -114,10 +114,10 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// Fewest cycles from which a limit cycle is told.
+/// Fewest cycles that show a limit cycle.
 const FEWEST: usize = 3;
 
-/// The drive must stand still for so long, s: else a slow swing that begins to turn would be a drive at rest.
+/// The drive must be at rest for this long, s; otherwise a slow swing at its turning point would count as rest.
 const REST_S: f64 = 0.2;
 
 /// And for this part of its move.

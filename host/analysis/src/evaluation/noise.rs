@@ -14,7 +14,7 @@ const FROM_MEDIAN: f64 = 1.4826;
 
 /// The standard deviation of a channel's noise, in the channel's unit; 0 of fewer than seven samples.
 ///
-/// Steps of a converter that stands still do not show: the caller knows how large they are.
+/// The quantisation of a constant reading does not show: the caller knows its step.
 pub(super) fn deviation(values: &[f64]) -> f64 {
     let mut differences = values.to_vec();
     for _ in 0..ORDER {

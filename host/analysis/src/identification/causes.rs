@@ -34,7 +34,7 @@ const FINISHED: usize = 2;
 /// An effect of its usual size that leaves less than one standard deviation of noise is not seen.
 const UNSEEN: f64 = 1.0;
 
-/// An effect of more than so many times its usual size is none.
+/// An effect of more than this many times its usual size is implausible.
 const LARGEST: f64 = 30.0;
 
 /// An effect explains something if chance would do it less often than this.
@@ -62,7 +62,7 @@ pub enum Change {
         with: Option<Choice>,
         /// What is usual, in the unit of the key.
         size: f64,
-        /// The least that can be told from none, in the unit of the key.
+        /// The smallest size that can be distinguished from none, in the unit of the key.
         least: f64,
     },
     /// A switch that is turned.
@@ -78,7 +78,7 @@ pub struct Choice {
     pub path: &'static str,
     /// The word that has the effect.
     pub word: &'static str,
-    /// The word that stands for no such effect; any other one is a model of its own, which the effect does not replace.
+    /// The word for no such effect; any other word is another model, which the effect does not replace.
     pub none: &'static str,
 }
 
@@ -119,7 +119,7 @@ pub struct Explanation {
 }
 
 impl Explanation {
-    /// Whether chance hardly does as much.
+    /// Whether the effect is unlikely to be due to chance.
     #[must_use]
     pub fn is_significant(&self) -> bool {
         self.chance < SIGNIFICANT
@@ -311,7 +311,7 @@ impl Effect {
     }
 }
 
-/// A number with as many significant digits as its precision says.
+/// A number with as many significant digits as its precision.
 struct Shortest(f64);
 
 impl std::fmt::Display for Shortest {

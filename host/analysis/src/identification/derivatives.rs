@@ -153,7 +153,7 @@ impl Model<'_> {
     }
 }
 
-/// Whether there is no jump between derivatives to both sides.
+/// Whether the derivatives to both sides agree, without a jump.
 fn is_smooth((up, down): (&DVector<f64>, &DVector<f64>)) -> bool {
     (up - down).norm() <= JUMP * up.norm().min(down.norm())
 }

@@ -79,7 +79,7 @@ fn rests(model: &Model) -> [AtRest; CHANNELS.len()] {
     })
 }
 
-/// A fit that goes on without the rounding that the model knows.
+/// A fit that continues without the rounding that the model predicts.
 ///
 /// # Errors
 /// When the sensitivities are too far apart.

@@ -79,7 +79,7 @@ const LONGEST: f64 = 0.3;
 /// Damping at the start of a search that has far to go, and of one that is near.
 const DAMPING: [f64; 2] = [1e-3, 1e-8];
 
-/// Damping at which a search gives up.
+/// Damping at which a search stops.
 const MAX_DAMPING: f64 = 1e10;
 
 /// Searches from `start`: to the end, or near it. None when there are no residuals or derivatives at `start`.
@@ -151,7 +151,7 @@ impl Search {
         self.minimum.residuals.norm_squared()
     }
 
-    /// A gain of the sum that is none.
+    /// A negligible gain of the sum.
     fn near(&self) -> f64 {
         let freedom = self.minimum.residuals.len().saturating_sub(self.minimum.u.len()).max(1);
         NEAR * self.cost() / freedom as f64
@@ -182,7 +182,7 @@ impl Search {
         self.stuck = true;
     }
 
-    /// Goes to `u` if that is better and goes on from there.
+    /// Moves to `u` if that is better, and continues from there.
     fn take(&mut self, problem: &impl Problem, u: Vec<f64>) -> bool {
         let Some(residuals) = problem.residuals(&u).filter(|r| r.norm_squared() < self.cost()) else {
             return false;

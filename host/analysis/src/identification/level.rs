@@ -31,11 +31,11 @@ const FRICTIONS: [(&str, f64); 4] = [
 /// Friction that is down to this part of the file's is gone: a larger force cannot take more.
 const GONE: f64 = 0.1;
 
-/// Fewest values that tell a common force, and the least error of one, N.
+/// Fewest values that show a common force, and the least error of one, N.
 const FEWEST: usize = 3;
 const MIN_ERROR: f64 = 1e-3;
 
-/// A common force is told where chance makes one as clear less often than this.
+/// A common force is reported if chance gives one as clear less often than this.
 const CHANCE: f64 = 0.01;
 
 /// What a drive that somebody has levelled may be off by, degrees, standard deviation.

@@ -179,7 +179,7 @@ impl<'a> Model<'a> {
         self.blocks().chunks(CHANNELS.len()).map(of_each).collect()
     }
 
-    /// Where each channel stands among the residuals.
+    /// The range of each channel within the residuals.
     pub fn blocks(&self) -> Vec<Block> {
         let mut start = 0;
         let mut blocks = Vec::new();
@@ -207,7 +207,7 @@ impl<'a> Model<'a> {
         self.residuals_at(u).map_or(f64::INFINITY, |r| r.norm_squared() / r.len() as f64)
     }
 
-    /// What residuals say of each channel.
+    /// The residuals of each channel.
     pub fn channel_fits(&self, residuals: &DVector<f64>) -> [Option<ChannelFit>; CHANNELS.len()] {
         std::array::from_fn(|channel| {
             let blocks = self.blocks().into_iter().filter(|block| block.channel == channel);

@@ -30,7 +30,7 @@ pub type Strokes = &'static [(i32, f64)];
 /// Name, rest before, s, strokes.
 pub type Test = (&'static str, f64, Strokes);
 
-/// Whether the drive goes where the valve says.
+/// Whether the drive moves in the direction of the valve.
 pub const MOVEMENT: Test = ("movement", 0.04, &[(960, 0.15)]);
 
 /// How fast it gets, and how soon.
@@ -70,7 +70,7 @@ const STAIR: [(i32, f64); 6] =
 /// spool. None where the model goes too far on any.
 ///
 /// # Errors
-/// When the drive stands too near to an end.
+/// When the piston is too near to an end.
 pub fn ramp(rig: &Rig, position: f64) -> Result<Option<Rig>> {
     let room = room(rig, position, 1.0)?.min(room(rig, position, -1.0)?.abs());
     for (height, seconds) in STAIR {
@@ -92,10 +92,10 @@ fn staircase(rig: &Rig, position: f64, height: i32, seconds: f64) -> Result<Rig>
     with_moves(rig, position, &moves, time(stairs.len()))
 }
 
-/// A test on the drive of `rig` that stands at `position`, m: the rig with this test.
+/// A test on the drive of `rig` with its piston at `position`, m: the rig with this test.
 ///
 /// # Errors
-/// When it stands too near to an end, or the model does not move.
+/// When the piston is too near to an end, or the model does not move.
 pub fn test(rig: &Rig, position: f64, (_, rest, strokes): Test) -> Result<Rig> {
     let start = middle_of_count(rig, position);
     let rig = &rig.with_numbers(&[("test.position_m", start)])?;

@@ -32,7 +32,7 @@ const DIFFERENCES: [(&str, f64); 8] = [
     ("test.position_m", 1e-3),
 ];
 
-/// Prior standard deviation of the logarithm of what a gauge tells.
+/// Prior standard deviation of the logarithm of a gauge reading.
 const LOGARITHMS: [(&str, f64); 4] = [
     ("supply.pressure_pa", 0.1),
     ("exhaust.pressure_pa", 0.05),
@@ -46,7 +46,7 @@ const VAGUE: f64 = 0.7;
 /// Prior standard deviation of any other logarithm.
 const USUAL: f64 = 0.3;
 
-/// Prior standard deviation of u where next to nothing is assumed.
+/// Prior standard deviation of u where almost nothing is assumed.
 const UNKNOWN: f64 = 30.0;
 
 /// Difference in u for a derivative: large against the integrator's error, small against curvature.
@@ -81,7 +81,7 @@ impl Parameter {
     /// A key of a rig as a parameter.
     ///
     /// # Errors
-    /// When there is no such key, it is no physical number, or it has no value to start from.
+    /// When there is no such key, it is not a physical number, or it has no value to start from.
     pub fn of(rig: &Rig, path: &str) -> Result<Parameter> {
         let key = find_key(path).ok_or_else(|| {
             anyhow!("there is no key {path:?} to fit; `pneudrive rig explain` lists the keys")
@@ -189,7 +189,7 @@ fn not_physical(path: &str) -> anyhow::Error {
     anyhow!("{path} cannot be fitted: it is not a physical number of the rig")
 }
 
-/// Numbers that are fitted beside those that a spread draws: what nobody knows exactly, too.
+/// Numbers that are fitted besides those that a spread draws, as they are never known exactly, either.
 const ALSO: [&str; 8] = [
     "valve.null_offset_mm",
     "valve.sonic_conductance_m3_per_s_pa",
@@ -202,7 +202,7 @@ const ALSO: [&str; 8] = [
 ];
 
 /// What is fitted if nothing is named: every physical value that the rig's models use and that is never known exactly.
-/// A value of 0 says that the rig has no such thing, and stays.
+/// A value of 0 means that the rig does not have this; it is not fitted.
 #[must_use]
 pub fn usual(rig: &Rig) -> Vec<Parameter> {
     let unknown = all_keys().filter(|key| key.spread || ALSO.contains(&key.path));

@@ -48,7 +48,7 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// Takes in a record that figures are read off; one that does not serve is passed over.
+    /// Adds a record for the figures; an unsuitable one is skipped.
     fn read_off(&mut self, recording: Result<Recording>) {
         match recording {
             Ok(recording) => self.all.push(recording),
@@ -61,7 +61,7 @@ impl Recorded {
 /// made from. Notes go to the log.
 ///
 /// # Errors
-/// When a test cannot be run or recorded, or the drive does not go the way that the valve says.
+/// When a test cannot be run or recorded, or the drive does not move in the direction of the valve.
 pub fn run(bench: &mut impl Bench, closed: &Rig, open: &Rig, count: i32) -> Result<Recorded> {
     Plan { bench, closed, open, count }.run()
 }
@@ -127,7 +127,7 @@ impl<B: Bench> Plan<'_, B> {
     }
 }
 
-/// Whether the drive has gone the way that the valve says, and pressure 1 has pushed it.
+/// Whether the drive has moved in the direction of the valve, pushed by pressure 1.
 fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
     let (Some((_, first)), Some((_, last))) = (samples.first(), samples.last()) else {
         bail!("nothing was recorded");

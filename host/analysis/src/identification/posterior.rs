@@ -26,7 +26,7 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// A parameter rests on the priors where they make more than this part of its variance.
 pub const RESTS: f64 = 0.5;
 
-/// A prior is told of where it makes this part of a variance.
+/// A prior is reported if it contributes this part of a variance.
 const PRIOR_SHARE: f64 = 0.1;
 
 /// Most values that a parameter is said to depend on.

@@ -15,7 +15,7 @@ use super::model::{Model, first_noise};
 /// Shares of each transient that the fit takes one after the other.
 const STAGES: [f64; 3] = [0.35, 0.65, 1.0];
 
-/// Times that a search begins anew.
+/// Number of times that a search is restarted.
 const RESTARTS: usize = 2;
 
 /// How far from a point another search begins, in u of one parameter.
@@ -44,7 +44,7 @@ pub(super) fn cannot_follow(model: &Model, u: &[f64]) -> anyhow::Error {
 pub(super) struct Termination {
     /// The best minimum.
     pub found: Found,
-    /// The effects that explain what it leaves, where they have been looked for.
+    /// The effects that explain its residuals, if they have been searched for.
     pub causes: Option<Vec<Explanation>>,
 }
 
@@ -142,7 +142,7 @@ fn settled(model: &mut Model, first: Found, progress: &mut dyn FnMut(&str)) -> R
     Ok(best)
 }
 
-/// n ln(rms) over the channels, which tells two fits apart whatever noise they were weighted with.
+/// n ln(rms) over the channels, which compares two fits independently of their weights.
 fn spread(model: &Model, found: &Found) -> f64 {
     let fits = model.channel_fits(&found.minimum.residuals);
     fits.iter().flatten().map(|fit| fit.samples as f64 * fit.after.ln()).sum()

@@ -22,14 +22,14 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use super::model::{Block, ROUNDING};
 use super::recording::CHANNELS;
 
-/// Upper edges of the bands, in parts of half the sampling rate; the last one tells the noise.
+/// Upper edges of the bands, in parts of half the sampling rate; the last one gives the noise.
 const EDGES: [f64; 6] = [0.03125, 0.0625, 0.125, 0.25, 0.5, 1.0];
 
 /// The edges of the highest band.
 const HIGHEST: f64 = EDGES[EDGES.len() - 2];
 const TOP: f64 = EDGES[EDGES.len() - 1];
 
-/// A band tells something with so many degrees of freedom.
+/// A band can be judged with this many degrees of freedom.
 const FEWEST: f64 = 3.0;
 
 /// Residuals are more than noise where that happens by chance once in a thousand fits.
@@ -66,7 +66,7 @@ impl Band {
 /// The residuals of a fit by channel and frequency.
 #[derive(Clone, Debug, Default)]
 pub struct Spectrum {
-    /// All bands that tell something.
+    /// All bands that can be judged.
     pub bands: Vec<Band>,
     /// Standard deviation of the noise of each channel, in that which the residuals are told in.
     pub noise: [Option<f64>; CHANNELS.len()],
@@ -195,7 +195,7 @@ impl Transform {
 }
 
 impl Spectrum {
-    /// Whether the samples of any channel are enough to tell noise from more.
+    /// Whether any channel has enough samples to be judged.
     #[must_use]
     pub fn is_testable(&self) -> bool {
         !self.bands.is_empty()

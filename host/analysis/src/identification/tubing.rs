@@ -15,7 +15,7 @@ use super::regression::Line;
 const FLOWS: [(&str, f64); 2] = [("flow_kg_s", 1.0), ("flow_g_s", 1e-3)];
 const RATIOS: [&str; 2] = ["ratio", "value"];
 
-/// A flow up to this is none, kg/s: what rounding leaves of 0.
+/// A flow up to this counts as none, kg/s: it is due to rounding.
 const NO_FLOW: f64 = 1e-12;
 
 /// More passes through no tube of a drive, kg/s.
@@ -25,7 +25,7 @@ const MAX_FLOW: f64 = 1e3;
 /// for a reference flow in kg/s.
 ///
 /// # Errors
-/// When it is no such table, with the line.
+/// When it is not such a table, with the line.
 pub fn drop_slope(csv: &str, reference_flow: f64) -> Result<Figure> {
     // A point without flow lies on every line through the origin, and says nothing of how well one fits.
     let flowing = points(csv)?.into_iter().filter(|(flow, _)| flow.abs() > NO_FLOW);

@@ -8,7 +8,7 @@ use plotly::{Layout, Plot, Scatter};
 const PANEL_HEIGHT: usize = 235;
 const FRAME_HEIGHT: usize = 75;
 
-/// Height of a panel that stands alone.
+/// Height of a single panel.
 const SINGLE_HEIGHT: usize = 400;
 
 /// The y axes that the plotting library has: the most panels of a figure.
@@ -23,7 +23,7 @@ const Y_AXES: [fn(Layout, Axis) -> Layout; 8] = [
     Layout::y_axis8,
 ];
 
-/// Colours of curves that stand in several panels and once in the legend.
+/// Colours of curves that are in several panels and once in the legend.
 #[rustfmt::skip]
 pub const COLOURS: [&str; 10] = [
     "#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd",
@@ -115,7 +115,7 @@ pub enum Look {
     Points,
 }
 
-/// One curve. Values that are no numbers leave a gap.
+/// One curve. Values that are not numbers leave a gap.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
     /// For the legend.

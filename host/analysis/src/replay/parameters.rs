@@ -6,7 +6,7 @@ use pneudrive_records::target::TargetFile;
 
 use super::{ReplayError, older};
 
-/// What the header says of the controller.
+/// The controller's parameters in the header.
 #[derive(Clone, Debug)]
 pub struct Header {
     /// The parameters; where the file has none, their defaults.

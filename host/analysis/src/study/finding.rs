@@ -58,7 +58,7 @@ impl Finding {
         Finding { shows: format!("{shows}; {NO_REFERENCE}"), verdict: Verdict::Open }
     }
 
-    /// What all starts show together, the rig as it is first.
+    /// The combined result of all starts, the unchanged rig first.
     pub(super) fn over(starts: &[Finding]) -> Finding {
         let texts: Vec<&str> = starts.iter().map(|finding| finding.shows.as_str()).collect();
         let shows = in_ranges(&texts).unwrap_or_else(|| format!("as the rig is: {}", texts[0]));
@@ -76,11 +76,11 @@ impl Finding {
     }
 }
 
-/// Behind what nothing can be held against.
+/// The remark on statements that cannot be compared.
 const NO_REFERENCE: &str = "what to compare with is lost";
 
 impl Verdict {
-    /// Of so many starts that agree and that differ; the others do not decide it.
+    /// From the number of starts that agree and that differ; the others are undecided.
     fn of_shares(agree: usize, differ: usize, of: usize) -> Verdict {
         let open = of - agree - differ;
         let surely = |met: usize| Proportion { met, of }.interval()[0] > MAJORITY;
@@ -92,7 +92,7 @@ impl Verdict {
         }
     }
 
-    /// As it stands in the tables.
+    /// Its text in the tables.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {

@@ -114,7 +114,7 @@ impl Outcome {
         begins.map(|begin| swing(time, position, [begin, begin + seconds])).collect()
     }
 
-    /// Mean distance from the setpoint in the first half second of each move that is asked for, mm.
+    /// Mean distance from the setpoint in the first half second of the selected moves, mm.
     pub(super) fn lag_mm(&self) -> Option<f64> {
         let [setpoint, position] = [SETPOINT, POSITION].map(|channel| &self.transient.channels[channel]);
         let place = |time_s: f64| self.transient.time.partition_point(|time| *time < time_s);

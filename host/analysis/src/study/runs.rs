@@ -12,7 +12,7 @@ use crate::parallel;
 /// A study that has been run.
 #[derive(Clone, Debug)]
 pub struct Studied {
-    /// What each drive did at the first start, the rig as it is, in the order of the variants.
+    /// The outcome of each drive at the first start, that of the unchanged rig, in the order of the variants.
     pub own: Vec<Outcome>,
     /// The moves of each drive at each start.
     pub moves: Vec<Vec<Vec<Move>>>,
@@ -37,7 +37,7 @@ struct AtStart {
 /// When a drive cannot be integrated.
 ///
 /// # Panics
-/// If asked for no starts.
+/// If the number of starts is 0.
 pub fn run(
     studies: &[&Study],
     starts: usize,

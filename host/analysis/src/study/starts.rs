@@ -18,7 +18,7 @@ use pneudrive_sim::rig::{Value, builtin};
 
 use super::Variant;
 
-/// Starts of a study unless the user asks for another number.
+/// Default number of starts of a study.
 pub const STARTS: usize = 64;
 
 /// The farthest that a test is moved, mm.

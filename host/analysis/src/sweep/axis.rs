@@ -25,7 +25,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// What a level makes of a rig, as `key=value`.
+    /// The settings of a level, as `key=value`.
     pub fn settings<'a>(&'a self, rig: &'a Rig, level: &'a str) -> impl Iterator<Item = String> + 'a {
         let own = self.scaled.is_empty().then(|| format!("{}={level}", self.name));
         let factor: f64 = level.parse().unwrap_or(f64::NAN);

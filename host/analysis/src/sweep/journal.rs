@@ -75,7 +75,7 @@ impl About {
     }
 }
 
-/// What stands in a journal.
+/// The content of a journal.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
     /// Which sweep it is of; None if nothing of that was written.
@@ -122,7 +122,7 @@ fn crc_of(text: &str) -> String {
     format!("{:08x}", Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(text.as_bytes()))
 }
 
-/// A journal that is added to. As long as it is open, no other program can open it.
+/// A journal that is open for appending. No other program can open it meanwhile.
 #[derive(Debug)]
 pub struct Journal {
     file: File,

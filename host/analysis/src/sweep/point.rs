@@ -48,7 +48,7 @@ impl Row {
         cells.fold(self.point.to_string(), |line, cell| line + "," + &cell)
     }
 
-    /// A line of a sweep's result; None if it is none.
+    /// A line of a sweep's result; None if it is malformed.
     #[must_use]
     pub fn of_csv(sweep: &Sweep, line: &str) -> Option<Row> {
         let count = sweep.axes.len() + sweep.figure_columns().len();
@@ -92,7 +92,7 @@ const YES: &str = "yes";
 /// And one that is not.
 const NO: &str = "no";
 
-/// Runs a point. Whatever goes wrong stands in its row.
+/// Runs a point. Its row records any failure.
 #[must_use]
 pub fn run_point(sweep: &Sweep, point: usize) -> Row {
     let found =

@@ -95,7 +95,7 @@ fn in_range(row: &Row, metric: usize) -> String {
     }
 }
 
-/// Digits behind the point of what is told.
+/// Decimals of the figures.
 const DECIMALS: usize = 4;
 
 /// What the draws of each combination of the varied values have in common: how many of them are allowed, and the

@@ -22,7 +22,7 @@ pub struct Chart {
     pub printed_up: Vec<[f64; 2]>,
 }
 
-/// A line of a graph; values that are no numbers leave a gap.
+/// A line of a graph; values that are not numbers leave a gap.
 #[derive(Clone, Debug, Default)]
 pub struct Line {
     /// For the legend.
@@ -54,7 +54,7 @@ impl Line {
 const SIZE: [f64; 2] = [340.0, 216.0];
 const FIELD: [f64; 4] = [46.0, 8.0, 332.0, 176.0];
 
-/// More points of a line cannot be told apart.
+/// More points of a line cannot be distinguished.
 const MAX_POINTS: usize = 700;
 
 impl Chart {

@@ -3,7 +3,7 @@
 /// The value of a number as the thesis prints it, with commas between thousands.
 ///
 /// # Panics
-/// If it is no number; a test reads all of them.
+/// If it is not a number; a test reads all of them.
 #[must_use]
 pub fn value_of(text: &str) -> f64 {
     text.replace(',', "").parse().unwrap_or_else(|_| panic!("{text:?} is not a number"))

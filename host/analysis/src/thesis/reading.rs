@@ -81,7 +81,7 @@ pub const AGREEMENTS: [Agreement; 5] =
     [Agreement::Agrees, Agreement::InPart, Agreement::Differs, Agreement::Open, Agreement::Given];
 
 impl Agreement {
-    /// As it stands on the page and in the golden file.
+    /// Its text on the page and in the golden file.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {

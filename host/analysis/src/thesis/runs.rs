@@ -21,7 +21,7 @@ pub fn lasts(exhibits: &[&Exhibit], starts: usize) -> Duration {
     Duration::from_secs_f64(all / parallel::threads().get() as f64)
 }
 
-/// Runs exhibits, studies from so many starts. `progress` is given what is done and what is to do.
+/// Runs exhibits, studies from this many starts. `progress` is given the work done and all work.
 ///
 /// # Errors
 /// When a drive cannot be integrated, or an experiment has no reading for an entry.

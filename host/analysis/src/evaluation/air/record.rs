@@ -34,7 +34,7 @@ const MISSING: f64 = 0.005;
 /// Samples in a period of the dither, at least: with fewer its ripple cannot be followed.
 const FEWEST_IN_A_PERIOD: f64 = 6.0;
 
-/// The chambers of a cylinder, to tell air from pressures, and the dither that moves it in and out.
+/// The chambers of a cylinder, to compute air from pressures, and the dither that moves it in and out.
 #[derive(Clone, Copy, Debug)]
 pub struct Chambers {
     actuator: Actuator,
@@ -43,7 +43,7 @@ pub struct Chambers {
     temperature: f64,
     /// Of the operator's dither, Hz; None without one.
     dither_hz: Option<f64>,
-    /// Lowest and highest pressure that the converters tell, kPa.
+    /// Range of the pressure converters, kPa.
     range_kpa: [f64; 2],
 }
 
@@ -120,7 +120,7 @@ pub(super) fn course(transient: &Transient, chambers: &Chambers) -> Course {
     }
 }
 
-/// Whether a pressure stands at an end of its converter's range.
+/// Whether a pressure is at an end of its converter's range.
 fn beyond(transient: &Transient, range_kpa: [f64; 2]) -> Vec<bool> {
     let [one, two] = PRESSURES.map(|channel| &transient.channels[channel]);
     let at_an_end =

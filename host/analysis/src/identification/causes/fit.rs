@@ -18,9 +18,9 @@ pub(super) struct Fit<'a> {
     pub effect: Effect,
     with: Model<'a>,
     found: Found,
-    /// Whether the search has gone to its end, with derivatives of its own.
+    /// Whether the search has been completed with its own derivatives.
     pub is_finished: bool,
-    /// Value and standard error that friction tells of an incline, which no transient does.
+    /// Value and standard error of an incline from friction; transients do not show it.
     by_friction: Option<(f64, f64)>,
 }
 

@@ -5,7 +5,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use super::super::found::Found;
 use super::super::model::Model;
 
-/// Variance of what is left along one direction, and the independent residuals that tell it.
+/// Variance of the residuals along one direction, and the number of independent residuals behind it.
 pub(super) fn noise(model: &Model, found: &Found) -> (f64, f64) {
     let residuals = &found.minimum.residuals;
     let (mut squares, mut products) = (0.0, 0.0);

@@ -45,7 +45,7 @@ const AS_STATIC: &str = "operator.coulomb_friction_n=3.35";
 /// 60 % of C(82).
 const SOFT: &str = "operator.spring_n_per_mm=15";
 
-/// Whether a change makes a drive vibrate; None if it vibrates without the change, too: then it says nothing.
+/// Whether a change makes a drive vibrate; None if it also vibrates without the change, which shows nothing.
 fn caused(without: &Outcome, with: &Outcome) -> Option<bool> {
     match (without.vibrates()?, with.vibrates()) {
         (true, _) => None,

@@ -33,7 +33,7 @@ enum Spread {
     Distribution(Distribution),
 }
 
-/// Reads what stands behind a key, the `number`th that varies.
+/// Reads the value of a key, the `number`th that varies.
 pub(super) fn axis(
     name: &str,
     item: &Item,

@@ -73,7 +73,7 @@ pub(super) const EXHIBITS: [Exhibit; 3] = [
 /// What the micrometer of the thesis shows at curve 1, mm.
 const MICROMETER_MM: f64 = 9.572;
 
-/// What the gauges tell apart, Pa.
+/// Resolution of the gauges, Pa.
 const GAUGE_PA: f64 = 1e3;
 
 fn curve(rig: &Rig, name: &str) -> Result<Characteristic> {
