@@ -7,7 +7,7 @@
 //! | [`stream_file`] | a run that is streamed to disk |
 //! | [`run_folder`] | trace.csv and run.json of a simulated run: read, write |
 //! | [`judged`], [`band`] | a run and how far it can be trusted, and the range of the run and its neighbours |
-//! | [`rig_text`] | rig files as text: new values, the same comments |
+//! | [`rig_source`], [`rig_text`] | rig files by name, and as text: new values, the same comments |
 //! | [`words`] | the meaning of the controller's codes |
 //! | [`parameter_names`] | names and values of parameters as in rig files |
 //! | [`units`] | figures of a device in mm, kPa and s |
@@ -26,6 +26,7 @@ pub mod parameter_names;
 pub mod record;
 mod record_text;
 pub mod rig_info;
+pub mod rig_source;
 pub mod rig_text;
 pub mod run_folder;
 pub mod stream_file;

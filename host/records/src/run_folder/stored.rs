@@ -138,6 +138,12 @@ impl StoredRun {
         let index = names.position(|column| column == name);
         &self.columns[index.unwrap_or_else(|| panic!("trace.csv has no column {name}"))]
     }
+
+    /// All columns of the trace with their names, in its order.
+    pub fn into_columns(self) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
+        let names = COLUMNS.into_iter().chain(self.extras.into_iter().map(|extra| extra.name));
+        names.zip(self.columns)
+    }
 }
 
 /// The rig of a run folder, with all values of the run.
