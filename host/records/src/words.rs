@@ -4,10 +4,9 @@ use std::cmp::Ordering;
 
 use pneudrive_controller::{Fault, Refusal};
 use pneudrive_protocol::{ANY_BOOT, CURRENT_VERSION, Presence, Refused, code};
-use pneudrive_sim::Decision;
+use pneudrive_sim::{Decision, Rig, Run};
 
-use crate::judged::FailedNeighbours;
-
+use crate::judged::{FailedNeighbours, Judged, Spacing};
 use crate::parameter_names::Written;
 use crate::untrusted::{NAME, SENTENCE, sanitised};
 
@@ -58,6 +57,35 @@ pub fn decision(decision: &Decision) -> String {
             "undecided from {since:.4} s on: the exact transient may differ from there; positions are off by about {error}, as estimated{edge}; a smaller --tolerance may decide it"
         ),
     }
+}
+
+/// A line about a run, one that tells whether it is decided, and one about its neighbours.
+pub fn run(rig: &Rig, judged: &Judged) -> Vec<String> {
+    let lost = judged.band.as_ref().and_then(|_| lost(&judged.lost));
+    let neighbours = judged.band.as_ref().map(|_| {
+        let Spacing { runs, relative } = judged.spacing;
+        let neighbours = if runs == 2 { "neighbour" } else { "neighbours" };
+        format!(
+            "{} {neighbours} whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
+            runs - 1
+        )
+    });
+    let first = [summary(rig, &judged.run), decision(&judged.decision)];
+    first.into_iter().chain(neighbours).chain(lost).collect()
+}
+
+/// One line about a run.
+pub fn summary(rig: &Rig, run: &Run) -> String {
+    let fault = run.fault.map_or(String::new(), |(fault, k)| {
+        format!("; tripped at sample {k}: {} ({})", fault_name(fault), fault_meaning(fault.code()))
+    });
+    format!(
+        "{}: {} samples of {} us, {} steps of the integrator{fault}",
+        rig.name(),
+        run.observations.len(),
+        rig.period_us(),
+        run.work.integrator.n_steps
+    )
 }
 
 /// What went wrong with the neighbours of a run, if anything.

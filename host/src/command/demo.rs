@@ -13,6 +13,7 @@ use pneudrive_records::judged::{Judged, Spacing};
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::{self, StoredRun};
 use pneudrive_records::target::TargetFile;
+use pneudrive_records::words;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -60,7 +61,7 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let spacing = Spacing::default();
     let ensemble = run_ensemble(&model, Accuracy::of(&model), spacing, simulate::figures, |_, _| {})?;
     let judged = ensemble.nominal;
-    for note in simulate::notes(&model, &judged) {
+    for note in words::run(&model, &judged) {
         say!("   {note}");
     }
 

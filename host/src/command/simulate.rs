@@ -37,7 +37,7 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
         judged.run = run_recorded(&rig, judged.accuracy, Recording { valve: true }, |_, _| {})?;
         judged.columns = columns.0.clone();
     }
-    let mut notes = notes(&rig, &judged);
+    let mut notes = words::run(&rig, &judged);
     notes.extend(origin);
     let table = table(&moves, TOLERANCE_MM);
     let remarks = remarks(&moves);
@@ -100,40 +100,4 @@ fn page(rig: &Rig, judged: &Judged, notes: Vec<String>, table: Table) -> Page {
 /// What is measured of a run and of each neighbour.
 pub(super) fn figures(rig: &Rig, run: &Run) -> Vec<Move> {
     moves_of_run(rig, run, TOLERANCE_MM)
-}
-
-/// Lines about a run: a summary, whether it is decided, and its neighbours.
-pub(super) fn notes(rig: &Rig, judged: &Judged) -> Vec<String> {
-    let lost = judged.band.as_ref().and_then(|_| words::lost(&judged.lost));
-    let neighbours = judged.band.as_ref().map(|_| {
-        let Spacing { runs, relative } = judged.spacing;
-        let neighbours = if runs == 2 { "neighbour" } else { "neighbours" };
-        format!(
-            "{} {neighbours} whose mass and starting position differ by up to {relative:e} (of the mass, of the stroke)",
-            runs - 1
-        )
-    });
-    [summary(rig, &judged.run), words::decision(&judged.decision)]
-        .into_iter()
-        .chain(neighbours)
-        .chain(lost)
-        .collect()
-}
-
-/// One line about a run.
-fn summary(rig: &Rig, run: &Run) -> String {
-    let fault = run.fault.map_or(String::new(), |(fault, k)| {
-        format!(
-            "; tripped at sample {k}: {} ({})",
-            words::fault_name(fault),
-            words::fault_meaning(fault.code())
-        )
-    });
-    format!(
-        "{}: {} samples of {} us, {} steps of the integrator{fault}",
-        rig.name(),
-        run.observations.len(),
-        rig.period_us(),
-        run.work.integrator.n_steps
-    )
 }

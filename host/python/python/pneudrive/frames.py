@@ -1,0 +1,32 @@
+"""Columns as data frames of other libraries, each imported when it is asked for."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+Columns = dict[str, Any]
+
+
+def _needs(module: str, extra: str) -> ModuleType:
+    """The module, or what to install for it."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name != module:
+            raise
+        text = f"{module} is not installed; pip install 'pneudrive[{extra}]' brings it"
+        raise ModuleNotFoundError(text, name=module) from None
+
+
+def to_pandas(columns: Columns) -> Any:
+    return _needs("pandas", "pandas").DataFrame(columns, copy=False)
+
+
+def to_polars(columns: Columns) -> Any:
+    return _needs("polars", "polars").DataFrame(columns)
+
+
+def to_arrow(columns: Columns) -> Any:
+    return _needs("pyarrow", "arrow").table(columns)

@@ -1,0 +1,318 @@
+//! The controller alone, and the plant alone: for a loop of one's own.
+
+use pneudrive_controller::{
+    self as controller, Config, Fault, Mode, Parameters, Refusal, Sequence, State, output, sample,
+};
+use pneudrive_protocol::Refused as RefusedReply;
+use pneudrive_records::words;
+use pneudrive_sim::component::controller::Model;
+use pneudrive_sim::keys;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::Refused;
+use crate::rig::{Rig, RigOrSource};
+use crate::work;
+
+/// One reading of the sensors, in the raw units of the hardware.
+#[pyclass(frozen, get_all, eq, from_py_object, module = "pneudrive")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sample {
+    /// Encoder count; positive means extension.
+    position: i32,
+    /// Chamber 1 (blind side) pressure as converted, 0 to 2^bits - 1.
+    pressure_1: i16,
+    /// Chamber 2 (rod side) pressure as converted.
+    pressure_2: i16,
+    /// Spool displacement as converted.
+    spool: i16,
+    /// Whether the homing switch is closed; False without one.
+    home_switch: bool,
+}
+
+#[pymethods]
+impl Sample {
+    #[new]
+    #[pyo3(signature = (position, pressure_1=0, pressure_2=0, spool=0, home_switch=false))]
+    fn new(position: i32, pressure_1: i16, pressure_2: i16, spool: i16, home_switch: bool) -> Sample {
+        Sample { position, pressure_1, pressure_2, spool, home_switch }
+    }
+
+    fn __repr__(&self) -> String {
+        let Sample { position, pressure_1, pressure_2, spool, .. } = self;
+        format!(
+            "Sample(position={position}, pressure_1={pressure_1}, pressure_2={pressure_2}, spool={spool})"
+        )
+    }
+}
+
+impl From<controller::Sample> for Sample {
+    fn from(of: controller::Sample) -> Sample {
+        let controller::Sample { position, pressure_1, pressure_2, spool, home_switch } = of;
+        Sample { position, pressure_1, pressure_2, spool, home_switch }
+    }
+}
+
+impl From<Sample> for controller::Sample {
+    fn from(of: Sample) -> controller::Sample {
+        let Sample { position, pressure_1, pressure_2, spool, home_switch } = of;
+        controller::Sample { position, pressure_1, pressure_2, spool, home_switch }
+    }
+}
+
+/// What the drive stage shall do from the output on.
+#[pyclass(frozen, get_all, eq, from_py_object, module = "pneudrive")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Command {
+    /// Valve command; positive means extension, 0 is the valve's null. DAC: -2048 to 2048 counts; stepper: the spool
+    /// location asked for, steps.
+    counts: i16,
+    /// Stepper: the pulse to give now, -1, 0 or 1. DAC: 0.
+    step: i8,
+    /// The drive's enable line.
+    drive_enable: bool,
+}
+
+#[pymethods]
+impl Command {
+    #[new]
+    #[pyo3(signature = (counts, step=0, drive_enable=true))]
+    fn new(counts: i16, step: i8, drive_enable: bool) -> PyResult<Command> {
+        if !(-2048..=2048).contains(&counts) || !(-1..=1).contains(&step) {
+            let text =
+                format!("counts must be between -2048 and 2048, and step -1, 0 or 1; is {counts}, {step}");
+            return Err(PyValueError::new_err(text));
+        }
+        Ok(Command { counts, step, drive_enable })
+    }
+
+    fn __repr__(&self) -> String {
+        let Command { counts, step, drive_enable } = self;
+        let enable = if *drive_enable { "True" } else { "False" };
+        format!("Command(counts={counts}, step={step}, drive_enable={enable})")
+    }
+}
+
+impl From<controller::Command> for Command {
+    fn from(of: controller::Command) -> Command {
+        let controller::Command { counts, step, drive_enable } = of;
+        Command { counts, step, drive_enable }
+    }
+}
+
+impl From<Command> for controller::Command {
+    fn from(of: Command) -> controller::Command {
+        let Command { counts, step, drive_enable } = of;
+        controller::Command { counts, step, drive_enable }
+    }
+}
+
+/// The controller of a rig, bit for bit that of the firmware, with the moves of the rig's test.
+#[pyclass(module = "pneudrive")]
+pub struct Controller {
+    config: Config,
+    sequence: Sequence,
+    state: State,
+}
+
+fn refused(refusal: Refusal) -> PyErr {
+    Refused::new_err(words::refusal(&RefusedReply::NotNow(refusal.code())))
+}
+
+#[pymethods]
+impl Controller {
+    /// The controller of a rig. It is referenced, armed and started: the next sample is k = 0 of the test. Without
+    /// `start` it is disarmed and not referenced.
+    #[new]
+    #[pyo3(signature = (rig, /, *, start=true))]
+    fn new(rig: RigOrSource, start: bool) -> PyResult<Controller> {
+        let rig = rig.0.rig;
+        if rig.get(&keys::controller::MODEL) == Model::Continuous {
+            let text =
+                "the continuous controller is the simulator's own; write controller.model = \"sampled\"";
+            return Err(PyValueError::new_err(text));
+        }
+        let parameters: Parameters = rig.parameters();
+        let config = Config::new(&parameters).map_err(|error| PyValueError::new_err(error.advice()))?;
+        let mut controller = Controller { config, sequence: rig.sequence(), state: State::default() };
+        if start {
+            controller.state.supervisor.set_referenced();
+            controller.arm()?;
+            controller.start()?;
+        }
+        Ok(controller)
+    }
+
+    /// Takes a sample and tells the command that is to be driven the rig's `controller.delay_s` later: `sample`, then
+    /// `output`.
+    fn step(&mut self, sample: Sample) -> Command {
+        self.sample(sample);
+        self.output()
+    }
+
+    /// The first interrupt: estimate, error, law, supervise.
+    fn sample(&mut self, sample: Sample) {
+        self::sample(&self.config, &self.sequence, &mut self.state, &sample.into());
+    }
+
+    /// The second interrupt: what the drive stage does now.
+    fn output(&mut self) -> Command {
+        output(&self.config, &mut self.state).into()
+    }
+
+    /// Enables the drive with the valve at null; leaves a fault.
+    fn arm(&mut self) -> PyResult<()> {
+        self.state.arm(&self.config).map_err(refused)
+    }
+
+    /// Runs the test from k = 0 at the next sample.
+    fn start(&mut self) -> PyResult<()> {
+        self.state.start(&self.config, &self.sequence).map_err(refused)
+    }
+
+    /// Disables the drive.
+    fn disarm(&mut self) {
+        self.state.supervisor.disarm();
+    }
+
+    /// Trips at once, as a stop request does.
+    fn stop(&mut self) {
+        self.state.supervisor.trip(Fault::Stop);
+    }
+
+    /// States that the axis stands at this count now. The drive must be disabled.
+    fn reference(&mut self, position: i32) -> PyResult<()> {
+        if self.state.supervisor.drives() {
+            return Err(Refused::new_err(
+                "the axis is referenced while the drive is disarmed; disarm it first",
+            ));
+        }
+        self.state.reference(position);
+        Ok(())
+    }
+
+    /// What it is doing: "disarmed", "armed", "running", "homing", "done" or "fault".
+    #[getter]
+    fn mode(&self) -> &'static str {
+        match self.state.supervisor.mode() {
+            Mode::Disarmed => "disarmed",
+            Mode::Armed => "armed",
+            Mode::Running => "running",
+            Mode::Homing => "homing",
+            Mode::Done => "done",
+            Mode::Fault(_) => "fault",
+        }
+    }
+
+    /// The fault that it tripped with; None if it has not.
+    #[getter]
+    fn fault(&self) -> Option<&'static str> {
+        match self.state.supervisor.mode() {
+            Mode::Fault(fault) => Some(words::fault_name(fault)),
+            _ => None,
+        }
+    }
+
+    /// What it made of the last sample, in counts.
+    #[getter]
+    fn observation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let seen = self.state.observation();
+        let dict = PyDict::new(py);
+        dict.set_item("running", seen.running)?;
+        dict.set_item("index", seen.index)?;
+        dict.set_item("setpoint_counts", seen.setpoint)?;
+        dict.set_item("position_counts", seen.position)?;
+        dict.set_item("error_counts", seen.error)?;
+        dict.set_item("command_counts", seen.command)?;
+        dict.set_item("velocity", seen.velocity)?;
+        dict.set_item("acceleration", seen.acceleration)?;
+        Ok(dict)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Controller {}, sample {}>", self.mode(), self.state.observation().index)
+    }
+}
+
+/// The plant of a rig as a controller sees it: a command in, a sample out.
+#[pyclass(module = "pneudrive")]
+pub struct Plant {
+    plant: pneudrive_sim::Plant,
+    period_us: u64,
+    /// Samples taken.
+    k: u64,
+    /// What ended it.
+    failure: Option<String>,
+}
+
+impl Plant {
+    fn act<T: Send>(
+        &mut self,
+        py: Python<'_>,
+        act: impl FnOnce(&mut pneudrive_sim::Plant) -> anyhow::Result<T> + Send,
+    ) -> PyResult<T> {
+        if let Some(failure) = &self.failure {
+            return Err(crate::errors::SimulationError::new_err(failure.clone()));
+        }
+        let plant = &mut self.plant;
+        let done = py.detach(|| work::at_once(|| act(plant)));
+        self.failure = done.as_ref().err().map(|error| error.value(py).to_string());
+        done
+    }
+}
+
+#[pymethods]
+impl Plant {
+    /// The plant in the initial state of the rig's test. `seed` is for the noise of its sensors.
+    #[new]
+    #[pyo3(signature = (rig, /, *, seed=0, tolerance=None, method=None))]
+    fn new(rig: RigOrSource, seed: u64, tolerance: Option<f64>, method: Option<&str>) -> PyResult<Plant> {
+        let rig: Rig = rig.0;
+        let accuracy = rig.accuracy(tolerance, method)?;
+        let plant = work::at_once(|| Ok(pneudrive_sim::Plant::new(&rig.rig, accuracy, seed)))?;
+        Ok(Plant { plant, period_us: rig.rig.period_us().get().into(), k: 0, failure: None })
+    }
+
+    /// The sensors at the present sample.
+    fn sample(&mut self, py: Python<'_>) -> PyResult<Sample> {
+        self.act(py, |plant| Ok(plant.sample()?)).map(Sample::from)
+    }
+
+    /// To the next sample, with this command in force from the output in between; returns that sample.
+    fn advance(&mut self, py: Python<'_>, command: Command) -> PyResult<Sample> {
+        let sample = self.act(py, |plant| Ok(plant.advance(command.into())?))?;
+        self.k += 1;
+        Ok(sample.into())
+    }
+
+    /// The state at the present sample, SI except where the name says otherwise.
+    #[getter]
+    fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let time_s = (self.k * self.period_us) as f64 / 1e6;
+        let seen = self.act(py, |plant| Ok(plant.look(time_s)?))?;
+        let dict = PyDict::new(py);
+        for (name, value) in [
+            ("time_s", time_s),
+            ("position_m", seen.position),
+            ("velocity_m_s", seen.velocity),
+            ("acceleration_m_s2", seen.acceleration),
+            ("pressure_1_pa", seen.pressures[0]),
+            ("pressure_2_pa", seen.pressures[1]),
+            ("temperature_1_k", seen.temperatures[0]),
+            ("temperature_2_k", seen.temperatures[1]),
+            ("spool_mm", 1e3 * seen.spool),
+            ("mass_flow_1_kg_s", seen.mass_flows[0]),
+            ("mass_flow_2_kg_s", seen.mass_flows[1]),
+            ("actuator_force_n", seen.actuator_force),
+            ("friction_n", seen.friction),
+        ] {
+            dict.set_item(name, value)?;
+        }
+        Ok(dict)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Plant at sample {}>", self.k)
+    }
+}

@@ -1,0 +1,33 @@
+//! The Python package `pneudrive`: its compiled part, `pneudrive._pneudrive`.
+
+mod channels;
+mod controller;
+mod errors;
+mod moves;
+mod progress;
+mod rig;
+mod run;
+mod target;
+mod transient;
+mod values;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _pneudrive {
+    #[pymodule_export]
+    use super::channels::Channels;
+    #[pymodule_export]
+    use super::controller::{Command, Controller, Plant, Sample};
+    #[pymodule_export]
+    use super::moves::{Evaluation, Figure, Move, evaluate};
+    #[pymodule_export]
+    use super::rig::{Rig, builtin_rigs, explain, keys};
+    #[pymodule_export]
+    use super::run::{Decided, Run, Trip};
+    #[pymodule_export]
+    use super::target::Target;
+    #[pymodule_export]
+    use super::transient::{Deviation, Overlay, Transient, overlay};
+}

@@ -1,0 +1,260 @@
+//! What a transient tells about its moves, as Python has it.
+
+use anyhow::bail;
+use pneudrive_analysis::ensemble::run_ensemble;
+use pneudrive_analysis::evaluation::{self, Chambers, Motion, moves, refuse_other_rig, remarks, table};
+use pneudrive_analysis::transient::Transient;
+use pneudrive_records::run_folder::{StoredRun, rig_of};
+use pyo3::exceptions::PyAttributeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::Value as Json;
+
+use crate::rig::RigOrSource;
+use crate::run::Run;
+use crate::transient::Source;
+use crate::{progress, values, work};
+
+/// A figure of a move, with what it rests on.
+#[pyclass(frozen, get_all, module = "pneudrive")]
+pub struct Figure {
+    /// Of the run or the record itself; None if it does not show it.
+    value: Option<f64>,
+    /// The least over the run and its neighbours; None without neighbours.
+    least: Option<f64>,
+    /// The most over them.
+    most: Option<f64>,
+    /// How many of the runs do not show it.
+    runs_without: u64,
+    /// How many runs it rests on.
+    runs: usize,
+}
+
+#[pymethods]
+impl Figure {
+    fn __repr__(&self) -> String {
+        let word =
+            |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.6}"));
+        let range = match (self.least, self.most) {
+            (Some(least), Some(most)) => format!(", {least:.6} to {most:.6} in {} runs", self.runs),
+            _ => String::new(),
+        };
+        let without = if self.runs_without > 0 && self.runs > 1 {
+            format!(", none in {} of them", self.runs_without)
+        } else {
+            String::new()
+        };
+        format!("<Figure {}{range}{without}>", word(self.value))
+    }
+
+    /// The value; an error where there is none.
+    fn __float__(&self) -> PyResult<f64> {
+        self.value
+            .ok_or_else(|| pyo3::exceptions::PyValueError::new_err("the move does not show this figure"))
+    }
+}
+
+/// A move and what was measured of it.
+#[pyclass(frozen, module = "pneudrive")]
+pub struct Move {
+    number: usize,
+    runs: usize,
+    figures: Json,
+}
+
+impl Move {
+    fn figure(&self, name: &str) -> Option<Figure> {
+        let figure = &self.figures[name];
+        let number = |name: &str| figure[name].as_f64();
+        let of_neighbours = |name: &str| number(name).filter(|_| self.runs > 1);
+        Some(Figure {
+            value: number("value"),
+            least: of_neighbours("least"),
+            most: of_neighbours("most"),
+            runs_without: figure.get("runs_without")?.as_u64()?,
+            runs: self.runs,
+        })
+    }
+
+    fn names(&self) -> impl Iterator<Item = &String> {
+        let figures = self.figures.as_object().into_iter().flatten();
+        figures.filter(|(_, figure)| figure.get("runs_without").is_some()).map(|(name, _)| name)
+    }
+}
+
+#[pymethods]
+impl Move {
+    /// 1 for the first move of the test.
+    #[getter]
+    fn number(&self) -> usize {
+        self.number
+    }
+
+    /// How many runs end at rest ("none"), in a limit cycle ("sustained"), and in neither that is decidable
+    /// ("undecided").
+    #[getter]
+    fn limit_cycle_runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        values::json_to_python(py, &self.figures["limit_cycle_runs"])
+    }
+
+    fn __getattr__(&self, name: &str) -> PyResult<Figure> {
+        self.figure(name).ok_or_else(|| {
+            let names: Vec<&str> = self.names().map(String::as_str).collect();
+            PyAttributeError::new_err(format!("a move has no figure {name}; it has {}", names.join(", ")))
+        })
+    }
+
+    fn __dir__(&self) -> Vec<String> {
+        let own = ["number", "limit_cycle_runs", "to_dict"].map(str::to_owned);
+        own.into_iter().chain(self.names().cloned()).collect()
+    }
+
+    /// The value of each figure by its name; None where the move does not show it.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("number", self.number)?;
+        for name in self.names() {
+            dict.set_item(name, self.figures[name]["value"].as_f64())?;
+        }
+        Ok(dict)
+    }
+
+    fn __repr__(&self) -> String {
+        let word = |name: &str| match self.figures[name]["value"].as_f64() {
+            Some(value) => format!("{value:.4}"),
+            None => "none".to_owned(),
+        };
+        let [to, settled, overshoot] = ["to_mm", "settled_s", "overshoot_mm"].map(word);
+        format!("<Move {} to {to} mm: settled_s {settled}, overshoot_mm {overshoot}>", self.number)
+    }
+}
+
+/// The moves of a run and its neighbours, the run's own first.
+pub fn of_runs(runs: &[Vec<evaluation::Move>]) -> Vec<Move> {
+    let Json::Array(moves) = evaluation::to_json(runs) else { return Vec::new() };
+    let own = runs.first().into_iter().flatten().map(|one| one.number);
+    let runs = runs.len();
+    own.zip(moves).map(|(number, figures)| Move { number, runs, figures }).collect()
+}
+
+/// What a transient tells about its moves.
+#[pyclass(frozen, get_all, module = "pneudrive")]
+pub struct Evaluation {
+    /// The moves, in their order.
+    moves: Vec<Py<Move>>,
+    /// What else there is to say of them.
+    remarks: Vec<String>,
+    /// How many runs the figures rest on: the run and its neighbours, or 1.
+    runs: usize,
+    /// The figures as a table of text.
+    text: String,
+}
+
+#[pymethods]
+impl Evaluation {
+    fn __str__(&self) -> String {
+        format!(
+            "{}{}",
+            self.text,
+            self.remarks.iter().map(|remark| format!("{remark}\n")).collect::<String>()
+        )
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Evaluation of {} moves over {} runs>", self.moves.len(), self.runs)
+    }
+}
+
+impl Evaluation {
+    /// Of the moves of a run and its neighbours.
+    pub fn of(py: Python<'_>, runs: &[Vec<evaluation::Move>], tolerance_mm: f64) -> PyResult<Evaluation> {
+        let table = table(runs, tolerance_mm);
+        Ok(Evaluation {
+            moves: of_runs(runs).into_iter().map(|one| Py::new(py, one)).collect::<PyResult<_>>()?,
+            remarks: remarks(runs),
+            runs: runs.len(),
+            text: format!("{}\n{}", table.heading, table.to_text()),
+        })
+    }
+}
+
+/// What lies between two times of a transient, without a gap.
+fn part(transient: &Transient, within: [Option<f64>; 2]) -> anyhow::Result<Transient> {
+    let part = transient.between(within[0].unwrap_or(f64::NEG_INFINITY), within[1].unwrap_or(f64::INFINITY));
+    if part.time.len() < 2 {
+        bail!("{} has fewer than two samples there", transient.name);
+    }
+    match part.gaps.first() {
+        Some([before, after]) => bail!(
+            "{}: samples are missing between {before:.4} s and {after:.4} s; choose an interval without a gap by from_s and to_s",
+            part.name
+        ),
+        None => Ok(part),
+    }
+}
+
+/// Evaluates the moves of a run, a record or a file. The neighbours of a run are run again, so that every figure has
+/// its range.
+#[pyfunction]
+#[pyo3(signature = (transient, /, *, rig=None, tolerance_mm=evaluation::TOLERANCE_MM, from_s=None, to_s=None, progress=None))]
+pub fn evaluate(
+    py: Python<'_>,
+    transient: Source,
+    rig: Option<RigOrSource>,
+    tolerance_mm: f64,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Evaluation> {
+    if tolerance_mm.is_nan() || tolerance_mm <= 0.0 {
+        let text = format!("tolerance_mm must be more than 0, is {tolerance_mm}");
+        return Err(pyo3::exceptions::PyValueError::new_err(text));
+    }
+    let within = [from_s, to_s];
+    if let Source::Run(run) = &transient {
+        return of_run(py, run.get(), within, tolerance_mm, progress);
+    }
+    let folder = transient.folder();
+    let transient = transient.transient()?;
+    let runs = work::at_once(|| {
+        let rig = match (rig, &folder) {
+            (Some(rig), _) => Some(rig.0.rig),
+            (None, Some(folder)) => rig_of(folder).ok(),
+            (None, None) => None,
+        };
+        if let Some(rig) = rig.as_ref().filter(|_| folder.is_none()) {
+            refuse_other_rig(&transient, rig)?;
+        }
+        let part = part(&transient, within)?;
+        let chambers = rig.as_ref().map(Chambers::of);
+        Ok(vec![moves(&part, &Motion::of(&part), chambers.as_ref(), tolerance_mm)])
+    })?;
+    Evaluation::of(py, &runs, tolerance_mm)
+}
+
+fn of_run(
+    py: Python<'_>,
+    run: &Run,
+    within: [Option<f64>; 2],
+    tolerance_mm: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Evaluation> {
+    let (rig, judged) = (&run.rig().rig, run.judged());
+    let measure = |rig: &pneudrive_sim::Rig, run: &pneudrive_sim::Run| {
+        let part = part(&Transient::of_run(rig.name(), &StoredRun::of(rig, run)), within)?;
+        Ok(moves(&part, &Motion::of(&part), Some(&Chambers::of(rig)), tolerance_mm))
+    };
+    let runs = if judged.spacing.runs == 1 {
+        work::at_once(|| Ok(vec![measure(rig, &judged.run)?]))?
+    } else {
+        let bar = progress::of(py, progress, "evaluating")?;
+        let (accuracy, spacing) = (judged.accuracy, judged.spacing);
+        work::run(py, bar, |meter| {
+            let tell = |done, all| meter.at(done, all);
+            let ensemble =
+                work::pool(None)?.install(|| run_ensemble(rig, accuracy, spacing, measure, tell))?;
+            ensemble.measured.into_iter().collect::<anyhow::Result<Vec<_>>>()
+        })?
+    };
+    Evaluation::of(py, &runs, tolerance_mm)
+}

@@ -1,0 +1,337 @@
+//! `Rig`: one drive and one test.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use pneudrive_records::rig_source::rig_text;
+use pneudrive_records::rig_text::with_settings;
+use pneudrive_records::whole_file::put;
+use pneudrive_sim::rig::{Kind, Preset, Problems, all_keys, find_key, value_of_setting};
+use pneudrive_sim::{Accuracy, Method};
+use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping, PyString, PyTuple};
+
+use crate::errors::{OrRaise, PneudriveError, of_problems};
+use crate::run::{self, Plan, Run};
+use crate::{values, work};
+
+/// What messages call values that were given in Python.
+const VALUES: &str = "values";
+
+/// What the reader of rig files calls settings.
+const SETTINGS: &str = "--set";
+
+/// One drive and one test, valid.
+#[pyclass(frozen, module = "pneudrive", from_py_object)]
+#[derive(Clone, Debug)]
+pub struct Rig {
+    /// Name for messages, and text of the file.
+    pub source: (String, String),
+    /// What was set beside it, as `key=value`.
+    pub settings: Vec<String>,
+    /// Their values.
+    pub rig: pneudrive_sim::Rig,
+}
+
+impl Rig {
+    /// Reads a file with settings.
+    ///
+    /// # Errors
+    /// `RigError` with every problem.
+    pub fn read(source: (String, String), settings: Vec<String>) -> PyResult<Rig> {
+        let read = work::at_once(|| Ok(pneudrive_sim::Rig::read_with(&source.0, &source.1, &settings)))?;
+        let rig = read.map_err(|problems| of_problems(&renamed(problems)))?;
+        Ok(Rig { source, settings, rig })
+    }
+
+    /// The same file with these values set, too.
+    pub fn with_values(&self, values: &pneudrive_sim::Rig) -> PyResult<Rig> {
+        let changed = values.entries().filter(|(key, value)| self.rig.value(key.path) != Some(*value));
+        let changed = changed.map(|(key, value)| format!("{}={value}", key.path));
+        Rig::read(self.source.clone(), self.settings.iter().cloned().chain(changed).collect())
+    }
+
+    /// How exactly its run is integrated: as it needs, or as is asked for.
+    ///
+    /// # Errors
+    /// `ValueError` of a tolerance or method that there is not.
+    pub fn accuracy(&self, tolerance: Option<f64>, method: Option<&str>) -> PyResult<Accuracy> {
+        let usual = Accuracy::of(&self.rig);
+        let tolerance = match tolerance {
+            None => usual.tolerance,
+            Some(tolerance) if (1e-13..=1e-2).contains(&tolerance) => tolerance,
+            Some(other) => {
+                return Err(PyValueError::new_err(format!(
+                    "tolerance must be between 1e-13 and 1e-2, is {other}"
+                )));
+            }
+        };
+        let method = match method {
+            None => usual.method,
+            Some("dormand-prince") => Method::DormandPrince,
+            Some("merson") => Method::Merson,
+            Some(other) => {
+                let known = "\"dormand-prince\" or \"merson\"";
+                return Err(PyValueError::new_err(format!("method must be {known}, is \"{other}\"")));
+            }
+        };
+        Ok(Accuracy { method, tolerance })
+    }
+
+    /// The rig file, with what was set in it.
+    fn text(&self) -> Result<String> {
+        with_settings(&self.source.1, &self.settings, "set in Python")
+    }
+}
+
+/// What to say of a key that there is not.
+fn unknown(path: &str) -> String {
+    format!("{path}: {}", value_of_setting(path, "0").err().unwrap_or_default())
+}
+
+/// Settings are called what they are here.
+fn renamed(mut problems: Problems) -> Problems {
+    for problem in &mut problems.0 {
+        if problem.source == SETTINGS {
+            VALUES.clone_into(&mut problem.source);
+        }
+    }
+    problems
+}
+
+/// A rig by name, file or values.
+fn source_of(what: &Bound<'_, PyAny>) -> PyResult<((String, String), Vec<String>)> {
+    if let Ok(values) = what.cast::<PyMapping>() {
+        return Ok(((VALUES.to_owned(), String::new()), settings_of(values)?));
+    }
+    let path = what.extract::<PathBuf>().map_err(|_| {
+        let kind = what.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+        PyTypeError::new_err(format!(
+            "a rig is the name of a built-in one, a file, or a dict of its keys, not {kind}"
+        ))
+    })?;
+    Ok((rig_text(&path.to_string_lossy()).or_raise()?, Vec::new()))
+}
+
+/// `{"load": {"mass_kg": 2}}` and `{"load.mass_kg": 2}` alike, as `key=value`.
+pub fn settings_of(values: &Bound<'_, PyMapping>) -> PyResult<Vec<String>> {
+    let mut settings = Vec::new();
+    for item in values.items()?.iter() {
+        let (name, value): (String, Bound<'_, PyAny>) = item.extract()?;
+        let is_table = !name.contains('.') && all_keys().any(|key| key.table() == name);
+        match value.cast::<PyMapping>() {
+            Ok(table) if is_table => {
+                for item in table.items()?.iter() {
+                    let (key, value): (String, Bound<'_, PyAny>) = item.extract()?;
+                    settings.push(values::setting(&format!("{name}.{key}"), &value)?);
+                }
+            }
+            _ => settings.push(values::setting(&name, &value)?),
+        }
+    }
+    Ok(settings)
+}
+
+#[pymethods]
+impl Rig {
+    #[new]
+    #[pyo3(signature = (what, /, **keys))]
+    fn new(what: &Bound<'_, PyAny>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Rig> {
+        let rig = match what.extract::<Rig>() {
+            Ok(rig) => rig,
+            Err(_) => {
+                let (source, settings) = source_of(what)?;
+                Rig::read(source, settings)?
+            }
+        };
+        rig.with_(None, keys)
+    }
+
+    /// This rig with other values: `rig.with_(load__mass_kg=2)` or `rig.with_({"load.mass_kg": 2})`.
+    #[pyo3(signature = (values=None, /, **keys))]
+    fn with_(
+        &self,
+        values: Option<&Bound<'_, PyMapping>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Rig> {
+        let mut settings = self.settings.clone();
+        settings.extend(values.map_or(Ok(Vec::new()), settings_of)?);
+        for (name, value) in keys.into_iter().flatten() {
+            let path = name.extract::<String>()?.replacen("__", ".", 1);
+            settings.push(values::setting(&path, &value)?);
+        }
+        Rig::read(self.source.clone(), settings)
+    }
+
+    /// What the rig is called.
+    #[getter]
+    fn name(&self) -> &str {
+        self.rig.name()
+    }
+
+    /// The value of a key, such as "load.mass_kg"; None of a key that is left out.
+    fn __getitem__<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
+        match self.rig.value(path) {
+            Some(value) => values::to_python(py, value),
+            None if find_key(path).is_some() => Ok(py.None().into_bound(py)),
+            None => Err(PyKeyError::new_err(unknown(path))),
+        }
+    }
+
+    fn __contains__(&self, path: &str) -> bool {
+        self.rig.value(path).is_some()
+    }
+
+    /// All keys that have a value, with it.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (key, value) in self.rig.entries() {
+            dict.set_item(key.path, values::to_python(py, value)?)?;
+        }
+        Ok(dict)
+    }
+
+    /// Keys that were given but that the chosen models do not use.
+    #[getter]
+    fn unused(&self) -> Vec<&'static str> {
+        self.rig.unused()
+    }
+
+    /// Where a value comes from: the kind of source, the ends between which it lies (None if the file does not say),
+    /// and what the file says of it.
+    fn origin(&self, path: &str) -> PyResult<(&'static str, Option<(f64, f64)>, String)> {
+        let key = find_key(path).ok_or_else(|| PyKeyError::new_err(unknown(path)))?;
+        let origin = self.rig.origin(key);
+        Ok((origin.source.word(), origin.range.map(|[low, high]| (low, high)), origin.from))
+    }
+
+    /// A rig whose physical values are drawn within a fraction of this one's, as a real rig's are.
+    #[pyo3(signature = (fraction, /, *, seed))]
+    fn spread(&self, fraction: f64, seed: u64) -> PyResult<Rig> {
+        let drawn =
+            self.rig.spread(fraction, seed).map_err(|error| PneudriveError::new_err(error.to_string()))?;
+        self.with_values(&drawn)
+    }
+
+    /// Runs the test. `ensemble` counts the run and its neighbours, whose mass and starting position differ by next to
+    /// nothing; figures are ranges over them. `decide` asks whether the integration error could change an encoder
+    /// count. `columns` adds columns of the air inside the valve. The interpreter's lock is released.
+    #[pyo3(signature = (*, ensemble=8, decide=true, columns=Vec::new(), tolerance=None, method=None, progress=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        ensemble: usize,
+        decide: bool,
+        columns: Vec<String>,
+        tolerance: Option<f64>,
+        method: Option<&str>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Py<Run>> {
+        let accuracy = self.accuracy(tolerance, method)?;
+        let plan = Plan::new(accuracy, ensemble, decide, &columns)?;
+        run::simulate(py, self, plan, progress)
+    }
+
+    /// The rig file.
+    fn to_toml(&self) -> PyResult<String> {
+        self.text().or_raise()
+    }
+
+    /// Writes the rig file.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        self.text().and_then(|text| put(&path, &text)).or_raise()
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.extract::<Rig>().is_ok_and(|other| {
+            let of = |rig: &Rig| {
+                rig.rig.entries().map(|(key, value)| (key.path, value.clone())).collect::<Vec<_>>()
+            };
+            of(self) == of(&other)
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let settings = self.settings.join(", ");
+        format!("<Rig {}{}{settings}>", self.rig.name(), if settings.is_empty() { "" } else { ": " })
+    }
+
+    /// For pickle, and so for other processes.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let make = py.get_type::<Rig>().getattr("_read")?;
+        let (name, text) = &self.source;
+        Ok((make, (name, text, &self.settings).into_pyobject(py)?))
+    }
+
+    #[staticmethod]
+    fn _read(name: String, text: String, settings: Vec<String>) -> PyResult<Rig> {
+        Rig::read((name, text), settings)
+    }
+}
+
+/// A key of a rig file: its path, type, unit, default, and the help text of `pneudrive rig explain`.
+#[pyfunction]
+pub fn keys(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    let one = |key: &'static pneudrive_sim::rig::Key| {
+        let dict = PyDict::new(py);
+        dict.set_item("path", key.path)?;
+        dict.set_item("type", type_of(&key.kind, &key.preset))?;
+        dict.set_item("unit", key.unit())?;
+        dict.set_item("meaning", key.meaning)?;
+        dict.set_item("help", explained(key.path)?)?;
+        Ok(dict)
+    };
+    all_keys().map(one).collect()
+}
+
+/// The type of a key's value in Python.
+fn type_of(kind: &Kind, preset: &Preset) -> String {
+    let plain = match kind {
+        Kind::Number { .. } => "float",
+        Kind::Integer { .. } => "int",
+        Kind::Switch => "bool",
+        Kind::Choice(_) | Kind::Text => "str",
+        Kind::Integers { .. } => "list[int]",
+        Kind::Numbers { .. } => "list[float]",
+        Kind::Moves => "list[tuple[float, int]]",
+        Kind::Events => "list[dict[str, Any]]",
+        Kind::NotBuilt => match preset {
+            Preset::Switch(_) => "bool",
+            _ => "float",
+        },
+    };
+    if matches!(preset, Preset::Absent(_)) { format!("{plain} | None") } else { plain.to_owned() }
+}
+
+/// The help text of a key, of all keys of a table, of a number of the thesis, or a list of all keys (for "").
+#[pyfunction]
+#[pyo3(signature = (name="", /))]
+pub fn explain(name: &str) -> PyResult<String> {
+    explained(name)
+}
+
+fn explained(name: &str) -> PyResult<String> {
+    pneudrive_sim::rig::explain(name).map_err(|problem| of_problems(&Problems(vec![problem])))
+}
+
+/// Names of the built-in rigs.
+#[pyfunction]
+pub fn builtin_rigs() -> Vec<&'static str> {
+    pneudrive_sim::rig::BUILTIN.iter().map(|(name, _)| *name).collect()
+}
+
+/// A rig, or what makes one: a name, a file or a dict.
+pub struct RigOrSource(pub Rig);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for RigOrSource {
+    type Error = PyErr;
+
+    fn extract(what: Borrowed<'a, 'py, PyAny>) -> PyResult<RigOrSource> {
+        if what.is_instance_of::<PyString>() || !what.is_instance_of::<Rig>() {
+            return Rig::new(&what, None).map(RigOrSource);
+        }
+        Ok(RigOrSource(what.extract::<Rig>()?))
+    }
+}

@@ -1,0 +1,347 @@
+//! `Rig.simulate` and `Run`: a simulated transient, and how far it can be trusted.
+
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+use anyhow::Result;
+use pneudrive_analysis::ensemble::run_ensemble;
+use pneudrive_analysis::evaluation::{Move as Measured, TOLERANCE_MM, moves_of_run, table, to_json};
+use pneudrive_analysis::page::Page;
+use pneudrive_analysis::{report, transient};
+use pneudrive_controller::Observation;
+use pneudrive_records::band::CHANNELS;
+use pneudrive_records::judged::{FailedNeighbours, Judged, Spacing};
+use pneudrive_records::run_folder::{self, Existing, StoredRun};
+use pneudrive_records::words;
+use pneudrive_sim::trace::{EXTRAS, Extra};
+use pneudrive_sim::{Accuracy, Decision, Recording, run_recorded};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::channels::{Channels, Column, Columns, array};
+use crate::moves::{Evaluation, Move, of_runs};
+use crate::rig::Rig;
+use crate::transient::Transient;
+use crate::{progress, work};
+
+/// A simulated run.
+#[pyclass(frozen, extends = Channels, mapping, module = "pneudrive")]
+pub struct Run {
+    rig: Rig,
+    judged: Arc<Judged>,
+    /// Whether it was asked if the run is decided.
+    is_judged: bool,
+    moves: OnceLock<Vec<Vec<Measured>>>,
+}
+
+impl Run {
+    /// Its rig.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// The run, and what is known of it.
+    pub fn judged(&self) -> &Judged {
+        &self.judged
+    }
+
+    fn measured(&self) -> &[Vec<Measured>] {
+        self.moves.get_or_init(|| vec![moves_of_run(&self.rig.rig, &self.judged.run, TOLERANCE_MM)])
+    }
+
+    fn stored(&self) -> StoredRun {
+        StoredRun::of_judged(&self.rig.rig, &self.judged)
+    }
+
+    fn notes(&self) -> Vec<String> {
+        if self.is_judged {
+            return words::run(&self.rig.rig, &self.judged);
+        }
+        vec![
+            words::summary(&self.rig.rig, &self.judged.run),
+            "one run, and nobody asked whether it is decided: its integration error may have changed an encoder count"
+                .to_owned(),
+        ]
+    }
+
+    fn page(&self) -> Page {
+        let transient = transient::Transient::of_run("simulated", &self.stored());
+        let tables = vec![table(self.measured(), TOLERANCE_MM)];
+        report::page(&format!("{}, simulated", self.rig.rig.name()), self.notes(), &[transient], tables)
+    }
+}
+
+/// How a run is to be simulated.
+pub struct Plan {
+    accuracy: Accuracy,
+    spacing: Spacing,
+    decide: bool,
+    columns: Vec<&'static Extra>,
+}
+
+impl Plan {
+    /// A run with `ensemble` - 1 neighbours, and these columns of the air inside the valve.
+    ///
+    /// # Errors
+    /// `ValueError` of a number or a column that there is not.
+    pub fn new(accuracy: Accuracy, ensemble: usize, decide: bool, columns: &[String]) -> PyResult<Plan> {
+        if !(1..=1000).contains(&ensemble) {
+            return Err(PyValueError::new_err(format!(
+                "ensemble must be between 1 and 1000 runs, is {ensemble}"
+            )));
+        }
+        let spacing = Spacing { runs: ensemble, ..Spacing::default() };
+        Ok(Plan { accuracy, spacing, decide: decide || ensemble > 1, columns: columns_named(columns)? })
+    }
+
+    fn is_alone(&self) -> bool {
+        self.spacing.runs == 1 && !self.decide
+    }
+
+    fn recording(&self) -> Recording {
+        Recording { valve: !self.columns.is_empty() }
+    }
+}
+
+/// The run, and what was measured of it and its neighbours, if that was asked for.
+fn simulated(
+    rig: &pneudrive_sim::Rig,
+    plan: Plan,
+    meter: &work::Meter,
+) -> Result<(Judged, Option<Vec<Vec<Measured>>>)> {
+    let recording = plan.recording();
+    if plan.is_alone() {
+        let run = run_recorded(rig, plan.accuracy, recording, |done, all| meter.at(done.into(), all.into()))?;
+        let Plan { accuracy, spacing, columns, .. } = plan;
+        let (decision, band, lost) = (Decision::UNKNOWN, None, FailedNeighbours::default());
+        return Ok((Judged { run, accuracy, decision, band, spacing, lost, columns }, None));
+    }
+    let measure = |rig: &pneudrive_sim::Rig, run: &pneudrive_sim::Run| moves_of_run(rig, run, TOLERANCE_MM);
+    let tell = |done, all| meter.at(done, all);
+    let pool = work::pool(None)?;
+    let ensemble = pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, measure, tell))?;
+    let mut judged = ensemble.nominal;
+    if recording.valve {
+        // The same run again, now with a look into the valve at every row.
+        judged.run = run_recorded(rig, plan.accuracy, recording, |_, _| {})?;
+        judged.columns = plan.columns;
+    }
+    Ok((judged, Some(ensemble.measured)))
+}
+
+fn columns_named(names: &[String]) -> PyResult<Vec<&'static Extra>> {
+    let known = || EXTRAS.map(|extra| extra.name).join(", ");
+    let named = |name: &String| {
+        let missing = || PyValueError::new_err(format!("columns: there is no {name}; there are {}", known()));
+        Extra::named(name).ok_or_else(missing)
+    };
+    names.iter().map(named).collect()
+}
+
+/// Runs the test of a rig.
+pub fn simulate(py: Python<'_>, rig: &Rig, plan: Plan, progress: Option<Py<PyAny>>) -> PyResult<Py<Run>> {
+    let is_judged = !plan.is_alone();
+    let bar = progress::of(py, progress, "simulating")?;
+    let (judged, measured) = work::run(py, bar, |meter| simulated(&rig.rig, plan, meter))?;
+    let judged = Arc::new(judged);
+    let channels = channels(rig, &judged);
+    let moves = measured.map_or_else(OnceLock::new, OnceLock::from);
+    Py::new(py, (Run { rig: rig.clone(), judged, is_judged, moves }, channels))
+}
+
+/// The columns of trace.csv.
+fn channels(rig: &Rig, judged: &Arc<Judged>) -> Channels {
+    let (rig, judged) = (rig.rig.clone(), Arc::clone(judged));
+    Channels::new(move || {
+        let columns = StoredRun::of_judged(&rig, &judged).into_columns();
+        columns.map(|(name, values)| (name.to_owned(), Column::Float(values))).collect()
+    })
+}
+
+/// Whether the transient of a run is decided, or the error of its integration chose it.
+#[pyclass(frozen, get_all, module = "pneudrive")]
+pub struct Decided {
+    /// Whether the exact transient is this one.
+    is_decided: bool,
+    /// From when on the exact transient may be another one, s; None of a run that is decided.
+    undecided_from_s: Option<f64>,
+    /// Estimated error of the positions, the largest of the run, m.
+    error_m: f64,
+    /// How near a sampled position came to another count, m; None where no encoder is in the loop.
+    closest_edge_m: Option<f64>,
+    /// The same in words.
+    text: String,
+}
+
+#[pymethods]
+impl Decided {
+    fn __bool__(&self) -> bool {
+        self.is_decided
+    }
+
+    fn __str__(&self) -> &str {
+        &self.text
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Decided: {}>", self.text)
+    }
+}
+
+/// The fault that ended the control of a run.
+#[pyclass(frozen, get_all, module = "pneudrive")]
+pub struct Trip {
+    /// Its name, such as "position-outside".
+    fault: &'static str,
+    /// What it means and what to do.
+    meaning: &'static str,
+    /// The sample at which it tripped.
+    sample: u32,
+}
+
+#[pymethods]
+impl Trip {
+    fn __repr__(&self) -> String {
+        format!("<Trip at sample {}: {} ({})>", self.sample, self.fault, self.meaning)
+    }
+}
+
+#[pymethods]
+impl Run {
+    /// The rig that was run.
+    #[getter(rig)]
+    fn its_rig(&self) -> Rig {
+        self.rig.clone()
+    }
+
+    /// Whether the run is decided; None if that was not asked.
+    #[getter]
+    fn decision(&self) -> Option<Decided> {
+        let decision = &self.judged.decision;
+        self.is_judged.then(|| Decided {
+            is_decided: decision.is_decided(),
+            undecided_from_s: decision.undecided_from_s,
+            error_m: decision.error_m,
+            closest_edge_m: decision.closest_edge.map(|edge| edge.distance_m),
+            text: words::decision(decision),
+        })
+    }
+
+    /// The fault that ended the control; None if none did.
+    #[getter]
+    fn trip(&self) -> Option<Trip> {
+        let trip = |(fault, sample): (pneudrive_controller::Fault, u32)| Trip {
+            fault: words::fault_name(fault),
+            meaning: words::fault_meaning(fault.code()),
+            sample,
+        };
+        self.judged.run.fault.map(trip)
+    }
+
+    /// How many runs its figures rest on: itself and its neighbours.
+    #[getter]
+    fn ensemble(&self) -> usize {
+        self.measured().len()
+    }
+
+    /// Its moves, with figures as ranges over the run and its neighbours.
+    #[getter]
+    fn moves(&self) -> Vec<Move> {
+        of_runs(self.measured())
+    }
+
+    /// What is to be known of it, a sentence each.
+    #[getter(notes)]
+    fn its_notes(&self) -> Vec<String> {
+        self.notes()
+    }
+
+    /// Steps of the integrator.
+    #[getter]
+    fn steps(&self) -> u64 {
+        self.judged.run.work.integrator.n_steps as u64
+    }
+
+    /// Lowest and highest values over the run and its neighbours, at the run's own instants: a pair of arrays for each
+    /// channel. Empty without neighbours.
+    #[getter]
+    fn band<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        if let Some(band) = &self.judged.band {
+            for ((name, low), high) in CHANNELS.iter().zip(&band.low).zip(&band.high) {
+                dict.set_item(name, (array(py, low.clone())?, array(py, high.clone())?))?;
+            }
+        }
+        Ok(dict)
+    }
+
+    /// The integers of the controller, a sample each: what every rung repeats in every bit.
+    #[getter]
+    fn samples(&self, py: Python<'_>) -> PyResult<Py<Channels>> {
+        let judged = Arc::clone(&self.judged);
+        Py::new(py, Channels::new(move || integers(&judged.run.observations)))
+    }
+
+    /// The channels in mm, kPa and counts over time.
+    fn transient(&self, py: Python<'_>) -> PyResult<Py<Transient>> {
+        Transient::of(py, transient::Transient::of_run(self.rig.rig.name(), &self.stored()))
+    }
+
+    /// Writes a run folder, as `pneudrive simulate` does: trace.csv, run.json, report.html and, with neighbours,
+    /// band.csv. A run of another rig is replaced only with `overwrite`. Returns the number of the run.
+    #[pyo3(signature = (folder, *, overwrite=false))]
+    fn save(&self, py: Python<'_>, folder: PathBuf, overwrite: bool) -> PyResult<u64> {
+        if !self.is_judged {
+            return Err(PyValueError::new_err(
+                "a run folder tells whether its run is decided; simulate with decide=True",
+            ));
+        }
+        let existing = if overwrite { Existing::Overwrite } else { Existing::Keep };
+        work::run(py, None, |_| {
+            std::fs::create_dir_all(&folder)?;
+            run_folder::refuse_other_rig(&folder, &self.rig.rig, existing)?;
+            let page = self.page();
+            let pieces = |mark: &str| page.pieces(mark, None);
+            let moves = to_json(self.measured());
+            run_folder::write(&folder, &self.rig.rig, &self.judged, moves, Some(&pieces), existing)
+        })
+    }
+
+    /// Draws position, pressures, spool and command; returns a matplotlib figure.
+    #[pyo3(signature = (channels=None))]
+    fn plot<'py>(slf: Bound<'py, Run>, channels: Option<Vec<String>>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pneudrive.plot")?.call_method1("run", (&slf, channels))
+    }
+
+    fn __str__(&self, py: Python<'_>) -> PyResult<String> {
+        let evaluation = Py::new(py, Evaluation::of(py, self.measured(), TOLERANCE_MM)?)?;
+        Ok(self.notes().join("\n") + "\n" + &evaluation.bind(py).str()?.to_string())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Run {}>", words::summary(&self.rig.rig, &self.judged.run))
+    }
+}
+
+/// Columns of what the controller saw and made of it.
+fn integers(observations: &[Observation]) -> Columns {
+    let column = |name: &str, of: fn(&Observation) -> i32| {
+        (name.to_owned(), Column::Int(observations.iter().map(of).collect()))
+    };
+    let long = |name: &str, of: fn(&Observation) -> i64| {
+        (name.to_owned(), Column::Long(observations.iter().map(of).collect()))
+    };
+    vec![
+        long("index", |seen| seen.index.into()),
+        column("setpoint_counts", |seen| seen.setpoint),
+        column("position_counts", |seen| seen.position),
+        column("error_counts", |seen| seen.error),
+        column("command_counts", |seen| seen.command.into()),
+        long("velocity", |seen| seen.velocity),
+        long("acceleration", |seen| seen.acceleration),
+        column("pressure_1_raw", |seen| seen.pressure_1.into()),
+        column("pressure_2_raw", |seen| seen.pressure_2.into()),
+        column("spool_raw", |seen| seen.spool.into()),
+    ]
+}
