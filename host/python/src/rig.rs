@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use pneudrive_records::rig_source::rig_text;
-use pneudrive_records::rig_text::with_settings;
+use pneudrive_records::rig_text::{with_settings, without};
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::{Kind, Preset, Problems, all_keys, find_key, value_of_setting};
 use pneudrive_sim::{Accuracy, Method};
@@ -17,7 +17,7 @@ use crate::run::{self, Plan, Run};
 use crate::{values, work};
 
 /// What messages call values that were given in Python.
-const VALUES: &str = "values";
+pub const VALUES: &str = "values";
 
 /// What the reader of rig files calls settings.
 const SETTINGS: &str = "--set";
@@ -80,8 +80,17 @@ impl Rig {
     }
 
     /// The rig file, with what was set in it.
-    fn text(&self) -> Result<String> {
-        with_settings(&self.source.1, &self.settings, "set in Python")
+    ///
+    /// # Errors
+    /// When the text is no TOML.
+    pub fn text(&self) -> Result<String> {
+        let is_set = |key: &str| self.settings.iter().any(|setting| setting.starts_with(key));
+        // Targets that were set replace the moves of the file.
+        let text = match is_set("test.targets=") {
+            true => without(&self.source.1, "test", &["moves"])?,
+            false => self.source.1.clone(),
+        };
+        with_settings(&text, &self.settings, "set in Python")
     }
 }
 

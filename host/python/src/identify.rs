@@ -1,0 +1,193 @@
+//! `identify`: parameters of a rig from recorded transients, with their intervals.
+
+use std::path::PathBuf;
+
+use pneudrive_analysis::identification::parameter::{Parameter, usual};
+use pneudrive_analysis::identification::recording::Recording;
+use pneudrive_analysis::identification::{self, report};
+use pneudrive_records::target::TargetFile;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::Value as Json;
+
+use crate::errors::{NotBorneOut, OrRaise};
+use crate::rig::{Rig, RigOrSource};
+use crate::target::{Target, name_of};
+use crate::{values, work};
+
+/// A TARGET file that was read, or the path of one.
+#[derive(FromPyObject)]
+pub enum Record {
+    /// Read.
+    Read(Py<Target>),
+    /// Its path.
+    Path(PathBuf),
+}
+
+impl Record {
+    fn recording(&self, rig: &pneudrive_sim::Rig) -> anyhow::Result<Recording> {
+        match self {
+            Record::Read(target) => Recording::of(&target.get().name, &target.get().file, rig),
+            Record::Path(path) => Recording::of(&name_of(path), &TargetFile::read(path)?, rig),
+        }
+    }
+}
+
+/// What a parameter was found to be.
+#[pyclass(frozen, get_all, module = "pneudrive")]
+pub struct Estimate {
+    /// The key.
+    key: String,
+    /// Its unit.
+    unit: String,
+    /// The value of the rig file.
+    file: f64,
+    /// The estimate.
+    value: f64,
+    /// Its standard error.
+    standard_error: f64,
+    /// Ends of the interval.
+    interval: (f64, f64),
+    /// Whether that is one of 95 %: only where the model explains the data.
+    is_95_percent: bool,
+    /// Keys whose assumed values the interval rests on more than on the data.
+    rests_on: Vec<String>,
+}
+
+impl Estimate {
+    fn of(json: &Json) -> Estimate {
+        let number = |name: &str| json[name].as_f64().unwrap_or(f64::NAN);
+        let text = |name: &str| json[name].as_str().unwrap_or_default().to_owned();
+        let end = |place: usize| json["interval"][place].as_f64().unwrap_or(f64::NAN);
+        let rests_on = json["rests_on"].as_array().into_iter().flatten();
+        Estimate {
+            key: text("key"),
+            unit: text("unit"),
+            file: number("file"),
+            value: number("estimate"),
+            standard_error: number("standard_error"),
+            interval: (end(0), end(1)),
+            is_95_percent: !json["interval_95"].is_null(),
+            rests_on: rests_on.filter_map(|share| share["key"].as_str()).map(str::to_owned).collect(),
+        }
+    }
+}
+
+#[pymethods]
+impl Estimate {
+    fn __repr__(&self) -> String {
+        let Estimate { key, value, interval: (low, high), .. } = self;
+        let interval = if self.is_95_percent { "95 % interval" } else { "interval, not of 95 %" };
+        format!("<Estimate {key} = {value:.6} ({interval} {low:.6} to {high:.6})>")
+    }
+}
+
+/// A finished fit.
+#[pyclass(frozen, module = "pneudrive")]
+pub struct Identification {
+    rig: Rig,
+    found: identification::Identification,
+    numbers: Json,
+}
+
+/// Fits keys of a rig to recorded transients; without `fit`, those that are usually unknown. What it is doing goes to
+/// the logger `pneudrive`.
+#[pyfunction]
+#[pyo3(signature = (rig, targets, /, *, fit=None, tolerance=None, method=None))]
+pub fn identify(
+    py: Python<'_>,
+    rig: RigOrSource,
+    targets: Vec<Record>,
+    fit: Option<Vec<String>>,
+    tolerance: Option<f64>,
+    method: Option<&str>,
+) -> PyResult<Identification> {
+    let rig = rig.0;
+    let accuracy = rig.accuracy(tolerance, method)?;
+    let (found, numbers) = work::run(py, None, |meter| {
+        let parameters = match &fit {
+            None => usual(&rig.rig),
+            Some(keys) => {
+                keys.iter().map(|key| Parameter::of(&rig.rig, key)).collect::<anyhow::Result<_>>()?
+            }
+        };
+        let recordings = targets.iter().map(|target| target.recording(&rig.rig));
+        let recordings = recordings.collect::<anyhow::Result<Vec<_>>>()?;
+        let mut tell = |line: &str| {
+            log::info!("{line}");
+            meter.at(0, 0);
+        };
+        let fit = || identification::identify(&rig.rig, &recordings, parameters, accuracy, &mut tell);
+        let found = work::pool(None)?.install(fit)?;
+        let numbers = report::to_json(&found, &recordings);
+        Ok((found, numbers))
+    })?;
+    Ok(Identification { rig, found, numbers })
+}
+
+#[pymethods]
+impl Identification {
+    /// Whether the search converged and what remains is noise.
+    #[getter]
+    fn fits(&self) -> bool {
+        self.found.fits
+    }
+
+    /// The parameters that the data show.
+    #[getter]
+    fn estimates(&self) -> Vec<Estimate> {
+        self.numbers["parameters"].as_array().into_iter().flatten().map(Estimate::of).collect()
+    }
+
+    /// Keys that the data do not show.
+    #[getter]
+    fn unseen(&self) -> Vec<&'static str> {
+        self.found.unseen.iter().map(|unseen| unseen.parameter.key.path).collect()
+    }
+
+    /// The rig with the estimates.
+    ///
+    /// A model that does not explain the transients gives none, unless `despite_misfit`.
+    #[pyo3(signature = (*, despite_misfit=false))]
+    fn fitted(&self, despite_misfit: bool) -> PyResult<Rig> {
+        if !self.found.fits && !despite_misfit {
+            let name = self.rig.rig.name();
+            let why = match self.found.spectrum.is_testable() {
+                true => format!("the model of {name} does not explain the transients"),
+                false => format!("the transients have too few samples to judge the model of {name} by"),
+            };
+            return Err(NotBorneOut::new_err(format!(
+                "{why}; despite_misfit=True gives the rig nevertheless"
+            )));
+        }
+        let (name, text) = &self.rig.source;
+        let text = report::fitted(text, &self.rig.settings, &self.found).or_raise()?;
+        Rig::read((name.clone(), text), Vec::new())
+    }
+
+    /// What has to be known before the numbers are used, a sentence each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        report::notes(&self.found)
+    }
+
+    /// All numbers, as identification.json has them.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        Ok(values::json_to_python(py, &self.numbers)?.cast_into()?)
+    }
+
+    fn __str__(&self) -> String {
+        let tables = report::tables(&self.found);
+        let tables = tables.iter().map(|table| format!("{}\n{}\n", table.heading, table.to_text()));
+        tables.collect::<String>() + &self.notes().join("\n")
+    }
+
+    fn __repr__(&self) -> String {
+        let fits = if self.found.fits { "fits" } else { "does not fit" };
+        format!(
+            "<Identification of {}: {fits}, {} estimates>",
+            self.rig.rig.name(),
+            self.found.estimates.len()
+        )
+    }
+}
