@@ -22,7 +22,8 @@ const VALVE: Valve = Valve {
     spool_diameter: 9.98e-3,
     port_diameter: 3.3e-3,
     has_node: true,
-    land_law: FlowLaw::Orifice,
+    land_laws: [FlowLaw::Orifice; 2],
+    characteristic: None,
     travel: 1e-3,
     rod_diameter: 6e-3,
     discharge_supply: 0.8,
@@ -34,7 +35,7 @@ fn flow_nodes(criterion: &mut Criterion) {
     let gas = Gas::new(1.4, 286.76);
     let station = |pressure| Station { exner: gas.exner(pressure), temperature: 294.0 };
     let tube = Tube::empirical(&gas, 0.4, 0.00465);
-    let laws = Laws { land: FlowLaw::Orifice, port: FlowLaw::Orifice };
+    let laws = Laws::alike(FlowLaw::Orifice);
     let mut network = Network::new(gas, station(589e3), station(101.3e3), tube, tube, laws, None);
     let chambers = [station(325e3), station(400e3)];
     let mut steps = 0_u32;

@@ -41,6 +41,13 @@ pub enum Kind {
         /// How many.
         count: usize,
     },
+    /// A list of rows of real numbers.
+    Rows {
+        /// What each number of a row is.
+        columns: &'static [&'static str],
+        /// Most rows.
+        max_rows: usize,
+    },
     /// A list of [time in s, whole number].
     Moves,
     /// A list of tables: what goes wrong and when.
@@ -257,6 +264,18 @@ pub(crate) const fn optional_numbers(
     meaning: &'static str,
 ) -> Typed<Option<Vec<f64>>> {
     Typed::new(path, Kind::Numbers { count }, Preset::Absent(absent), thesis, meaning)
+}
+
+/// Rows of numbers that may be absent, and what that means.
+pub(crate) const fn optional_rows(
+    path: &'static str,
+    columns: &'static [&'static str],
+    max_rows: usize,
+    absent: &'static str,
+    thesis: &'static str,
+    meaning: &'static str,
+) -> Typed<Option<Vec<Vec<f64>>>> {
+    Typed::new(path, Kind::Rows { columns, max_rows }, Preset::Absent(absent), thesis, meaning)
 }
 
 /// Words that a key takes, as a Rust type.

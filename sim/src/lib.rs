@@ -31,6 +31,7 @@ pub mod decision;
 pub mod follow;
 pub mod key;
 pub mod keys;
+pub mod monotone;
 pub mod network;
 mod number;
 pub mod plant;

@@ -75,10 +75,25 @@ pub struct Vessels {
 /// The laws of flow of lands and ports.
 #[derive(Clone, Copy, Debug)]
 pub struct Laws {
-    /// Between supply or exhaust and a node.
-    pub land: FlowLaw,
+    /// Between the supply and a node.
+    pub supply: FlowLaw,
+    /// Between a node and the exhaust.
+    pub exhaust: FlowLaw,
     /// Between a node and its tube.
     pub port: FlowLaw,
+}
+
+impl Laws {
+    /// The same law everywhere.
+    #[must_use]
+    pub fn alike(law: FlowLaw) -> Laws {
+        Laws { supply: law, exhaust: law, port: law }
+    }
+
+    /// Whether everything is an orifice with a constant coefficient of discharge.
+    fn are_orifices(&self) -> bool {
+        [self.supply, self.exhaust, self.port] == [FlowLaw::Orifice; 3]
+    }
 }
 
 /// What the network joins, and the last solution, from which the next one starts.
@@ -152,7 +167,7 @@ impl Network {
         laws: Laws,
         port_area: Option<f64>,
     ) -> Network {
-        let passes_air = gas.is_diatomic() && [laws.land, laws.port] == [FlowLaw::Orifice; 2];
+        let passes_air = gas.is_diatomic() && laws.are_orifices();
         let node = Node {
             exner: 0.5 * (supply.exner + exhaust.exner),
             temperature: supply.temperature,

@@ -24,6 +24,8 @@ pub enum Value {
     Integers(Vec<i64>),
     /// Real numbers.
     Numbers(Vec<f64>),
+    /// Rows of real numbers.
+    Rows(Vec<Vec<f64>>),
     /// [time in s, counts].
     Moves(Vec<(f64, i64)>),
     /// Tables of named values.
@@ -62,6 +64,7 @@ from_value! {
     String: Word(value) => value.clone();
     Vec<i64>: Integers(values) => values.clone();
     Vec<f64>: Numbers(values) => values.clone();
+    Vec<Vec<f64>>: Rows(rows) => rows.clone();
     Vec<(f64, i64)>: Moves(moves) => moves.clone();
     Vec<Fields>: Events(events) => events.clone();
 }

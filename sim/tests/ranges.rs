@@ -42,8 +42,12 @@ fn companions(key: &Key) -> Vec<String> {
         "valve.spool_rod_diameter_mm" | "valve.land_length_m" => vec!["valve.flow_force=analytical"],
         _ => Vec::new(),
     };
-    if key.models.contains(&"iso-6358") {
-        settings.extend(["valve.sonic_conductance_m3_per_s_pa=2e-8", "valve.critical_ratio=0.3"]);
+    if key.models.contains(&"iso-6358") || key.path == "valve.leakage_percent" {
+        settings.extend([
+            "valve.model=iso-6358",
+            "valve.sonic_conductance_m3_per_s_pa=2e-8",
+            "valve.critical_ratio=0.3",
+        ]);
     }
     let mut settings: Vec<String> = settings.into_iter().map(str::to_owned).collect();
     let model = key.models.first().zip(chooser(key));

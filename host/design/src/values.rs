@@ -89,6 +89,7 @@ fn value_to_json(value: &Value) -> Json {
         Value::Word(word) => json!(word),
         Value::Integers(numbers) => json!(numbers),
         Value::Numbers(numbers) => json!(numbers),
+        Value::Rows(rows) => json!(rows),
         Value::Moves(moves) => json!(moves),
         Value::Events(events) => {
             let one = |fields: &pneudrive_sim::rig::Fields| -> Json {

@@ -8,9 +8,9 @@
 use super::points::evenly;
 use super::{Characteristic, Figure, Graph, Series, Unfit};
 use crate::component::gas::Gas;
-use crate::component::valve::Valve;
 use crate::component::valve::discharge::perry;
 use crate::component::valve::flow_law::FlowLaw;
+use crate::component::valve::{Model, Valve};
 use crate::keys;
 use crate::values::Rig;
 
@@ -29,18 +29,26 @@ pub fn choked_flux(gas: &Gas, pressure_pa: f64, temperature: f64) -> f64 {
 pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
     let (gas, valve) = (Gas::of(rig), Valve::of(rig));
     let (up, down) = (rig.get(&keys::supply::PRESSURE_PA), ratio * rig.get(&keys::supply::PRESSURE_PA));
-    let psi = valve.land_law.flow_function(&gas, gas.exner(up), gas.exner(down)).value;
+    let psi = valve.land_laws[0].flow_function(&gas, gas.exner(up), gas.exner(down)).value;
     let lands = valve.conductances(&gas, valve.null_offset + valve.travel);
     (lands.lane(0).supply * psi / rig.get(&keys::supply::TEMPERATURE_K)).max(0.0).sqrt()
 }
 
-pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
+/// The flow that counts as one, kg/s: what an ideal nozzle of the land's area passes choked, or the land itself where it has no area.
+fn whole(rig: &Rig) -> f64 {
+    if rig.get(&keys::valve::MODEL) == Model::Iso6358 {
+        return land_flow(rig, 0.0);
+    }
     let (gas, valve) = (Gas::of(rig), Valve::of(rig));
-    let area = valve.edge_area(valve.travel - valve.lap);
-    let choked =
-        area * choked_flux(&gas, rig.get(&keys::supply::PRESSURE_PA), rig.get(&keys::supply::TEMPERATURE_K));
+    let [pressure, temperature] =
+        [&keys::supply::PRESSURE_PA, &keys::supply::TEMPERATURE_K].map(|key| rig.get(key));
+    valve.edge_area(valve.travel - valve.lap) * choked_flux(&gas, pressure, temperature)
+}
+
+pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
+    let (gas, whole) = (Gas::of(rig), whole(rig));
     let ratios = evenly(0.0, 1.0, 200);
-    let land = Series::over("a land of this rig".to_owned(), &ratios, |ratio| land_flow(rig, ratio) / choked);
+    let land = Series::over("a land of this rig".to_owned(), &ratios, |ratio| land_flow(rig, ratio) / whole);
     let ideal = Series::over("ideal nozzle".to_owned(), &ratios, |ratio| {
         let psi = FlowLaw::Orifice.flow_function(&gas, 1.0, gas.exner(ratio)).value;
         (psi / FlowLaw::Orifice.flow_function(&gas, 1.0, 0.0).value).sqrt()
@@ -53,7 +61,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let n = gas.heat_capacity_ratio;
     let critical = libm::pow(2.0 / (n + 1.0), n / (n - 1.0));
     Ok(Characteristic {
-        notes: vec!["As a share of the choked flow of an ideal nozzle with the land's area, its air at rest in front of it.".to_owned()],
+        notes: vec!["As a share of the choked flow of an ideal nozzle with the land's area, its air at rest in front of it; where conductances stand for areas, of that of the land itself.".to_owned()],
         across: "downstream over upstream pressure",
         graphs: vec![Graph { title: "flow, share of choked", series: vec![land, ideal, with_perry] }],
         figures: vec![

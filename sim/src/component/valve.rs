@@ -12,19 +12,24 @@
 //! (6.39 to 6.46): the lands are all there is. Flow node (6.47 to 6.51): each port has a small volume between its lands and its bore of area A_p, whose
 //! pressure balances the three flows. [`crate::network`] solves that balance.
 
+pub mod characteristic;
 pub mod discharge;
 pub mod flow_force;
 pub mod flow_law;
 pub mod iso6358;
+mod restrictions;
 
 use std::f64::consts::PI;
 
 use crate::component::gas::Gas;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::key::{keys, words};
-use crate::number::{Number, Pair};
+use crate::number::Pair;
 use crate::values::{Findings, Rig};
+use characteristic::Characteristic;
 use iso6358::Iso6358;
+use restrictions::Shares;
+pub(crate) use restrictions::{Conductances, Restrictions};
 
 words! {
     /// How the flows through the valve are formed.
@@ -40,17 +45,20 @@ words! {
     }
 }
 
+/// Models whose lands are areas.
+const AREAS: &[&str] = &["flow-node", "single-restriction", "multiple-flow-node"];
+
 keys! {
     MODEL: Model = choice("valve.model", "L(16)", "How the flows through the valve are formed.");
     SPOOL_TRAVEL_MM: f64 = number("valve.spool_travel_mm", 1.0, 0.01, 100.0, "C(3)", "Travel of the spool to either side; also what a command of 2048 asks for.");
     UNDERLAP_MM: f64 = number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap.");
-    SLEEVE_DIAMETER_MM: f64 = number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve.");
-    SPOOL_DIAMETER_MM: f64 = number("valve.spool_diameter_mm", 9.98, 0.1, 500.0, "C(10)", "Diameter of the spool's lands.");
+    SLEEVE_DIAMETER_MM: f64 = number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
+    SPOOL_DIAMETER_MM: f64 = number("valve.spool_diameter_mm", 9.98, 0.1, 500.0, "C(10)", "Diameter of the spool's lands.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
     SPOOL_ROD_DIAMETER_MM: f64 = number("valve.spool_rod_diameter_mm", 6.0, 0.0, 500.0, "C(25)", "Diameter of the spool between its lands.");
-    PORT_DIAMETER_MM: f64 = number("valve.port_diameter_mm", 3.3, 0.01, 500.0, "C(39)", "Bore of the ports.");
+    PORT_DIAMETER_MM: f64 = number("valve.port_diameter_mm", 3.3, 0.01, 500.0, "C(39)", "Bore of the ports.").of(&["flow-node", "multiple-flow-node"]);
     CONNECTOR_DIAMETER_MM: f64 = number("valve.connector_diameter_mm", 5.0, 0.01, 500.0, "C(63)", "Bore of the connectors: the alternative to tubing.diameter_mm for the multiple flow node; not used, as in the reference.");
-    DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").spread();
-    DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").spread();
+    DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").of(AREAS).spread();
+    DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").of(AREAS).spread();
     DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built();
     UPSTREAM_MACH: bool = switch("valve.upstream_mach", true, "", "Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero.").of(&["flow-node", "multiple-flow-node"]);
     TURBULENCE: f64 = number("valve.turbulence", 1.0, 0.0, 1.0, "C(54)", "Every upstream Mach number is multiplied by it; 0 is upstream_mach = false.").of(&["flow-node", "multiple-flow-node"]);
@@ -71,7 +79,8 @@ impl Valve {
             spool_diameter: metres(&keys::SPOOL_DIAMETER_MM),
             port_diameter: metres(&keys::PORT_DIAMETER_MM),
             has_node: matches!(rig.get(&keys::MODEL), Model::FlowNode | Model::MultipleFlowNode),
-            land_law: land_law(rig),
+            land_laws: land_laws(rig),
+            characteristic: Characteristic::of(rig),
             travel: spool_travel(rig),
             rod_diameter: metres(&keys::SPOOL_ROD_DIAMETER_MM),
             discharge_supply: rig.get(&keys::DISCHARGE_SUPPLY),
@@ -86,13 +95,13 @@ pub fn spool_travel(rig: &Rig) -> f64 {
     rig.get(&keys::SPOOL_TRAVEL_MM) * 1e-3
 }
 
-/// What the lands and ports of a rig are.
+/// What the lands of a rig are, to the supply and to the exhaust.
 #[must_use]
-pub fn land_law(rig: &Rig) -> FlowLaw {
+pub fn land_laws(rig: &Rig) -> [FlowLaw; 2] {
     match (rig.get(&keys::MODEL), rig.get(&discharge::keys::DISCHARGE_MODEL)) {
-        (Model::Iso6358, _) => FlowLaw::Iso6358(Iso6358::of(rig)),
-        (_, discharge::Model::Perry) => FlowLaw::Perry,
-        (_, discharge::Model::Constant) => FlowLaw::Orifice,
+        (Model::Iso6358, _) => Iso6358::paths_of(rig).map(FlowLaw::Iso6358),
+        (_, discharge::Model::Perry) => [FlowLaw::Perry; 2],
+        (_, discharge::Model::Constant) => [FlowLaw::Orifice; 2],
     }
 }
 
@@ -118,6 +127,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
             findings.note(key, message);
         }
     }
+    characteristic::check(rig, findings);
     let why = "the spool moves inside the sleeve";
     findings.not_above(rig, &keys::SPOOL_DIAMETER_MM, &keys::SLEEVE_DIAMETER_MM, why);
     // Earlier versions could read the flows of the nodes from a table.
@@ -134,7 +144,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
 }
 
 /// The dimensions of the valve that its flow depends on, SI.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Valve {
     /// Spool position at which the valve is at its null, m.
     pub null_offset: f64,
@@ -148,8 +158,11 @@ pub struct Valve {
     pub port_diameter: f64,
     /// Whether the flow node is there: the bore of the port between it and the tube.
     pub has_node: bool,
-    /// What the lands are: orifices by their areas, or a component by its conductance at full opening.
-    pub land_law: FlowLaw,
+    /// What the lands to the supply and to the exhaust are: orifices by their areas, or components by their conductances
+    /// at full opening.
+    pub land_laws: [FlowLaw; 2],
+    /// How these conductances follow the spool; None: with the areas of the lands.
+    pub characteristic: Option<Characteristic>,
     /// Spool travel to either side, m.
     pub travel: f64,
     /// Diameter of the spool between its lands, m.
@@ -158,55 +171,6 @@ pub struct Valve {
     pub discharge_supply: f64,
     /// C_d of the lands to the exhaust.
     pub discharge_exhaust: f64,
-}
-
-/// (C_d A)^2 2n/((n-1)R) of the restrictions around a node, or around both: a squared mass flow for a flow
-/// function over a temperature.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Conductances<N = f64> {
-    pub supply: N,
-    pub exhaust: N,
-    /// None: the port has no bore of its own (single restriction, 6.39 to 6.46).
-    pub port: Option<N>,
-}
-
-impl Conductances<Pair> {
-    /// Those of node `i`.
-    pub fn lane(&self, i: usize) -> Conductances {
-        Conductances {
-            supply: self.supply.lane(i),
-            exhaust: self.exhaust.lane(i),
-            port: self.port.map(|port| port.lane(i)),
-        }
-    }
-}
-
-/// What a valve's conductances have in common for all places of its spool.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Restrictions {
-    /// Of lands to the supply and to the exhaust over z^2 + c^2, c the clearance.
-    per_square: [f64; 2],
-    /// c^2, m^2.
-    clearance_squared: f64,
-    port: Option<f64>,
-}
-
-impl Restrictions {
-    /// Around nodes 1 and 2, with lands 1 and 2 open by `openings` (m), or counted as shut: smooth a little
-    /// beyond the change as well.
-    #[inline]
-    pub fn at(&self, openings: [f64; 2], open: [bool; 2]) -> Conductances<Pair> {
-        let squares = [0, 1].map(|i| {
-            let across = if open[i] { openings[i] * openings[i] } else { 0.0 };
-            across + self.clearance_squared
-        });
-        let [supply, exhaust] = self.per_square.map(Pair::splat);
-        Conductances {
-            supply: supply * Pair::new(squares),
-            exhaust: exhaust * Pair::new([squares[1], squares[0]]),
-            port: self.port.map(Pair::splat),
-        }
-    }
 }
 
 impl Valve {
@@ -253,25 +217,38 @@ impl Valve {
 
     /// What they have in common for all places of the spool.
     pub(crate) fn restrictions(&self, gas: &Gas) -> Restrictions {
-        let around = PI * (self.sleeve_diameter + self.spool_diameter) / 2.0;
         let clearance = (self.sleeve_diameter - self.spool_diameter) / 2.0;
+        let around = PI * (self.sleeve_diameter + self.spool_diameter) / 2.0;
+        let [supply, exhaust] = &self.land_laws;
+        let port_area = self.port_area();
+        let port = || self.conductance(gas, supply, self.discharge_supply, port_area * port_area);
+        Restrictions {
+            per_square: [(supply, self.discharge_supply), (exhaust, self.discharge_exhaust)]
+                .map(|(law, discharge)| self.conductance(gas, law, discharge, around * around)),
+            clearance_squared: clearance * clearance,
+            shares: self
+                .characteristic
+                .clone()
+                .map(|characteristic| Shares { characteristic, spool: [self.travel, self.lap] }),
+            port: self.has_node.then(port),
+        }
+    }
+
+    /// That of a restriction by its law, coefficient of discharge and squared area (m^4, or m^2 per m^2 of opening).
+    fn conductance(&self, gas: &Gas, law: &FlowLaw, discharge: f64, squared_area: f64) -> f64 {
         let constant = gas.flow_constant();
-        let of = |discharge: f64, squared_area: f64| match self.land_law {
+        match law {
             FlowLaw::Orifice => constant * discharge * discharge * squared_area,
             FlowLaw::Perry => constant * squared_area,
+            FlowLaw::Iso6358(component) if self.characteristic.is_some() => component.conductance(),
             // The conductance is that of full opening, and goes with the area of the edge.
             FlowLaw::Iso6358(component) => {
+                let around = PI * (self.sleeve_diameter + self.spool_diameter) / 2.0;
+                let clearance = (self.sleeve_diameter - self.spool_diameter) / 2.0;
                 let full = self.travel - self.lap;
                 component.conductance() * squared_area
                     / (around * around * (full * full + clearance * clearance))
             }
-        };
-        let port_area = self.port_area();
-        Restrictions {
-            per_square: [self.discharge_supply, self.discharge_exhaust]
-                .map(|discharge| of(discharge, around * around)),
-            clearance_squared: clearance * clearance,
-            port: self.has_node.then(|| of(self.discharge_supply, port_area * port_area)),
         }
     }
 }
@@ -285,7 +262,8 @@ pub(crate) fn thesis_valve() -> Valve {
         spool_diameter: 9.98e-3,
         port_diameter: 3.3e-3,
         has_node: true,
-        land_law: FlowLaw::Orifice,
+        land_laws: [FlowLaw::Orifice; 2],
+        characteristic: None,
         travel: 1e-3,
         rod_diameter: 6e-3,
         discharge_supply: 0.8,

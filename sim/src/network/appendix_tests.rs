@@ -30,7 +30,7 @@ fn station(pressure: f64, temperature: f64) -> Station {
 }
 
 fn network(approach: bool) -> Network {
-    let laws = Laws { land: FlowLaw::Orifice, port: FlowLaw::Orifice };
+    let laws = Laws::alike(FlowLaw::Orifice);
     let port_area = approach.then(|| thesis_valve().port_area());
     let (supply, exhaust) = (station(589e3, 294.0), station(101.3e3, 290.0));
     Network::new(Gas::new(N, R), supply, exhaust, Tube::none(), Tube::none(), laws, port_area)
@@ -47,6 +47,7 @@ fn gamma_with(network: &Network, p1: f64, t1: f64, m1: f64, p2: f64) -> f64 {
     let flow = m1 * p1 / (network.mach * t1).sqrt();
     let up = station(p1, t1);
     let square = network.land(
+        &FlowLaw::Orifice,
         gas.flow_constant(),
         &EndState::of(&up),
         &network.approach(&up, flow),

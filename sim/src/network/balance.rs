@@ -19,6 +19,7 @@ use super::rest::{Slope, land_line, square_slope};
 use super::restriction::{EndState, Side, SquareFlow, Way};
 use crate::component::air::Station;
 use crate::component::tubing::FarEnd;
+use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
 /// Residual of a port without a bore, per unit of Exner pressure: of the size of the others, kg^2/s^2.
@@ -142,10 +143,11 @@ impl Network {
         let node = mixture.place(nodes);
         let square = match USUAL {
             true => self.orifice(conductance, &place, &supply.approach, &node, Way::In),
-            false => self.land(conductance, &place, &supply.approach, &node),
+            false => self.land(&self.laws.supply, conductance, &place, &supply.approach, &node),
         };
         let at = (nodes.supply, square.value);
-        let (residual, by_flow) = self.land_lines::<USUAL>(around, conductance, &supply.station, at, slopes);
+        let (residual, by_flow) =
+            self.land_lines::<USUAL>(around, (&self.laws.supply, conductance), &supply.station, at, slopes);
         let pushed = -square.by_end_state * supply.by_flow;
         if USUAL {
             let row = [-square.by_node, by_flow - square.by_flow, pair(0.0)];
@@ -168,10 +170,11 @@ impl Network {
         let (place, node) = (EndState::of(&exhaust), mixture.place(nodes));
         let square = match USUAL {
             true => self.orifice(conductance, &place, &None, &node, Way::Out),
-            false => self.land(conductance, &place, &None, &node),
+            false => self.land(&self.laws.exhaust, conductance, &place, &None, &node),
         };
         let at = (nodes.exhaust, square.value);
-        let (residual, by_flow) = self.land_lines::<USUAL>(around, conductance, &exhaust, at, slopes);
+        let (residual, by_flow) =
+            self.land_lines::<USUAL>(around, (&self.laws.exhaust, conductance), &exhaust, at, slopes);
         let [e_s, e_e, e_t] = match USUAL {
             true => mixture.cooled(&square, Pair::truth(true), slopes),
             false => mixture.cooled(&square, pair(0.0).above(square.value), slopes),
@@ -226,7 +229,7 @@ impl Network {
     fn land_lines<const USUAL: bool>(
         &self,
         around: &Surroundings,
-        conductance: Pair,
+        land: (&FlowLaw, Pair),
         source: &Station<Pair>,
         (flow, value): (Pair, Pair),
         slopes: Slope,
@@ -234,7 +237,7 @@ impl Network {
         if USUAL || slopes == Slope::Tangent && !around.has_shut_land {
             return (flow * flow.abs() - value, pair(2.0) * flow.abs());
         }
-        self.line_by_line(around, conductance, source, (flow, value), slopes)
+        self.line_by_line(around, land, source, (flow, value), slopes)
     }
 
     /// The same one by one: at rest, or beside a land that is shut.
@@ -242,7 +245,7 @@ impl Network {
     fn line_by_line(
         &self,
         around: &Surroundings,
-        conductance: Pair,
+        (law, conductance): (&FlowLaw, Pair),
         source: &Station<Pair>,
         (flow, value): (Pair, Pair),
         slopes: Slope,
@@ -251,7 +254,7 @@ impl Network {
             let shut = around.valve.supply.lane(i) == 0.0 || around.valve.exhaust.lane(i) == 0.0;
             let source = Station { exner: source.exner.lane(i), temperature: source.temperature.lane(i) };
             let conductance = conductance.lane(i);
-            let creeping = if shut { self.creeping(conductance, &source) } else { 0.0 };
+            let creeping = if shut { self.creeping(law, conductance, &source) } else { 0.0 };
             land_line(conductance, flow.lane(i), value.lane(i), creeping, slopes)
         };
         let (one, two) = (line(0), line(1));

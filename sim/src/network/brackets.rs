@@ -93,7 +93,7 @@ impl Network {
         let coldest =
             sides.iter().map(|side| side.chamber.temperature).fold(self.supply.temperature, f64::min);
         let choked =
-            |side: &NodeSide| self.more_than_choked(&self.laws.land, side.valve.supply / coldest, highest);
+            |side: &NodeSide| self.more_than_choked(&self.laws.supply, side.valve.supply / coldest, highest);
         let most: f64 = sides.iter().map(choked).sum();
         let nodes_at = |total: f64| {
             let at_valve = self.supply_end(total).exner;
@@ -143,7 +143,7 @@ impl Network {
         let highest = at_valve.max(self.exhaust.exner).max(side.chamber.exner);
         let coldest = self.supply.temperature.min(side.chamber.temperature);
         let most = self.more_than_choked(
-            &self.laws.land,
+            &self.laws.supply,
             (side.valve.supply + side.valve.exhaust) / coldest,
             2.0 * highest,
         );
@@ -172,9 +172,18 @@ impl Network {
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);
         for _ in 0..2 {
             let here = EndState::of(&Station { exner, temperature: node.temperature });
-            let supply_flow = self.land(side.valve.supply, &EndState::of(&supply), from_supply, &here).value;
-            let exhaust_flow =
-                self.land(side.valve.exhaust, &EndState::of(&self.exhaust), from_exhaust, &here).value;
+            let supply_flow = self
+                .land(&self.laws.supply, side.valve.supply, &EndState::of(&supply), from_supply, &here)
+                .value;
+            let exhaust_flow = self
+                .land(
+                    &self.laws.exhaust,
+                    side.valve.exhaust,
+                    &EndState::of(&self.exhaust),
+                    from_exhaust,
+                    &here,
+                )
+                .value;
             node.supply_flow = signed_root(supply_flow);
             node.exhaust_flow = signed_root(exhaust_flow);
             let inflows = [

@@ -11,6 +11,7 @@ use super::rest::{Slope, is_rounding};
 use super::restriction::{EndState, Side};
 use super::{FLOW_ERROR, Network};
 use crate::component::air::Station;
+use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
 /// kg/s: a flow whose correction is smaller is found.
@@ -146,16 +147,17 @@ impl Network {
     #[inline(never)]
     fn begin_from_rest(&self, around: &Surroundings, nodes: &mut Nodes) {
         let supply = Station { exner: pair(self.supply.exner), temperature: self.supply_temperature() };
-        let begin = |flow: Pair, conductance: Pair, source: &Station<Pair>| {
-            let square =
-                self.land(conductance, &EndState::of(source), &None, &EndState::of(&nodes.stations())).value;
+        let begin = |flow: Pair, law: &FlowLaw, conductance: Pair, source: &Station<Pair>| {
+            let square = self
+                .land(law, conductance, &EndState::of(source), &None, &EndState::of(&nodes.stations()))
+                .value;
             let driven = Pair::of(|i| square.lane(i).abs().sqrt().copysign(square.lane(i)));
             let opens = pair(NO_FLOW).above(flow.abs()) & conductance.above(pair(0.0));
             Pair::choose(opens, driven, flow)
         };
         let begun = [
-            begin(nodes.supply, around.valve.supply, &supply),
-            begin(nodes.exhaust, around.valve.exhaust, &self.exhausts()),
+            begin(nodes.supply, &self.laws.supply, around.valve.supply, &supply),
+            begin(nodes.exhaust, &self.laws.exhaust, around.valve.exhaust, &self.exhausts()),
         ];
         [nodes.supply, nodes.exhaust] = begun;
     }
@@ -206,7 +208,6 @@ mod tests {
     use super::*;
     use crate::component::gas::Gas;
     use crate::component::tubing::Tube;
-    use crate::component::valve::flow_law::FlowLaw;
     use crate::component::valve::thesis_valve;
     use crate::network::{Laws, PortFlow};
     use proptest::prelude::*;
@@ -216,7 +217,7 @@ mod tests {
         let gas = Gas::new(1.4, 286.76);
         let station = |pressure, temperature| Station { exner: gas.exner(pressure), temperature };
         let tube = if tube { Tube::empirical(&gas, 0.4, 0.00465) } else { Tube::none() };
-        let laws = Laws { land: FlowLaw::Orifice, port: FlowLaw::Orifice };
+        let laws = Laws::alike(FlowLaw::Orifice);
         let port_area = approach.then(|| thesis_valve().port_area());
         let (supply, exhaust) = (station(589e3, 294.0), station(101.3e3, 290.0));
         Network::new(gas, supply, exhaust, tube, tube, laws, port_area)

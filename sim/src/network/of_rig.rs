@@ -4,7 +4,7 @@ use super::{Laws, Network, Vessels};
 use crate::component::air::Station;
 use crate::component::gas::Gas;
 use crate::component::tubing::{Tube, tubes};
-use crate::component::valve::{Valve, land_law, speed_counts};
+use crate::component::valve::{Valve, land_laws, speed_counts};
 use crate::component::{exhaust, supply};
 use crate::keys;
 use crate::values::Rig;
@@ -16,14 +16,13 @@ impl Network {
         let (supply_tube, cylinder_tube) =
             if lagged { (Tube::none(), Tube::none()) } else { tubes(rig, &gas) };
         let port_area = speed_counts(rig).then(|| Valve::of(rig).port_area());
-        let law = land_law(rig);
         let network = Network::new(
             gas,
             supply::station(rig, &gas),
             exhaust::station(rig, &gas),
             supply_tube,
             cylinder_tube,
-            Laws { land: law, port: law },
+            laws(rig),
             port_area,
         );
         network.beside(vessels(rig, &gas)).with_turbulence(rig.get(&keys::valve::TURBULENCE))
@@ -32,13 +31,17 @@ impl Network {
     /// The valve's lands and ports between gauges right at them: another pressure (Pa) at the supply port, no
     /// tubes, and `port_area` (m^2) where air approaches at its own speed.
     pub fn without_tubes(rig: &Rig, gas: Gas, supply_pa: f64, port_area: Option<f64>) -> Network {
-        let law = land_law(rig);
         let supply = Station { exner: gas.exner(supply_pa), ..supply::station(rig, &gas) };
         let exhaust = exhaust::station(rig, &gas);
-        let laws = Laws { land: law, port: law };
-        Network::new(gas, supply, exhaust, Tube::none(), Tube::none(), laws, port_area)
+        Network::new(gas, supply, exhaust, Tube::none(), Tube::none(), laws(rig), port_area)
             .with_turbulence(rig.get(&keys::valve::TURBULENCE))
     }
+}
+
+/// The laws of the lands; a port is an orifice like that of the supply's lands.
+fn laws(rig: &Rig) -> Laws {
+    let [supply, exhaust] = land_laws(rig);
+    Laws { supply, exhaust, port: supply }
 }
 
 /// Which ends no tube joins to the valve. A lagged tube is one.

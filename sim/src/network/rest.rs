@@ -22,6 +22,7 @@
 
 use super::nodes::{Nodes, Surroundings};
 use super::{Network, Station};
+use crate::component::valve::flow_law::FlowLaw;
 
 /// Which slopes of a square over its flow Newton's method takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,8 +79,8 @@ pub(super) fn land_line(conductance: f64, flow: f64, value: f64, creeping: f64, 
 
 impl Network {
     /// m_l^2 of a land beside a shut one, kg^2/s^2.
-    pub(super) fn creeping(&self, conductance: f64, source: &Station) -> f64 {
-        let choked = self.laws.land.flow_function(&self.gas, source.exner, 0.0).value;
+    pub(super) fn creeping(&self, law: &FlowLaw, conductance: f64, source: &Station) -> f64 {
+        let choked = law.flow_function(&self.gas, source.exner, 0.0).value;
         CREEPING * conductance / source.temperature * choked
     }
 

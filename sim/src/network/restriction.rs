@@ -149,16 +149,17 @@ impl Network {
         }
     }
 
-    /// A land from a source to a node.
+    /// A land with a law from a source to a node.
     #[inline(always)]
     pub(super) fn land<N: Number>(
         &self,
+        law: &FlowLaw,
         conductance: N,
         source: &EndState<N>,
         approach: &MaybeApproach<N>,
         node: &EndState<N>,
     ) -> SquareFlow<N> {
-        self.restriction::<N, false>(&self.laws.land, conductance, source, approach, node, Way::ByPressure)
+        self.restriction::<N, false>(law, conductance, source, approach, node, Way::ByPressure)
     }
 
     /// An orifice that passes air between a place and a node, one way as far as that is known.

@@ -16,7 +16,7 @@ pub(super) fn network_with(tube: bool, approach: bool) -> (Gas, Network) {
             station(101.3e3),
             tube,
             tube,
-            Laws { land: FlowLaw::Orifice, port: FlowLaw::Orifice },
+            Laws::alike(FlowLaw::Orifice),
             port_area,
         ),
     )

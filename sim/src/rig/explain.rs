@@ -1,5 +1,6 @@
 //! `rig explain`: what a key means.
 
+use super::names::did_you_mean;
 use super::problem::Problem;
 use super::table::{all_keys, preset_value};
 use super::thesis::{self, Name, THESIS};
@@ -26,7 +27,11 @@ pub fn explain(name: &str) -> Result<String, Problem> {
     }
     let table: Vec<&Key> = all_keys().filter(|key| name.is_empty() || key.table() == name).collect();
     if table.is_empty() {
-        let message = "there is no such key or table, and no such number of the thesis; `pneudrive rig explain` lists them all".to_owned();
+        let known = all_keys().flat_map(|key| [key.path, key.name(), key.table()]);
+        let message = format!(
+            "there is no such key or table, and no such number of the thesis{}",
+            did_you_mean(name, known)
+        );
         return Err(Problem { source: "rig explain".to_owned(), line: None, key: name.to_owned(), message });
     }
     Ok(table.iter().map(|key| format!("{:<38} {}\n", key.path, key.meaning)).collect())
@@ -85,6 +90,7 @@ fn range(kind: &Kind) -> String {
             format!("1 to {max_entries} whole numbers from {min} to {max}")
         }
         Kind::Numbers { count } => format!("{count} numbers"),
+        Kind::Rows { columns, max_rows } => format!("1 to {max_rows} rows of [{}]", columns.join("; ")),
         Kind::Moves => "list of [time in s, counts] in order of time".to_owned(),
         Kind::Events => "tables [[faults.event]], each with kind, at_s and the fields of its kind".to_owned(),
         Kind::Text => "text".to_owned(),
@@ -109,6 +115,7 @@ impl std::fmt::Display for Value {
             Value::Word(word) => write!(f, "{word:?}"),
             Value::Integers(values) => write!(f, "{values:?}"),
             Value::Numbers(values) => write!(f, "{values:?}"),
+            Value::Rows(rows) => write!(f, "{rows:?}"),
             Value::Moves(moves) => {
                 let moves: Vec<String> =
                     moves.iter().map(|(time, target)| format!("[{time}, {target}]")).collect();

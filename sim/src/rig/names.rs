@@ -26,6 +26,10 @@ pub(super) fn unknown_key(path: &str) -> String {
         Some(key) => {
             format!("wrong unit: this key is {}, so give it in {} instead of {given}", key.name(), key.unit())
         }
+        // Of a table that does not exist, the whole path is compared.
+        None if all_keys().all(|key| key.table() != table) => {
+            format!("unknown key{}", did_you_mean(path, all_keys().map(|key| key.path)))
+        }
         None => {
             let known = all_keys().filter(|key| key.table() == table).map(Key::name);
             format!("unknown key{}", did_you_mean(name, known))

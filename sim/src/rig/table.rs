@@ -20,7 +20,7 @@ static BEFORE_FRICTION: &[&[&Key]] = &[
     crate::keys::controller::ALL, crate::keys::encoder::ALL, crate::keys::sensors::ALL,
     crate::keys::operator::ALL, crate::keys::solenoid::ALL, crate::keys::hysteresis::ALL, crate::keys::dither::ALL, crate::keys::amplifier::ALL,
     crate::keys::empirical::ALL, crate::keys::stepper::ALL, crate::keys::on_off::ALL,
-    crate::keys::valve::ALL, crate::keys::flow_force::ALL, crate::keys::discharge::ALL, crate::keys::iso6358::ALL,
+    crate::keys::valve::ALL, crate::keys::flow_force::ALL, crate::keys::discharge::ALL, crate::keys::iso6358::ALL, crate::keys::characteristic::ALL,
     crate::keys::tubing::ALL,
     crate::keys::actuator::ALL, crate::keys::leakage::ALL, crate::keys::walls::ALL,
     crate::keys::load::ALL,

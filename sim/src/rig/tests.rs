@@ -180,6 +180,7 @@ fn settings_of_the_command_line_count_like_lines_of_the_file() {
         ("load.mass_kg", "--set: load.mass_kg: write key=value"),
         ("load.mass_kg=heavy", "--set: load.mass_kg: must be a number in kg"),
         ("load.mas_kg=1", "--set: load.mas_kg: unknown key; did you mean mass_kg?"),
+        ("laod.mass_kg=1", "--set: laod.mass_kg: unknown key; did you mean load.mass_kg?"),
     ] {
         let Problems(found) = Rig::read_with("servo-b", "", &[setting.to_owned()]).expect_err("refused");
         assert!(found[0].to_string().contains(expected), "{}", found[0]);
@@ -359,4 +360,16 @@ fn another_test_is_held_against_the_rig_that_it_is_for() {
     let beyond = rig.with_test(&["test.moves=[[0.0, 90000]]".to_owned()]).expect_err("outside the stroke");
     assert!(beyond.to_string().contains("outside the stroke"), "{beyond}");
     assert!(rig.with_settings(&["load.mass_kg=none".to_owned()]).is_err());
+}
+
+#[test]
+fn a_key_that_is_asked_for_by_a_near_miss_is_guessed() {
+    for (name, says) in [
+        ("load.mas_kg", "did you mean load.mass_kg?"),
+        ("mas_kg", "did you mean mass_kg?"),
+        ("vlave", "did you mean valve?"),
+    ] {
+        let problem = super::explain(name).expect_err("a slip");
+        assert!(problem.message.ends_with(says), "{name}: {}", problem.message);
+    }
 }

@@ -59,6 +59,7 @@ pub(super) fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
         Kind::Choice(options) => word(key, item, options),
         Kind::Integers { min, max, max_entries } => integers(key, item, min, max, max_entries),
         Kind::Numbers { count } => numbers(item, count),
+        Kind::Rows { columns, max_rows } => rows(item, columns, max_rows),
         Kind::Moves => moves(item),
         Kind::NotBuilt => not_built(key, item),
         Kind::Events => Err("must be a list of tables".to_owned()),
@@ -136,6 +137,24 @@ fn numbers(item: &Item, count: usize) -> Result<Value, String> {
     let array = item.as_array().filter(|array| array.len() == count).ok_or_else(message)?;
     let values = array.iter().map(|value| real(&Item::Value(value.clone())).ok_or_else(message));
     values.collect::<Result<_, _>>().map(Value::Numbers)
+}
+
+fn rows(item: &Item, columns: &[&str], max_rows: usize) -> Result<Value, String> {
+    let form = || {
+        format!(
+            "must be a list of 1 to {max_rows} rows of {} numbers: [{}]",
+            columns.len(),
+            columns.join("; ")
+        )
+    };
+    let array = item.as_array().filter(|array| (1..=max_rows).contains(&array.len())).ok_or_else(form)?;
+    let row = |value: &toml_edit::Value| {
+        let row = value.as_array().filter(|row| row.len() == columns.len()).ok_or_else(form)?;
+        let number =
+            |cell: &toml_edit::Value| real(&Item::Value(cell.clone())).filter(|cell| cell.is_finite());
+        row.iter().map(|cell| number(cell).ok_or_else(form)).collect::<Result<Vec<f64>, String>>()
+    };
+    array.iter().map(row).collect::<Result<_, _>>().map(Value::Rows)
 }
 
 fn moves(item: &Item) -> Result<Value, String> {

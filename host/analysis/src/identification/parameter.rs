@@ -190,10 +190,13 @@ fn not_physical(path: &str) -> anyhow::Error {
 }
 
 /// Numbers that are fitted besides those that a spread draws, as they are never known exactly, either.
-const ALSO: [&str; 8] = [
+const ALSO: [&str; 11] = [
     "valve.null_offset_mm",
     "valve.sonic_conductance_m3_per_s_pa",
     "valve.critical_ratio",
+    "valve.exhaust_sonic_conductance_m3_per_s_pa",
+    "valve.exhaust_critical_ratio",
+    "valve.leakage_percent",
     "operator.stiffness_per_mass_per_s2",
     "operator.damping_per_s",
     "tubing.friction_factor",
@@ -262,6 +265,27 @@ mod tests {
         assert!(!stepper.contains(&"load.viscous_n_s_per_m"), "there is no viscous friction");
         let leaks = paths("[actuator]\nleakage = \"laminar\"\nleakage_coefficient = 1e-9\n");
         assert!(leaks.contains(&"actuator.leakage_coefficient"));
+    }
+
+    #[test]
+    fn a_valve_by_its_data_sheet_is_fitted_by_its_conductances_and_its_null() {
+        let valve = "[valve]\nmodel = \"iso-6358\"\ncharacteristic = \"linear\"\nleakage_percent = 1.0\nsonic_conductance_m3_per_s_pa = 2e-8\ncritical_ratio = 0.3\n";
+        let fitted = |more: &str| usual(&rig(&format!("{valve}{more}")));
+        let paths = |more: &str| -> Vec<&str> { fitted(more).iter().map(|p| p.key.path).collect() };
+        let exhaust = "valve.exhaust_sonic_conductance_m3_per_s_pa";
+        for path in [
+            "valve.sonic_conductance_m3_per_s_pa",
+            "valve.critical_ratio",
+            "valve.null_offset_mm",
+            "valve.leakage_percent",
+        ] {
+            assert!(paths("").contains(&path), "{path}");
+        }
+        assert!(!paths("").contains(&exhaust), "it is that of the path from the supply");
+        assert!(paths("exhaust_sonic_conductance_m3_per_s_pa = 3e-8\n").contains(&exhaust));
+        for path in ["valve.discharge_supply", "valve.sleeve_diameter_mm", "valve.port_diameter_mm"] {
+            assert!(!paths("").contains(&path), "{path} is none of its figures");
+        }
     }
 
     /// A model of friction brings its keys with it.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use pneudrive_sim::component::valve::characteristic;
 use pneudrive_sim::component::{operator, valve};
 use pneudrive_sim::keys;
 
@@ -11,10 +12,8 @@ use crate::parts::{Family, Part, find};
 use crate::question::{Answers, Refusal};
 use crate::rig_file::{Number, RigFile};
 
-/// Spool travel to either side, mm. No figure of the valve: the lands open in proportion, so only ratios to it count.
+/// Spool travel to either side, mm. No figure of the valve: the paths open in proportion, so only ratios to it count.
 const TRAVEL_MM: f64 = 1.0;
-/// Bore of the sleeve, mm: no figure of the valve either.
-const SLEEVE_MM: f64 = 10.0;
 /// The damping ratio of a spool with a position loop, and between what it lies.
 const DAMPING: (f64, [f64; 2]) = (0.7, [0.5, 1.0]);
 /// The class whose ranges stand in for what nobody has said of a valve.
@@ -43,8 +42,27 @@ pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal
         &conductance(answers, named.as_ref(), &ratio)?,
     );
     file.optional(&keys::iso6358::CRITICAL_RATIO, &ratio);
+    exhaust(file, named.as_ref());
+    let ellipse = "the ellipse of ISO 6358; measured components lie near it";
+    file.number(&keys::iso6358::SUBSONIC_INDEX, &Number::typical(0.5, [0.4, 0.6], ellipse));
     lands(file, answers, part)?;
     spool(file, answers, part)
+}
+
+/// The path to the exhaust, where the catalogue has figures of its own for it.
+fn exhaust(file: &mut RigFile, part: Option<&Part>) {
+    let figure = |name: &str, unit: &str| {
+        let (part, figure) = part.and_then(|part| Some((part, part.figure(name)?)))?;
+        Some((figure.value_in(unit).ok()?, format!("{}: {}", part.name, figure.basis)))
+    };
+    for (key, name, unit) in [
+        (&keys::iso6358::EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA, "sonic_conductance_exhaust", "m3/(s Pa)"),
+        (&keys::iso6358::EXHAUST_CRITICAL_RATIO, "critical_ratio_exhaust", ""),
+    ] {
+        if let Some((value, from)) = figure(name, unit) {
+            file.optional(key, &Number::given(value, from));
+        }
+    }
 }
 
 /// b.
@@ -121,17 +139,18 @@ fn widened(number: Number, part: f64) -> Number {
 
 /// How the lands open, and what passes when they are shut.
 fn lands(file: &mut RigFile, answers: &Answers, part: &Part) -> Result<(), Refusal> {
-    let scale = "a scale: the lands open in proportion, so only ratios to it count";
+    let scale = "a scale: the paths open in proportion, so only ratios to it count";
     file.number(&keys::valve::SPOOL_TRAVEL_MM, &Number::computed(TRAVEL_MM, scale));
-    file.number(&keys::valve::SLEEVE_DIAMETER_MM, &Number::computed(SLEEVE_MM, scale));
+    file.word(
+        &keys::characteristic::CHARACTERISTIC,
+        characteristic::Model::Linear,
+        "in proportion to the spool, beyond its overlap",
+    );
     let overlap = usual(answers, "overlap", part, "overlap", "%")?;
     let from = format!("{} of the spool's travel", described(&overlap, "%"));
     file.number(&keys::valve::UNDERLAP_MM, &overlap.map(|percent| 1e-2 * percent * TRAVEL_MM, from));
     let leakage = figure_of(part, "leakage_in_centre", "%")?;
-    // Shut, an edge of clearance c passes what an opening of c would: c/(travel - lap) of the flow.
-    let from = format!("{} of the flow passes the shut lands", described(&leakage, "%"));
-    let spool = leakage.map(|percent| SLEEVE_MM - 2.0 * 1e-2 * percent * TRAVEL_MM, from);
-    file.number(&keys::valve::SPOOL_DIAMETER_MM, &spool);
+    file.number(&keys::characteristic::LEAKAGE_PERCENT, &leakage);
     Ok(())
 }
 

@@ -91,6 +91,7 @@ fn json_of(value: &Value) -> serde_json::Value {
         Value::Word(word) => json!(word),
         Value::Integers(values) => json!(values),
         Value::Numbers(values) => json!(values),
+        Value::Rows(rows) => json!(rows),
         Value::Moves(moves) => json!(moves),
         Value::Events(events) => events.iter().map(json_of_event).collect(),
     }

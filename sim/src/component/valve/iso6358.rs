@@ -1,45 +1,64 @@
-//! Flow through a component known by its sonic conductance C and critical ratio b (ISO 6358-1).
+//! Flow through a component known by its sonic conductance C, critical ratio b and subsonic index m (ISO 6358-1).
 //!
 //! ```text
 //! mdot = C rho_0 P_u sqrt(T_0/T_u)                                  r <= b,   r = P_d/P_u
-//! mdot = C rho_0 P_u sqrt(T_0/T_u) sqrt(1 - ((r - b)/(1 - b))^2)    r >  b    (a quarter of an ellipse)
+//! mdot = C rho_0 P_u sqrt(T_0/T_u) (1 - ((r - b)/(1 - b))^2)^m      r >  b    (m = 0.5: a quarter of an ellipse)
 //! rho_0 = 1.185 kg/m^3, T_0 = 293.15 K: the standard reference atmosphere (100 kPa, 65 % humidity)
 //! ```
 //!
 //! As [`crate::network`] wants it, over the Exner pressures w of [`crate::component::gas`]:
 //!
 //! ```text
-//! mdot^2 = K/T_u psi(w_u, w_d),   K = (C rho_0)^2 T_0,   psi = P_u^2 g
+//! mdot^2 = K/T_u psi(w_u, w_d),   K = (C rho_0)^2 T_0,   psi = P_u^2 g^(2m)
 //! g = 1 for r <= b,   1 - ((r - b)/(1 - b))^2 above,     g' = -2 (r - b)/(1 - b)^2
-//! dpsi/dw_u = P_u (2 g - r g') dP_u/dw_u,   dpsi/dw_d = P_u g' dP_d/dw_d,   dP/dw = n/(n-1) P/w
+//! dpsi/dw_u = P_u (2 G - r G') dP_u/dw_u,   dpsi/dw_d = P_u G' dP_d/dw_d,   G = g^(2m),   dP/dw = n/(n-1) P/w
 //! ```
 //!
-//! psi and its slopes are continuous at r = b. An isentropic orifice of the same choked flow passes
-//! within 0.4 % of it for b = 0.528.
+//! psi and its slopes are continuous at r = b. For m other than 0.5 the slope of g^(2m) at r = 1 is infinite or 0, which leaves a
+//! flow at rest without a unique pressure. From r = 0.999 on a parabola takes its place, with the same value and slope there and
+//! 0 at r = 1; no data sheet says anything of so small a drop. An isentropic orifice of the same choked flow passes within 0.4 %
+//! of the ellipse for b = 0.528.
+//!
+//! A valve has two kinds of path, from the supply to its ports (1 to 2 and 4) and from these to the exhaust (to 3 and 5), each
+//! with figures of its own. What the ports themselves lose is in them, so there is no port besides.
 
 use crate::component::gas::{FlowFunction, Gas};
 use crate::key::keys;
 use crate::values::Rig;
 
 keys! {
-    SONIC_CONDUCTANCE_M3_PER_S_PA: Option<f64> = optional_number("valve.sonic_conductance_m3_per_s_pa", 1e-12, 1e-6, "the data sheet's; needed by iso-6358", "", "Sonic conductance at full opening.").of(&["iso-6358"]);
-    CRITICAL_RATIO: Option<f64> = optional_number("valve.critical_ratio", 0.0, 0.9, "the data sheet's; needed by iso-6358", "", "Critical pressure ratio.").of(&["iso-6358"]);
+    SONIC_CONDUCTANCE_M3_PER_S_PA: Option<f64> = optional_number("valve.sonic_conductance_m3_per_s_pa", 1e-12, 1e-6, "the data sheet's; needed by iso-6358", "", "Sonic conductance of the path from the supply to a port, fully open.").of(&["iso-6358"]);
+    CRITICAL_RATIO: Option<f64> = optional_number("valve.critical_ratio", 0.0, 0.9, "the data sheet's; needed by iso-6358", "", "Critical pressure ratio of that path.").of(&["iso-6358"]);
+    EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA: Option<f64> = optional_number("valve.exhaust_sonic_conductance_m3_per_s_pa", 1e-12, 1e-6, "that of the path from the supply", "", "Sonic conductance of the path from a port to the exhaust, fully open.").of(&["iso-6358"]);
+    EXHAUST_CRITICAL_RATIO: Option<f64> = optional_number("valve.exhaust_critical_ratio", 0.0, 0.9, "that of the path from the supply", "", "Critical pressure ratio of that path.").of(&["iso-6358"]);
+    SUBSONIC_INDEX: f64 = number("valve.subsonic_index", 0.5, 0.3, 0.8, "", "Exponent of the flow above the critical ratio, of all paths; 0.5 is the ellipse.").of(&["iso-6358"]);
 }
 
 impl Iso6358 {
-    /// The component of a rig; zeros where its figures are absent, which [`super::check`] refuses.
-    pub(super) fn of(rig: &Rig) -> Iso6358 {
-        Iso6358 {
-            sonic_conductance: rig.get(&keys::SONIC_CONDUCTANCE_M3_PER_S_PA).unwrap_or(0.0),
-            critical_ratio: rig.get(&keys::CRITICAL_RATIO).unwrap_or(0.0),
-        }
+    /// The paths of a rig's valve from the supply and to the exhaust; zeros where their figures are absent, which
+    /// [`super::check`] refuses.
+    pub(super) fn paths_of(rig: &Rig) -> [Iso6358; 2] {
+        let subsonic_index = rig.get(&keys::SUBSONIC_INDEX);
+        let [sonic, ratio] = [&keys::SONIC_CONDUCTANCE_M3_PER_S_PA, &keys::CRITICAL_RATIO]
+            .map(|key| rig.get(key).unwrap_or(0.0));
+        let supply = Iso6358 { sonic_conductance: sonic, critical_ratio: ratio, subsonic_index };
+        let exhaust = Iso6358 {
+            sonic_conductance: rig.get(&keys::EXHAUST_SONIC_CONDUCTANCE_M3_PER_S_PA).unwrap_or(sonic),
+            critical_ratio: rig.get(&keys::EXHAUST_CRITICAL_RATIO).unwrap_or(ratio),
+            subsonic_index,
+        };
+        [supply, exhaust]
     }
 }
 
 /// rho_0, kg/m^3.
-const REFERENCE_DENSITY: f64 = 1.185;
+pub const REFERENCE_DENSITY: f64 = 1.185;
 /// T_0, K.
-const REFERENCE_TEMPERATURE: f64 = 293.15;
+pub const REFERENCE_TEMPERATURE: f64 = 293.15;
+/// m of the ellipse.
+const ELLIPSE: f64 = 0.5;
+/// Pressure ratio from which on a parabola takes the place of other exponents.
+const NEARLY_LEVEL: f64 = 0.999;
 
 /// What ISO 6358 knows of a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +67,8 @@ pub struct Iso6358 {
     pub sonic_conductance: f64,
     /// b, at least 0 and below 1.
     pub critical_ratio: f64,
+    /// m, above 0 and below 1; 0.5 is the ellipse.
+    pub subsonic_index: f64,
 }
 
 impl Iso6358 {
@@ -70,9 +91,8 @@ impl Iso6358 {
         let up = gas.pressure(upstream);
         let by_exner = 1.0 / gas.exner_exponent();
         let down = gas.pressure(downstream);
-        let (ratio, width) = (down / up, 1.0 - self.critical_ratio);
-        let beyond = (ratio - self.critical_ratio) / width;
-        if beyond <= 0.0 {
+        let ratio = down / up;
+        if ratio <= self.critical_ratio {
             let value = up * up;
             return FlowFunction {
                 value,
@@ -80,14 +100,39 @@ impl Iso6358 {
                 by_downstream: 0.0,
             };
         }
-        // 1 - beyond^2, without the loss of digits at r = 1.
-        let g = (1.0 - ratio) / width * (1.0 + beyond);
-        let slope = -2.0 * beyond / width;
+        let (g, slope) = self.share(ratio);
         FlowFunction {
             value: up * up * g,
             by_upstream: by_exner * up * up / upstream * (2.0 * g - ratio * slope),
             by_downstream: by_exner * up * down / downstream * slope,
         }
+    }
+
+    /// G at a pressure ratio above b: the square of the share of the choked flow, and its slope.
+    fn share(&self, ratio: f64) -> (f64, f64) {
+        if self.subsonic_index == ELLIPSE {
+            return self.ellipse(ratio);
+        }
+        let power = |ratio| {
+            let (g, slope) = self.ellipse(ratio);
+            let raised = libm::pow(g, 2.0 * self.subsonic_index);
+            (raised, 2.0 * self.subsonic_index * raised / g * slope)
+        };
+        if ratio <= NEARLY_LEVEL {
+            return power(ratio);
+        }
+        let width = 1.0 - NEARLY_LEVEL;
+        let (last, slope) = power(NEARLY_LEVEL);
+        let (left, bend) = ((1.0 - ratio) / width, -slope * width / last - 1.0);
+        (last * left * (1.0 - bend + bend * left), -last / width * (1.0 - bend + 2.0 * bend * left))
+    }
+
+    /// g and its slope.
+    fn ellipse(&self, ratio: f64) -> (f64, f64) {
+        let width = 1.0 - self.critical_ratio;
+        let beyond = (ratio - self.critical_ratio) / width;
+        // 1 - beyond^2, without the loss of digits at r = 1.
+        ((1.0 - ratio) / width * (1.0 + beyond), -2.0 * beyond / width)
     }
 }
 
@@ -95,7 +140,7 @@ impl Iso6358 {
 mod tests {
     use super::*;
 
-    const VALVE: Iso6358 = Iso6358 { sonic_conductance: 2e-8, critical_ratio: 0.4 };
+    const VALVE: Iso6358 = Iso6358 { sonic_conductance: 2e-8, critical_ratio: 0.4, subsonic_index: 0.5 };
 
     fn gas() -> Gas {
         Gas::new(1.4, 286.76)
@@ -144,25 +189,54 @@ mod tests {
 
     #[test]
     fn slopes_are_those_of_the_value() {
-        for (n, b) in [(1.4, 0.4), (1.4, 0.0), (1.3, 0.25)] {
-            let (gas, valve) = (Gas::new(n, 286.76), Iso6358 { critical_ratio: b, ..VALVE });
+        for (n, b, m) in
+            [(1.4, 0.4, 0.5), (1.4, 0.0, 0.5), (1.3, 0.25, 0.5), (1.4, 0.3, 0.55), (1.4, 0.2, 0.42)]
+        {
+            let (gas, valve) =
+                (Gas::new(n, 286.76), Iso6358 { critical_ratio: b, subsonic_index: m, ..VALVE });
             let up = gas.exner(589e3);
-            for ratio in [0.1, 0.3, 0.5, 0.7, 0.95] {
+            for ratio in [0.1, 0.3, 0.5, 0.7, 0.95, 0.9985, 0.9993] {
                 let (down, d) = (gas.exner(589e3 * ratio), 1e-6 * up);
                 let at = |u: f64, v: f64| valve.flow_function(&gas, u, v).value;
                 let f = valve.flow_function(&gas, up, down);
                 let by_up = (at(up + d, down) - at(up - d, down)) / (2.0 * d);
                 let by_down = (at(up, down + d) - at(up, down - d)) / (2.0 * d);
-                let scale = f.value / up;
-                assert!((f.by_upstream - by_up).abs() < 1e-8 * scale, "{n} {b} {ratio}");
-                assert!((f.by_downstream - by_down).abs() < 1e-8 * scale, "{n} {b} {ratio}");
+                let near = |slope: f64, difference: f64| {
+                    (slope - difference).abs() < 1e-8 * f.value / up + 1e-6 * difference.abs()
+                };
+                assert!(near(f.by_upstream, by_up), "{n} {b} {m} {ratio}");
+                assert!(near(f.by_downstream, by_down), "{n} {b} {m} {ratio}");
             }
+        }
+    }
+
+    /// b = 0.4, r = 0.7: half way, so (3/4)^m of the choked flow.
+    #[test]
+    fn the_subsonic_index_bends_the_flow_above_the_critical_ratio() {
+        for m in [0.4, 0.5, 0.6] {
+            let valve = Iso6358 { subsonic_index: m, ..VALVE };
+            let got = valve.flow(&gas(), 7e5, 293.15, 4.9e5) / 16.59e-3;
+            assert!((got - 0.75_f64.powf(m)).abs() < 1e-12, "{m}: {got}");
+            assert!((valve.flow(&gas(), 7e5, 293.15, 1e5) - 16.59e-3).abs() < 1e-15, "{m}");
+        }
+    }
+
+    #[test]
+    fn next_to_equal_pressures_the_flow_falls_to_0_without_a_jump_of_value_or_slope() {
+        for m in [0.3, 0.42, 0.6, 0.8] {
+            let valve = Iso6358 { subsonic_index: m, ..VALVE };
+            let [before, after] = [-1e-9, 1e-9].map(|by| valve.share(NEARLY_LEVEL + by));
+            assert!((before.0 / after.0 - 1.0).abs() < 1e-5, "{m}: {before:?} {after:?}");
+            assert!((before.1 / after.1 - 1.0).abs() < 1e-5, "{m}: {before:?} {after:?}");
+            assert_eq!(valve.share(1.0).0, 0.0);
+            let ratios = (0..=1000).map(|i| valve.share(0.999 + 1e-6 * f64::from(i)));
+            assert!(ratios.into_iter().all(|(g, slope)| g >= 0.0 && slope < 0.0), "{m}: it falls");
         }
     }
 
     #[test]
     fn with_b_of_0_528_it_is_an_isentropic_orifice_within_0_4_percent() {
-        let ellipse = Iso6358 { sonic_conductance: 2e-8, critical_ratio: 0.528 };
+        let ellipse = Iso6358 { critical_ratio: 0.528, ..VALVE };
         let isentropic = |ratio: f64| gas().flow_function(gas().exner(7e5), gas().exner(7e5 * ratio)).value;
         let mut largest = 0.0_f64;
         for i in 0..1000 {
