@@ -161,3 +161,40 @@ fn the_hysteresis_is_told_of_the_range_of_the_rig() {
     let [value, within, unit] = figure(&printed, "width at mid-travel, without dither, of the range of 1 mm");
     assert_eq!((value.as_str(), within.as_str(), unit.as_str()), ("5.00", "0.02", "%"), "{printed}");
 }
+
+/// A valve by its data sheet: C of 1.375 dm3/(s bar) and b of 0.3 make 349.6 l/min, linear over the command.
+const DATA_SHEET: &str = "--set valve.model=iso-6358 --set valve.characteristic=linear --set valve.sonic_conductance_m3_per_s_pa=1.375e-8 --set valve.critical_ratio=0.3";
+
+#[test]
+fn the_flow_curve_of_a_data_sheet_is_reproduced_within_1_percent_and_laid_over_measured_points() {
+    let folder = folder();
+    let points = (-10..=10).map(|i| {
+        let off = if i % 2 == 0 { 1.0 } else { -1.0 };
+        format!("{},{},1.5\n", 10 * i, 34.96 * f64::from(i).abs() + off)
+    });
+    let table = format!("command_percent,flow_l_min,spread\n{}", points.collect::<String>());
+    fs::write(folder.path().join("bench.csv"), table).expect("written");
+    let printed = ok(
+        folder.path(),
+        &format!("characterise servo-b nominal-flow {DATA_SHEET} --points bench.csv --out ."),
+    );
+    let line =
+        |name: &str| printed.lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("{printed}"));
+    assert!(line("nominal flow Qn from the supply to port 1").contains("349.6"), "{printed}");
+    assert!(line("conductance C from the supply to port 2").contains("1.375"), "{printed}");
+    assert!(line("largest, at command").contains("0.29 % of the largest"), "{printed}");
+    assert!(line("points within two").contains("21 of 21"), "{printed}");
+    let csv = fs::read_to_string(folder.path().join("nominal-flow.csv")).expect("written");
+    assert!(csv.starts_with("graph,curve,command_percent,value\nflow_l_min,the open path,-100"), "{csv}");
+}
+
+#[test]
+fn points_of_another_test_are_refused_with_the_columns_that_are_needed() {
+    let folder = folder();
+    fs::write(folder.path().join("bench.csv"), "spool,flow\n1,2\n").expect("written");
+    let printed = transcript(
+        folder.path(),
+        &format!("characterise servo-b nominal-flow {DATA_SHEET} --points bench.csv --out ."),
+    );
+    assert!(printed.contains("command_percent, flow_l_min"), "{printed}");
+}

@@ -1,7 +1,8 @@
-//! The component tests of the thesis (7.1) on the components of a rig: what a bench would measure.
+//! The component tests of the thesis (7.1), and that of data sheets, on the components of a rig: what a bench would measure.
 //!
 //! | curve | thesis | shows |
 //! |---|---|---|
+//! | [`nominal_flow`] | ISO 6358 | flow of the open path over the command, as data sheets show it |
 //! | [`flow_gain`] | 7.1.1.1, Fig. 7.4 | flow of a port over the spool |
 //! | [`pressure_gain`] | 7.1.1.2, 7.1.1.3, Fig. 7.3, Tab. 7.1 | blocked ports over the spool, and the null by least squares |
 //! | [`flow_function`] | 6.52, V.9 | flow of a land over the pressure ratio |
@@ -30,6 +31,7 @@ pub mod friction;
 pub mod hysteresis;
 pub mod land_area;
 pub mod leakage;
+pub mod nominal_flow;
 mod points;
 pub mod pressure_drop;
 pub mod pressure_gain;
@@ -51,7 +53,8 @@ pub struct Curve {
 }
 
 /// All curves.
-pub const CURVES: [Curve; 14] = [
+pub const CURVES: [Curve; 15] = [
+    Curve { name: "nominal-flow", about: nominal_flow::ABOUT, measure: nominal_flow::measure },
     Curve { name: "flow-gain", about: flow_gain::ABOUT, measure: flow_gain::measure },
     Curve { name: "pressure-gain", about: pressure_gain::ABOUT, measure: pressure_gain::measure },
     Curve { name: "flow-function", about: flow_function::ABOUT, measure: flow_function::measure },

@@ -13,6 +13,7 @@
 //! | [`sweep`] | many runs of one rig: what varies, what is collected, on all cores |
 //! | [`tuning`] | gains for a step, on rigs within a spread |
 //! | [`sensitivity`] | which value that nobody has measured moves the transient most |
+//! | [`measured_points`] | measured points beside a computed curve |
 //! | [`ladder`] | what each model of a component costs, and what it changes |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`thesis`] | the numbers of the thesis that the model can be held against, on one page |
@@ -27,6 +28,7 @@ pub mod ensemble;
 pub mod evaluation;
 pub mod identification;
 pub mod ladder;
+pub mod measured_points;
 pub mod page;
 pub mod parallel;
 pub mod range;

@@ -25,6 +25,10 @@ pub struct Characterise {
     /// Folder for CURVE.csv and CURVE.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Lay measured points over the first graph: a CSV table whose header names its axes as CURVE.csv does, such as
+    /// command_percent,flow_l_min, and perhaps spread, their standard deviation
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
 }
 
 /// Every curve.

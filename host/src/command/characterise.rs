@@ -1,5 +1,7 @@
 //! `pneudrive characterise`: runs the component tests of [`pneudrive_sim::characteristics`] and writes their curves.
 
+mod points;
+
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +13,8 @@ use pneudrive_sim::characteristics::{
     CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
 };
 use pneudrive_sim::{IntegrationError, Rig};
+
+use points::Measurement;
 
 use super::eval::column;
 use super::rig_source::load_choice;
@@ -26,6 +30,9 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
     let rig = load_choice(&arguments.rig)?;
     make_writable(&arguments.out)?;
     let all = arguments.curve == ALL;
+    if all && arguments.points.is_some() {
+        bail!("--points goes with one curve: name it instead of {ALL}");
+    }
     let wanted: Vec<&Wanted> = CURVES.iter().filter(|curve| all || curve.name == arguments.curve).collect();
     for curve in &wanted {
         let [csv, html] = places(&arguments.out, curve);
@@ -35,7 +42,10 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
     let mut stopped = Ok(());
     for curve in wanted {
         match (curve.measure)(&rig) {
-            Ok(found) => leave(&arguments.out, &rig, curve, &found)?,
+            Ok(found) => {
+                let measured = arguments.points.as_deref().map(|path| Measurement::of(path, &found));
+                leave(&arguments.out, &rig, curve, &found, measured.transpose()?.as_ref())?;
+            }
             Err(Unfit::Integration(error)) => stopped = stopped.and(Err(stops(&rig, curve, &error))),
             Err(lacks) if all => say!("{}: skipped, as {lacks}", curve.name),
             Err(lacks) => bail!("{} has no {}: {lacks}", rig.name(), curve.name),
@@ -58,11 +68,18 @@ fn places(folder: &Path, curve: &Wanted) -> [PathBuf; 2] {
     ["csv", "html"].map(|kind| folder.join(format!("{}.{kind}", curve.name)))
 }
 
-fn leave(folder: &Path, rig: &Rig, curve: &Wanted, found: &Characteristic) -> Result<()> {
+fn leave(
+    folder: &Path,
+    rig: &Rig,
+    curve: &Wanted,
+    found: &Characteristic,
+    measured: Option<&Measurement>,
+) -> Result<()> {
     let [csv, html] = places(folder, curve);
     put(&csv, &to_csv(found))?;
-    let table = table(found);
-    page(rig, curve, found, &table).write(&html)?;
+    let mut table = table(found);
+    table.rows.extend(measured.iter().flat_map(|measured| measured.rows()));
+    page(rig, curve, found, &table, measured).write(&html)?;
     say!("{}: {}\n{}{}, {}\n", curve.name, curve.about, table.to_text(), csv.display(), html.display());
     Ok(())
 }
@@ -128,11 +145,18 @@ fn significant(value: f64, digits: i32) -> String {
     format!("{value:.decimals$}")
 }
 
-fn page(rig: &Rig, curve: &Wanted, found: &Characteristic, table: &Table) -> Page {
-    let panel = |graph: &Graph| {
+fn page(
+    rig: &Rig,
+    curve: &Wanted,
+    found: &Characteristic,
+    table: &Table,
+    measured: Option<&Measurement>,
+) -> Page {
+    let panel = |(i, graph): (usize, &Graph)| {
         let curves = graph.series.iter();
         let curves = curves.map(|series| Curve::new(&series.name, series.x.clone(), series.y.clone()));
-        Panel::new(graph.title, curves.collect())
+        let points = measured.filter(|_| i == 0).into_iter().flat_map(Measurement::curves);
+        Panel::new(graph.title, curves.chain(points).collect())
     };
     let about = curve.about.split(" (").next().unwrap_or(curve.about);
     Page {
@@ -145,6 +169,7 @@ fn page(rig: &Rig, curve: &Wanted, found: &Characteristic, table: &Table) -> Pag
         figures: found
             .graphs
             .iter()
+            .enumerate()
             .map(|graph| Figure {
                 heading: String::new(),
                 across: found.across.to_owned(),
@@ -158,7 +183,7 @@ fn page(rig: &Rig, curve: &Wanted, found: &Characteristic, table: &Table) -> Pag
 /// The section of the thesis, which the description of a curve ends with in brackets.
 fn place_in_thesis(about: &str) -> String {
     let place = about.split_once('(').map_or("", |(_, place)| place.trim_end_matches(')'));
-    format!("of the thesis, {place}")
+    if place.starts_with("ISO") { format!("by {place}") } else { format!("of the thesis, {place}") }
 }
 
 #[cfg(test)]

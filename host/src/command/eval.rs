@@ -256,5 +256,5 @@ fn write_csv(path: &Path, transient: &Transient, motion: &Motion) -> Result<()> 
 
 /// The name of a column: `pressure_1_kpa` for `pressure 1, kPa`.
 pub(super) fn column(title: &str) -> String {
-    title.replace(", ", "_").replace([' ', '/'], "_").replace('^', "").to_lowercase()
+    title.replace(", ", "_").replace([' ', '/'], "_").replace('^', "").replace('%', "percent").to_lowercase()
 }

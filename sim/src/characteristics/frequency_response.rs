@@ -122,7 +122,11 @@ impl Bode<'_> {
     fn resonance(&self) -> Result<[Reading; 2], Unfit> {
         let gain = |i: &usize| self.responses[*i].gain;
         let peak = (0..self.responses.len()).max_by(|a, b| gain(a).total_cmp(&gain(b))).unwrap_or(0);
-        let decibels = |gain: f64| Reading::Read { value: 20.0 * gain.log10(), within: DB_WITHIN };
+        // A spool that its friction holds has no gain.
+        let decibels = |gain: f64| match gain > 0.0 {
+            true => Reading::Read { value: 20.0 * gain.log10(), within: DB_WITHIN },
+            false => self.nowhere(),
+        };
         if peak == 0 || peak + 1 == self.frequencies.len() {
             return Ok([decibels(gain(&peak)), self.nowhere()]);
         }
@@ -230,6 +234,16 @@ mod tests {
             "{frequency} Hz: {found:?} for {expected:?}"
         );
         assert!((found.phase - expected.phase).abs() < 2e-3, "{frequency} Hz: {found:?} for {expected:?}");
+    }
+
+    #[test]
+    fn a_spool_that_its_friction_holds_has_no_largest_gain() {
+        let held = rig(&["operator.static_friction_n=90", "operator.coulomb_friction_n=90"]);
+        let found = measure(&held).expect("it can be followed");
+        let gains = found.figures.iter().filter(|figure| figure.name.starts_with("largest gain"));
+        let readings: Vec<Reading> = gains.map(|figure| figure.reading).collect();
+        assert!(readings.iter().all(|reading| matches!(reading, Reading::NotBetween(_))), "{readings:?}");
+        assert_eq!(readings.len(), 2);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::points::evenly;
 use super::{Characteristic, Figure, Graph, Series, Unfit};
-use crate::component::valve::Valve;
+use crate::component::valve::{Model, Valve};
 use crate::keys;
 use crate::values::Rig;
 
@@ -12,6 +12,9 @@ pub(super) const ABOUT: &str = "areas of the lands over the spool (6.38)";
 const MM2: f64 = 1e6;
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
+    if rig.get(&keys::valve::MODEL) == Model::Iso6358 {
+        return Err(Unfit::NoPart("its valve is known by conductances; the curve nominal-flow has them"));
+    }
     let valve = Valve::of(rig);
     let [travel, null] =
         [&keys::valve::SPOOL_TRAVEL_MM, &keys::valve::NULL_OFFSET_MM].map(|key| rig.get(key));

@@ -6,6 +6,7 @@ use super::bench::ValveBench;
 use super::flow_gain::FIG_7_4_SUPPLY_PA;
 use super::points::evenly;
 use super::{Characteristic, Figure, Graph, Series, Unfit};
+use crate::component::valve;
 use crate::keys;
 use crate::values::Rig;
 
@@ -43,6 +44,9 @@ pub fn flow(rig: &Rig, model: Model, spool: f64, supply_pa: f64, port_pa: f64) -
 type Pressures = [f64; 2];
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
+    if rig.get(&keys::valve::MODEL) == valve::Model::Iso6358 {
+        return Err(Unfit::NoPart("its valve is known by conductances, not by lands and ports"));
+    }
     let own = rig.get(&keys::supply::PRESSURE_PA);
     let halfway = (own + rig.get(&keys::exhaust::PRESSURE_PA)) / 2.0;
     let (of_rig, of_thesis) = ([own, halfway], [FIG_7_4_SUPPLY_PA, PORT_PA]);
@@ -99,6 +103,16 @@ mod tests {
             let gain = flow(Model::FlowNodeWithApproach) / flow(Model::FlowNode) - 1.0;
             assert!((gain - more).abs() < 0.01, "{spool} {port}: {gain}");
         }
+    }
+
+    #[test]
+    fn a_valve_by_its_conductances_has_no_port_of_the_thesis() {
+        let rig = servo_b(&[
+            "valve.model=iso-6358",
+            "valve.sonic_conductance_m3_per_s_pa=2e-8",
+            "valve.critical_ratio=0.3",
+        ]);
+        assert!(matches!(measure(&rig), Err(Unfit::NoPart(_))));
     }
 
     /// Two equal choked orifices behind each other and a land alone: Fig. 7.5's saturation.
