@@ -28,6 +28,7 @@
 
 mod assumed;
 pub mod causes;
+pub mod conductance;
 mod derivatives;
 pub mod figures;
 mod found;

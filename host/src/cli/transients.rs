@@ -156,12 +156,16 @@ pub struct Identify {
     #[command(flatten)]
     pub rig: RigChoice,
     /// TARGET files recorded with test.decimation=1, or runs streamed with --every 1
-    #[arg(required_unless_present_any = ["plan", "tubing"], conflicts_with_all = ["plan", "tubing"], value_name = "TARGET")]
+    #[arg(required_unless_present_any = ["plan", "tubing", "conductance"], conflicts_with_all = ["plan", "tubing", "conductance"], value_name = "TARGET")]
     pub targets: Vec<PathBuf>,
     /// Only fit the regression line of a pressure drop: a CSV table with flow_g_s (or flow_kg_s) and ratio, the pressure at
     /// the far end of a tube over that at its near end
     #[arg(long, value_name = "FILE", conflicts_with = "plan")]
     pub tubing: Option<PathBuf>,
+    /// Only fit conductance C and critical ratio b of a path of the valve (ISO 6358): a CSV table with upstream_kpa and
+    /// downstream_kpa (absolute), flow_l_min (or flow_g_s, flow_kg_s) and perhaps temperature_c
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["plan", "tubing"])]
+    pub conductance: Option<PathBuf>,
     /// Only fit the regression line of the sample period: requested and measured, from these files
     #[arg(long)]
     pub timer: bool,

@@ -33,6 +33,9 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     if let Some(path) = &arguments.tubing {
         return simple::tubing(&rig, path);
     }
+    if let Some(path) = &arguments.conductance {
+        return simple::conductance(&rig, path);
+    }
     if arguments.timer {
         return simple::timer(&arguments.targets);
     }

@@ -1,8 +1,9 @@
-//! The identifications that need no model of the drive: `identify --tubing`, `identify --timer`.
+//! The identifications that need no model of the drive: `identify --tubing`, `--conductance`, `--timer`.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use pneudrive_analysis::identification::conductance::Path as Conductance;
 use pneudrive_analysis::identification::figures::Figure;
 use pneudrive_analysis::identification::regression::Line;
 use pneudrive_analysis::identification::tubing::drop_slope;
@@ -18,6 +19,31 @@ pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
     let found = drop_slope(&text, reference)
         .with_context(|| format!("{} is not a table of a pressure drop", path.display()))?;
     say!("tubing.drop_slope = {}, at tubing.reference_flow_kg_s = {reference}", with_error(found));
+    Ok(())
+}
+
+/// Conductance and critical ratio of a path of the valve, from measured flows (ISO 6358-1).
+pub(super) fn conductance(rig: &Rig, path: &Path) -> Result<()> {
+    let index = rig.get(&keys::iso6358::SUBSONIC_INDEX);
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let found = Conductance::of_table(&text, index)
+        .with_context(|| format!("{} tells no conductance", path.display()))?;
+    let scaled =
+        |Figure { value, error }: Figure, scale: f64| format!("{:.4} +- {:.4}", scale * value, scale * error);
+    say!(
+        "valve.sonic_conductance_m3_per_s_pa = {:.4e}   (C = {} dm3/(s bar), standard error)",
+        found.sonic_conductance.value,
+        scaled(found.sonic_conductance, 1e8)
+    );
+    say!(
+        "valve.critical_ratio = {:.4}   (b = {}, standard error)",
+        found.critical_ratio.value,
+        scaled(found.critical_ratio, 1.0)
+    );
+    say!(
+        "the points scatter by {:.2} % of the choked flow about the curve with m = {index}",
+        100.0 * found.scatter
+    );
     Ok(())
 }
 
