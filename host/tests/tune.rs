@@ -24,6 +24,7 @@ fn a_tuning_leaves_a_page_and_a_rig_that_can_be_simulated() {
         "the steps there and back of 5 fresh draws",
         "in 5 fresh draws from the spread",
         "the rig of the file in mid-stroke",
+        "the step along the stroke",
         "controller.velocity_gain",
         "the gains within their search ranges",
         "the fresh draws one by one, the worst first",

@@ -12,6 +12,7 @@
 //! | [`fixed`] | which keys a user may fix |
 //! | [`goal`] | the goal of a step, and the cost of a run |
 //! | [`spread`] | the rigs that the drive may turn out to be, and the positions and directions of its steps |
+//! | [`stroke`] | the step at five positions of the stroke |
 //! | [`trial`] | the step on a rig |
 //! | [`mod@search`] | differential evolution |
 //! | [`drive`] | candidates on many rigs, and how far that is |
@@ -31,6 +32,7 @@ pub mod proportion;
 pub mod report;
 pub mod search;
 pub mod spread;
+pub mod stroke;
 pub mod trial;
 
 use anyhow::Result;

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use pneudrive_analysis::tuning::search::Budget;
+use pneudrive_analysis::tuning::stroke::along_the_stroke;
 use pneudrive_analysis::tuning::{Goal, Relative, Stage, Task, report, tune};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
@@ -39,11 +40,15 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
         bar.at(at.done as u64, at.all as u64);
     })?;
     shown.into_iter().for_each(|(_, bar)| bar.done());
-    report::write_page(&task, &tuned, &page)?;
+    let steps = along_the_stroke(&task, &tuned)?;
+    report::write_page(&task, &tuned, &steps, &page)?;
     put(&rig, &report::rig_file(&task, &tuned)?)?;
     report::notes(&task, &tuned).iter().for_each(|note| say!("{note}"));
-    let mut tables =
-        vec![report::tables::judged(&tuned, &task.goal), report::tables::neighbours(&tuned, &task.goal)];
+    let mut tables = vec![
+        report::tables::judged(&tuned, &task.goal),
+        report::tables::neighbours(&tuned, &task.goal),
+        report::tables::along_the_stroke(&steps, &task.goal),
+    ];
     if !tuned.obstacles.is_empty() {
         tables.push(report::tables::obstacles(&tuned.obstacles, &task.goal));
     }

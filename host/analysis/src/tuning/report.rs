@@ -8,6 +8,7 @@ use std::path::Path;
 use anyhow::Result;
 use pneudrive_records::rig_text;
 
+use super::stroke::AtPlace;
 use super::trial::Trial;
 use super::{Found, Goal, Proportion, Space, Task, Tuned};
 use crate::page::Page;
@@ -16,10 +17,14 @@ use crate::page::Page;
 ///
 /// # Errors
 /// When the step cannot be simulated, or the page cannot be written.
-pub fn write_page(task: &Task, tuned: &Tuned, path: &Path) -> Result<()> {
+pub fn write_page(task: &Task, tuned: &Tuned, steps: &[AtPlace], path: &Path) -> Result<()> {
     let trial = Trial::of(task, &[])?;
     let goal = &task.goal;
-    let mut tables = vec![tables::judged(tuned, goal), tables::neighbours(tuned, goal)];
+    let mut tables = vec![
+        tables::judged(tuned, goal),
+        tables::neighbours(tuned, goal),
+        tables::along_the_stroke(steps, goal),
+    ];
     if !tuned.obstacles.is_empty() {
         tables.push(tables::obstacles(&tuned.obstacles, goal));
     }

@@ -99,7 +99,15 @@ impl Trial {
     /// # Errors
     /// When it cannot be simulated.
     pub fn neighbours(&self, gains: &[String]) -> Result<Vec<Performance>> {
-        let rig = self.rig_of(gains, &Variant::NOMINAL)?;
+        self.neighbours_of(gains, &Variant::NOMINAL)
+    }
+
+    /// The step on a variant of the rig and on its neighbours, the variant first.
+    ///
+    /// # Errors
+    /// When it cannot be simulated.
+    pub fn neighbours_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
+        let rig = self.rig_of(gains, variant)?;
         let measure = |rig: &Rig, run: &Run| {
             self.measured(rig, run).map_or_else(Performance::failed, |(_, moves)| self.performance(&moves))
         };

@@ -3,6 +3,7 @@
 use crate::evaluation::LimitCycle;
 use crate::page::Table;
 use crate::range::with_range;
+use crate::tuning::stroke::AtPlace;
 use crate::tuning::trial::Trial;
 use crate::tuning::{Found, Goal, LimitingImperfection, Performance, Tuned, Variant};
 
@@ -80,37 +81,54 @@ pub fn obstacles(all: &[LimitingImperfection], goal: &Goal) -> Table {
 /// The rig of the file with its neighbours.
 #[must_use]
 pub fn neighbours(tuned: &Tuned, goal: &Goal) -> Table {
-    let row = |name: &str, found: &Found| {
-        let runs = &found.neighbours;
-        let seen = goal.met_in(runs);
-        let of = |of: &dyn Fn(&Performance) -> Option<f64>| runs.iter().map(of).collect::<Vec<_>>();
-        let cycles = runs.iter().map(|one| one.limit_cycle).reduce(LimitCycle::or_worse);
-        vec![
-            name.to_owned(),
-            format!("{} of {}", seen.met, seen.of),
-            with_range(&of(&|one| one.settling_s), 3),
-            with_range(&of(&|one| one.overshoot_percent), 2),
-            with_range(&of(&|one| Some(one.error_mm).filter(|mm| mm.is_finite())), 3),
-            cycles.map_or_else(|| "-".to_owned(), swing),
-        ]
-    };
-    let columns = [
-        "gains",
-        "goal met",
-        "settles after, s",
-        "overshoot, %",
-        "error at the end, mm",
-        "limit cycle, mm peak to peak: worst",
-    ];
+    let row = |name: &str, found: &Found| with_neighbours(name.to_owned(), &found.neighbours, goal);
     let mut rows = vec![row("of the file", &tuned.before)];
     if tuned.is_changed() {
         rows.push(row("found", &tuned.after));
     }
     Table {
         heading: "the rig of the file in mid-stroke; in brackets the range over it and its neighbours, whose mass and starting position differ by 1e-5".to_owned(),
-        columns: columns.map(str::to_owned).to_vec(),
+        columns: std::iter::once("gains").chain(WITH_NEIGHBOURS).map(str::to_owned).collect(),
         rows,
     }
+}
+
+/// The step along the stroke.
+#[must_use]
+pub fn along_the_stroke(steps: &[AtPlace], goal: &Goal) -> Table {
+    let row = |step: &AtPlace| {
+        let [from, to] = step.ends_mm;
+        with_neighbours(format!("{from:.1} to {to:.1}"), &step.runs, goal)
+    };
+    Table {
+        heading: "the step along the stroke, with the gains that were found; in brackets the range over the rig of the file and its neighbours".to_owned(),
+        columns: std::iter::once("step and back, mm").chain(WITH_NEIGHBOURS).map(str::to_owned).collect(),
+        rows: steps.iter().map(row).collect(),
+    }
+}
+
+/// Columns of a step on a rig and its neighbours.
+const WITH_NEIGHBOURS: [&str; 5] = [
+    "goal met",
+    "settles after, s",
+    "overshoot, %",
+    "error at the end, mm",
+    "limit cycle, mm peak to peak: worst",
+];
+
+/// A step on a rig, first, and on its neighbours.
+fn with_neighbours(name: String, runs: &[Performance], goal: &Goal) -> Vec<String> {
+    let seen = goal.met_in(runs);
+    let of = |of: &dyn Fn(&Performance) -> Option<f64>| runs.iter().map(of).collect::<Vec<_>>();
+    let cycles = runs.iter().map(|one| one.limit_cycle).reduce(LimitCycle::or_worse);
+    vec![
+        name,
+        format!("{} of {}", seen.met, seen.of),
+        with_range(&of(&|one| one.settling_s), 3),
+        with_range(&of(&|one| one.overshoot_percent), 2),
+        with_range(&of(&|one| Some(one.error_mm).filter(|mm| mm.is_finite())), 3),
+        cycles.map_or_else(|| "-".to_owned(), swing),
+    ]
 }
 
 /// The keys that were found, and what they were.
