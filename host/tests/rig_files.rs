@@ -3,6 +3,9 @@
 use std::fs;
 use std::process::{Command, Output};
 
+use pneudrive_sim::Rig;
+use pneudrive_sim::rig::{Source, all_keys};
+
 fn pneudrive(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pneudrive")).args(arguments).output().expect("pneudrive")
 }
@@ -119,4 +122,69 @@ fn the_catalogue_tells_its_sources() {
     assert!(all.contains("iso-15552-32") && all.contains("proportional-5-3-350"), "{all}");
     let one = printed(&pneudrive(&["rig", "parts", "iso-15552-32"]));
     assert!(one.contains("rod") && one.contains("12 mm") && one.contains("(vendor)"), "{one}");
+}
+
+/// From an empty folder to a tuned step and a report, a command each.
+#[test]
+fn a_machine_builder_comes_from_data_sheets_to_a_tuned_step_and_a_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let run = |arguments: &[&str]| {
+        let output = pneudrive(arguments);
+        assert!(output.status.success(), "{arguments:?}: {output:?}");
+        printed(&output)
+    };
+    let (file, folder_of_gains, tuned) = (at("press.toml"), at("tuned"), at("tuned/tuned.toml"));
+    let catalogue = ["--cylinder", "iso-15552-32", "--stroke", "250 mm", "--valve", "proportional-5-3-350"];
+    let new = [&["rig", "new", &file, "--mass", "8 kg", "--no-questions"][..], &catalogue].concat();
+    run(&new);
+    let rig = Rig::read("press", &std::fs::read_to_string(&file).expect("written")).expect("valid");
+    let own = all_keys().filter(|key| rig.is_set(key));
+    assert!(own.clone().count() > 35, "{}", own.count());
+    for key in all_keys().filter(|key| rig.is_set(key)) {
+        assert_ne!(rig.origin(key).source, Source::Default, "{}", key.path);
+    }
+    let search =
+        ["--settled", "1", "--population", "6", "--generations", "4", "--draws", "10", "--seed", "2"];
+    let told = run(&[&["tune", &file, "--out", &folder_of_gains][..], &search].concat());
+    assert!(told.contains("The goal is met in "), "{told}");
+    assert!(told.contains("the step along the stroke"), "{told}");
+    let tuned_rig = Rig::read("press", &std::fs::read_to_string(&tuned).expect("written")).expect("valid");
+    assert!(all_keys().filter(|key| rig.is_set(key)).all(|key| tuned_rig.is_set(key)), "no origin is lost");
+    run(&["simulate", &tuned, "--out", &at("step"), "--ensemble", "1"]);
+    assert!(folder.path().join("step/report.html").is_file());
+}
+
+#[test]
+fn a_new_rig_is_tuned_at_once_where_that_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (file, tuned) = (at("own.toml"), at("tuned"));
+    let made = pneudrive(&[
+        "rig",
+        "new",
+        &file,
+        "--cylinder",
+        "iso-15552-32",
+        "--stroke",
+        "100 mm",
+        "--valve",
+        "proportional-5-3-100",
+        "--mass",
+        "3 kg",
+        "--friction",
+        "5 N",
+        "--no-questions",
+        "--tune",
+        &tuned,
+        "--generations",
+        "0",
+    ]);
+    assert!(made.status.success(), "{made:?}");
+    let told = printed(&made);
+    assert!(told.contains("The goal is met in ") && told.contains("next: pneudrive simulate"), "{told}");
+    assert!(String::from_utf8_lossy(&made.stderr).contains("--step 40 --settled 1"), "the command is shown");
+    for name in ["tuned/tuned.toml", "tuned/tune.html"] {
+        assert!(folder.path().join(name).is_file(), "{name}");
+    }
 }

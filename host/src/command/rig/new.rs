@@ -4,14 +4,16 @@ use std::io::{BufRead, IsTerminal, stdin};
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use clap::Parser;
 use pneudrive_design::own_drive::rig_file;
 use pneudrive_design::parts::{self, Family, Part};
 use pneudrive_design::question::{Answers, QUESTIONS, Question};
 use pneudrive_design::values;
 use pneudrive_records::whole_file;
-use pneudrive_sim::Rig;
+use pneudrive_sim::{Rig, keys};
 
-use crate::cli::NewRig;
+use crate::cli::{Cli, Command, NewRig};
+use crate::command::tune;
 
 /// Questions that an answer to another one makes redundant.
 const IDLE: &[(&str, &[&str])] = &[
@@ -41,9 +43,44 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
     let rig = Rig::read(&name, &text)?;
     let counts = values::count(&rig).map(|(source, count)| format!("{count} {}", source.word()));
     say!("{}: a rig of {} values", file.display(), counts.join(", "));
-    let file = file.display();
-    say!("next: pneudrive simulate {file} --out sim");
-    say!("      pneudrive tune {file} --settled 1 --out tuned");
+    match &arguments.tune {
+        Some(folder) => tuned(file, &rig, folder, arguments.generations),
+        None => {
+            say!("next: pneudrive simulate {} --out sim", file.display());
+            say!("      pneudrive {}", tuning(file, &rig, Path::new("tuned"), GENERATIONS).join(" "));
+            Ok(())
+        }
+    }
+}
+
+/// The step that gains are looked for, mm, at most; and of the stroke.
+const STEP_MM: f64 = 60.0;
+const STEP_SHARE: f64 = 0.4;
+/// Generations of the search that is proposed.
+const GENERATIONS: u16 = 10;
+
+/// The arguments of the tuning of a new rig: friction that nobody has measured leaves a millimetre at best.
+fn tuning(file: &Path, rig: &Rig, folder: &Path, generations: u16) -> Vec<String> {
+    let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
+    let step = STEP_MM.min((STEP_SHARE * stroke_mm).floor());
+    let options = format!("--step {step} --settled 1 --population 16 --generations {generations} --out");
+    let paths = [file, folder].map(|path| path.display().to_string());
+    let [file, folder] = paths;
+    std::iter::once("tune".to_owned())
+        .chain([file])
+        .chain(options.split(' ').map(str::to_owned))
+        .chain([folder])
+        .collect()
+}
+
+/// Tunes the new rig, as the command that is shown does.
+fn tuned(file: &Path, rig: &Rig, folder: &Path, generations: u16) -> Result<()> {
+    let arguments = tuning(file, rig, folder, generations);
+    tell!("pneudrive {}", arguments.join(" "));
+    let command = Cli::try_parse_from(std::iter::once("pneudrive".to_owned()).chain(arguments))?.command;
+    let Command::Tune(arguments) = command else { bail!("the tuning is no tuning") };
+    tune::execute(&arguments)?;
+    say!("next: pneudrive simulate {} --out step", folder.join("tuned.toml").display());
     Ok(())
 }
 
