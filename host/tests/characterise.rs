@@ -63,7 +63,7 @@ fn a_curve_that_a_rig_has_not_is_refused_and_left_out_of_all() {
         ("servo-b flow-force", "servo-b has no flow-force: its flow does not push the spool"),
         (
             "servo-b drift",
-            "servo-b has no drift: its null does not move (valve.null_drift_mm_per_h = 0); state",
+            "servo-b has no drift: its null does not drift (valve.null_drift_mm_per_h = 0); give a drift",
         ),
         ("bang-bang hysteresis", "bang-bang has no hysteresis: an on-off operator has three places"),
     ] {

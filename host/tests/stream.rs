@@ -228,6 +228,6 @@ fn a_streamed_run_with_a_gap_is_read_beside_the_gap_and_a_long_one_in_parts() {
     let head = text.find("\n0,").expect("a sample") + 1;
     let many: String = (0..250_001).map(|k| format!("{k},8192,1332,1638,0,0,2047\n")).collect();
     fs::write(folder.path().join("long.txt"), text[..head].to_owned() + &many).expect("written");
-    assert!(printed("eval long.txt").contains("long.txt has 250001 samples there"));
+    assert!(printed("eval long.txt").contains("long.txt has 250001 samples in this interval"));
     assert!(printed("eval long.txt --from 10 --to 11").ends_with("= 0"));
 }

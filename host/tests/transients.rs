@@ -356,12 +356,12 @@ fn an_interval_without_samples_is_refused_with_what_there_is() {
             "eval TARGET01.DAT --from 3",
             "TARGET01.DAT has fewer than two samples in this interval; it goes from 0.0000 s to 0.4498 s",
         ),
-        ("eval run --from 0.3 --to 0.2", "run has fewer than two samples there"),
-        ("overlay TARGET01.DAT run --to -1", "TARGET01.DAT has fewer than two samples there"),
-        ("spectrum run position --from 3", "run has fewer than two samples there"),
+        ("eval run --from 0.3 --to 0.2", "run has fewer than two samples in this interval"),
+        ("overlay TARGET01.DAT run --to -1", "TARGET01.DAT has fewer than two samples in this interval"),
+        ("spectrum run position --from 3", "run has fewer than two samples in this interval"),
         (
             "spectrum TARGET01.DAT position --with run --from 3",
-            "TARGET01.DAT has fewer than two samples there",
+            "TARGET01.DAT has fewer than two samples in this interval",
         ),
     ] {
         let printed = transcript(folder.path(), arguments);

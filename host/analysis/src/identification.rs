@@ -206,7 +206,7 @@ pub fn identify(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     if parameters.is_empty() || recordings.is_empty() {
-        bail!("a fit needs at least one parameter and one transient");
+        bail!("a fit needs a parameter and a transient");
     }
     let mut model = Model::new(rig, recordings, parameters, accuracy);
     let start = vec![0.0; model.unknowns()];
@@ -214,7 +214,7 @@ pub fn identify(
     let before = model.channel_fits(&residuals).map(|fit| fit.map(|fit| fit.after));
     let silent = model.leave_out_what_nothing_depends_on(&residuals);
     if model.parameters.is_empty() {
-        bail!("the transients do not depend on any of the parameters; the drive must move in them");
+        bail!("none of the parameters can be seen in the transients; the drive must move in them");
     }
     let start = vec![0.0; model.unknowns()];
     let Termination { found, causes } = search::search(&mut model, start, progress)?;
