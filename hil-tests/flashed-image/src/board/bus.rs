@@ -116,7 +116,9 @@ impl Board {
             Some((peripheral, gate, start)) if gate.is_none_or(|gate| self.rcc.is_clocked(gate)) => {
                 return Some((peripheral, start));
             }
-            Some((peripheral, ..)) => format!("the image {does} {peripheral:?} at {address:#x} while its clock is off"),
+            Some((peripheral, ..)) => {
+                format!("the image {does} {peripheral:?} at {address:#x} while its clock is off")
+            }
             None => format!("the image {does} {address:#x}, and no model knows what is there"),
         };
         self.stop.get_or_insert(Stop::Broken(handled));
