@@ -9,7 +9,7 @@ use pneudrive_analysis::page::{Page, Table};
 use pneudrive_analysis::recorded_test::{Taken, taken_from};
 use pneudrive_analysis::report;
 use pneudrive_analysis::transient::Transient;
-use pneudrive_records::judged::{Judged, Spacing};
+use pneudrive_records::judged::Judged;
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::{self, Existing, PageOf, StoredRun};
 use pneudrive_records::words;
