@@ -4,7 +4,6 @@ mod characterise;
 mod demo;
 mod device;
 mod eval;
-mod firmware_notes;
 mod identify;
 mod interrupts;
 mod ladder;
@@ -27,7 +26,6 @@ mod thesis;
 mod threads;
 mod tune;
 mod virtual_rig;
-mod wording;
 
 use anyhow::Result;
 use clap::{Arg, CommandFactory, FromArgMatches};

@@ -7,6 +7,7 @@
 //! | [`download`], [`part_file`] | which chunks of a record are there, and the file of an interrupted download |
 //! | [`stream`] | which rows of a stream are there |
 //! | [`failure`] | why a request failed |
+//! | [`test_run`], [`firmware_notes`] | a test made ready and started; notes on firmware that lacks something |
 //!
 //! Nothing is printed: notes go to the log.
 
@@ -15,6 +16,8 @@
 pub mod client;
 pub mod download;
 pub mod failure;
+pub mod firmware_notes;
 pub mod part_file;
 pub mod port;
 pub mod stream;
+pub mod test_run;

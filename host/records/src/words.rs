@@ -106,6 +106,16 @@ pub fn lost(lost: &FailedNeighbours) -> Option<String> {
     (!both.is_empty()).then(|| both.join("; "))
 }
 
+/// Names for a message: the first few of many.
+pub fn few(names: &[&str]) -> String {
+    match names {
+        [first, second, third, _, more @ ..] => {
+            format!("{first}, {second}, {third} and {} more", more.len() + 1)
+        }
+        names => names.join(", "),
+    }
+}
+
 /// A small length in the unit that suits it.
 fn length(metres: f64) -> String {
     match metres.abs() {

@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::{Client, Commander};
+use pneudrive_link::firmware_notes::report_boots;
 use pneudrive_protocol::{
     ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
 
-use super::firmware_notes::report_boots;
 use super::interrupts::Interrupts;
 use crate::cli::{Device, DeviceAction, Position};
 use crate::exit::Exit;

@@ -7,9 +7,9 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use pneudrive_analysis::sweep::journal::{About, Journal, Kept, NAME};
 use pneudrive_analysis::sweep::{Row, Sweep};
+use pneudrive_records::words::few;
 
 use super::sweep::{leave, make_room};
-use super::wording::few;
 use crate::cli::Merge;
 
 pub(super) fn execute(arguments: &Merge) -> Result<()> {

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use pneudrive_link::client::{self, Client, RecordChanged};
+use pneudrive_link::firmware_notes::report_missing;
 use pneudrive_link::part_file::{self, PartFile};
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::record::RecordHead;
 use pneudrive_records::target::TargetFile;
 
-use super::firmware_notes::report_missing;
 use super::progress::Progress;
 use crate::cli::Record;
 

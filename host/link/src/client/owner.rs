@@ -81,6 +81,12 @@ impl Client {
         })
     }
 
+    /// Whether this client has armed the drive, or taken it over, and has not disarmed it since.
+    #[must_use]
+    pub fn commands(&self) -> bool {
+        self.commands
+    }
+
     /// Enables the drive. This client commands it until it is disarmed or trips, or the client is dropped.
     ///
     /// # Errors

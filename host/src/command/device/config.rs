@@ -6,14 +6,14 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{TABLE, by_name};
 use pneudrive_link::client::Client;
+use pneudrive_link::firmware_notes::report_missing;
 use pneudrive_records::parameter_names::{Written, names_of};
 use pneudrive_records::whole_file::put;
+use pneudrive_records::words::few;
 use pneudrive_sim::Rig;
 
 use crate::cli::ConfigAction;
-use crate::command::firmware_notes::report_missing;
 use crate::command::rig_source::rig_text;
-use crate::command::wording::few;
 
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {

@@ -1,0 +1,188 @@
+//! A test on a rig: checked against the rig, downloaded, armed and started. Following it is the client's.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::id;
+use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
+use pneudrive_records::parameter_names::Written;
+use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::words;
+use pneudrive_sim::Rig;
+use pneudrive_sim::component::operator;
+use pneudrive_sim::keys;
+
+use crate::client::Client;
+use crate::failure::Failure;
+use crate::firmware_notes::{report_boots, report_missing};
+
+/// How long a stepper's spool may take to mid-travel; after that, the rig refuses the start and says why.
+const WALK_TO_NULL: Duration = Duration::from_secs(2);
+
+/// Asked again and again while the rig is waited for: an error ends the wait.
+pub type Interrupted<'a> = dyn FnMut() -> Result<()> + 'a;
+
+/// Downloads the test of a rig, which ends with this sample, and its parameters if asked for. The drive is disarmed
+/// then. Returns the parameters in force. Differences between rig and file go to the log.
+///
+/// # Errors
+/// When the rig is running or in a fault, the moves would mean something else on it, or it refuses.
+pub fn prepare(
+    client: &mut Client,
+    rig: &Rig,
+    last_sample: u32,
+    with_parameters: bool,
+    is_streamed: bool,
+) -> Result<RigParameters> {
+    refuse_unready(&client.status()?)?;
+    warn_of_other_hosts(client)?;
+    report_boots(client);
+    client.disarm()?;
+    if !with_parameters {
+        compare_parameters(&client.parameters()?.values, &rig.parameters(), rig.name())?;
+    }
+    if !is_streamed {
+        warn_of_a_full_recorder(client, rig, last_sample)?;
+    }
+    client.prepare(rig, last_sample, with_parameters.then(|| rig.parameters()).as_ref())?;
+    let parameters = client.parameters()?;
+    report_missing(&parameters);
+    Ok(parameters)
+}
+
+/// Arms the drive and starts the test that was prepared, once the rig is ready. If it does not start, the drive is
+/// disarmed.
+///
+/// # Errors
+/// When the rig refuses, or `interrupted` says so.
+pub fn start(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
+    client.arm()?;
+    let ready = wait_for_null(client, rig, interrupted)
+        .and_then(|()| wait_for_samples_before(client, rig, interrupted));
+    if let Err(error) = ready.and_then(|()| client.start()) {
+        client.disarm()?;
+        return Err(error);
+    }
+    Ok(())
+}
+
+/// Refuses a rig that is already running, or in a fault.
+fn refuse_unready(status: &Status) -> Result<()> {
+    match status.mode {
+        Mode::Running => Err(Failure::Refused
+            .error("a run is already in progress; wait for its end, or stop it (`pneudrive device stop`)")),
+        Mode::Fault => Err(Failure::Refused.error(format!(
+            "the rig is in the fault {}: {}; make sure that it is safe, then clear the fault with `pneudrive device arm`",
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Firmware before version 5 of the protocol obeys every host.
+fn warn_of_other_hosts(client: &mut Client) -> Result<()> {
+    if client.info()?.version < 5 {
+        log::info!(
+            "its firmware obeys every program that talks to the rig, even one that runs another test, and takes a test move by move; let no other program use the rig"
+        );
+    }
+    Ok(())
+}
+
+/// Waits until the armed rig has recorded the samples that the test needs from before its start. Status requests
+/// tell the rig meanwhile that its owner is there.
+fn wait_for_samples_before(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
+    let samples = rig.get(&keys::test::PRE_TRIGGER) * rig.get(&keys::test::DECIMATION).max(1);
+    let period = Duration::from_micros(rig.period_us().get().into());
+    let begin = Instant::now();
+    while begin.elapsed() < period.saturating_mul(samples as u32) {
+        interrupted()?;
+        client.status()?;
+        std::thread::sleep(period.clamp(Duration::from_millis(5), Duration::from_millis(50)));
+    }
+    Ok(())
+}
+
+/// The spool of a stepper valve walks to mid-travel one step a sample; a start before that is refused.
+fn wait_for_null(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
+    let begun = Instant::now();
+    while begun.elapsed() < WALK_TO_NULL {
+        interrupted()?;
+        if rig.get(&keys::operator::MODEL) != operator::Model::Stepper || client.status()?.spool == 0 {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    Ok(())
+}
+
+/// Notes how much of a long test the recorder will hold.
+fn warn_of_a_full_recorder(client: &mut Client, rig: &Rig, last_sample: u32) -> Result<()> {
+    // The recorder reserves its whole ring for samples from before the start.
+    let before = rig.get(&keys::test::PRE_TRIGGER) as u32;
+    let capacity = client.info()?.record_capacity.saturating_sub(before);
+    let stored = last_sample / rig.get(&keys::test::DECIMATION).max(1) as u32 + 1;
+    if last_sample == UNTIL_STOPPED {
+        log::info!("the recorder holds the first {capacity} samples; --stream writes all of them to a file");
+    } else if stored > capacity {
+        let least = last_sample.div_ceil(capacity.saturating_sub(1).max(1));
+        log::info!(
+            "the recorder holds {capacity} of {stored} samples and stops when it is full; test.decimation={least} records the whole test"
+        );
+    }
+    Ok(())
+}
+
+/// A parameter and its value as in a rig file.
+fn formatted(id: u16, value: i32) -> String {
+    Written::of(id).map_or_else(String::new, |written| format!("{} = {}", written.name, written.text(value)))
+}
+
+/// A parameter and its values on the rig and in the file.
+fn in_both(id: u16, on_rig: i32, in_file: i32) -> String {
+    Written::of(id).map_or_else(String::new, |written| {
+        format!(
+            "{} is {} on the rig, {} in the file",
+            written.name,
+            written.text(on_rig),
+            written.text(in_file)
+        )
+    })
+}
+
+/// Whether a file sets no end position, as in open loop: an end position of the rig then only limits it further.
+fn is_no_end_position(id: u16, in_file: i32) -> bool {
+    [(id::END_MIN_COUNTS, -i32::MAX), (id::END_MAX_COUNTS, i32::MAX)].contains(&(id, in_file))
+}
+
+/// Notes which parameters of the rig differ from the file: the run uses those of the rig. A different loop or period
+/// is refused, because the moves would mean something else.
+fn compare_parameters(rig: &Parameters, file: &Parameters, name: &str) -> Result<()> {
+    for id in [id::OPEN_LOOP, id::STEPPER, id::PERIOD_US, id::ON_ARRIVAL] {
+        let (on_rig, in_file) = (rig.get(id), file.get(id));
+        if on_rig != in_file {
+            bail!(
+                "{} on the rig and {} in {name}, so its moves would mean something else; --config downloads the parameters of the file",
+                formatted(id, on_rig.unwrap_or(0)),
+                formatted(id, in_file.unwrap_or(0))
+            );
+        }
+    }
+    let differences: Vec<String> = rig
+        .iter()
+        .zip(file.iter())
+        .filter(|((_, on_rig), (_, in_file))| on_rig != in_file)
+        .filter(|(_, (id, in_file))| !is_no_end_position(*id, *in_file))
+        .map(|((id, on_rig), (_, in_file))| in_both(id, on_rig, in_file))
+        .collect();
+    if let Some(first) = differences.first() {
+        let others = differences.len() - 1;
+        let more = if others == 0 { String::new() } else { format!("; {others} more differ") };
+        log::info!(
+            "the rig's parameters differ from {name} ({first}{more}); --config downloads those of the file"
+        );
+    }
+    Ok(())
+}
