@@ -139,8 +139,8 @@ fn a_machine_builder_comes_from_data_sheets_to_a_tuned_step_and_a_report() {
     let new = [&["rig", "new", &file, "--mass", "8 kg", "--no-questions"][..], &catalogue].concat();
     run(&new);
     let rig = Rig::read("press", &std::fs::read_to_string(&file).expect("written")).expect("valid");
-    let own = all_keys().filter(|key| rig.is_set(key));
-    assert!(own.clone().count() > 35, "{}", own.count());
+    let own = all_keys().filter(|key| rig.is_set(key)).count();
+    assert!(own > 35, "{own}");
     for key in all_keys().filter(|key| rig.is_set(key)) {
         assert_ne!(rig.origin(key).source, Source::Default, "{}", key.path);
     }
@@ -187,4 +187,48 @@ fn a_new_rig_is_tuned_at_once_where_that_is_asked_for() {
     for name in ["tuned/tuned.toml", "tuned/tune.html"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
+}
+
+#[test]
+fn a_valve_by_its_measured_map_makes_a_rig_that_runs_and_says_how_far_it_rests_on_the_map() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let places = [-10.0, 0.0, 5.0, 20.0, 50.0, 100.0_f64];
+    let rows = places.iter().flat_map(|spool| {
+        [0.15, 0.4, 0.6, 0.8, 0.95].map(|ratio: f64| {
+            let flow =
+                840.0 * (spool / 100.0).max(0.01) * (1.0 - ((ratio - 0.3) / 0.7).max(0.0).powi(2)).sqrt();
+            format!("{spool},700,{},{flow:.2},{:.2}\n", 700.0 * ratio, 0.02 * flow)
+        })
+    });
+    let table = format!(
+        "command_percent,upstream_kpa,downstream_kpa,flow_l_min,spread_l_min\n{}",
+        rows.collect::<String>()
+    );
+    std::fs::write(at("bench.csv"), table).expect("written");
+    let (file, bench) = (at("own.toml"), at("bench.csv"));
+    let made = pneudrive(&[
+        "rig",
+        "new",
+        &file,
+        "--cylinder",
+        "iso-15552-32",
+        "--stroke",
+        "250 mm",
+        "--flow-map",
+        &bench,
+        "--mass",
+        "8 kg",
+        "--no-questions",
+    ]);
+    assert!(made.status.success(), "{made:?}");
+    let checked = printed(&pneudrive(&["rig", "check", &file]));
+    assert!(checked.contains("a valid rig (own)"), "{checked}");
+    let shown = printed(&pneudrive(&["rig", "show", &file, "--resolved"]));
+    assert!(shown.contains("flow_map_shift = 0.0") && shown.contains("computed, -2 to 2"), "{shown}");
+    for of_the_thesis in ["sleeve_diameter_mm", "port_diameter_mm", "discharge_supply"] {
+        assert!(!shown.contains(of_the_thesis), "{of_the_thesis}: {shown}");
+    }
+    let flow = printed(&pneudrive(&["characterise", &file, "nominal-flow", "--out", &at("char")]));
+    assert!(flow.contains("conductance C from the supply to port 1") && flow.contains("2.000"), "{flow}");
 }

@@ -24,6 +24,7 @@ const VALVE: Valve = Valve {
     has_node: true,
     land_laws: [FlowLaw::Orifice; 2],
     characteristic: None,
+    map: None,
     travel: 1e-3,
     rod_diameter: 6e-3,
     discharge_supply: 0.8,

@@ -26,6 +26,7 @@ pub use crate::component::tubing::keys as tubing;
 pub use crate::component::valve::characteristic::keys as characteristic;
 pub use crate::component::valve::discharge::keys as discharge;
 pub use crate::component::valve::flow_force::keys as flow_force;
+pub use crate::component::valve::flow_map::keys as flow_map;
 pub use crate::component::valve::iso6358::keys as iso6358;
 pub use crate::component::valve::keys as valve;
 pub use crate::positive_gain::keys as positive_gain;

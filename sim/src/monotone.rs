@@ -25,41 +25,48 @@ impl Monotone {
     #[must_use]
     pub fn through(x: Vec<f64>, y: Vec<f64>) -> Monotone {
         assert!(!x.is_empty() && x.len() == y.len(), "a curve needs points");
-        let widths: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let rises: Vec<f64> = y.windows(2).zip(&widths).map(|(pair, h)| (pair[1] - pair[0]) / h).collect();
-        let slopes = (0..x.len()).map(|i| slope(i, &widths, &rises)).collect();
+        let mut slopes = vec![0.0; x.len()];
+        slopes_into(&x, &y, &mut slopes);
         Monotone { x, y, slopes }
     }
 
     /// Value and slope at `x`.
     #[must_use]
     pub fn at(&self, x: f64) -> (f64, f64) {
-        let after = self.x.partition_point(|place| *place <= x);
-        if after == 0 || after == self.x.len() {
-            return (self.y[after.saturating_sub(1)], 0.0);
-        }
-        let i = after - 1;
-        let h = self.x[after] - self.x[i];
-        let t = (x - self.x[i]) / h;
-        let rise = self.y[after] - self.y[i];
-        let [first, last] = [self.slopes[i] * h, self.slopes[after] * h];
-        let (square, bend) = (first + last - 2.0 * rise, 3.0 * rise - 2.0 * first - last);
-        let value = self.y[i] + t * (first + t * (bend + t * square));
-        (value, (first + t * (2.0 * bend + t * 3.0 * square)) / h)
+        between(&self.x, &self.y, &self.slopes, x)
     }
 }
 
-/// The slope at point `i`, by the widths of the gaps and the slopes of their chords.
-fn slope(i: usize, widths: &[f64], rises: &[f64]) -> f64 {
-    let last = rises.len();
-    match (i, last) {
-        (_, 0) => 0.0,
-        (_, 1) => rises[0],
-        (0, _) => end_slope([widths[0], widths[1]], [rises[0], rises[1]]),
-        (i, last) if i == last => {
-            end_slope([widths[last - 1], widths[last - 2]], [rises[last - 1], rises[last - 2]])
-        }
-        (i, _) => inner_slope([widths[i - 1], widths[i]], [rises[i - 1], rises[i]]),
+/// Value and slope at `at` of a curve through points with slopes.
+pub(crate) fn between(x: &[f64], y: &[f64], slopes: &[f64], at: f64) -> (f64, f64) {
+    let after = x.partition_point(|place| *place <= at);
+    if after == 0 || after == x.len() {
+        return (y[after.saturating_sub(1)], 0.0);
+    }
+    let i = after - 1;
+    let h = x[after] - x[i];
+    let t = (at - x[i]) / h;
+    let rise = y[after] - y[i];
+    let [first, last] = [slopes[i] * h, slopes[after] * h];
+    let (cube, bend) = (first + last - 2.0 * rise, 3.0 * rise - 2.0 * first - last);
+    (y[i] + t * (first + t * (bend + t * cube)), (first + t * (2.0 * bend + t * 3.0 * cube)) / h)
+}
+
+/// The slopes at points in rising order of x, as many.
+pub(crate) fn slopes_into(x: &[f64], y: &[f64], slopes: &mut [f64]) {
+    let width = |i: usize| x[i + 1] - x[i];
+    let rise = |i: usize| (y[i + 1] - y[i]) / width(i);
+    let last = x.len() - 1;
+    for (i, slope) in slopes.iter_mut().enumerate() {
+        *slope = match (i, last) {
+            (_, 0) => 0.0,
+            (_, 1) => rise(0),
+            (0, _) => end_slope([width(0), width(1)], [rise(0), rise(1)]),
+            (i, last) if i == last => {
+                end_slope([width(last - 1), width(last - 2)], [rise(last - 1), rise(last - 2)])
+            }
+            (i, _) => inner_slope([width(i - 1), width(i)], [rise(i - 1), rise(i)]),
+        };
     }
 }
 

@@ -239,6 +239,11 @@ impl Network {
         std::mem::replace(&mut self.tight, tight) != tight
     }
 
+    /// Sets the laws of the lands to the supply and to the exhaust, where the spool has moved.
+    pub(crate) fn set_land_laws(&mut self, [supply, exhaust]: [FlowLaw; 2]) {
+        (self.laws.supply, self.laws.exhaust) = (supply, exhaust);
+    }
+
     /// The flows jump: what they were says nothing of the next ones.
     pub fn jump(&mut self) {
         self.predictor = Predictor::UNKNOWN;

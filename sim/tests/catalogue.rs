@@ -100,6 +100,70 @@ fn every_pair_of_models_runs_and_keeps_its_air() {
     }
 }
 
+const BY_DATA_SHEET: [&str; 3] =
+    ["valve.model=iso-6358", "valve.sonic_conductance_m3_per_s_pa=3e-8", "valve.critical_ratio=0.35"];
+
+/// Valves that are known by their flows.
+fn known_by_flows() -> Vec<Vec<String>> {
+    let owned = |settings: &[&str]| settings.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
+    let of_data_sheet = |more: &[&str]| [owned(&BY_DATA_SHEET), owned(more)].concat();
+    let map: Vec<String> = [-20.0, 0.0, 10.0, 40.0, 100.0]
+        .iter()
+        .flat_map(|spool: &f64| {
+            [0.2, 0.5, 0.7, 0.85, 0.95].map(|ratio: f64| {
+                let share = (spool / 100.0).max(0.01);
+                format!(
+                    "[{spool}, 700, {}, {}, 5]",
+                    700.0 * ratio,
+                    1260.0 * share * (1.0 - ratio * ratio).sqrt()
+                )
+            })
+        })
+        .collect();
+    vec![
+        of_data_sheet(&[
+            "valve.characteristic=linear",
+            "valve.leakage_percent=1",
+            "valve.subsonic_index=0.55",
+        ]),
+        of_data_sheet(&[
+            "valve.characteristic=linear",
+            "valve.exhaust_sonic_conductance_m3_per_s_pa=4e-8",
+            "valve.exhaust_critical_ratio=0.2",
+        ]),
+        of_data_sheet(&[
+            "valve.characteristic=linear",
+            "valve.underlap_mm=0.05",
+            "valve.subsonic_index=0.42",
+        ]),
+        of_data_sheet(&[
+            "valve.characteristic=table",
+            "valve.characteristic_table=[[-3.0, 0.5], [0.0, 1.0], [5.0, 3.0], [50.0, 60.0], [100.0, 100.0]]",
+        ]),
+        vec!["valve.model=flow-map".to_owned(), format!("valve.flow_map=[{}]", map.join(", "))],
+    ]
+}
+
+/// Tight lands and overlaps too, on which nothing leaks.
+#[test]
+fn valves_that_are_known_by_their_flows_run_with_every_operator_and_tube() {
+    for (i, valve) in known_by_flows().iter().enumerate() {
+        for (j, operator) in OPERATORS.iter().enumerate() {
+            let settings: Vec<&str> =
+                valve.iter().map(String::as_str).chain(operator.iter().copied()).collect();
+            let settings = [&settings[..], TUBES[(i + j) % TUBES.len()]].concat();
+            let run = simulate(&[&STEP[..], &settings, &["test.trace_period_s=2e-5"]].concat());
+            assert!(
+                run.rows.iter().all(|row| row.values().iter().all(|value| value.is_finite())),
+                "{settings:?}"
+            );
+            let (gained, crossed) = balance(&run, 0.08, 0.19);
+            assert!((gained - crossed).abs() < 1e-6 * mass(&run.rows[0]), "{settings:?}: {gained} {crossed}");
+            assert!(run.rows.iter().any(|row| row.plant.velocity > 0.05), "{settings:?}: it moves");
+        }
+    }
+}
+
 /// When the piston has gone 20 mm.
 fn arrival(settings: &[&str]) -> f64 {
     let run = simulate(&[&STEP[..], &["operator.dither_mm=0"], settings].concat());

@@ -49,6 +49,9 @@ fn companions(key: &Key) -> Vec<String> {
             "valve.critical_ratio=0.3",
         ]);
     }
+    if key.models.contains(&"flow-map") {
+        settings.push("valve.flow_map=[[0, 700, 140, 4, 1], [0, 700, 560, 3, 1], [100, 700, 140, 800, 9], [100, 700, 560, 500, 9]]");
+    }
     let mut settings: Vec<String> = settings.into_iter().map(str::to_owned).collect();
     let model = key.models.first().zip(chooser(key));
     settings.extend(model.map(|(model, chooser)| format!("{}={model}", chooser.path)));

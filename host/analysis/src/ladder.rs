@@ -224,7 +224,9 @@ fn frictions(reference: &Rig) -> impl Iterator<Item = Plan> {
 fn applies(rig: &Rig, settings: &[&str]) -> bool {
     let operator = rig.get(&keys::operator::MODEL);
     settings.iter().all(|setting| match setting.split_once('=') {
-        Some(("valve.model", _)) => rig.get(&keys::valve::MODEL) != valve::Model::Iso6358,
+        Some(("valve.model", _)) => {
+            !matches!(rig.get(&keys::valve::MODEL), valve::Model::Iso6358 | valve::Model::FlowMap)
+        }
         Some(("valve.flow_force", "none")) => true,
         Some(("valve.flow_force" | "operator.model", _)) => operator.is_solenoid(),
         Some((path, _)) if path.starts_with("operator.") => operator == operator::Model::Solenoid,

@@ -10,7 +10,7 @@
 //! atmosphere (ISO 8778: 100 kPa, 20 degC, 65 % humidity). The surroundings count as 100 kPa there.
 
 /// Pressures of the nominal flow, Pa: 6 and 5 bar above 100 kPa.
-const NOMINAL: [f64; 2] = [7e5, 6e5];
+pub const NOMINAL: [f64; 2] = [7e5, 6e5];
 
 /// A resistance to flow after ISO 6358-1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,8 +25,14 @@ impl Conductance {
     /// From the nominal flow (m3/s) and the critical ratio.
     #[must_use]
     pub fn of_nominal_flow(flow: f64, critical_ratio: f64) -> Conductance {
+        Conductance::of_flow(flow, NOMINAL, critical_ratio)
+    }
+
+    /// From a flow (m3/s) between absolute pressures (Pa), the higher first, and the critical ratio.
+    #[must_use]
+    pub fn of_flow(flow: f64, [up, down]: [f64; 2], critical_ratio: f64) -> Conductance {
         let unit = Conductance { sonic: 1.0, critical_ratio };
-        Conductance { sonic: flow / unit.nominal_flow(), critical_ratio }
+        Conductance { sonic: flow / (up * unit.part(down / up)), critical_ratio }
     }
 
     /// Q_n, m3/s.

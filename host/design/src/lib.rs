@@ -3,6 +3,8 @@
 //! | module | holds |
 //! |---|---|
 //! | [`conductance`] | what data sheets say of a valve's flow |
+//! | [`flow_answer`] | a flow with the pressures that it holds for |
+//! | [`flow_map`] | a measured map of a valve, from a table |
 //! | [`question`], [`own_drive`] | what is asked for, and the rig file that it makes |
 //! | [`rig_file`] | rig files that say where values come from |
 //! | [`parts`] | the catalogue: cylinders, valves, tubes, sensors |
@@ -13,6 +15,8 @@
 
 pub mod conductance;
 pub mod difference;
+pub mod flow_answer;
+pub mod flow_map;
 pub mod own_drive;
 pub mod parts;
 pub mod question;

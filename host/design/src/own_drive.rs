@@ -62,6 +62,12 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
     }
 }
 
+/// What a user must know of answers that were taken in one of several ways.
+#[must_use]
+pub fn remarks(answers: &Answers) -> Vec<String> {
+    valve::remark(answers).into_iter().collect()
+}
+
 fn about(name: &str) -> Vec<String> {
     [
         format!("{name}, by `pneudrive rig new`."),

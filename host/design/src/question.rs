@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use pneudrive_sim::rig::{Reading, read_quantity};
 
+use crate::flow_answer::StatedFlow;
+
 /// Something that a catalogue or a machine builder knows.
 #[derive(Clone, Copy, Debug)]
 pub struct Question {
@@ -42,9 +44,10 @@ pub static QUESTIONS: &[Question] = &[
     question("friction", "Running friction of cylinder and guide", "N", "25 N", "unknown, within what is usual"),
     question("breakaway", "Friction at which it breaks away", "N", "40 N", "unknown, within what is usual"),
     question("valve", "Valve of the catalogue", "text", "proportional-5-3-350", "its flow is asked for"),
+    question("flow-map", "File with the measured flow of the valve over spool and pressures (CSV)", "text", "bench.csv", "by C and b"),
     question("conductance", "Sonic conductance C of the valve, full open (ISO 6358)", "m3/(s Pa)", "1.4 dm3/(s bar)", "from the nominal flow"),
     question("critical-ratio", "Critical pressure ratio b of the valve (ISO 6358)", "", "0.3", "0.18 to 0.44, as 5/3 spool valves have it"),
-    question("flow", "Nominal flow Qn of the valve, 6 to 5 bar(g)", "m3/s", "350 l/min", "that of the valve"),
+    question("flow", "Flow of the valve with the pressures that it holds for", "m3/s", "350 l/min, 6 to 5 bar(g)", "that of the valve"),
     question("kv", "Flow coefficient Kv of the valve (water, m3/h at 1 bar)", "", "0.29", "from the nominal flow"),
     question("cv", "Flow coefficient Cv of the valve (water, US gal/min at 1 psi)", "", "0.34", "from the nominal flow"),
     question("bandwidth", "Critical frequency of the valve's spool, -3 dB", "Hz", "100 Hz", "unknown, within what is usual"),
@@ -57,6 +60,9 @@ pub static QUESTIONS: &[Question] = &[
     question("resolution", "Stroke per count of the encoder, all four edges counted", "mm", "5 um", "10 um"),
     question("period", "Sample period of the controller", "s", "1 ms", "1 ms"),
 ];
+
+/// The question whose answer may have the pressures of the flow.
+const FLOW: &str = "flow";
 
 /// The question with a name.
 #[must_use]
@@ -110,6 +116,10 @@ impl Answers {
         let question = question_of(name).unwrap_or_else(|| panic!("no question {name}"));
         let Some(text) = self.text(name) else { return Ok(None) };
         let refuse = |message| Refusal { question: question.name, message };
+        if question.name == FLOW {
+            let flow = StatedFlow::read(text).map_err(refuse)?.flow;
+            return Ok(Some(Reading { value: flow, gauge: false }));
+        }
         read_quantity(text, question.unit).map(Some).map_err(refuse)
     }
 

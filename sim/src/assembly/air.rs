@@ -62,6 +62,9 @@ impl Assembly {
     fn solve(&mut self, t: f64, x: &StateVector, air: &Air<Pair>) -> Nodes {
         let openings = self.parts.valve.openings(self.spool_to_lands(t, x));
         let conductances = self.restrictions.at(openings, self.lands.open);
+        if self.parts.valve.map.is_some() {
+            self.follow_map(t, x);
+        }
         let stations = self.ends_at_valve(x, air);
         if let Some(lag) = self.parts.lag.as_ref().filter(|lag| lag.recovery > 0.0) {
             let width = self.parts.valve.widest_supply_land(openings);
@@ -71,6 +74,15 @@ impl Assembly {
         let nodes = self.parts.network.solve_at(t, &around);
         self.solved = Some((t, *x, nodes));
         nodes
+    }
+
+    /// Gives the network what the valve's map says of the present place of its spool.
+    #[inline(never)]
+    fn follow_map(&mut self, t: f64, x: &StateVector) {
+        let spool = self.spool_to_lands(t, x);
+        if let Some(laws) = self.parts.valve.laws_at(spool) {
+            self.parts.network.set_land_laws(laws);
+        }
     }
 
     /// The known ends of the network, a port each: the chambers, or what lagged tubes make of them;

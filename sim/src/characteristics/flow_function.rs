@@ -29,14 +29,16 @@ pub fn choked_flux(gas: &Gas, pressure_pa: f64, temperature: f64) -> f64 {
 pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
     let (gas, valve) = (Gas::of(rig), Valve::of(rig));
     let (up, down) = (rig.get(&keys::supply::PRESSURE_PA), ratio * rig.get(&keys::supply::PRESSURE_PA));
-    let psi = valve.land_laws[0].flow_function(&gas, gas.exner(up), gas.exner(down)).value;
-    let lands = valve.conductances(&gas, valve.null_offset + valve.travel);
+    let spool = valve.null_offset + valve.travel;
+    let [law, _] = valve.laws_at(spool).unwrap_or(valve.land_laws);
+    let psi = law.flow_function(&gas, gas.exner(up), gas.exner(down)).value;
+    let lands = valve.conductances(&gas, spool);
     (lands.lane(0).supply * psi / rig.get(&keys::supply::TEMPERATURE_K)).max(0.0).sqrt()
 }
 
 /// The flow that counts as one, kg/s: what an ideal nozzle of the land's area passes choked, or the land itself where it has no area.
 fn whole(rig: &Rig) -> f64 {
-    if rig.get(&keys::valve::MODEL) == Model::Iso6358 {
+    if matches!(rig.get(&keys::valve::MODEL), Model::Iso6358 | Model::FlowMap) {
         return land_flow(rig, 0.0);
     }
     let (gas, valve) = (Gas::of(rig), Valve::of(rig));

@@ -12,8 +12,8 @@ pub(super) const ABOUT: &str = "areas of the lands over the spool (6.38)";
 const MM2: f64 = 1e6;
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if rig.get(&keys::valve::MODEL) == Model::Iso6358 {
-        return Err(Unfit::NoPart("its valve is known by conductances; the curve nominal-flow has them"));
+    if matches!(rig.get(&keys::valve::MODEL), Model::Iso6358 | Model::FlowMap) {
+        return Err(Unfit::NoPart("its valve is known by its flows; the curve nominal-flow has them"));
     }
     let valve = Valve::of(rig);
     let [travel, null] =

@@ -44,8 +44,8 @@ pub fn flow(rig: &Rig, model: Model, spool: f64, supply_pa: f64, port_pa: f64) -
 type Pressures = [f64; 2];
 
 pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
-    if rig.get(&keys::valve::MODEL) == valve::Model::Iso6358 {
-        return Err(Unfit::NoPart("its valve is known by conductances, not by lands and ports"));
+    if matches!(rig.get(&keys::valve::MODEL), valve::Model::Iso6358 | valve::Model::FlowMap) {
+        return Err(Unfit::NoPart("its valve is known by its flows, not by lands and ports"));
     }
     let own = rig.get(&keys::supply::PRESSURE_PA);
     let halfway = (own + rig.get(&keys::exhaust::PRESSURE_PA)) / 2.0;

@@ -16,6 +16,7 @@ pub mod characteristic;
 pub mod discharge;
 pub mod flow_force;
 pub mod flow_law;
+pub mod flow_map;
 pub mod iso6358;
 mod restrictions;
 
@@ -27,7 +28,8 @@ use crate::key::{keys, words};
 use crate::number::Pair;
 use crate::values::{Findings, Rig};
 use characteristic::Characteristic;
-use iso6358::Iso6358;
+use flow_map::FlowMap;
+use iso6358::{Iso6358, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use restrictions::Shares;
 pub(crate) use restrictions::{Conductances, Restrictions};
 
@@ -42,6 +44,8 @@ words! {
         MultipleFlowNode = "multiple-flow-node",
         /// The lands are components by their conductance.
         Iso6358 = "iso-6358",
+        /// The lands have a measured map.
+        FlowMap = "flow-map",
     }
 }
 
@@ -51,12 +55,12 @@ const AREAS: &[&str] = &["flow-node", "single-restriction", "multiple-flow-node"
 keys! {
     MODEL: Model = choice("valve.model", "L(16)", "How the flows through the valve are formed.");
     SPOOL_TRAVEL_MM: f64 = number("valve.spool_travel_mm", 1.0, 0.01, 100.0, "C(3)", "Travel of the spool to either side; also what a command of 2048 asks for.");
-    UNDERLAP_MM: f64 = number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap.");
+    UNDERLAP_MM: f64 = number("valve.underlap_mm", 0.0, -10.0, 10.0, "C(4)", "Lap of the lands: negative is underlap, positive overlap.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands", "linear"]);
     SLEEVE_DIAMETER_MM: f64 = number("valve.sleeve_diameter_mm", 10.0, 0.1, 500.0, "C(9)", "Bore of the sleeve.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
     SPOOL_DIAMETER_MM: f64 = number("valve.spool_diameter_mm", 9.98, 0.1, 500.0, "C(10)", "Diameter of the spool's lands.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
-    SPOOL_ROD_DIAMETER_MM: f64 = number("valve.spool_rod_diameter_mm", 6.0, 0.0, 500.0, "C(25)", "Diameter of the spool between its lands.");
+    SPOOL_ROD_DIAMETER_MM: f64 = number("valve.spool_rod_diameter_mm", 6.0, 0.0, 500.0, "C(25)", "Diameter of the spool between its lands.").chosen_by(&characteristic::keys::CHARACTERISTIC, &["lands"]);
     PORT_DIAMETER_MM: f64 = number("valve.port_diameter_mm", 3.3, 0.01, 500.0, "C(39)", "Bore of the ports.").of(&["flow-node", "multiple-flow-node"]);
-    CONNECTOR_DIAMETER_MM: f64 = number("valve.connector_diameter_mm", 5.0, 0.01, 500.0, "C(63)", "Bore of the connectors: the alternative to tubing.diameter_mm for the multiple flow node; not used, as in the reference.");
+    CONNECTOR_DIAMETER_MM: f64 = number("valve.connector_diameter_mm", 5.0, 0.01, 500.0, "C(63)", "Bore of the connectors: the alternative to tubing.diameter_mm for the multiple flow node; not used, as in the reference.").of(&["multiple-flow-node"]);
     DISCHARGE_SUPPLY: f64 = number("valve.discharge_supply", 0.8, 0.01, 1.0, "C(11)", "Coefficient of discharge of the supply lands and the ports.").of(AREAS).spread();
     DISCHARGE_EXHAUST: f64 = number("valve.discharge_exhaust", 0.8, 0.01, 1.0, "C(12)", "Coefficient of discharge of the exhaust lands.").of(AREAS).spread();
     DISCHARGE_REVERSE: f64 = number("valve.discharge_reverse", 1.0, 0.01, 1.0, "C(58)", "Multiplier of the coefficient of discharge for reverse flow.").not_built();
@@ -81,6 +85,7 @@ impl Valve {
             has_node: matches!(rig.get(&keys::MODEL), Model::FlowNode | Model::MultipleFlowNode),
             land_laws: land_laws(rig),
             characteristic: Characteristic::of(rig),
+            map: FlowMap::of(rig).filter(|_| rig.get(&keys::MODEL) == Model::FlowMap),
             travel: spool_travel(rig),
             rod_diameter: metres(&keys::SPOOL_ROD_DIAMETER_MM),
             discharge_supply: rig.get(&keys::DISCHARGE_SUPPLY),
@@ -100,6 +105,10 @@ pub fn spool_travel(rig: &Rig) -> f64 {
 pub fn land_laws(rig: &Rig) -> [FlowLaw; 2] {
     match (rig.get(&keys::MODEL), rig.get(&discharge::keys::DISCHARGE_MODEL)) {
         (Model::Iso6358, _) => Iso6358::paths_of(rig).map(FlowLaw::Iso6358),
+        (Model::FlowMap, _) => {
+            let at_null = FlowMap::of(rig).map(|map| FlowLaw::Map([map.at(0.0); 2]));
+            [at_null.unwrap_or(FlowLaw::Orifice); 2]
+        }
         (_, discharge::Model::Perry) => [FlowLaw::Perry; 2],
         (_, discharge::Model::Constant) => [FlowLaw::Orifice; 2],
     }
@@ -128,6 +137,7 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
         }
     }
     characteristic::check(rig, findings);
+    flow_map::check(rig, findings);
     let why = "the spool moves inside the sleeve";
     findings.not_above(rig, &keys::SPOOL_DIAMETER_MM, &keys::SLEEVE_DIAMETER_MM, why);
     // Earlier versions could read the flows of the nodes from a table.
@@ -163,6 +173,8 @@ pub struct Valve {
     pub land_laws: [FlowLaw; 2],
     /// How these conductances follow the spool; None: with the areas of the lands.
     pub characteristic: Option<Characteristic>,
+    /// What was measured of its paths.
+    pub map: Option<FlowMap>,
     /// Spool travel to either side, m.
     pub travel: f64,
     /// Diameter of the spool between its lands, m.
@@ -209,6 +221,14 @@ impl Valve {
         PI / 4.0 * self.port_diameter * self.port_diameter
     }
 
+    /// The laws of the lands to the supply and to the exhaust with the spool at a place, m, where they depend on it.
+    pub(crate) fn laws_at(&self, spool: f64) -> Option<[FlowLaw; 2]> {
+        let map = self.map.as_ref()?;
+        let place = (spool - self.null_offset) / self.travel;
+        let [one, two] = [map.at(place), map.at(-place)];
+        Some([FlowLaw::Map([one, two]), FlowLaw::Map([two, one])])
+    }
+
     /// The conductances around nodes 1 and 2 for a spool position in m.
     pub(crate) fn conductances(&self, gas: &Gas, spool: f64) -> Conductances<Pair> {
         let openings = self.openings(spool);
@@ -226,6 +246,7 @@ impl Valve {
             per_square: [(supply, self.discharge_supply), (exhaust, self.discharge_exhaust)]
                 .map(|(law, discharge)| self.conductance(gas, law, discharge, around * around)),
             clearance_squared: clearance * clearance,
+            is_map: self.map.is_some(),
             shares: self
                 .characteristic
                 .clone()
@@ -240,6 +261,7 @@ impl Valve {
         match law {
             FlowLaw::Orifice => constant * discharge * discharge * squared_area,
             FlowLaw::Perry => constant * squared_area,
+            FlowLaw::Map(_) => REFERENCE_DENSITY * REFERENCE_DENSITY * REFERENCE_TEMPERATURE,
             FlowLaw::Iso6358(component) if self.characteristic.is_some() => component.conductance(),
             // The conductance is that of full opening, and goes with the area of the edge.
             FlowLaw::Iso6358(component) => {
@@ -264,6 +286,7 @@ pub(crate) fn thesis_valve() -> Valve {
         has_node: true,
         land_laws: [FlowLaw::Orifice; 2],
         characteristic: None,
+        map: None,
         travel: 1e-3,
         rod_diameter: 6e-3,
         discharge_supply: 0.8,

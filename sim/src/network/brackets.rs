@@ -6,6 +6,7 @@ use super::mixing::mean_of_inflows;
 use super::restriction::{Approach, EndState, MaybeApproach, factor};
 use super::{Network, Node, Nodes, PortFlow, Station, Surroundings};
 use crate::component::valve::Conductances;
+use crate::component::valve::flow_law::FlowLaw;
 use pneudrive_solver::bracketed_root;
 
 /// Passes over the speeds of approach: half of the change is left after one, as a rule.
@@ -33,6 +34,8 @@ struct NodeSide<'a> {
     port: PortFlow,
     /// At supply land, exhaust land and port.
     approaches: &'a [MaybeApproach; 3],
+    /// Of its lands to the supply and to the exhaust.
+    laws: [FlowLaw; 2],
 }
 
 impl Network {
@@ -88,12 +91,13 @@ impl Network {
             chamber: around.chambers.lane(i),
             port: around.port(i),
             approaches: &approaches[i],
+            laws: [self.laws.supply.of_node(i), self.laws.exhaust.of_node(i)],
         });
         let highest = self.supply.exner.max(sides[0].chamber.exner).max(sides[1].chamber.exner);
         let coldest =
             sides.iter().map(|side| side.chamber.temperature).fold(self.supply.temperature, f64::min);
         let choked =
-            |side: &NodeSide| self.more_than_choked(&self.laws.supply, side.valve.supply / coldest, highest);
+            |side: &NodeSide| self.more_than_choked(&side.laws[0], side.valve.supply / coldest, highest);
         let most: f64 = sides.iter().map(choked).sum();
         let nodes_at = |total: f64| {
             let at_valve = self.supply_end(total).exner;
@@ -143,7 +147,7 @@ impl Network {
         let highest = at_valve.max(self.exhaust.exner).max(side.chamber.exner);
         let coldest = self.supply.temperature.min(side.chamber.temperature);
         let most = self.more_than_choked(
-            &self.laws.supply,
+            &side.laws[0],
             (side.valve.supply + side.valve.exhaust) / coldest,
             2.0 * highest,
         );
@@ -172,17 +176,10 @@ impl Network {
         let signed_root = |square: f64| square.abs().sqrt().copysign(square);
         for _ in 0..2 {
             let here = EndState::of(&Station { exner, temperature: node.temperature });
-            let supply_flow = self
-                .land(&self.laws.supply, side.valve.supply, &EndState::of(&supply), from_supply, &here)
-                .value;
+            let supply_flow =
+                self.land(&side.laws[0], side.valve.supply, &EndState::of(&supply), from_supply, &here).value;
             let exhaust_flow = self
-                .land(
-                    &self.laws.exhaust,
-                    side.valve.exhaust,
-                    &EndState::of(&self.exhaust),
-                    from_exhaust,
-                    &here,
-                )
+                .land(&side.laws[1], side.valve.exhaust, &EndState::of(&self.exhaust), from_exhaust, &here)
                 .value;
             node.supply_flow = signed_root(supply_flow);
             node.exhaust_flow = signed_root(exhaust_flow);

@@ -31,6 +31,9 @@ impl Network {
         chambers: &[Station; 2],
         ports: &[PortFlow; 2],
     ) -> [Node; 2] {
+        if let Some(laws) = valve.laws_at(spool) {
+            self.set_land_laws(laws);
+        }
         let conductances = valve.conductances(&self.gas, spool);
         self.solve(&conductances, chambers, ports)
     }

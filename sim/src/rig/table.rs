@@ -20,7 +20,7 @@ static BEFORE_FRICTION: &[&[&Key]] = &[
     crate::keys::controller::ALL, crate::keys::encoder::ALL, crate::keys::sensors::ALL,
     crate::keys::operator::ALL, crate::keys::solenoid::ALL, crate::keys::hysteresis::ALL, crate::keys::dither::ALL, crate::keys::amplifier::ALL,
     crate::keys::empirical::ALL, crate::keys::stepper::ALL, crate::keys::on_off::ALL,
-    crate::keys::valve::ALL, crate::keys::flow_force::ALL, crate::keys::discharge::ALL, crate::keys::iso6358::ALL, crate::keys::characteristic::ALL,
+    crate::keys::valve::ALL, crate::keys::flow_force::ALL, crate::keys::discharge::ALL, crate::keys::iso6358::ALL, crate::keys::characteristic::ALL, crate::keys::flow_map::ALL,
     crate::keys::tubing::ALL,
     crate::keys::actuator::ALL, crate::keys::leakage::ALL, crate::keys::walls::ALL,
     crate::keys::load::ALL,
@@ -92,11 +92,14 @@ impl Rig {
         all_keys().filter(unused).map(|key| key.path).collect()
     }
 
-    /// Whether the model that is chosen uses a key.
+    /// Whether the models that are chosen use a key: the one that it belongs to, and that of the key which chooses among
+    /// these.
     #[must_use]
     pub fn uses(&self, key: &Key) -> bool {
-        let word = || chooser(key).and_then(|chooser| self.word_at(chooser.path));
-        key.models.is_empty() || word().is_some_and(|model| key.models.contains(&model))
+        let is_chosen = |chooser: &Key| {
+            self.uses(chooser) && self.word_at(chooser.path).is_some_and(|model| key.models.contains(&model))
+        };
+        key.models.is_empty() || chooser(key).is_some_and(is_chosen)
     }
 }
 

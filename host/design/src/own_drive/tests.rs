@@ -150,6 +150,8 @@ fn bad_figures_are_named_with_what_to_do() {
         (&[("tube-length", "150 m"), ("tube-bore", "4 mm")], "--tube-length: 150 m is no tube between"),
         (&[("tube", "nylon-6x4")], "--tube: how long is it?"),
         (&[("flow", "350")], "--flow: needs a unit"),
+        (&[("flow", "350 l/min, 6 to 5 bar")], "--flow: \"6 to 5 bar\" may be gauge or absolute"),
+        (&[("flow", "350 l/min, 5 to 6 bar(g)")], "--flow: \"5 to 6 bar(g)\": the pressure falls"),
         (&[("flow", "350 l/min"), ("kv", "0.3")], "--kv: is one figure too many beside --flow"),
         (
             &[("cylinder", "iso-15552-33")],
@@ -164,6 +166,21 @@ fn bad_figures_are_named_with_what_to_do() {
         let message = refusal(&with(more));
         assert!(message.starts_with(expected), "{message}");
     }
+}
+
+#[test]
+fn a_flow_without_its_pressures_is_taken_as_nominal_and_said_to_be() {
+    let remarks = |flow: &'static str| remarks(&answers(&with(&[("flow", flow)])));
+    let [remark] = &remarks("350 l/min")[..] else { panic!("one remark") };
+    assert!(remark.contains("no pressures") && remark.contains("6 to 5 bar(g)"), "{remark}");
+    assert!(remarks("350 l/min, 6 to 5 bar(g)").is_empty());
+    let key = &keys::iso6358::SONIC_CONDUCTANCE_M3_PER_S_PA;
+    let [bare, stated, free] = ["350 l/min", "350 l/min, 6 to 5 bar(g)", "350 l/min, 6 to 0 bar(g)"]
+        .map(|flow| rig(&with(&[("flow", flow)])));
+    assert_eq!(bare.get(key), stated.get(key));
+    assert!(bare.origin(key).from.contains("taken from 6 to 5 bar(g)"), "{:?}", bare.origin(key));
+    // Free flow is choked: 350/60 l/s over 7 bar are 0.833 dm3/(s bar), whatever b is.
+    assert!((free.get(key).expect("C") - 0.83333e-8).abs() < 1e-12, "{:?}", free.get(key));
 }
 
 #[test]

@@ -7,7 +7,8 @@ use pneudrive_sim::component::{operator, valve};
 use pneudrive_sim::keys;
 
 use super::cylinder::{middle, part_of};
-use crate::conductance::Conductance;
+use crate::flow_answer::StatedFlow;
+use crate::flow_map;
 use crate::parts::{Family, Part, find};
 use crate::question::{Answers, Refusal};
 use crate::rig_file::{Number, RigFile};
@@ -21,6 +22,9 @@ const CLASS: &str = "proportional-5-3-350";
 
 /// C of the answers, m^3/(s Pa).
 pub(super) fn sonic_conductance(answers: &Answers) -> Result<f64, Refusal> {
+    if let Some(rows) = measured_map(answers)? {
+        return Ok(flow_map::largest_conductance(&rows));
+    }
     let (named, class) = parts_of(answers)?;
     let ratio = critical_ratio(answers, named.as_ref().unwrap_or(&class))?;
     Ok(conductance(answers, named.as_ref(), &ratio)?.value)
@@ -35,6 +39,10 @@ fn parts_of(answers: &Answers) -> Result<(Option<Part>, Part), Refusal> {
 pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal> {
     let (named, class) = parts_of(answers)?;
     let part = named.as_ref().unwrap_or(&class);
+    if let Some(rows) = measured_map(answers)? {
+        write_map(file, &rows, answers.text(MAP).unwrap_or_default());
+        return spool(file, answers, part);
+    }
     let ratio = critical_ratio(answers, part)?;
     file.word(&keys::valve::MODEL, valve::Model::Iso6358, "by its conductance");
     file.optional(
@@ -47,6 +55,46 @@ pub(super) fn write(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal
     file.number(&keys::iso6358::SUBSONIC_INDEX, &Number::typical(0.5, [0.4, 0.6], ellipse));
     lands(file, answers, part)?;
     spool(file, answers, part)
+}
+
+/// What has to be said of an answer that says too little: a flow without the pressures that it holds for.
+pub(super) fn remark(answers: &Answers) -> Option<String> {
+    let text = answers.text("flow")?;
+    let stated = StatedFlow::read(text).ok()?;
+    stated.pressures.is_none().then(|| {
+        format!(
+            "--flow: \"{text}\" has no pressures, and counts as the flow from 6 to 5 bar(g) at 20 degC; where the data sheet has others, write them: \"{text}, 6 to 5 bar(g)\""
+        )
+    })
+}
+
+/// The question for a measured map.
+const MAP: &str = "flow-map";
+
+/// The measured map of the answers.
+fn measured_map(answers: &Answers) -> Result<Option<Vec<flow_map::Row>>, Refusal> {
+    let Some(path) = answers.text(MAP) else { return Ok(None) };
+    let refuse = |message: String| Refusal { question: MAP, message };
+    let others = ["conductance", "critical-ratio", "flow", "kv", "cv", "overlap"];
+    if let Some(other) = others.into_iter().find(|name| answers.text(name).is_some()) {
+        return Err(refuse(format!("has the flow of the valve already: leave out --{other}")));
+    }
+    let text =
+        std::fs::read_to_string(path).map_err(|error| refuse(format!("cannot read {path}: {error}")))?;
+    let rows = flow_map::rows(&text).map_err(|message| refuse(format!("{path} is no map: {message}")))?;
+    Ok(Some(rows))
+}
+
+fn write_map(file: &mut RigFile, rows: &[flow_map::Row], path: &str) {
+    file.word(&keys::valve::MODEL, valve::Model::FlowMap, "as measured");
+    let scale = "a scale: the map is over the part of the travel";
+    file.number(&keys::valve::SPOOL_TRAVEL_MM, &Number::computed(TRAVEL_MM, scale));
+    let why = format!(
+        "given: {path}; spool %, upstream and downstream kPa, flow and its standard deviation l/min (ANR)"
+    );
+    file.text(&keys::flow_map::FLOW_MAP, flow_map::to_toml(rows), &why);
+    let shift = Number::computed(0.0, "the points as measured; two standard deviations to either side");
+    file.number(&keys::flow_map::FLOW_MAP_SHIFT, &shift.within(Some([-2.0, 2.0])));
 }
 
 /// The path to the exhaust, where the catalogue has figures of its own for it.
@@ -99,9 +147,11 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
         return Ok(Number::given(sonic, answers.text("conductance").unwrap_or_default()));
     }
     let of_part = |name: &str, unit: &str| part.and_then(|part| part.figure(name)?.value_in(unit).ok());
-    let by_flow = |flow: f64, from: String| by_flow(flow, ratio, from);
-    if let Some(flow) = answers.number("flow")? {
-        return Ok(by_flow(flow, format!("Qn = {}", answers.text("flow").unwrap_or_default())));
+    let nominal = |flow: f64, from: String| by_flow(&StatedFlow { flow, pressures: None }, ratio, from);
+    if let Some(text) = answers.text("flow") {
+        let stated = StatedFlow::read(text).map_err(|message| Refusal { question: "flow", message })?;
+        let taken = if stated.pressures.is_some() { "" } else { ", taken from 6 to 5 bar(g)" };
+        return Ok(by_flow(&stated, ratio, format!("a flow of {text}{taken}")));
     }
     for (question, water) in [("kv", 1.0), ("cv", 0.865)] {
         if let Some(value) = answers.number(question)? {
@@ -109,14 +159,14 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
             let from = format!(
                 "{question} = {value}: Qn = 1189 Kv l/min, Kv = 0.865 Cv, for small drops; 15 % either way"
             );
-            return Ok(widened(by_flow(1189e-3 / 60.0 * kv, from), 0.15));
+            return Ok(widened(nominal(1189e-3 / 60.0 * kv, from), 0.15));
         }
     }
     if let (Some(part), Some(sonic)) = (part, of_part("sonic_conductance", "m3/(s Pa)")) {
         return Ok(Number::given(sonic, part.name.clone()));
     }
     match (part, of_part("nominal_flow", "m3/s")) {
-        (Some(part), Some(flow)) => Ok(by_flow(flow, format!("{}, its nominal flow", part.name))),
+        (Some(part), Some(flow)) => Ok(nominal(flow, format!("{}, its nominal flow", part.name))),
         _ => Err(Refusal {
             question: "flow",
             message: "is needed, such as \"350 l/min\" (6 to 5 bar(g)), or --conductance, --kv, --cv, or a --valve of the catalogue".to_owned(),
@@ -124,12 +174,11 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
     }
 }
 
-/// C of a nominal flow, over the range of b.
-fn by_flow(flow: f64, ratio: &Number, from: String) -> Number {
-    let sonic = |b: f64| Conductance::of_nominal_flow(flow, b).sonic;
+/// C of a flow, over the range of b.
+fn by_flow(stated: &StatedFlow, ratio: &Number, from: String) -> Number {
+    let sonic = |b: f64| stated.conductance(b).sonic;
     let ends = ratio.range.map(|[low, high]| [sonic(high), sonic(low)]);
-    Number::computed(sonic(ratio.value), format!("{from}, and b (ISO 6358, 6 to 5 bar(g), 20 degC)"))
-        .within(ends)
+    Number::computed(sonic(ratio.value), format!("{from}, and b (ISO 6358, 20 degC)")).within(ends)
 }
 
 fn widened(number: Number, part: f64) -> Number {

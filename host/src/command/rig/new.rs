@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use pneudrive_design::own_drive::rig_file;
+use pneudrive_design::own_drive::{remarks, rig_file};
 use pneudrive_design::parts::{self, Family, Part};
 use pneudrive_design::question::{Answers, QUESTIONS, Question};
 use pneudrive_design::values;
@@ -22,6 +22,7 @@ const IDLE: &[(&str, &[&str])] = &[
     ("conductance", &["flow", "kv", "cv"]),
     ("flow", &["kv", "cv"]),
     ("kv", &["cv"]),
+    ("flow-map", &["conductance", "critical-ratio", "flow", "kv", "cv", "overlap"]),
     ("tube", &["tube-bore"]),
 ];
 
@@ -39,6 +40,7 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
         let lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
         anyhow::anyhow!("{}", lines.join("\n"))
     })?;
+    remarks(&answers).iter().for_each(|remark| tell!("{remark}"));
     whole_file::put(file, &text).with_context(|| format!("cannot write {}", file.display()))?;
     let rig = Rig::read(&name, &text)?;
     let counts = values::count(&rig).map(|(source, count)| format!("{count} {}", source.word()));

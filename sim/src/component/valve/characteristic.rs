@@ -8,6 +8,7 @@
 //! c is the leakage of a shut path. The points of a table have any overlap and leakage in them; the curve between them is that
 //! of [`crate::monotone`]. The third characteristic, that of lands with a sleeve and a spool, is an area (6.38).
 
+use super::flow_force;
 use crate::key::{keys, words};
 use crate::monotone::Monotone;
 use crate::values::{Findings, Rig};
@@ -25,7 +26,7 @@ words! {
 }
 
 keys! {
-    CHARACTERISTIC: Model = choice("valve.characteristic", "", "How the conductance of a path follows the spool: as the area of a land, in proportion to the opening, or by a table. Other models than iso-6358 have lands.");
+    CHARACTERISTIC: Model = choice("valve.characteristic", "", "How the conductance of a path follows the spool: as the area of a land, in proportion to the opening, or by a table; other models than iso-6358 have lands.").of(&["flow-node", "single-restriction", "multiple-flow-node", "iso-6358"]);
     LEAKAGE_PERCENT: f64 = number("valve.leakage_percent", 0.0, 0.0, 50.0, "", "Conductance of a shut path, of that of the open one.").chosen_by(&CHARACTERISTIC, &["linear"]);
     CHARACTERISTIC_TABLE: Option<Vec<Vec<f64>>> = optional_rows("valve.characteristic_table", &["spool, %", "conductance, %"], 64, "the data sheet's; needed by characteristic = \"table\"", "", "Conductance of path 1 over the spool, both in percent of their largest; -100 to 100 % of the spool, or as far as anything changes.").chosen_by(&CHARACTERISTIC, &["table"]);
 }
@@ -75,6 +76,11 @@ pub(super) fn check(rig: &Rig, findings: &mut Findings) {
     if model != Model::Lands && rig.get(&super::keys::MODEL) != super::Model::Iso6358 {
         let message = "is one of a valve that is known by its conductance: write valve.model = \"iso-6358\", or leave it out";
         findings.note(&keys::CHARACTERISTIC, message);
+    }
+    let by_data_sheet = model != Model::Lands || rig.get(&super::keys::MODEL) == super::Model::FlowMap;
+    if by_data_sheet && rig.get(&flow_force::keys::FLOW_FORCE) != flow_force::Model::None {
+        let message = "comes from the areas of lands, and this valve has none: write flow_force = \"none\"";
+        findings.note(&flow_force::keys::FLOW_FORCE, message);
     }
     if model == Model::Table {
         match rig.get(&keys::CHARACTERISTIC_TABLE) {

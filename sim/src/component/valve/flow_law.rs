@@ -5,14 +5,17 @@
 //! |---|---|---|
 //! | orifice | isentropic flow function ([`crate::component::gas`]) | (C_d A)^2 2n/((n-1)R) |
 //! | Perry | the same times C_d(r)^2 ([`crate::component::valve::discharge`]) | A^2 2n/((n-1)R) |
+//! | map | P_u^2 q(r)^2 ([`crate::component::valve::flow_map`]) | rho_0^2 T_0 |
 //! | ISO 6358 | P_u^2 and a power of an ellipse ([`crate::component::valve::iso6358`]) | (C rho_0)^2 T_0 |
 
 use crate::component::gas::{FlowFunction, Gas};
 use crate::component::valve::discharge::{perry, perry_slope};
+use crate::component::valve::flow_map::Slice;
 use crate::component::valve::iso6358::Iso6358;
 use crate::number::Number;
 
 /// A law of flow.
+#[allow(clippy::large_enum_variant, reason = "laws are few, and handed on by reference")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlowLaw {
     /// An orifice with a constant coefficient of discharge.
@@ -21,6 +24,8 @@ pub enum FlowLaw {
     Perry,
     /// A component known by its sonic conductance and critical ratio.
     Iso6358(Iso6358),
+    /// A path with a measured map, the spool where it is: of nodes 1 and 2.
+    Map([Slice; 2]),
 }
 
 impl FlowLaw {
@@ -29,10 +34,21 @@ impl FlowLaw {
     pub(crate) fn flow_function<N: Number>(&self, gas: &Gas, upstream: N, downstream: N) -> FlowFunction<N> {
         match self {
             FlowLaw::Orifice => gas.flow_function(upstream, downstream),
-            FlowLaw::Perry => one_by_one(upstream, downstream, |up, down| with_perry(gas, up, down)),
+            FlowLaw::Perry => one_by_one(upstream, downstream, |_, up, down| with_perry(gas, up, down)),
             FlowLaw::Iso6358(component) => {
-                one_by_one(upstream, downstream, |up, down| component.flow_function(gas, up, down))
+                one_by_one(upstream, downstream, |_, up, down| component.flow_function(gas, up, down))
             }
+            FlowLaw::Map(nodes) => {
+                one_by_one(upstream, downstream, |i, up, down| nodes[i].flow_function(gas, up, down))
+            }
+        }
+    }
+
+    /// The law of node `i` alone.
+    pub(crate) fn of_node(&self, i: usize) -> FlowLaw {
+        match self {
+            FlowLaw::Map(nodes) => FlowLaw::Map([nodes[i]; 2]),
+            other => *other,
         }
     }
 }
@@ -42,11 +58,11 @@ impl FlowLaw {
 fn one_by_one<N: Number>(
     upstream: N,
     downstream: N,
-    function: impl Fn(f64, f64) -> FlowFunction,
+    function: impl Fn(usize, f64, f64) -> FlowFunction,
 ) -> FlowFunction<N> {
     let mut slopes = [[0.0; 2]; 2];
     let value = N::of(|i| {
-        let found = function(upstream.lane(i), downstream.lane(i));
+        let found = function(i, upstream.lane(i), downstream.lane(i));
         slopes[i] = [found.by_upstream, found.by_downstream];
         found.value
     });

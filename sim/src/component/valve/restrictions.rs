@@ -32,6 +32,8 @@ pub(crate) struct Restrictions {
     /// c^2, m^2.
     pub(super) clearance_squared: f64,
     pub(super) shares: Option<Shares>,
+    /// Whether the laws of the lands know the spool: then their conductances are whole.
+    pub(super) is_map: bool,
     pub(super) port: Option<f64>,
 }
 
@@ -49,6 +51,7 @@ impl Restrictions {
     #[inline]
     pub fn at(&self, openings: [f64; 2], open: [bool; 2]) -> Conductances<Pair> {
         let squares = match &self.shares {
+            None if self.is_map => [1.0; 2],
             None => [0, 1].map(|i| {
                 let across = if open[i] { openings[i] * openings[i] } else { 0.0 };
                 across + self.clearance_squared
