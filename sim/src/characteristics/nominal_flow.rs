@@ -46,13 +46,13 @@ impl Paths {
     }
 
     /// From the supply to ports 1 and 2 with the spool at a part of its travel, kg/s.
-    fn from_supply(&mut self, part: f64, down: f64) -> [f64; 2] {
+    fn supply_flows(&mut self, part: f64, down: f64) -> [f64; 2] {
         let spool = self.null + part * self.travel;
         self.bench.nodes(spool, [down; 2]).map(|node| node.supply_flow)
     }
 
     /// From ports 1 and 2 to the exhaust, out of a pressure that chokes it, kg/s.
-    fn to_exhaust(&mut self, part: f64) -> [f64; 2] {
+    fn exhaust_flows(&mut self, part: f64) -> [f64; 2] {
         let spool = self.null + part * self.travel;
         self.bench.nodes(spool, [self.supply_pa; 2]).map(|node| -node.exhaust_flow)
     }
@@ -62,7 +62,7 @@ impl Paths {
 #[must_use]
 pub fn nominal_flow(rig: &Rig, percent: f64) -> f64 {
     let [up, down] = NOMINAL_PA;
-    let [one, two] = Paths::of(rig, up).from_supply(1e-2 * percent, down);
+    let [one, two] = Paths::of(rig, up).supply_flows(1e-2 * percent, down);
     LITRES_A_MINUTE * one.max(two)
 }
 
@@ -71,7 +71,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let mut paths = Paths::of(rig, up);
     let commands = evenly(-100.0, 100.0, 200);
     let mut flow =
-        |command: f64, port: usize| LITRES_A_MINUTE * paths.from_supply(1e-2 * command, down)[port];
+        |command: f64, port: usize| LITRES_A_MINUTE * paths.supply_flows(1e-2 * command, down)[port];
     let open =
         Series::over("the open path".to_owned(), &commands, |command| flow(command, 0).max(flow(command, 1)));
     let shut =
@@ -93,10 +93,10 @@ fn figures(paths: &mut Paths) -> Vec<Figure> {
     let mut figures = Vec::new();
     for (port, part) in [(0, 1.0), (1, -1.0)] {
         let named = |what: &str| format!("{what} port {}", port + 1);
-        let flow = LITRES_A_MINUTE * paths.from_supply(part, down)[port];
+        let flow = LITRES_A_MINUTE * paths.supply_flows(part, down)[port];
         let conductance = |flow: f64| DM3_PER_S_BAR * flow / (REFERENCE_DENSITY * up);
-        let supply = conductance(paths.from_supply(part, CHOKED * up)[port]);
-        let exhaust = conductance(paths.to_exhaust(-part)[port]);
+        let supply = conductance(paths.supply_flows(part, CHOKED * up)[port]);
+        let exhaust = conductance(paths.exhaust_flows(-part)[port]);
         figures.extend([
             Figure::computed(named("nominal flow Qn from the supply to"), flow, "l/min (ANR)"),
             Figure::computed(named("conductance C from the supply to"), supply, "dm3/(s bar)"),
