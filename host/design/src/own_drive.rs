@@ -21,6 +21,9 @@ pub(crate) use cylinder::Cylinder;
 /// Stroke per count of an encoder that nobody has described, mm.
 pub(crate) const RESOLUTION_MM: f64 = 0.01;
 
+/// Sample period of a controller that nobody has chosen, s.
+pub(crate) const PERIOD_S: f64 = 1e-3;
+
 /// The rig file.
 ///
 /// # Errors
@@ -36,7 +39,11 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
             keep(load::write(&mut file, answers, &cylinder));
             keep(test::write(&mut file, answers, &cylinder));
             let sonic = valve::sonic_conductance(answers);
-            keep(sonic.and_then(|sonic| gains::write(&mut file, answers, &cylinder, sonic)));
+            let written = sonic.and_then(|sonic| {
+                let dead_zone = valve::dead_zone(answers)?;
+                gains::write(&mut file, answers, &cylinder, sonic, dead_zone)
+            });
+            keep(written);
         }
         Err(refusal) => keep(Err(refusal)),
     }
@@ -85,7 +92,7 @@ fn sampling(file: &mut RigFile, answers: &Answers) -> Result<(), Refusal> {
     };
     let period = match answers.number("period")? {
         Some(s) => Number::given(s, answers.text("period").unwrap_or_default()),
-        None => Number::typical(1e-3, [5e-4, 2e-3], "yours to choose"),
+        None => Number::typical(PERIOD_S, [5e-4, 2e-3], "yours to choose"),
     };
     file.number(&keys::encoder::MM_PER_COUNT, &resolution);
     file.number(&keys::controller::PERIOD_S, &period);

@@ -30,6 +30,17 @@ pub(super) fn sonic_conductance(answers: &Answers) -> Result<f64, Refusal> {
     Ok(conductance(answers, named.as_ref(), &ratio)?.value)
 }
 
+/// The part of the command that moves nothing: the overlap, half of the hysteresis, and what opens against the leakage.
+pub(super) fn dead_zone(answers: &Answers) -> Result<f64, Refusal> {
+    let (named, class) = parts_of(answers)?;
+    let part = named.as_ref().unwrap_or(&class);
+    let overlap = usual(answers, "overlap", part, "overlap", "%")?.value;
+    let hysteresis = usual(answers, "hysteresis", part, "hysteresis", "%")?.value;
+    let leakage = figure_of(part, "leakage_in_centre", "%")?.value;
+    // The hysteresis is of the range from end to end, two travels.
+    Ok(1e-2 * (overlap + hysteresis + leakage).max(0.0))
+}
+
 /// The valve that was named, and the class that stands in for what nobody has said.
 fn parts_of(answers: &Answers) -> Result<(Option<Part>, Part), Refusal> {
     let class = find(Family::Valve, CLASS).map_err(|message| Refusal { question: "valve", message })?;
