@@ -73,6 +73,45 @@ impl Feedback {
     }
 }
 
+/// The controller that the gains are for.
+struct Sampling {
+    count_mm: f64,
+    /// Samples of the windows of velocity and acceleration, and how long these are, s.
+    samples: [f64; 2],
+    windows: [f64; 2],
+}
+
+impl Sampling {
+    fn of(answers: &Answers) -> Result<Sampling, Refusal> {
+        let count_mm = answers.number("resolution")?.unwrap_or(super::RESOLUTION_MM);
+        let period = answers.number("period")?.unwrap_or(super::PERIOD_S);
+        let samples = WINDOWS_S.map(|window| (window / period).round().clamp(2.0, 15.0));
+        Ok(Sampling { count_mm, samples, windows: samples.map(|samples| samples * period) })
+    }
+
+    /// Commands that a count of the error, of a velocity window and of both windows asks for.
+    fn commands(&self, [position, velocity, acceleration]: [f64; 3]) -> [f64; 3] {
+        let per_count = FULL * 1e-3 * self.count_mm;
+        let [v_window, a_window] = self.windows;
+        [position, velocity / v_window, acceleration / (v_window * a_window)].map(|gain| per_count * gain)
+    }
+
+    /// Commands per count of an error (mm) that take the spool across a dead zone.
+    fn across(&self, dead_zone: f64, error_mm: f64) -> f64 {
+        FULL * dead_zone * self.count_mm / error_mm.max(NEAR_MM)
+    }
+
+    fn counts(&self, mm: f64) -> i64 {
+        (mm / self.count_mm).round().max(1.0) as i64
+    }
+}
+
+/// The largest power of two at which all gains fit.
+fn scale_for(largest: f64) -> f64 {
+    let mut powers = (4..=12).rev().map(|power| f64::from(1_u32 << power));
+    powers.find(|scale| scale * largest <= MAX_GAIN).unwrap_or(16.0)
+}
+
 /// Writes the gains; `dead_zone` is u_0.
 pub(super) fn write(
     file: &mut RigFile,
@@ -81,45 +120,30 @@ pub(super) fn write(
     sonic_conductance: f64,
     dead_zone: f64,
 ) -> Result<(), Refusal> {
-    let Feedback { gains: [position, velocity, acceleration], natural } =
-        Feedback::of(answers, cylinder, sonic_conductance)?;
-    let count_mm = answers.number("resolution")?.unwrap_or(super::RESOLUTION_MM);
-    let period = answers.number("period")?.unwrap_or(super::PERIOD_S);
-    let windows = WINDOWS_S.map(|window| (window / period).round().clamp(2.0, 15.0));
-    let [v_window, a_window] = windows.map(|samples| samples * period);
-    // What a count of error, of a velocity window and of both windows asks for, commands.
-    let commands = FULL * 1e-3 * count_mm;
-    let [kp, kv, ka] = [
-        commands * position,
-        commands * velocity / v_window,
-        commands * acceleration / (v_window * a_window),
-    ];
-    let across = |error_mm: f64| FULL * dead_zone / (error_mm.max(NEAR_MM) / count_mm);
-    let largest = kv.max(ka).max(kp + across(0.0));
-    let scale =
-        (4..=12).rev().map(|power| f64::from(1_u32 << power)).find(|scale| scale * largest <= MAX_GAIN);
-    let scale = scale.unwrap_or(16.0);
+    let (feedback, sampling) = (Feedback::of(answers, cylinder, sonic_conductance)?, Sampling::of(answers)?);
+    let [kp, kv, ka] = sampling.commands(feedback.gains);
+    let scale = scale_for(kv.max(ka).max(kp + sampling.across(dead_zone, 0.0)));
     let gain = |gain: f64| (scale * gain).round().clamp(0.0, MAX_GAIN);
-    let entry = |i: u32| gain(kp + across((f64::from(i) + 0.5) * SPAN_MM)).max(1.0);
+    let entry = |i: u32| gain(kp + sampling.across(dead_zone, (f64::from(i) + 0.5) * SPAN_MM)).max(1.0);
     let profile: Vec<String> = (0..ENTRIES).map(|i| entry(i).to_string()).collect();
     let why = format!(
         "poles at {REAL_POLE} and {PAIR} times the load on its air springs, {:.1} Hz, and across {:.1} % of dead zone; `pneudrive tune` finds better ones",
-        natural / std::f64::consts::TAU,
+        feedback.natural / std::f64::consts::TAU,
         1e2 * dead_zone
     );
-    let counts = |mm: f64| (mm / count_mm).round().max(1.0) as i64;
     file.text(&keys::controller::GAIN_PROFILE, format!("[{}]", profile.join(", ")), &why);
-    file.integer(&keys::controller::PROFILE_SPAN_COUNTS, counts(SPAN_MM), "0.4 mm");
-    file.integer(&keys::controller::VELOCITY_GAIN, gain(kv) as i64, "by the same poles");
-    file.integer(&keys::controller::ACCELERATION_GAIN, gain(ka) as i64, "by the same poles");
-    for (key, samples) in
-        [&keys::controller::VELOCITY_WINDOW_SAMPLES, &keys::controller::ACCELERATION_WINDOW_SAMPLES]
-            .into_iter()
-            .zip(windows)
-    {
-        file.integer(key, samples as i64, "short against the drive, long against a count");
+    let [v_samples, a_samples] = sampling.samples.map(|samples| samples as i64);
+    let windows = "short against the drive, long against a count";
+    for (key, value, why) in [
+        (&keys::controller::PROFILE_SPAN_COUNTS, sampling.counts(SPAN_MM), "0.4 mm"),
+        (&keys::controller::VELOCITY_GAIN, gain(kv) as i64, "by the same poles"),
+        (&keys::controller::ACCELERATION_GAIN, gain(ka) as i64, "by the same poles"),
+        (&keys::controller::VELOCITY_WINDOW_SAMPLES, v_samples, windows),
+        (&keys::controller::ACCELERATION_WINDOW_SAMPLES, a_samples, windows),
+        (&keys::controller::SCALE, scale as i64, "the largest power of two at which all gains fit"),
+        (&keys::controller::DEAD_BAND_COUNTS, sampling.counts(DEAD_BAND_MM), "0.1 mm"),
+    ] {
+        file.integer(key, value, why);
     }
-    file.integer(&keys::controller::SCALE, scale as i64, "the largest at which all gains fit");
-    file.integer(&keys::controller::DEAD_BAND_COUNTS, counts(DEAD_BAND_MM), "0.1 mm");
     Ok(())
 }
