@@ -1,5 +1,6 @@
 //! `pneudrive characterise`: runs the component tests of [`pneudrive_sim::characteristics`] and writes their curves.
 
+mod digits;
 mod points;
 
 use std::fmt::Write;
@@ -14,6 +15,7 @@ use pneudrive_sim::characteristics::{
 };
 use pneudrive_sim::{IntegrationError, Rig};
 
+use digits::significant;
 use points::Measurement;
 
 use super::eval::column;
@@ -136,13 +138,6 @@ fn digits(figure: &Measured, across: &str) -> [String; 3] {
             [sought.trim_end().to_owned(), String::new(), String::new()]
         }
     }
-}
-
-/// A number with this many significant digits.
-fn significant(value: f64, digits: i32) -> String {
-    let before = if value == 0.0 { 1 } else { value.abs().log10().floor() as i32 + 1 };
-    let decimals = (digits - before).clamp(0, 15) as usize;
-    format!("{value:.decimals$}")
 }
 
 fn page(

@@ -80,11 +80,6 @@ fn the_first_step_of_a_drive_arrives_within_2_percent_of_its_stroke() {
             let stroke = rig.get(&keys::actuator::STROKE_M);
             let end = run.rows.last().expect("rows").plant.position;
             let furthest = run.rows.iter().map(|row| row.plant.position).fold(0.0, f64::max);
-            println!(
-                "{more:?}, overlap {overlap_mm} mm: {:.2} mm off, at most {:.2} mm beyond",
-                1e3 * (end - 0.75 * stroke),
-                1e3 * (furthest - 0.75 * stroke)
-            );
             assert!((end - 0.75 * stroke).abs() < 0.02 * stroke, "{more:?} {overlap_mm}: ends at {end} m");
             assert!(furthest < 0.80 * stroke, "{more:?} {overlap_mm}: not far beyond, to {furthest} m");
         }

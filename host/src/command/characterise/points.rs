@@ -7,7 +7,7 @@ use pneudrive_analysis::measured_points::{Deviation, Points};
 use pneudrive_analysis::page::{Curve, Look};
 use pneudrive_sim::characteristics::Characteristic;
 
-use super::significant;
+use super::digits::significant;
 use crate::command::eval::column;
 
 /// Measured points, and how far they are from the first curve.
