@@ -21,8 +21,9 @@ const START: [&str; 5] = [
 ];
 
 /// Prior standard deviation of numbers that are searched by their difference from the file's value.
-const DIFFERENCES: [(&str, f64); 8] = [
+const DIFFERENCES: [(&str, f64); 9] = [
     ("valve.null_offset_mm", 0.1),
+    ("valve.flow_map_shift", 1.0),
     ("valve.underlap_mm", 0.1),
     ("load.constant_force_n", 50.0),
     ("load.incline_deg", 10.0),
@@ -190,8 +191,9 @@ fn not_physical(path: &str) -> anyhow::Error {
 }
 
 /// Numbers that are fitted besides those that a spread draws, as they are never known exactly, either.
-const ALSO: [&str; 11] = [
+const ALSO: [&str; 12] = [
     "valve.null_offset_mm",
+    "valve.flow_map_shift",
     "valve.sonic_conductance_m3_per_s_pa",
     "valve.critical_ratio",
     "valve.exhaust_sonic_conductance_m3_per_s_pa",
@@ -286,6 +288,18 @@ mod tests {
         for path in ["valve.discharge_supply", "valve.sleeve_diameter_mm", "valve.port_diameter_mm"] {
             assert!(!paths("").contains(&path), "{path} is none of its figures");
         }
+    }
+
+    #[test]
+    fn a_valve_by_its_map_is_fitted_within_the_spread_of_its_measurement() {
+        let map = "[valve]\nmodel = \"flow-map\"\nflow_map = [[0, 700, 140, 4, 1], [0, 700, 560, 3, 1], [100, 700, 140, 800, 9], [100, 700, 560, 500, 9]]\n";
+        let fitted = usual(&rig(map));
+        let shift = fitted.iter().find(|p| p.key.path == "valve.flow_map_shift").expect("it is fitted");
+        assert_eq!(
+            (shift.value(0.0), shift.value(1.0), shift.prior),
+            (0.0, 1.0, 1.0),
+            "in standard deviations"
+        );
     }
 
     /// A model of friction brings its keys with it.
