@@ -23,8 +23,8 @@ mod toml_file;
 mod value;
 
 pub use builtin::{BUILTIN, builtin};
-pub use explain::explain;
-pub use names::nearest;
+pub use explain::{explain, preset_in_words, range_in_words};
+pub use names::{key_of, nearest};
 pub use problem::{Problem, Problems};
 pub use quantity::{Reading, read as read_quantity};
 pub use read::value_of_setting;

@@ -85,8 +85,24 @@ pub fn run_ensemble<T: Send>(
     accuracy: Accuracy,
     spacing: Spacing,
     measure: impl Fn(&Rig, &Run) -> T + Sync,
-    mut progress: impl FnMut(u64, u64) + Send,
+    progress: impl FnMut(u64, u64) + Send,
 ) -> Result<Ensemble<T>> {
+    let ensemble = run_ensemble_while(rig, accuracy, spacing, measure, progress, || true)?;
+    Ok(ensemble.expect("nobody has called it off"))
+}
+
+/// The same, as long as `wanted`: None once it is not. A run that has begun comes to its end.
+///
+/// # Errors
+/// As [`run_ensemble`].
+pub fn run_ensemble_while<T: Send>(
+    rig: &Rig,
+    accuracy: Accuracy,
+    spacing: Spacing,
+    measure: impl Fn(&Rig, &Run) -> T + Sync,
+    mut progress: impl FnMut(u64, u64) + Send,
+    wanted: impl Fn() -> bool + Sync,
+) -> Result<Option<Ensemble<T>>> {
     let samples = u64::from(rig.last_sample()).max(1);
     let all = samples * (spacing.runs as u64 + 1);
     let nominal = run_watched(rig, accuracy, |done, _| progress(u64::from(done), all))
@@ -95,6 +111,7 @@ pub fn run_ensemble<T: Send>(
     let (jobs, failed) = jobs(rig, spacing);
     let draw = Accuracy { tolerance: Accuracy::of_draw(rig).tolerance.max(accuracy.tolerance), ..accuracy };
     let carry_out = |job: &Job| match job {
+        _ if !wanted() => Done::Failed("called off".to_owned()),
         Job::Nominal => Done::Measured(measure(rig, &nominal), None),
         Job::Decision => Done::Decided(decide(rig, accuracy, &nominal).unwrap_or(Decision::UNKNOWN)),
         Job::Neighbour(neighbour) => match run(neighbour, draw) {
@@ -106,12 +123,13 @@ pub fn run_ensemble<T: Send>(
         },
     };
     let done = parallel::map(&jobs, carry_out, |done| progress(samples * (done as u64).max(1), all));
+    if !wanted() {
+        return Ok(None);
+    }
     let Gathered { measured, decision, lost } = Gathered::of(done, failed);
     let band = (spacing.runs > 1).then(|| band.into_inner().expect("no thread panics with it"));
-    Ok(Ensemble {
-        nominal: Judged { run: nominal, accuracy, decision, band, spacing, lost, columns: Vec::new() },
-        measured,
-    })
+    let nominal = Judged { run: nominal, accuracy, decision, band, spacing, lost, columns: Vec::new() };
+    Ok(Some(Ensemble { nominal, measured }))
 }
 
 /// The jobs for a rig and its neighbours, and why some of the neighbours are not valid rigs.
@@ -205,6 +223,26 @@ mod tests {
         let [low, high] = band.channel("position_m");
         assert!((low[low.len() - 1]..=high[high.len() - 1]).contains(&found.measured[0]));
         assert!(told.is_sorted() && told.last().is_some_and(|(done, all)| done == all), "{:?}", told.last());
+    }
+
+    #[test]
+    fn runs_that_are_not_wanted_any_more_are_not_begun() {
+        let rig = rig();
+        let measured = Mutex::new(0);
+        let measure = |_: &Rig, _: &Run| *measured.lock().expect("a lock") += 1;
+        let wanted = || *measured.lock().expect("a lock") < 2;
+        let found = run_ensemble_while(
+            &rig,
+            Accuracy::of(&rig),
+            Spacing { runs: 64, relative: 1e-5 },
+            measure,
+            |_, _| {},
+            wanted,
+        );
+        assert!(found.expect("runs").is_none());
+        let measured = measured.into_inner().expect("a lock");
+        // One more is on its way on each thread at most.
+        assert!((2..2 + parallel::threads().get()).contains(&measured), "{measured}");
     }
 
     #[test]

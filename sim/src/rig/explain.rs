@@ -59,8 +59,8 @@ fn in_full(key: &Key) -> String {
         }
     };
     fact("unit", key.unit().to_owned());
-    fact("range", range(&key.kind));
-    fact("default", preset(&key.preset));
+    fact("range", range_in_words(&key.kind));
+    fact("default", preset_in_words(&key.preset));
     fact("thesis", key.thesis.to_owned());
     fact(if key.path.starts_with("faults.event.") { "kinds" } else { "models" }, key.models.join(", "));
     lines.push(String::new());
@@ -75,7 +75,9 @@ fn events() -> String {
     format!("  kinds\n{kinds}\n{}", fields.join("\n"))
 }
 
-fn range(kind: &Kind) -> String {
+/// What a key takes: `0.001 to 1000`, the words of a choice.
+#[must_use]
+pub fn range_in_words(kind: &Kind) -> String {
     match kind {
         Kind::Number { min, max } => format!("{min} to {max}"),
         Kind::Integer { min, max } => format!("whole numbers from {min} to {max}"),
@@ -98,7 +100,9 @@ fn range(kind: &Kind) -> String {
     }
 }
 
-fn preset(preset: &Preset) -> String {
+/// What holds without a key; empty where nothing does.
+#[must_use]
+pub fn preset_in_words(preset: &Preset) -> String {
     match preset {
         Preset::Absent(what) => format!("none: {what}"),
         other => preset_value(other).map(|value| value.to_string()).unwrap_or_default(),

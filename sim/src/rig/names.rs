@@ -1,7 +1,13 @@
 //! What to say of a name that no key has.
 
-use super::table::all_keys;
+use super::table::{all_keys, find_key};
 use crate::key::{Key, unit};
+
+/// The key of a path, spelled with its unit or without: `load.mass_kg`, `load.mass`.
+#[must_use]
+pub fn key_of(path: &str) -> Option<&'static Key> {
+    find_key(path).or_else(|| key_of_stem(path))
+}
 
 /// The key that a path without a unit means: `actuator.stroke` is actuator.stroke_m. Case does not matter.
 pub(super) fn key_of_stem(path: &str) -> Option<&'static Key> {
