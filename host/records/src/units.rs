@@ -43,10 +43,30 @@ impl Units {
 
     /// A position or a distance of the encoder.
     pub fn length(&self, counts: i32) -> String {
-        match self.mm_per_count {
-            Some(mm) => format!("{:.3} mm", f64::from(counts) * mm),
+        match self.millimetres(counts) {
+            Some(mm) => format!("{mm:.3} mm"),
             None => format!("{counts} counts"),
         }
+    }
+
+    /// A place or a distance of the encoder, mm.
+    pub fn millimetres(&self, counts: i32) -> Option<f64> {
+        self.mm_per_count.map(|mm| f64::from(counts) * mm)
+    }
+
+    /// An absolute pressure, kPa.
+    pub fn kilopascals(&self, raw: i16) -> Option<f64> {
+        self.kpa.map(|[scale, at_0]| f64::from(raw) * scale + at_0)
+    }
+
+    /// The position of the spool, mm; None of a stepper, which counts steps.
+    pub fn spool_millimetres(&self, raw: i16) -> Option<f64> {
+        self.spool_mm.filter(|_| !self.stepper).map(|[scale, at_0]| f64::from(raw) * scale + at_0)
+    }
+
+    /// The duration of this many samples, s.
+    pub fn seconds(&self, samples: u32) -> Option<f64> {
+        self.period_s.map(|period| f64::from(samples) * period)
     }
 
     /// The count nearest to a position; None if the scale is unknown, or the count is out of range.
@@ -68,25 +88,25 @@ impl Units {
 
     /// An absolute pressure.
     pub fn pressure(&self, raw: i16) -> String {
-        match self.kpa {
-            Some([scale, at_0]) => format!("{:.1} kPa", f64::from(raw) * scale + at_0),
+        match self.kilopascals(raw) {
+            Some(kpa) => format!("{kpa:.1} kPa"),
             None => format!("{raw} raw"),
         }
     }
 
     /// The position of the spool; of a stepper in steps.
     pub fn spool(&self, raw: i16) -> String {
-        match self.spool_mm {
+        match self.spool_millimetres(raw) {
             _ if self.stepper => format!("{raw} steps"),
-            Some([scale, at_0]) => format!("{:.3} mm", f64::from(raw) * scale + at_0),
+            Some(mm) => format!("{mm:.3} mm"),
             None => format!("{raw} raw"),
         }
     }
 
     /// The duration of this many samples.
     pub fn time(&self, samples: u32) -> String {
-        match self.period_s {
-            Some(period) => format!("{:.3} s", f64::from(samples) * period),
+        match self.seconds(samples) {
+            Some(seconds) => format!("{seconds:.3} s"),
             None => format!("{samples} samples"),
         }
     }
