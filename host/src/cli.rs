@@ -42,6 +42,8 @@ pub enum Command {
     Rig(Rig),
     /// Simulate the test of a rig: trace.csv, run.json, report.html
     Simulate(Simulate),
+    /// Design a drive in the browser, with sliders that simulate while dragged; with --port, commission a rig
+    Studio(Studio),
     /// Serve a virtual rig that behaves like the board on a serial port
     Virtual(Virtual),
     /// Talk to a rig: identity, status, arm, disarm, stop, parameters
@@ -213,6 +215,20 @@ fn columns(text: &str) -> Result<Columns, String> {
 fn column_list() -> String {
     let lines = EXTRAS.iter().map(|extra| format!("  {:<24}{}\n", extra.name, extra.help));
     format!("Columns:\n{}  {OF_VALVE:<24}all of these\n", lines.collect::<String>())
+}
+
+/// Arguments of `studio`.
+#[derive(Debug, Args)]
+pub struct Studio {
+    /// The rig to begin with: a built-in rig (`pneudrive rig list`) or a rig file
+    #[arg(value_name = "RIG", default_value = "servo-b-tuned")]
+    pub rig: String,
+    /// Port of a rig to commission: a serial device, pty:PATH or tcp://HOST:PORT
+    #[arg(long, value_name = "P")]
+    pub port: Option<String>,
+    /// Where to serve the page. An address that can be reached from a network needs PNEUDRIVE_TOKEN
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:8787")]
+    pub listen: String,
 }
 
 /// Arguments of `virtual`.

@@ -20,6 +20,7 @@ mod run;
 mod simulate;
 mod spectrum;
 mod streaming;
+mod studio;
 mod study;
 mod sweep;
 mod thesis;
@@ -90,6 +91,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Demo(arguments) => demo::execute(&arguments),
         Command::Rig(arguments) => rig::execute(&arguments),
         Command::Simulate(arguments) => simulate::execute(&arguments),
+        Command::Studio(arguments) => studio::execute(&arguments),
         Command::Virtual(arguments) => virtual_rig::execute(&arguments),
         Command::Device(arguments) => device::execute(&arguments),
         Command::Run(arguments) => run::execute(&arguments),

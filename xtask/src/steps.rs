@@ -99,6 +99,18 @@ pub fn test(tally: &mut Tally) {
 
 fn pages(tally: &mut Tally) {
     tests(tally, "pages in a browser", &["test", "--package", "pneudrive", "--test", "pages"]);
+    // One after the other: they measure times.
+    let studio = [
+        "test",
+        "--package",
+        "pneudrive-studio",
+        "--test",
+        "browser",
+        "--",
+        "--nocapture",
+        "--test-threads=1",
+    ];
+    tests(tally, "the studio in a browser", &studio);
 }
 
 fn test_without_groups(tally: &mut Tally) {

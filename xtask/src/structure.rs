@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 15] = [
+const CRATES: [&str; 16] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
@@ -30,6 +30,7 @@ const CRATES: [&str; 15] = [
     "host/rigs",
     "host/analysis",
     "host/design",
+    "host/studio",
     "host",
     "hil-tests",
     "hil-tests/flashed-image",

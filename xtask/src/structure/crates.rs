@@ -19,7 +19,11 @@ const LAYERS: [&[(&str, &str)]; 9] = [
         ("pneudrive-link", "host/link"),
         ("pneudrive-analysis", "host/analysis"),
     ],
-    &[("pneudrive-rigs", "host/rigs"), ("pneudrive-protocol-model", "shared/protocol/model")],
+    &[
+        ("pneudrive-rigs", "host/rigs"),
+        ("pneudrive-studio", "host/studio"),
+        ("pneudrive-protocol-model", "shared/protocol/model"),
+    ],
     &[("pneudrive", "host")],
     &[("xtask", "xtask")],
     &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],

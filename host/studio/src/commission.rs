@@ -1,0 +1,221 @@
+//! A rig at a port, moved from the page.
+//!
+//! The page asks for `/api/drive` and reads a line of JSON for every look at the rig, for as long as it likes. While it
+//! reads, it commands the drive, and no other page does; when it stops reading, the drive is disarmed. Any page that shows the
+//! token may stop the drive.
+
+mod pilot;
+mod ramp;
+mod seen;
+
+use std::convert::Infallible;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use futures_util::stream::unfold;
+use pneudrive_link::client::Client;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::asked::Asked;
+use crate::refusal::Refusal;
+use pilot::{Direction, Order, steer};
+use seen::Seen;
+
+/// Between two lines to the page.
+const LINE: Duration = Duration::from_millis(50);
+
+/// The rig at a port, and the page that commands it.
+#[derive(Debug, Default)]
+pub struct Drive {
+    /// None where the studio was started without one.
+    port: Option<String>,
+    helm: Mutex<Helm>,
+}
+
+/// Who commands.
+#[derive(Debug, Default)]
+struct Helm {
+    /// The number of the last page that was let in.
+    last: u32,
+    /// The page that commands, and its thread.
+    page: Option<(u32, Sender<Order>)>,
+}
+
+impl Drive {
+    /// The rig at a port, if there is one.
+    #[must_use]
+    pub fn new(port: Option<String>) -> Drive {
+        Drive { port, helm: Mutex::default() }
+    }
+
+    /// The port.
+    fn port(&self) -> Result<String, Refusal> {
+        let message = "start the studio with --port to commission a rig";
+        self.port.clone().ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, message))
+    }
+
+    /// Hands an order to the thread of the page that commands, if its number is allowed to give it.
+    fn send(&self, order: Order, allowed: impl Fn(u32) -> bool) -> bool {
+        let helm = self.helm();
+        let page = helm.page.as_ref().filter(|(number, _)| allowed(*number));
+        page.is_some_and(|(_, orders)| orders.send(order).is_ok())
+    }
+
+    fn helm(&self) -> MutexGuard<'_, Helm> {
+        self.helm.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The routes of a drive.
+pub fn routes(drive: Arc<Drive>) -> Router {
+    Router::new()
+        .route("/api/port", get(port))
+        .route("/api/drive", post(open))
+        .route("/api/order", post(order))
+        .with_state(drive)
+}
+
+async fn port(State(drive): State<Arc<Drive>>) -> Json<Value> {
+    Json(
+        json!({ "port": drive.port, "jog_mm_per_s": pilot::JOG_MM_PER_S, "go_mm_per_s": pilot::GO_MM_PER_S }),
+    )
+}
+
+/// The page's command of the drive. Dropped when its connection ends; then the thread disarms and leaves.
+struct Lease {
+    drive: Arc<Drive>,
+    number: u32,
+}
+
+impl Drop for Lease {
+    fn drop(&mut self) {
+        self.drive.helm().page.take_if(|(number, _)| *number == self.number);
+    }
+}
+
+/// Lets a page in, and tells it of the drive from then on.
+async fn open(State(drive): State<Arc<Drive>>) -> Result<Response, Refusal> {
+    let port = drive.port()?;
+    let (sender, orders) = channel();
+    let lease = take_helm(&drive, sender)?;
+    let seen = Arc::new(Mutex::new(Seen { mode: "connecting", ..Seen::default() }));
+    let shared = seen.clone();
+    std::thread::spawn(move || steer(&port, &orders, &shared));
+    let lines = unfold((lease, Next::Number), move |(lease, next)| {
+        let seen = seen.clone();
+        async move {
+            let (line, next) = next.line(&lease, &seen).await?;
+            Some((Ok::<_, Infallible>(format!("{line}\n")), (lease, next)))
+        }
+    });
+    Ok(([(CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(lines)).into_response())
+}
+
+/// What the page is told next.
+enum Next {
+    /// Its number.
+    Number,
+    /// The drive as it is.
+    Look,
+    /// Nothing: the link to the rig has ended.
+    End,
+}
+
+impl Next {
+    async fn line(self, lease: &Lease, seen: &Mutex<Seen>) -> Option<(Value, Next)> {
+        match self {
+            Next::Number => Some((json!({ "number": lease.number }), Next::Look)),
+            Next::Look => {
+                tokio::time::sleep(LINE).await;
+                let seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
+                Some((json!(*seen), if seen.is_over { Next::End } else { Next::Look }))
+            }
+            Next::End => None,
+        }
+    }
+}
+
+fn take_helm(drive: &Arc<Drive>, orders: Sender<Order>) -> Result<Lease, Refusal> {
+    let mut helm = drive.helm();
+    if helm.page.is_some() {
+        let message = "another page commands the drive; close it first";
+        return Err(Refusal::new(StatusCode::CONFLICT, message));
+    }
+    helm.last += 1;
+    helm.page = Some((helm.last, orders));
+    Ok(Lease { drive: drive.clone(), number: helm.last })
+}
+
+/// What a page asks for.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "order", rename_all = "kebab-case")]
+enum Asks {
+    Alive,
+    Arm,
+    Disarm,
+    Stop,
+    Home,
+    Release,
+    Run { rig: Asked },
+    Go { mm: f64, rig: Asked },
+    Extend { rig: Asked },
+    Retract { rig: Asked },
+}
+
+/// An order with the number of the page; only stopping goes without.
+#[derive(Debug, Deserialize)]
+struct Ordered {
+    number: Option<u32>,
+    #[serde(flatten)]
+    asks: Asks,
+}
+
+/// Hands an order to the thread of the page that commands.
+async fn order(State(drive): State<Arc<Drive>>, Json(ordered): Json<Ordered>) -> Result<StatusCode, Refusal> {
+    let is_stop = matches!(ordered.asks, Asks::Stop);
+    let order = order_of(ordered.asks)?;
+    let allowed = |number: u32| is_stop || Some(number) == ordered.number;
+    match drive.send(order, allowed) {
+        true => Ok(StatusCode::ACCEPTED),
+        false if is_stop => stop_without_page(&drive).await,
+        false => Err(Refusal::new(StatusCode::CONFLICT, "this page does not command the drive")),
+    }
+}
+
+/// Stops a drive that no page commands; another program may have set it going.
+async fn stop_without_page(drive: &Drive) -> Result<StatusCode, Refusal> {
+    let port = drive.port()?;
+    let stopped = tokio::task::spawn_blocking(move || Client::connect(&port)?.stop()).await;
+    match stopped.map_err(anyhow::Error::from).flatten() {
+        Ok(()) => Ok(StatusCode::ACCEPTED),
+        Err(error) => Err(Refusal::of(&error)),
+    }
+}
+
+fn order_of(asks: Asks) -> Result<Order, Refusal> {
+    let rig_of = |asked: &Asked| -> Result<_, Refusal> { Ok(Box::new(asked.rig()?)) };
+    Ok(match asks {
+        Asks::Alive => Order::Alive,
+        Asks::Arm => Order::Arm,
+        Asks::Disarm => Order::Disarm,
+        Asks::Stop => Order::Stop,
+        Asks::Home => Order::Home,
+        Asks::Release => Order::Release,
+        Asks::Run { rig } => Order::Run(rig_of(&rig)?),
+        Asks::Go { mm, .. } if !mm.is_finite() => {
+            return Err(Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, "give the place in mm"));
+        }
+        Asks::Go { mm, rig } => Order::Go(mm, rig_of(&rig)?),
+        Asks::Extend { rig } => Order::Jog(Direction::Extend, rig_of(&rig)?),
+        Asks::Retract { rig } => Order::Jog(Direction::Retract, rig_of(&rig)?),
+    })
+}

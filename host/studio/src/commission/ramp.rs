@@ -1,0 +1,83 @@
+//! A slow move: a setpoint that goes in small steps, as a test has no ramps.
+
+use anyhow::{Result, bail};
+use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::keys;
+
+/// Most steps of a move; a test has room for 64.
+const MOST_STEPS: f64 = 60.0;
+
+/// Shortest time of a step, s.
+const STEP_S: f64 = 0.05;
+
+/// How long the drive has to settle before its test is over, s.
+const SETTLING_S: f64 = 0.2;
+
+/// The rig with a test that takes the setpoint from one place to another at a constant rate; places in mm, within the stroke.
+///
+/// # Errors
+/// When the loop is open: then a test has no setpoints.
+pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<Rig> {
+    if rig.get(&keys::controller::LOOP) == Loop::Open {
+        bail!("the loop is open, so the drive cannot be moved to a place");
+    }
+    let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
+    let [from_mm, to_mm] = [from_mm, to_mm].map(|mm| mm.clamp(0.0, stroke_mm));
+    let mm_per_count = rig.get(&keys::encoder::MM_PER_COUNT);
+    let lasts_s = (to_mm - from_mm).abs() / mm_per_s;
+    let steps = (lasts_s / STEP_S).ceil().clamp(1.0, MOST_STEPS);
+    let step = |number: u32| {
+        let share = f64::from(number) / steps;
+        let counts = ((from_mm + share * (to_mm - from_mm)) / mm_per_count) as i64;
+        let at_s = ((f64::from(number) - 1.0) / steps * lasts_s * 1e3).round() / 1e3;
+        format!("[{at_s:?}, {counts}]")
+    };
+    let moves: Vec<String> = (1..=steps as u32).map(step).collect();
+    let duration_s = ((lasts_s + SETTLING_S) * 1e3).ceil() / 1e3;
+    let test = [format!("test.moves=[{}]", moves.join(", ")), format!("test.duration_s={duration_s:?}")];
+    Ok(rig.with_test(&test)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rig() -> Rig {
+        Rig::builtin("servo-b-tuned").expect("a built-in rig")
+    }
+
+    #[test]
+    fn a_slow_move_ends_where_it_should_and_never_steps_faster_than_its_rate() {
+        for [from, to, rate] in
+            [[100.0, 130.0, 10.0], [250.0, 20.0, 50.0], [100.0, 100.2, 10.0], [50.0, 50.0, 10.0]]
+        {
+            let moves = slow_move(&rig(), from, to, rate).expect("a test").moves();
+            let mm = |counts: i64| counts as f64 * 0.01205;
+            let (last_s, last) = *moves.last().expect("a move");
+            assert!((mm(last) - to).abs() < 0.02, "{last}");
+            // To counts, and to milliseconds.
+            let rounding = 0.0121 + rate * 1e-3;
+            for (time, counts) in &moves {
+                let ahead = (mm(*counts) - from).abs() - rate * time;
+                // A step begins at the place where it will be when it is over.
+                let largest = ((to - from).abs() / 60.0).max(rate * STEP_S) + rounding;
+                assert!(ahead <= largest, "{ahead} mm ahead at {time} s");
+            }
+            assert!(moves.len() <= 60 && last_s <= (to - from).abs() / rate + 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_move_beyond_the_stroke_ends_at_its_end() {
+        let moves = slow_move(&rig(), 290.0, 400.0, 10.0).expect("a test").moves();
+        let last = moves.last().expect("a move").1;
+        assert!(last as f64 * 0.01205 <= 300.0 && last as f64 * 0.01205 > 299.9, "{last}");
+    }
+
+    #[test]
+    fn an_open_loop_has_no_places() {
+        let rig = Rig::read("open", "[controller]\nloop = \"open\"\n").expect("a rig");
+        assert!(slow_move(&rig, 0.0, 1.0, 10.0).is_err());
+    }
+}

@@ -1,0 +1,160 @@
+//! Rig files that are opened and saved.
+//!
+//! A page may write rig files into one folder: that of the rig which was opened, or the one in which the studio was started.
+//! A file that is there is replaced without a question only if it holds what the studio has read or written there last.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use axum::Json;
+use axum::extract::{self, State};
+use axum::http::StatusCode;
+use pneudrive_records::{rig_text, whole_file};
+use pneudrive_sim::Rig;
+use pneudrive_sim::rig::{BUILTIN, builtin};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::asked::Asked;
+use crate::refusal::Refusal;
+
+/// A rig file that the page begins with.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// As the command line names it.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+/// Where rig files are.
+#[derive(Debug)]
+pub struct Files {
+    folder: PathBuf,
+    opened: Opened,
+    /// What the studio knows of the files in the folder: what it has read or written there last.
+    known: Mutex<BTreeMap<String, String>>,
+}
+
+impl Files {
+    /// The files beside a rig file; beside the program where the rig is built in.
+    #[must_use]
+    pub fn new(opened: Opened) -> Files {
+        let path = Path::new(&opened.name);
+        let name =
+            path.file_name().and_then(|name| name.to_str()).filter(|_| builtin(&opened.name).is_none());
+        let known = name.map(|name| (name.to_owned(), opened.text.clone()));
+        let folder = name.map_or_else(|| PathBuf::from("."), |_| whole_file::folder_of(path).to_owned());
+        Files { folder, opened, known: Mutex::new(known.into_iter().collect()) }
+    }
+
+    /// Writes a rig file whole or not at all.
+    fn save(&self, name: &str, text: &str, replace: bool) -> Result<(), Refusal> {
+        let path = self.folder.join(file_name(name)?);
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let theirs = match fs::read_to_string(&path) {
+            Ok(there) => known.get(name) != Some(&there),
+            Err(error) => error.kind() != std::io::ErrorKind::NotFound,
+        };
+        if theirs && !replace {
+            let message = format!("{} is there already, and the studio has not written it", path.display());
+            return Err(Refusal::new(StatusCode::CONFLICT, message));
+        }
+        whole_file::put(&path, text).map_err(|error| Refusal::of(&error))?;
+        known.insert(name.to_owned(), text.to_owned());
+        Ok(())
+    }
+}
+
+/// A name that leads nowhere but into the folder.
+fn file_name(name: &str) -> Result<&str, Refusal> {
+    let plain = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
+    let fits =
+        name.ends_with(".toml") && !name.starts_with('.') && name.len() <= 100 && name.chars().all(plain);
+    if fits {
+        return Ok(name);
+    }
+    let message =
+        format!("{name:?} is no name of a rig file: write letters, digits, - and _, with .toml at the end");
+    Err(Refusal::new(StatusCode::BAD_REQUEST, message))
+}
+
+/// The rigs that come with the program, and the one that was opened.
+pub async fn list(State(files): State<Arc<Files>>) -> Json<Value> {
+    let about = |text: &str| text.lines().next().unwrap_or("").trim_start_matches("# ").to_owned();
+    let builtin = BUILTIN.iter().map(|(name, text)| json!({ "name": name, "about": about(text) }));
+    let Opened { name, text } = &files.opened;
+    Json(json!({
+        "builtin": builtin.collect::<Vec<_>>(),
+        "opened": { "name": name, "text": text },
+    }))
+}
+
+/// The text of a rig that comes with the program.
+///
+/// # Errors
+/// When there is none of that name.
+pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Value>, Refusal> {
+    match builtin(&name) {
+        Some(text) => Ok(Json(json!({ "name": name, "text": text }))),
+        None => Err(Refusal::new(StatusCode::NOT_FOUND, format!("there is no built-in rig {name}"))),
+    }
+}
+
+/// A rig to be saved.
+#[derive(Debug, Deserialize)]
+pub struct ToSave {
+    /// The rig.
+    #[serde(flatten)]
+    asked: Asked,
+    /// The name of the file.
+    file: String,
+    /// Whether the user has agreed to replace a file.
+    #[serde(default)]
+    replace: bool,
+}
+
+/// Saves a rig: the file that was opened, with the settings in the places of the old values, all other lines kept.
+///
+/// # Errors
+/// When the rig is not valid, the name leads out of the folder, a file is there that is not ours, or it cannot be written.
+pub async fn save(
+    State(files): State<Arc<Files>>,
+    Json(ToSave { asked, file, replace }): Json<ToSave>,
+) -> Result<Json<Value>, Refusal> {
+    asked.rig()?;
+    let text = rig_text::with_settings(&asked.text, &in_key_units(&asked)?, "given: set in the studio");
+    let text = text.map_err(|error| Refusal::of(&error))?;
+    // What is written is what was shown.
+    Rig::read(&file, &text)?;
+    files.save(&file, &text, replace)?;
+    Ok(Json(json!({ "name": file, "text": text })))
+}
+
+/// The settings with each value in the unit of its key.
+fn in_key_units(asked: &Asked) -> Result<Vec<String>, Refusal> {
+    let rig = asked.rig()?;
+    let in_unit = |setting: &String| {
+        let path = setting.split('=').next().unwrap_or_default().trim();
+        let key = pneudrive_sim::rig::key_of(path)?;
+        rig.value(key.path).map(|value| format!("{}={value}", key.path))
+    };
+    Ok(asked.settings.iter().filter_map(in_unit).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_leads_nowhere_but_into_the_folder() {
+        for name in ["mine.toml", "drive 2.toml", "größer.toml"] {
+            assert!(file_name(name).is_ok(), "{name}");
+        }
+        for name in ["", ".toml", "../mine.toml", "a/b.toml", "a\\b.toml", "mine.txt", "c:mine.toml"] {
+            assert!(file_name(name).is_err(), "{name}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Who may ask, and what every answer says to the browser.
+//!
+//! | refused | because |
+//! |---|---|
+//! | a `Host` that is neither an address nor `localhost` | a foreign name that resolves to this machine makes its page ours (DNS rebinding) |
+//! | an `Origin` that is not this server | another page asks |
+//! | a request for `/api` without the token | whoever asks was not given the address |
+//! | a body of more than [`MOST_BYTES`] | no rig file is that long |
+
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+
+use axum::extract::{Request, State};
+use axum::http::header::{AUTHORIZATION, HOST, HeaderMap, HeaderName, HeaderValue, ORIGIN};
+use axum::http::{StatusCode, Uri};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use crate::refusal::Refusal;
+use crate::token::Token;
+
+/// The longest body of a request: a rig file of the longest kind in JSON, bytes.
+pub const MOST_BYTES: usize = 2 << 20;
+
+/// What a browser may do with the page: load its own files and ask this server. No inline script, no inline style, no
+/// frame around it.
+pub const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+     connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Headers of every answer.
+const HEADERS: [(&str, &str); 6] = [
+    ("content-security-policy", CONTENT_SECURITY_POLICY),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("cache-control", "no-store"),
+];
+
+/// What the guard goes by.
+#[derive(Clone, Debug)]
+pub struct Guard {
+    /// Where the server listens.
+    pub address: SocketAddr,
+    /// What a request for `/api` must show.
+    pub token: Token,
+}
+
+/// Lets a request through, or refuses it.
+pub async fn watch(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
+    let mut answer = match guard.check(request.uri(), request.headers()) {
+        Ok(()) => next.run(request).await,
+        Err(refusal) => refusal.into_response(),
+    };
+    for (name, value) in HEADERS {
+        answer.headers_mut().insert(HeaderName::from_static(name), HeaderValue::from_static(value));
+    }
+    answer
+}
+
+impl Guard {
+    /// Whether a request may be carried out.
+    ///
+    /// # Errors
+    /// With the reason why it may not.
+    pub fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
+        let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or_default());
+        let host = text(HOST).filter(|host| self.is_ours(host)).ok_or_else(|| {
+            let message = format!("this server is called http://{}, and by no other name", self.address);
+            Refusal::new(StatusCode::FORBIDDEN, message)
+        })?;
+        if text(ORIGIN).is_some_and(|origin| origin.strip_prefix("http://") != Some(host)) {
+            return Err(Refusal::new(StatusCode::FORBIDDEN, "another page may not ask this server"));
+        }
+        let shown = text(AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
+        if uri.path().starts_with("/api/") && !shown.is_some_and(|token| self.token.is(token)) {
+            let message =
+                "open the studio by the address that `pneudrive studio` has printed: it holds the token";
+            return Err(Refusal::new(StatusCode::UNAUTHORIZED, message));
+        }
+        Ok(())
+    }
+
+    /// Whether `host:port` is an address of this server. A name other than localhost may be anybody's.
+    fn is_ours(&self, host: &str) -> bool {
+        if host == format!("localhost:{}", self.address.port()) {
+            return self.address.ip().is_loopback() || self.address.ip().is_unspecified();
+        }
+        let Ok(named) = host.parse::<SocketAddr>() else { return false };
+        let here: IpAddr = self.address.ip();
+        named.port() == self.address.port() && (named.ip() == here || here.is_unspecified())
+    }
+}

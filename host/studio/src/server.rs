@@ -1,0 +1,116 @@
+//! The routes, and the address.
+
+use std::net::{SocketAddr, TcpListener};
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail};
+use axum::extract::DefaultBodyLimit;
+use axum::middleware::from_fn_with_state;
+use axum::routing::{get, post};
+use axum::{Json, Router};
+
+use crate::commission::{self, Drive};
+use crate::files::{Files, Opened};
+use crate::guard::{Guard, MOST_BYTES, watch};
+use crate::token::Token;
+use crate::{assets, check, compare, files, keys, simulation};
+
+/// Threads for simulations: one for a run, one for its neighbours, and two for those that nobody waits for any more.
+const THREADS: usize = 4;
+
+/// What a studio is started with.
+#[derive(Debug)]
+pub struct Options {
+    /// Where it listens, `HOST:PORT`; port 0 for any free one.
+    pub listen: String,
+    /// The token that the user has chosen, if any. An address that can be reached from a network needs one.
+    pub token: Option<Token>,
+    /// The rig that the page begins with.
+    pub opened: Opened,
+    /// The port of a rig to commission, if there is one.
+    pub port: Option<String>,
+}
+
+/// A studio that listens.
+#[derive(Debug)]
+pub struct Studio {
+    listener: TcpListener,
+    guard: Arc<Guard>,
+    files: Arc<Files>,
+    drive: Arc<Drive>,
+}
+
+impl Studio {
+    /// Listens at an address.
+    ///
+    /// # Errors
+    /// When it cannot, or when the address can be reached from a network and there is no token.
+    pub fn open(options: Options) -> Result<Studio> {
+        let Options { listen, token, opened, port } = options;
+        let listener = TcpListener::bind(&listen).with_context(|| {
+            format!(
+                "cannot listen at {listen}; write HOST:PORT, such as 127.0.0.1:8787, or port 0 for a free one"
+            )
+        })?;
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let token = match token {
+            Some(token) => token,
+            None if address.ip().is_loopback() => Token::draw()?,
+            None => bail!(
+                "{address} can be reached from the network: set PNEUDRIVE_TOKEN for those who may use the studio, or listen at 127.0.0.1:{}",
+                address.port()
+            ),
+        };
+        let guard = Arc::new(Guard { address, token });
+        let (files, drive) = (Arc::new(Files::new(opened)), Arc::new(Drive::new(port)));
+        Ok(Studio { listener, guard, files, drive })
+    }
+
+    /// The address to open in a browser. The token stands behind the #, so the browser keeps it to itself.
+    #[must_use]
+    pub fn address(&self) -> String {
+        format!("http://{}/#token={}", self.guard.address, self.guard.token.text())
+    }
+
+    /// Where it listens.
+    #[must_use]
+    pub fn local_address(&self) -> SocketAddr {
+        self.guard.address
+    }
+
+    /// What answers the requests.
+    #[must_use]
+    pub fn router(&self) -> Router {
+        Router::new()
+            .route("/", get(assets::index))
+            .route("/{name}", get(assets::file))
+            .route("/api/keys", get(async || Json(keys::table())))
+            .route("/api/rigs", get(files::list))
+            .route("/api/rigs/{name}", get(files::open))
+            .route("/api/check", post(check::answer))
+            .route("/api/run", post(simulation::nominal))
+            .route("/api/neighbours", post(simulation::neighbours))
+            .route("/api/save", post(files::save))
+            .route("/api/compare", post(compare::answer))
+            .with_state(self.files.clone())
+            .merge(commission::routes(self.drive.clone()))
+            .layer(DefaultBodyLimit::max(MOST_BYTES))
+            .layer(from_fn_with_state(self.guard.clone(), watch))
+    }
+
+    /// Serves until the program ends.
+    ///
+    /// # Errors
+    /// When the system refuses threads or sockets.
+    pub fn serve(self) -> Result<()> {
+        let mut runtime = tokio::runtime::Builder::new_multi_thread();
+        let runtime = runtime.worker_threads(1).max_blocking_threads(THREADS).enable_all().build()?;
+        let router = self.router();
+        runtime.block_on(async {
+            let listener = tokio::net::TcpListener::from_std(self.listener)?;
+            axum::serve(listener, router).await?;
+            Ok(())
+        })
+    }
+}
