@@ -187,8 +187,8 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
         "Config { first_id: 7, values: [1000, 2000] }"
     );
     assert_eq!(
-        bench.ask(RequestBody::ConfigGet { first_id: id::LATE_OUTPUT_US, count: 2 }),
-        "Refused(UnknownParameter { id: 56 })"
+        bench.ask(RequestBody::ConfigGet { first_id: id::HOMING_BACK_OFF_COUNTS, count: 2 }),
+        "Refused(UnknownParameter { id: 57 })"
     );
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());
@@ -386,10 +386,11 @@ fn samples_from_before_the_start_have_the_origin_that_the_homing_run_found() {
     bench.armed(9, 1, 4);
     bench.samples(6);
     bench.done(RequestBody::Home);
-    bench.board.stands = true;
+    bench.board.stop = Some(-100);
     while bench.mode() == Mode::Homing {
         bench.samples(1);
     }
+    (bench.board.stop, bench.board.stands) = (None, true);
     bench.samples(2);
     bench.done(RequestBody::Start);
     bench.samples(11);

@@ -16,7 +16,8 @@
 //!   learned, whether a run that begins with a setpoint that is held anyway began with a move to it.
 //!
 //! Not in the file, and so no part of the replay: a move to the setpoint that holds already (it matters to
-//! what is learned of the null only), and pressures that were bad in the last samples before the start.
+//! what is learned of the null, and where it ends at once: its exit keeps the command), and pressures that were
+//! bad in the last samples before the start.
 
 pub mod moves;
 mod older;
@@ -193,7 +194,8 @@ pub enum ReplayError {
 pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
     let header = Header::of(file)?;
     let mut config = Config::new(&header.parameters).map_err(ReplayError::Inconsistent)?;
-    let older = older::is_older(file).then(|| older::Watch::instead(&mut config, &header.parameters));
+    config.motion.commands_at_exit = older::commands_at_exit(file);
+    let older = older::has_older_watch(file).then(|| older::Watch::instead(&mut config, &header.parameters));
     let recorded = samples(file)?;
     let mut best: Option<Replay> = None;
     for plan in moves::plans(&config, &recorded)? {

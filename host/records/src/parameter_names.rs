@@ -63,6 +63,7 @@ const KEYS: &[(u16, &str, Form)] = &[
     (id::HOMING_SWITCH, "controller.homing", Words(&["stop", "switch"])),
     (id::HOMING_COMMAND_COUNTS, "controller.homing_command_counts", Whole),
     (id::HOMING_POSITION_COUNTS, "controller.homing_position_counts", Whole),
+    (id::HOMING_BACK_OFF_COUNTS, "controller.homing_back_off_counts", Whole),
     (id::HOMING_STILL_MS, "controller.homing_still_s", Scaled(3)),
     (id::HOMING_TIMEOUT_MS, "controller.homing_timeout_s", Scaled(3)),
     (id::PULSE_WIDTH_US, "operator.pulse_width_us", Whole),

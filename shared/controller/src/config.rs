@@ -2,7 +2,7 @@
 
 use core::num::NonZeroU32;
 
-use crate::drive::{DacConfig, DriveConfig, Translator};
+use crate::drive::{DacConfig, DriveConfig, MAX_COUNTS, Translator};
 use crate::estimator::EstimatorConfig;
 use crate::homing::{HomingConfig, HomingKind};
 use crate::law::{LawConfig, LawKind, Loop};
@@ -130,16 +130,19 @@ impl Default for Config {
                 monitoring: 0,
                 dwell: 0,
                 forced_exit: 1093,
+                commands_at_exit: false,
             },
             homing: HomingConfig {
                 kind: HomingKind::Stop,
                 command: -200,
                 position: 0,
+                back_off: 400,
                 still_samples: 384,
                 still_counts: 40,
                 timeout_samples: 7692,
             },
             limits: Limits {
+                largest_command: MAX_COUNTS,
                 position_min: -249,
                 position_max: 25_145,
                 encoder_step: 540,
@@ -252,6 +255,7 @@ fn motion(parameters: &Parameters, period_us: NonZeroU32) -> MotionConfig {
         dwell: samples(unsigned(id::DWELL_US), period_us),
         // A move at sample s ends with the first sample at which the time is over, as a timed one would.
         forced_exit: unsigned(id::FORCED_EXIT_US).div_ceil(period_us.get()),
+        commands_at_exit: false,
     }
 }
 
@@ -261,6 +265,8 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
         kind: if parameters.scalar(id::HOMING_SWITCH) == 0 { HomingKind::Stop } else { HomingKind::Switch },
         command: parameters.scalar(id::HOMING_COMMAND_COUNTS) as i16,
         position: parameters.scalar(id::HOMING_POSITION_COUNTS),
+        // Less would not be told from standing still.
+        back_off: unsigned(id::HOMING_BACK_OFF_COUNTS).max(unsigned(id::NO_MOTION_COUNTS).saturating_add(1)),
         still_counts: unsigned(id::NO_MOTION_COUNTS),
         still_samples: samples_of_ms(unsigned(id::HOMING_STILL_MS), period_us),
         timeout_samples: samples_of_ms(unsigned(id::HOMING_TIMEOUT_MS), period_us),
@@ -276,6 +282,7 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
     // A time below a period is one sample, not "off".
     let no_motion_samples = samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0));
     Limits {
+        largest_command: largest,
         position_min: get(id::POSITION_MIN_COUNTS),
         position_max: get(id::POSITION_MAX_COUNTS),
         encoder_step: get(id::ENCODER_STEP_COUNTS).unsigned_abs(),
@@ -370,6 +377,7 @@ mod tests {
     fn a_stepper_is_a_drive_stage_of_its_own() {
         let config = with(&[(id::STEPPER, 1), (id::MAX_STEPS, 12)]).expect("they go together");
         assert!(matches!(config.drive, DriveConfig::Stepper { max_steps: 12, .. }));
+        assert_eq!((config.limits.largest_command, config.drive.largest()), (12, 12));
     }
 
     #[test]

@@ -59,14 +59,6 @@ impl DriveConfig {
             DriveConfig::Stepper { max_steps, .. } => *max_steps,
         }
     }
-
-    /// The demand within the limits of the stage.
-    #[must_use]
-    pub fn limit(&self, demand: i32) -> i16 {
-        let largest = i32::from(self.largest());
-        // Not clamp(): it panics for limits that have crossed, and this path must not.
-        demand.min(largest).max(-largest) as i16
-    }
 }
 
 impl DacConfig {
@@ -109,22 +101,6 @@ mod tests {
     use super::*;
 
     const DAC: DacConfig = DacConfig { null_code: 2048, inverted: false };
-
-    #[test]
-    fn the_demand_is_limited_to_the_range_of_the_stage() {
-        for (demand, counts) in
-            [(0, 0), (2047, 2047), (2048, 2048), (2049, 2048), (-2049, -2048), (i32::MIN, -2048)]
-        {
-            assert_eq!(DriveConfig::Dac(DAC).limit(demand), counts);
-        }
-        let stepper = DriveConfig::Stepper {
-            max_steps: 40,
-            translator: Translator { pulse_width_us: 10, direction_setup_us: 10 },
-        };
-        for (demand, steps) in [(0, 0), (40, 40), (41, 40), (-40, -40), (i32::MIN, -40)] {
-            assert_eq!(stepper.limit(demand), steps);
-        }
-    }
 
     #[test]
     fn null_is_the_null_code_and_polarity_turns_the_sign() {

@@ -24,6 +24,14 @@ pub struct EstimatorConfig {
     pub acceleration_window: u8,
 }
 
+impl EstimatorConfig {
+    /// Wv, Wa and their sum, samples.
+    fn windows(&self) -> [usize; 3] {
+        let (v, a) = (usize::from(self.velocity_window), usize::from(self.acceleration_window));
+        [v, a, a + v]
+    }
+}
+
 /// Position and its differences at one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
@@ -61,12 +69,7 @@ impl Estimator {
 
     /// Takes the position at sample k and tells the motion at k.
     pub fn update(&mut self, config: &EstimatorConfig, position: i32) -> Motion {
-        let v = usize::from(config.velocity_window);
-        let a = usize::from(config.acceleration_window);
-        let mut windows = [v, a, a + v];
-        if self.taken < HISTORY {
-            self.begin(&mut windows, position);
-        }
+        let windows = if self.taken < HISTORY { self.begin(config, position) } else { config.windows() };
         let step = position.abs_diff(self.back(0));
         self.newest = (self.newest + 1) % HISTORY;
         self.positions[self.newest] = position;
@@ -81,12 +84,13 @@ impl Estimator {
     /// Windows that end at the first sample, and the position before that one.
     #[cold]
     #[inline(never)]
-    fn begin(&mut self, windows: &mut [usize; 3], position: i32) {
+    fn begin(&mut self, config: &EstimatorConfig, position: i32) -> [usize; 3] {
         if self.taken == 0 {
             self.positions[self.newest % HISTORY] = position;
         }
-        *windows = windows.map(|samples| samples.min(self.taken));
+        let taken = self.taken;
         self.taken += 1;
+        config.windows().map(|samples| samples.min(taken))
     }
 
     /// `n[k - samples]`.

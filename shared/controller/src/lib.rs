@@ -239,14 +239,9 @@ pub fn sample(config: &Config, sequence: &Sequence, state: &mut State, input: &S
     let target = state.target(config, sequence, motion.position);
     state.watch(config, input, &motion);
     let demand = state.demand(config, &target, &motion, input);
-    let command = state.supervisor.permit(&config.law, config.drive.limit(demand));
-    state.observation = Observation {
-        running: target.running,
-        setpoint: target.setpoint,
-        error: target.error,
-        command,
-        ..state.observation
-    };
+    let command = state.supervisor.permit(&config.law, config.limits.command(demand));
+    let Target { running, setpoint, error } = target;
+    state.observation = Observation { running, setpoint, error, command, ..state.observation };
 }
 
 /// Where the drive shall be at a sample.
@@ -312,25 +307,65 @@ impl State {
         };
         let evidence = Evidence { motion, input, referenced: self.supervisor.is_referenced(), from_null };
         self.supervisor.watch(&config.limits, &evidence);
-        if !holds_or_runs {
-            self.supervisor.watch_null(&config.limits, motion.position, self.spool_is_open(config));
-        }
     }
 
     fn demand(&mut self, config: &Config, target: &Target, motion: &Motion, input: &Sample) -> i32 {
-        if self.supervisor.mode() == Mode::Homing {
-            return self.seek(config, motion, input.home_switch);
+        if !matches!(self.supervisor.mode(), Mode::Running | Mode::Done) {
+            return self.demand_without_moves(config, motion.position, input.home_switch);
         }
         let demand = law::demand(&config.law, &mut self.law, target.setpoint, target.error, motion, input);
-        match config.law.control_loop {
-            Loop::Open if self.supervisor.is_referenced() => config.limits.hold_back(demand, motion.position),
+        if config.law.control_loop == Loop::Open {
+            self.demand_in_open_loop(config, demand, motion.position)
+        } else if config.motion.on_arrival && target.running && self.sequencer.is_at_exit(&config.motion) {
+            self.demand_at_exit(config)
+        } else {
+            demand
+        }
+    }
+
+    /// Without moves the valve is at its null, but for a homing run.
+    #[cold]
+    #[inline(never)]
+    fn demand_without_moves(&mut self, config: &Config, position: i32, home_switch: bool) -> i32 {
+        match self.supervisor.mode() {
+            Mode::Homing => self.seek(config, position, home_switch),
+            Mode::Armed => self.stand(config, position),
+            _ => 0,
+        }
+    }
+
+    /// An enabled drive whose valve is at its null.
+    fn stand(&mut self, config: &Config, position: i32) -> i32 {
+        self.supervisor.watch_null(&config.limits, position, self.spool_is_open(config));
+        0
+    }
+
+    fn demand_in_open_loop(&mut self, config: &Config, demand: i32, position: i32) -> i32 {
+        match self.supervisor.mode() {
+            Mode::Done => self.stand(config, position),
+            _ if self.supervisor.is_referenced() => config.limits.hold_back(demand, position),
             _ => demand,
         }
     }
 
+    /// At an exit (thesis 6.3.2) the valve of a closed loop stays as it is, and a stepper gets no pulse.
+    #[cold]
+    fn demand_at_exit(&self, config: &Config) -> i32 {
+        i32::from(match config.drive {
+            DriveConfig::Dac(_) => self.observation.command,
+            DriveConfig::Stepper { .. } => self.spool.counted().steps(),
+        })
+    }
+
     /// A sample of the homing run.
-    fn seek(&mut self, config: &Config, motion: &Motion, home_switch: bool) -> i32 {
-        match self.homing.advance(&config.homing, motion, home_switch) {
+    fn seek(&mut self, config: &Config, position: i32, home_switch: bool) -> i32 {
+        let from_null = i32::from(self.observation.command).abs_diff(i32::from(config.law.null_offset));
+        let effort = config.limits.no_motion.effort(from_null).unwrap_or(0);
+        if self.homing.pushed_for(&config.homing, position, effort) > config.limits.no_motion.most {
+            self.supervisor.trip(Fault::NoMotion);
+            return 0;
+        }
+        match self.homing.advance(&config.homing, position, home_switch) {
             Progress::Seeking(command) => return i32::from(command),
             Progress::Found => {
                 self.set_origin(config.homing.position);

@@ -5,8 +5,8 @@
 //! | a step of the encoder in one sample | [`Fault::EncoderStep`] |
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
 //! | a raw pressure near an end of its converter, for some samples | [`Fault::SensorRange`] |
-//! | in a run and behind its moves, a closed loop that opens the valve and does not move | [`Fault::NoMotion`] |
-//! | an armed drive that moves though its valve is at null | [`Fault::MotionAtNull`] |
+//! | a valve that is open and moves nothing: of a closed loop that runs or holds, and of a homing run that leaves its stop or looks for its switch | [`Fault::NoMotion`] |
+//! | an axis that moves though its valve is at null: armed, or behind the moves of an open loop | [`Fault::MotionAtNull`] |
 //!
 //! The last but one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
 //! stuck spool. What an open valve must move is the sum of its opening over the time:
@@ -27,6 +27,8 @@ use crate::standstill::Standstill;
 /// The limits of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
+    /// The largest command to either side: counts of a DAC, steps of a stepper.
+    pub largest_command: i16,
     /// Lowest position, counts: the retracted end less the margin.
     pub position_min: i32,
     /// Highest position, counts: the extended end plus the margin.
@@ -52,8 +54,11 @@ pub struct Limits {
     pub end_max: i32,
 }
 
-/// Over so many samples the motion of an armed drive is judged.
+/// Over so many samples motion at null is judged.
 pub const NULL_SAMPLES: u32 = 64;
+
+/// An axis that was driven may coast for so many samples before its motion at null is judged: 1 s at 1.3 ms.
+const COASTING_SAMPLES: i32 = 768;
 
 /// How long an open valve may move nothing: the more it is open, the shorter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +83,7 @@ impl NoMotion {
     }
 
     /// What a command so far from the null adds at a sample; None where the valve may be shut.
-    fn effort(&self, from_null: u32) -> Option<u32> {
+    pub(crate) fn effort(&self, from_null: u32) -> Option<u32> {
         (from_null > self.idle).then(|| from_null.min(self.full) - self.idle)
     }
 }
@@ -87,6 +92,14 @@ impl Limits {
     /// Whether a setpoint lies between the software end positions.
     pub(crate) fn allows(&self, setpoint: i32) -> bool {
         self.end_min <= setpoint && setpoint <= self.end_max
+    }
+
+    /// The demand within the range of the drive stage.
+    #[must_use]
+    pub fn command(&self, demand: i32) -> i16 {
+        let largest = i32::from(self.largest_command);
+        // Not clamp(): it panics for limits that have crossed, and this path must not.
+        demand.min(largest).max(-largest) as i16
     }
 
     /// The demand of an open loop, which goes no further than a software end position.
@@ -113,7 +126,7 @@ pub(crate) struct Evidence<'a> {
     pub input: &'a Sample,
     /// Whether counts mean positions.
     pub referenced: bool,
-    /// How far the command in force is from the null, if it is that of a closed loop which runs or holds; else 0.
+    /// How far the command in force is from the null, if it must move the axis; else 0.
     pub from_null: u32,
 }
 
@@ -122,9 +135,10 @@ pub(crate) struct Evidence<'a> {
 pub(crate) struct Watch {
     bad_sensor: u32,
     standstill: Standstill,
-    /// Where an armed drive was when the present [`NULL_SAMPLES`] began, and how many of them have passed.
+    /// Where an axis was when the present [`NULL_SAMPLES`] at null began, and how many of them have passed; negative
+    /// while it may coast.
     null_from: i32,
-    null_samples: u32,
+    null_samples: i32,
 }
 
 impl Watch {
@@ -153,12 +167,23 @@ impl Watch {
         self.bad_sensor >= limits.sensor_samples
     }
 
-    /// Whether an armed drive moves though its valve is at null. `open`: its spool is still on the way there.
+    /// That of an axis whose valve has just come to its null.
+    pub fn of_a_coasting_axis() -> Watch {
+        Watch { null_samples: -COASTING_SAMPLES, ..Watch::default() }
+    }
+
+    /// The axis may coast from here on.
+    pub fn coasts(&mut self) {
+        self.null_samples = -COASTING_SAMPLES;
+    }
+
+    /// Whether an axis moves though its valve is at null. `open`: the spool is still on the way there.
     pub fn runs_away(&mut self, limits: &Limits, position: i32, open: bool) -> bool {
-        if open || self.null_samples == 0 {
+        if open || self.null_samples <= 0 {
             self.null_from = position;
         }
-        self.null_samples = (self.null_samples + 1) % NULL_SAMPLES;
+        let next = self.null_samples.wrapping_add(1);
+        self.null_samples = if next == NULL_SAMPLES as i32 { 0 } else { next };
         position.abs_diff(self.null_from) > limits.null_motion
     }
 
@@ -177,6 +202,20 @@ impl Watch {
 mod tests {
     use super::*;
     use crate::Config;
+
+    #[test]
+    fn the_demand_is_limited_to_the_range_of_the_stage() {
+        let limits = Config::default().limits;
+        for (demand, counts) in
+            [(0, 0), (2047, 2047), (2048, 2048), (2049, 2048), (-2049, -2048), (i32::MIN, -2048)]
+        {
+            assert_eq!(limits.command(demand), counts);
+        }
+        let stepper = Limits { largest_command: 40, ..limits };
+        for (demand, steps) in [(0, 0), (40, 40), (41, 40), (-40, -40), (i32::MAX, 40), (i32::MIN, -40)] {
+            assert_eq!(stepper.command(demand), steps);
+        }
+    }
 
     #[test]
     fn either_pressure_beyond_either_end_of_its_converter_is_none() {

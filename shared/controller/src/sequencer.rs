@@ -11,6 +11,9 @@
 //!   or after `monitoring` samples on end inside it (exact stop);
 //! - or at the forced exit, arrived or not.
 //!
+//! At such an exit the thesis has the new position only, and no spool command: the valve of a closed loop stays as it is for
+//! a period.
+//!
 //! A sequence may repeat: its moves come again and again, a round after the other, until the run is over.
 //!
 //! Before the first move a closed loop holds the count of sample k = 0, and an open loop is at null.
@@ -131,6 +134,8 @@ pub struct MotionConfig {
     pub dwell: u32,
     /// A move ends after so many samples, arrived or not.
     pub forced_exit: u32,
+    /// A command is given at an exit, too: older firmware did so, and its records are replayed so.
+    pub commands_at_exit: bool,
 }
 
 /// How the move in force stands.
@@ -169,6 +174,8 @@ pub struct Sequencer {
     outside_at: u32,
     arrived_at: u32,
     ended: bool,
+    /// What `taken` was at the last exit.
+    exit_at: u32,
     /// Whether the first sample is to be held until the first move.
     holds_first: bool,
 }
@@ -247,10 +254,16 @@ impl Sequencer {
             self.arrival = Arrival::Arrived;
             self.arrived_at = self.taken;
         }
-        if config.on_arrival && self.is_through(config) {
+        if config.on_arrival && !self.ended && self.is_through(config) {
             self.ended = true;
+            self.exit_at = self.taken;
             self.close();
         }
+    }
+
+    /// Whether the sample of a run that was judged last is an exit, at which no command is given.
+    pub(crate) fn is_at_exit(&self, config: &MotionConfig) -> bool {
+        self.exit_at == self.taken && !config.commands_at_exit
     }
 
     /// Whether the move in force has rested for its dwell, or has taken too long.
@@ -313,8 +326,14 @@ mod tests {
     use core::num::NonZeroU32;
     use std::vec::Vec;
 
-    const TIMED: MotionConfig =
-        MotionConfig { on_arrival: false, tolerance: 2, monitoring: 0, dwell: 0, forced_exit: 100 };
+    const TIMED: MotionConfig = MotionConfig {
+        on_arrival: false,
+        tolerance: 2,
+        monitoring: 0,
+        dwell: 0,
+        forced_exit: 100,
+        commands_at_exit: false,
+    };
     const FAST: MotionConfig = MotionConfig { on_arrival: true, ..TIMED };
 
     /// Where the axis is.

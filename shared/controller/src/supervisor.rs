@@ -142,9 +142,10 @@ impl Supervisor {
     pub fn arm(&mut self) -> Result<(), Refusal> {
         match self.mode {
             Mode::Running | Mode::Homing => Err(Refusal::Running),
-            _ => {
+            before => {
                 self.mode = Mode::Armed;
-                self.watch = Watch::default();
+                self.watch =
+                    if before == Mode::Done { Watch::of_a_coasting_axis() } else { Watch::default() };
                 Ok(())
             }
         }
@@ -204,7 +205,7 @@ impl Supervisor {
     pub(crate) fn homed(&mut self) {
         self.mode = Mode::Armed;
         self.referenced = true;
-        self.watch = Watch::default();
+        self.watch = Watch::of_a_coasting_axis();
     }
 
     /// Disables the drive and latches the fault. The first fault stays.
@@ -218,6 +219,7 @@ impl Supervisor {
     pub(crate) fn finish(&mut self) {
         if self.mode == Mode::Running {
             self.mode = Mode::Done;
+            self.watch.coasts();
         }
     }
 
@@ -227,17 +229,23 @@ impl Supervisor {
             return;
         }
         if let Some(fault) = self.watch.judge(limits, seen) {
-            self.trip(fault);
-            // Nobody knows how many counts an encoder has lost or made up.
-            self.referenced &= fault != Fault::EncoderStep;
+            self.trip_beyond(fault);
         }
     }
 
-    /// Trips when an armed drive moves. `spool_is_open`: a stepper's spool is still on its way to the null.
+    #[cold]
+    #[inline(never)]
+    fn trip_beyond(&mut self, fault: Fault) {
+        self.trip(fault);
+        // Nobody knows how many counts an encoder has lost or made up.
+        self.referenced &= fault != Fault::EncoderStep;
+    }
+
+    /// Trips when a drive moves whose command is null. `spool_is_open`: a stepper's spool is still on its way to the null.
     #[cold]
     #[inline(never)]
     pub(crate) fn watch_null(&mut self, limits: &Limits, position: i32, spool_is_open: bool) {
-        if self.mode == Mode::Armed && self.watch.runs_away(limits, position, spool_is_open) {
+        if self.watch.runs_away(limits, position, spool_is_open) {
             self.trip(Fault::MotionAtNull);
         }
     }

@@ -222,7 +222,12 @@ fn a_homing_run_against_a_stop_gives_counts_their_meaning() {
         assert_eq!(bench.take(at(5000 - 50 * k)), -200, "sample {k}");
     }
     assert_eq!(bench.hold(at(3050), 9), -200);
-    assert_eq!(bench.take(at(3050)), 0, "the tenth sample without a step");
+    assert_eq!(bench.take(at(3050)), 200, "the tenth sample without a step: back off");
+    assert_eq!(bench.take(at(3449)), 200);
+    assert_eq!(bench.take(at(3450)), -200, "400 counts from it: once more");
+    assert_eq!(bench.hold(at(3050), 10), -200);
+    assert!(!bench.state.supervisor.is_referenced(), "until it has been found twice");
+    assert_eq!(bench.take(at(3050)), 0);
     assert_eq!(bench.mode(), Mode::Armed);
     assert!(bench.state.supervisor.is_referenced());
     bench.state.start(&bench.config, &bench.sequence).expect("referenced");
@@ -239,8 +244,7 @@ fn the_position_that_was_last_seen_counts_from_a_new_reference_at_once() {
     bench.state.reference(500);
     assert_eq!(bench.state.observation().position, 500);
     bench.state.home(&bench.config).expect("armed");
-    bench.take(at(12_300));
-    bench.take(Sample { home_switch: true, ..at(12_290) });
+    find_switch(&mut bench, 12_290);
     assert_eq!((bench.mode(), bench.state.observation().position), (Mode::Armed, 70));
 }
 
@@ -263,8 +267,7 @@ fn a_homing_run_is_refused_unless_armed_and_trips_when_it_finds_nothing() {
 fn a_homing_run_ends_at_the_edge_of_its_switch() {
     let mut bench = Bench::armed(&[(id::HOMING_SWITCH, 1)], FAR);
     bench.state.home(&bench.config).expect("armed");
-    assert_eq!(bench.take(at(900)), -200);
-    assert_eq!(bench.take(Sample { home_switch: true, ..at(890) }), 0);
+    find_switch(&mut bench, 890);
     assert_eq!(bench.mode(), Mode::Armed);
     bench.take(at(890));
     assert_eq!(bench.state.observation().position, 0);
@@ -285,6 +288,45 @@ fn setpoints_outside_the_stroke_are_refused_unless_the_end_positions_say_otherwi
     assert_eq!(started(&[(id::END_MIN_COUNTS, -200)], -1), Ok(()));
 }
 
+/// Two approaches to the edge of a switch at `edge`, and the way back between them.
+fn find_switch(bench: &mut Bench, edge: i32) {
+    let closed = Sample { home_switch: true, ..at(edge) };
+    assert_eq!(bench.take(at(edge + 10)), -200);
+    assert_eq!(bench.take(closed), 200);
+    assert_eq!(bench.take(at(edge + 400)), -200);
+    assert_eq!(bench.take(closed), 0);
+}
+
+/// It was found wherever the axis stood, and the drive went on with positions that meant nothing.
+#[test]
+fn a_homing_run_with_a_dead_encoder_trips() {
+    for switch in [0, 1] {
+        let changes = [(id::HOMING_STILL_MS, 13), (id::NO_MOTION_MS, 13), (id::HOMING_SWITCH, switch)];
+        let mut bench = Bench::armed(&changes, FAR);
+        bench.state.home(&bench.config).expect("armed");
+        // 9220 / 98 samples at 200 of 2048, behind the 10 that it may stand on the way to a stop.
+        bench.hold(at(100), if switch == 0 { 104 } else { 95 });
+        assert_eq!(bench.mode(), Mode::Homing);
+        assert_eq!(bench.take(at(100)), 0);
+        assert_eq!(bench.mode(), Mode::Fault(Fault::NoMotion), "switch: {switch}");
+        assert!(!bench.state.supervisor.is_referenced());
+    }
+}
+
+/// A disarmed axis is pushed by hand, and one that was driven coasts.
+#[test]
+fn an_open_loop_that_runs_away_behind_its_moves_trips_once_it_had_time_to_come_to_rest() {
+    let after = |counts_a_sample: i32| {
+        let mut bench = Bench::running_for(3, &[OPEN_LOOP], &[(0, 0)]);
+        (0..3000).find(|k| {
+            bench.take(at(12_000 + (counts_a_sample * k) % 10_000));
+            bench.mode() == Mode::Fault(Fault::MotionAtNull)
+        })
+    };
+    assert_eq!(after(3), None, "it creeps");
+    assert_eq!(after(10), Some(4 + 768 + 35), "1 s, and the 35 samples in which it goes 345 counts");
+}
+
 /// Counts mean nothing during a homing run, so its positions trip nothing; its steps do.
 #[test]
 fn a_homing_run_is_watched_by_what_needs_no_reference() {
@@ -297,6 +339,32 @@ fn a_homing_run_is_watched_by_what_needs_no_reference() {
 }
 
 const ON_ARRIVAL: (u16, i32) = (id::ON_ARRIVAL, 1);
+
+/// Thesis 6.3.2: at the second interrupt an exit brings the new position, "otherwise, the spool command is determined".
+#[test]
+fn at_an_exit_no_command_is_given() {
+    let mut bench = Bench::running(&[ON_ARRIVAL], &[(0, 100), (0, 200)]);
+    let before = bench.take(at(50));
+    assert_ne!(before, 0);
+    assert_eq!(bench.take(at(98)), before, "arrived: the valve stays where it is");
+    let after = bench.take(at(98));
+    assert!(after > before, "{after}: the next move");
+    let mut forced = Bench::running(&[ON_ARRIVAL, (id::FORCED_EXIT_US, 2600)], &[(0, 500), (0, 100)]);
+    assert_eq!(forced.take(at(100)), 400);
+    assert_eq!(forced.take(at(300)), 400, "the time of the move is over");
+    assert!(forced.take(at(300)) < 0, "back to 100");
+}
+
+#[test]
+fn at_an_exit_a_stepper_gets_no_pulse() {
+    let stepper = [ON_ARRIVAL, (id::STEPPER, 1), (id::SCALE, 1)];
+    let mut bench = Bench::running(&stepper, &[(0, 100), (0, 5000)]);
+    let mut steps = [0, 1, 2, 3].map(|_| bench.take_whole(at(50)).step);
+    assert_eq!(steps, [1; 4]);
+    steps = [98, 98, 98, 98].map(|position| bench.take_whole(at(position)).step);
+    assert_eq!(steps, [0, 1, 1, 1], "an exit, then the next move");
+    assert_eq!(bench.state.spool_location().steps(), 7);
+}
 
 #[test]
 fn moves_on_arrival_go_on_at_the_sample_after_the_arrival_and_end_the_run() {

@@ -82,6 +82,7 @@ keys! {
     HOMING: Homing = choice("controller.homing", "", "Where a homing run ends: against a stop, or at the edge of a switch.");
     HOMING_COMMAND_COUNTS: i64 = integer("controller.homing_command_counts", -200, -2048, 2048, "", "Valve command of the homing run, not 0; its sign is the direction. -200 for the DAC, -4 for the stepper.");
     HOMING_POSITION_COUNTS: i64 = integer("controller.homing_position_counts", 0, -COUNT, COUNT, "", "The position where the homing run ends.");
+    HOMING_BACK_OFF_COUNTS: i64 = integer("controller.homing_back_off_counts", 400, 1, COUNT, "", "A homing run goes so far back from where it has found its stop or switch, and must find it again at the same place.");
     HOMING_STILL_S: f64 = number("controller.homing_still_s", 0.5, 0.001, 3600.0, "", "Standing still for so long is being at the stop.");
     HOMING_TIMEOUT_S: f64 = number("controller.homing_timeout_s", 10.0, 0.001, 3600.0, "", "A longer homing run trips.");
     PRESSURE_FEEDBACK_GAIN: f64 = number("controller.pressure_feedback_gain", 12.4, 0.0, 1e6, "C(68)", "Burrows' k5: counts of error that a kPa of quasi-transient pressure difference subtracts in the on-off law; the thesis does not give its unit.");

@@ -132,6 +132,7 @@ impl Rig {
             (id::HOMING_SWITCH, i32::from(self.get(&key::HOMING) == Homing::Switch)),
             (id::HOMING_COMMAND_COUNTS, self.whole(&key::HOMING_COMMAND_COUNTS)),
             (id::HOMING_POSITION_COUNTS, self.whole(&key::HOMING_POSITION_COUNTS)),
+            (id::HOMING_BACK_OFF_COUNTS, self.whole(&key::HOMING_BACK_OFF_COUNTS)),
             (id::HOMING_STILL_MS, self.scaled(&key::HOMING_STILL_S, 1e3)),
             (id::HOMING_TIMEOUT_MS, self.scaled(&key::HOMING_TIMEOUT_S, 1e3)),
         ]

@@ -15,6 +15,8 @@ pub struct FakeBoard {
     pub position: i32,
     /// The rod stands still instead.
     pub stands: bool,
+    /// The rod goes where the valve drives it, down to a stop at this position.
+    pub stop: Option<i32>,
     pub driven: Vec<Command>,
     pub now_us: u64,
     pub host_clock_ms: Option<u64>,
@@ -35,7 +37,12 @@ impl Board for FakeBoard {
         "test"
     }
     fn read_sensors(&mut self, _: &Config) -> Sample {
-        self.position += if self.stands { 0 } else { 3 };
+        let driven = self.driven.last().map_or(0, |command| 50 * i32::from(command.counts.signum()));
+        self.position = match self.stop {
+            Some(stop) => (self.position + driven).max(stop),
+            None if self.stands => self.position,
+            None => self.position + 3,
+        };
         Sample { position: self.position, pressure_1: 100, pressure_2: 200, spool: 2000, home_switch: false }
     }
     fn drive(&mut self, _: &Config, command: Command) {

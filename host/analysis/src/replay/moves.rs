@@ -49,7 +49,7 @@ fn open_loop(config: &Config, recorded: &[RecordedSample], referenced: bool) -> 
     let mut target = 0;
     for (at_sample, seen) in (0..).zip(recorded) {
         let limited = if referenced { config.limits.hold_back(target, seen.position) } else { target };
-        if config.drive.limit(limited) != seen.command {
+        if config.limits.command(limited) != seen.command {
             target = i32::from(seen.command);
             moves.push(Move { at_sample, target });
         }

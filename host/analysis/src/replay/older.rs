@@ -1,20 +1,26 @@
 //! Rules of older firmware: its records are replayed by the rules with which they were made.
 //!
-//! A header names every parameter that its firmware had. One without `late_output_us` is older than these rules:
+//! A header names every parameter that its firmware had. What is missing tells which rules it is older than:
 //!
-//! | rule | older firmware |
-//! |---|---|
-//! | no motion ([`pneudrive_controller::limits`]) | noticed only while the command was more than half of the largest one, whatever the null offset |
-//! | end positions that the header does not name | none |
+//! | rule | older firmware | lacks |
+//! |---|---|---|
+//! | no motion ([`pneudrive_controller::limits`]) | noticed only while the command was more than half of the largest one, whatever the null offset | `late_output_us` |
+//! | exits ([`pneudrive_controller::sequencer`]) | a command was given at them, too | `homing_back_off_counts` |
+//! | end positions | none | the end position |
 
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Config, Parameters};
 use pneudrive_records::target::TargetFile;
 
-/// Whether the firmware that recorded a file is older than these rules.
-pub(super) fn is_older(file: &TargetFile) -> bool {
+/// Whether the firmware that recorded a file had the older watch for a valve that moves nothing.
+pub(super) fn has_older_watch(file: &TargetFile) -> bool {
     file.get("param.late_output_us").is_none()
+}
+
+/// Whether the firmware that recorded a file gave a command at an exit.
+pub(super) fn commands_at_exit(file: &TargetFile) -> bool {
+    file.get("param.homing_back_off_counts").is_none()
 }
 
 /// What a parameter is that the header does not name.

@@ -52,7 +52,16 @@ fn record_held(
     moves: &[(u32, i32)],
     positions: &[i32],
 ) -> Vec<RecordedSample> {
-    let config = Config::new(parameters).expect("they go together");
+    record_by(&Config::new(parameters).expect("they go together"), held_first, moves, positions)
+}
+
+/// The same by a controller of any configuration.
+fn record_by(
+    config: &Config,
+    held_first: Option<i32>,
+    moves: &[(u32, i32)],
+    positions: &[i32],
+) -> Vec<RecordedSample> {
     let mut sequence = Sequence::new(100_000);
     sequence.held_first = held_first;
     for &(at_sample, target) in moves {
@@ -61,12 +70,12 @@ fn record_held(
     let mut state = State::default();
     state.supervisor.set_referenced();
     state.supervisor.arm().expect("a new drive does not run");
-    state.start(&config, &sequence).expect("armed");
+    state.start(config, &sequence).expect("armed");
     let stored = positions.iter().map(|&position| {
         let input = Sample { position, pressure_1: 2000, pressure_2: 1900, spool: 7, home_switch: false };
-        sample(&config, &sequence, &mut state, &input);
+        sample(config, &sequence, &mut state, &input);
         let seen = *state.observation();
-        let _ = output(&config, &mut state);
+        let _ = output(config, &mut state);
         seen
     });
     let stored = stored.take_while(|seen| seen.running);
@@ -200,6 +209,19 @@ fn moves_that_wait_for_arrival_come_at_the_same_samples_and_teach_the_same_null(
 }
 
 #[test]
+fn a_record_with_a_command_at_its_exit_replays_if_its_firmware_gave_one() {
+    let values = parameters(&[(id::ON_ARRIVAL, 1), (id::TOLERANCE_COUNTS, 30)]);
+    let mut config = Config::new(&values).expect("they go together");
+    config.motion.commands_at_exit = true;
+    let samples = record_by(&config, None, &[(0, 8300), (0, 8900)], &walk());
+    assert_ne!(samples, record(&values, &[(0, 8300), (0, 8900)], &walk()));
+    let mut file = file(&values, 0, samples);
+    assert!(replay(&file).expect("whole").first.is_some(), "that of today gives none");
+    file.header.retain(|(key, _)| key != "param.homing_back_off_counts");
+    assert_eq!(replay(&file).expect("whole").first, None);
+}
+
+#[test]
 fn a_move_that_comes_to_its_setpoint_after_the_forced_exit_teaches_nothing() {
     let values = parameters(&[
         (id::ON_ARRIVAL, 1),
@@ -243,8 +265,15 @@ fn a_run_that_begins_with_the_setpoint_zero_learns_as_it_did() {
 fn the_end_of_the_last_move_is_not_the_end_of_the_replay() {
     let values = parameters(&[(id::ON_ARRIVAL, 1)]);
     let hidden = [(0, 9000), (0, 9000), (0, 9000)];
-    let positions = [8600, 9000, 9000];
-    assert_eq!(replayed(&values, &hidden, &positions).equal_samples(), 3);
+    assert_eq!(replayed(&values, &hidden, &[8600, 9000, 8900]).equal_samples(), 3);
+}
+
+/// Nothing in the file says that there was such a move: the command that stays at its exit differs.
+#[test]
+fn a_move_to_the_setpoint_that_holds_differs_where_it_ends_at_once() {
+    let values = parameters(&[(id::ON_ARRIVAL, 1)]);
+    let replay = replayed(&values, &[(0, 9000), (0, 9000), (0, 9000)], &[8600, 9000, 9000]);
+    assert_eq!(replay.first.map(|first| (first.index, first.what)), Some((2, What::Command)));
 }
 
 #[test]

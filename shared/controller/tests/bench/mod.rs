@@ -2,7 +2,9 @@
 #![allow(dead_code)] // Each test file uses a part.
 
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Config, Mode, Move, Parameters, Sample, Sequence, State, output, sample};
+use pneudrive_controller::{
+    Command, Config, Mode, Move, Parameters, Sample, Sequence, State, output, sample,
+};
 
 /// A run of six samples toward one target.
 pub fn one_move(target: i32) -> Sequence {
@@ -84,10 +86,15 @@ impl Bench {
         bench
     }
 
+    /// One sample and its output.
+    pub fn take_whole(&mut self, input: Sample) -> Command {
+        sample(&self.config, &self.sequence, &mut self.state, &input);
+        output(&self.config, &mut self.state)
+    }
+
     /// One sample and its output: the command.
     pub fn take(&mut self, input: Sample) -> i16 {
-        sample(&self.config, &self.sequence, &mut self.state, &input);
-        output(&self.config, &mut self.state).counts
+        self.take_whole(input).counts
     }
 
     /// Many samples of the same input: the last command.

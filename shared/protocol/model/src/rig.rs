@@ -106,7 +106,10 @@ impl Store for Kept {
 /// A raw pressure that a sound sensor reads.
 const SOUND: i16 = 1000;
 
-/// A board whose rod stands. Its pressures tell the run and the sample apart, so no two records are the same.
+/// As far as a homing run backs off from its stop, counts: the default of the parameters.
+const BACK_OFF: i32 = 400;
+
+/// A board whose rod stands at its stop, or off it while the valve extends it. Its pressures tell the run and the sample apart, so no two records are the same.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bench {
     /// What is kept through a reset.
@@ -116,6 +119,7 @@ pub struct Bench {
     /// Runs begun, also those before a reset.
     runs: i16,
     sampled: i16,
+    extends: bool,
 }
 
 impl Board for Bench {
@@ -136,7 +140,7 @@ impl Board for Bench {
     fn read_sensors(&mut self, _: &Config) -> Sample {
         self.sampled += 1;
         Sample {
-            position: 100,
+            position: if self.extends { 100 + BACK_OFF } else { 100 },
             pressure_1: SOUND + self.runs,
             pressure_2: SOUND + self.sampled,
             spool: 7,
@@ -144,7 +148,9 @@ impl Board for Bench {
         }
     }
 
-    fn drive(&mut self, _: &Config, _: Command) {}
+    fn drive(&mut self, _: &Config, command: Command) {
+        self.extends = command.counts > 0;
+    }
 
     fn now_us(&self) -> u64 {
         self.now_us
@@ -201,7 +207,7 @@ impl Rig {
     #[must_use]
     pub fn new(mutant: Option<Mutant>) -> Rig {
         let kept = Kept::new(Flash::default(), mutant);
-        let board = Bench { kept, now_us: 0, host_clock_ms: 0, runs: 0, sampled: 0 };
+        let board = Bench { kept, now_us: 0, host_clock_ms: 0, runs: 0, sampled: 0, extends: false };
         let saved = pair(&Parameters::default());
         let rig = Rig { control: Control::default(), board, armed_by: None, runs: Arc::default(), saved };
         rig.reset()
@@ -212,7 +218,7 @@ impl Rig {
     pub fn reset(&self) -> Rig {
         let Kept { flash, boot, .. } = &self.board.kept;
         let kept = Kept { flash: flash.powered(), boot: boot + 1, ..self.board.kept.clone() };
-        let mut board = Bench { kept, now_us: 0, host_clock_ms: 0, ..self.board.clone() };
+        let mut board = Bench { kept, now_us: 0, host_clock_ms: 0, extends: false, ..self.board.clone() };
         let mut control = Control::with_recorder(Shared::default());
         control.take_up(&mut board);
         control.set_referenced().expect("disarmed after a reset");
