@@ -80,18 +80,59 @@ pub fn a_fault_after_the_moves(start: Start) {
     let target = start(&rig);
     let mut client = target.connect().expect("a rig that answers");
     start_run(&mut client, &rig);
-    // Done may be over before anybody has asked.
-    let mut status = client.status().expect("an answer");
-    let begun = Instant::now();
-    while status.mode != Mode::Fault && begun.elapsed() < Duration::from_secs(20) {
-        std::thread::sleep(Duration::from_millis(20));
-        status = client.status().expect("an answer");
-    }
-    let tripped = (status.mode, status.fault);
-    assert_eq!(tripped, (Mode::Fault, Fault::EncoderStep.code()), "{}", target.name());
+    assert_eq!(fault_after_the_moves(&mut client), Some(Fault::EncoderStep.code()), "{}", target.name());
     let record = client.record(|_, _| {}).expect("a record");
     let simulated = pneudrive_sim::run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
     assert_is_the_simulation(target.name(), &record, &simulated);
+}
+
+/// A valve off its null behind the moves of an open loop: the axis goes on by itself until the drive trips.
+///
+/// # Panics
+/// When it does not trip, or by another fault.
+pub fn an_open_loop_that_runs_away(start: Start) {
+    let settings = [
+        "controller.loop=open",
+        "test.moves=[[0.0, 0]]",
+        "test.duration_s=0.1",
+        "test.position_m=0.28",
+        "valve.null_offset_mm=0.1",
+    ];
+    let rig = rig("servo-b-tuned", &settings);
+    let target = start(&rig);
+    let mut client = target.connect().expect("a rig that answers");
+    start_run(&mut client, &rig);
+    assert_eq!(fault_after_the_moves(&mut client), Some(Fault::MotionAtNull.code()), "{}", target.name());
+}
+
+/// The code of the fault that a drive trips with in 20 s after the moves of its run.
+fn fault_after_the_moves(client: &mut Client) -> Option<u8> {
+    let begun = Instant::now();
+    // Done may be over before anybody has asked.
+    while begun.elapsed() < Duration::from_secs(20) {
+        let status = client.status().expect("an answer");
+        if status.mode == Mode::Fault {
+            return Some(status.fault);
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    None
+}
+
+/// The largest commands of a DAC to both sides are in force and recorded as such: +2048 counts and -2048.
+///
+/// # Panics
+/// When the record is not the simulation, or one of them is missing.
+pub fn the_largest_commands_of_the_dac(start: Start) {
+    let moves = "test.moves=[[0.0, 2048], [0.2, -2048], [0.4, 3000]]";
+    let rig = rig("servo-b", &["controller.loop=open", moves, "test.duration_s=0.6"]);
+    let target = start(&rig);
+    let simulated = pneudrive_sim::run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
+    let record = run_and_record(&*target, &rig);
+    assert_is_the_simulation(target.name(), &record, &simulated);
+    for (k, command) in [(0, 2048), (200, -2048), (400, 2048)] {
+        assert_eq!(record.samples[k].command, command, "{}: sample {k}", target.name());
+    }
 }
 
 /// Commands to the servo-drives in open loop, to where the limit of the drive stage is met.

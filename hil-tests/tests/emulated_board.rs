@@ -63,6 +63,16 @@ fn a_fault_after_the_moves_of_a_run_trips_the_drive_that_holds() {
 }
 
 #[test]
+fn an_open_loop_that_runs_away_trips() {
+    body::an_open_loop_that_runs_away(emulated_board);
+}
+
+#[test]
+fn the_largest_commands_of_the_dac_are_recorded_as_such() {
+    body::the_largest_commands_of_the_dac(emulated_board);
+}
+
+#[test]
 fn the_record_of_an_emulated_stepper_drive_is_the_simulation() {
     body::stepper(emulated_board);
 }
@@ -105,6 +115,11 @@ fn faults_of_the_plant_trip_the_emulated_board_by_name() {
 #[test]
 fn a_homing_run_of_the_emulated_board_finds_the_stop() {
     body::axis::homing_finds_the_stop(emulated_board);
+}
+
+#[test]
+fn a_dead_encoder_is_not_homed() {
+    body::axis::a_dead_encoder_is_not_homed(emulated_board);
 }
 
 #[test]

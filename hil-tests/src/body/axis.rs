@@ -64,6 +64,24 @@ pub fn homing_finds_the_stop(start: Start) {
     assert!((status.position - 100).abs() <= 60, "{}: {}", target.name(), status.position);
 }
 
+/// An encoder that counts nothing stands still everywhere, which was taken for a stop.
+///
+/// # Panics
+/// When the axis is homed, or nothing trips.
+pub fn a_dead_encoder_is_not_homed(start: Start) {
+    let event = "faults.event=[{kind = \"encoder-loss\", at_s = 0.0}]";
+    let target = start(&rig("servo-b-tuned", &[event]));
+    let mut client = target.connect().expect("a rig that answers");
+    client.arm().expect("disarmed");
+    client.home().expect("armed");
+    while client.motion().expect("an answer").homing {
+        std::thread::yield_now();
+    }
+    let status = client.status().expect("an answer");
+    let found = (status.mode, status.fault, status.referenced);
+    assert_eq!(found, (Mode::Fault, Fault::NoMotion.code(), false), "{}", target.name());
+}
+
 /// Targets that wait for the arrival at the one before: the record is the simulation, and the moves are
 /// counted.
 ///

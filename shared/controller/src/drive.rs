@@ -1,7 +1,8 @@
 //! The drive stages: what becomes of a command at the output instant.
 //!
 //! - **DAC** (solenoid valve, thesis 6.3.2.2): the command in counts of a 12-bit converter. The board
-//!   writes `clamp(null_code + polarity * counts, 0, 4095)`; only the board forms that code.
+//!   writes `clamp(null_code + polarity * counts, 0, 4095)`; only the board forms that code. At a null code of
+//!   2048 the command +2048 has no code of its own: it gets that of +2047.
 //! - **Stepper** (thesis 6.3.2.1): the command is a spool location in steps. One pulse a sample goes
 //!   toward it, and the location is kept in SPLLOC, since nothing measures it.
 
@@ -107,7 +108,8 @@ mod tests {
         let inverted = DacConfig { inverted: true, ..DAC };
         assert_eq!((DAC.code(0), inverted.code(0)), (2048, 2048));
         assert_eq!((DAC.code(100), inverted.code(100)), (2148, 1948));
-        assert_eq!((DAC.code(2048), DAC.code(-2048)), (4095, 0));
+        assert_eq!([2046, 2047, 2048].map(|counts| DAC.code(counts)), [4094, 4095, 4095], "one code for two");
+        assert_eq!([-2046, -2047, -2048].map(|counts| DAC.code(counts)), [2, 1, 0]);
         assert_eq!((inverted.code(i16::MIN), inverted.code(i16::MAX)), (4095, 0));
     }
 
