@@ -269,6 +269,12 @@ impl Board {
         if self.ports[port].is_analogue(pin) { self.bench.volts()[sensor] } else { 0.0 }
     }
 
+    /// What stands at the pin of the DAC, V.
+    #[must_use]
+    pub fn dac_volts(&self) -> f64 {
+        self.dac.volts()
+    }
+
     /// Whether `drive_enable` is high. Its resistor holds it low while the program does not drive it.
     #[must_use]
     pub fn enabled(&self) -> bool {
@@ -313,11 +319,12 @@ impl Board {
         self.now = self.now.max(next);
     }
 
-    /// The host says a byte.
-    pub fn hear(&mut self, byte: u8, noisy: bool) {
-        self.usart.hear(if noisy { byte ^ 0x10 } else { byte }, noisy, self.now);
-        self.tap.request(byte);
+    /// The host says a byte; whether a whole request has come with it.
+    pub fn hear(&mut self, byte: u8, noisy: bool) -> bool {
+        let byte = if noisy { byte ^ 0x10 } else { byte };
+        self.usart.hear(byte, noisy, self.now);
         self.idle.something_happens();
+        self.tap.request(byte)
     }
 
     /// The 8 MHz of the ST-LINK fail.

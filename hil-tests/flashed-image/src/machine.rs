@@ -38,7 +38,7 @@ pub struct Machine {
     line: Line,
     /// The power is there.
     powered: bool,
-    /// When the host last said something, by both clocks.
+    /// When the last whole request of the host came, by both clocks: one that noise has hit ends no silence.
     heard: (Ticks, Instant),
     /// Every byte of the host whose number is a multiple of this is hit by noise; None: none.
     noise: Option<u64>,
@@ -148,6 +148,10 @@ impl Machine {
         }
         self.inject();
         self.listen();
+        if let Some(rest) = self.rest() {
+            sleep(rest);
+            return Ok(());
+        }
         let until = self.board().now + TURN;
         let (begun, sampled) = (processor_time(), self.board().bench.sampled);
         let outcome = self.processor.run(until);
@@ -159,7 +163,7 @@ impl Machine {
         let unread = std::mem::take(&mut self.board().unread);
         self.line.say(&unread);
         match outcome {
-            Ok(()) => self.keep_pace(),
+            Ok(()) => {}
             Err(Stop::Reset(cause)) => self.processor.restart(cause)?,
             Err(Stop::Dark) => {
                 self.powered = false;
@@ -176,23 +180,26 @@ impl Machine {
             bytes.clear();
         }
         let mut board = self.processor.board();
-        if !bytes.is_empty() {
-            self.heard = (board.now, Instant::now());
-        }
         for byte in bytes {
             self.bytes += 1;
-            board.hear(byte, self.noise.is_some_and(|every| self.bytes.is_multiple_of(every)));
+            if board.hear(byte, self.noise.is_some_and(|every| self.bytes.is_multiple_of(every))) {
+                self.heard = (board.now, Instant::now());
+            }
         }
     }
 
-    /// A run goes as fast as it can, but not so far ahead of the host that its silence would trip the drive; a board
-    /// that does not move keeps the time of the wall.
-    fn keep_pace(&self) {
+    /// How long the board waits for the host before it goes on; None: not at all. A run goes as fast as it can, but not
+    /// so far ahead of the host that its silence would trip the drive; a board that does not move keeps the time of the
+    /// wall.
+    fn rest(&self) -> Option<Duration> {
         let (since, then) = self.heard;
         let board = self.board();
         let (ahead, slower) = if board.bench.lives() { (AHEAD, SLOWER) } else { (TURN, 1) };
         let board_time = Duration::from_micros((board.now - since).saturating_sub(ahead) / MICROSECOND);
-        sleep((slower * board_time).saturating_sub(then.elapsed()).min(REST));
+        (slower * board_time)
+            .checked_sub(then.elapsed())
+            .filter(|rest| !rest.is_zero())
+            .map(|rest| rest.min(REST))
     }
 }
 

@@ -35,20 +35,21 @@ pub struct Tap {
 }
 
 impl Tap {
-    /// A byte of the host.
-    pub fn request(&mut self, byte: u8) {
-        let Some(Ok(message)) = self.requests.push(byte) else { return };
-        let Ok(meant) = InBoot::decode(message) else { return };
+    /// A byte of the host, as the board hears it; whether a whole request has come with it.
+    pub fn request(&mut self, byte: u8) -> bool {
+        let Some(Ok(message)) = self.requests.push(byte) else { return false };
+        let Ok(meant) = InBoot::decode(message) else { return false };
         let what = match meant.asked.request.body {
             RequestBody::Start | RequestBody::StartTest { .. } => Begun::Run,
             RequestBody::Home => Begun::Homing,
-            _ => return,
+            _ => return true,
         };
         let (crc32, sequence) = (frame::crc32(message), meant.asked.request.sequence);
         if !self.granted.contains(&crc32) {
             self.asked.push(Asked { crc32, sequence, what });
             self.asked.drain(..self.asked.len().saturating_sub(REMEMBERED));
         }
+        true
     }
 
     /// What the board sends; what has begun with it.
@@ -64,6 +65,8 @@ impl Tap {
         if reply.body != ReplyBody::Done {
             return None;
         }
+        // A copy that was on its way already is carried out no more than one that comes later.
+        self.asked.retain(|asked| asked.crc32 != crc32);
         self.granted.push(crc32);
         self.granted.drain(..self.granted.len().saturating_sub(REMEMBERED));
         Some(what)
@@ -78,7 +81,8 @@ mod tests {
     fn request(tap: &mut Tap, sequence: u16, body: RequestBody<'_>) {
         let (mut bytes, request) = ([0; MAX_FRAME], Request { sequence, body });
         let framed = encode(&InSession { request, session: 5 }, &mut bytes).expect("room");
-        framed.iter().for_each(|&byte| tap.request(byte));
+        let whole = framed.iter().filter(|&&byte| tap.request(byte)).count();
+        assert_eq!(whole, 1, "at its last byte");
     }
 
     fn reply(tap: &mut Tap, sequence: u16, body: ReplyBody<'_>) -> Option<Begun> {
@@ -94,6 +98,25 @@ mod tests {
         assert_eq!(reply(&mut tap, 7, ReplyBody::Done), Some(Begun::Run));
         request(&mut tap, 7, RequestBody::Start);
         assert_eq!(reply(&mut tap, 7, ReplyBody::Done), None, "a repetition");
+    }
+
+    #[test]
+    fn a_request_that_was_repeated_before_its_reply_begins_one_run() {
+        let mut tap = Tap::default();
+        request(&mut tap, 7, RequestBody::Start);
+        request(&mut tap, 7, RequestBody::Start);
+        assert_eq!(reply(&mut tap, 7, ReplyBody::Done), Some(Begun::Run));
+        assert_eq!(reply(&mut tap, 7, ReplyBody::Done), None, "the reply to the copy");
+    }
+
+    #[test]
+    fn a_request_that_noise_has_hit_is_none() {
+        let (mut tap, mut bytes) = (Tap::default(), [0; MAX_FRAME]);
+        let request = Request { sequence: 7, body: RequestBody::Start };
+        let mut framed = encode(&InSession { request, session: 5 }, &mut bytes).expect("room").to_vec();
+        framed[2] ^= 0x10;
+        assert!(!framed.iter().any(|&byte| tap.request(byte)));
+        assert_eq!(reply(&mut tap, 7, ReplyBody::Done), None);
     }
 
     #[test]
