@@ -109,6 +109,8 @@ impl Flash {
             CR if self.words.bit(CR, LOCK) => {}
             CR => {
                 let value = self.words.keep(write);
+                // An operation that is too short to be cut where it was meant is cut at its end.
+                self.dark |= value >> LOCK & 1 == 1 && self.is_cut().is_some();
                 if value >> STRT & 1 == 1 {
                     self.words.put(CR, STRT, false);
                     return self.erase(self.words.field(CR, 3, 4) as usize);
@@ -218,5 +220,19 @@ mod tests {
         (0..16).for_each(|k| assert_eq!(flash.program(0x4000 + k, 1, 0), 16 * MICROSECOND));
         assert!(flash.dark);
         assert_eq!((flash.load(0x4008, 1), flash.load(0x4009, 1)), (0, 0xff));
+    }
+
+    #[test]
+    fn a_power_cut_comes_at_the_end_of_a_short_operation() {
+        let mut flash = unlocked();
+        flash.cut_power(Cut { operation: 1, percent: 50 });
+        flash.write(Write::of(CR, 4, 1 << LOCK));
+        KEYS.into_iter().for_each(|key| assert_eq!(flash.write(Write::of(KEYR, 4, key.into())), 0));
+        flash.write(Write::of(CR, 4, 1 << PG));
+        flash.program(0x4000, 2, 0);
+        assert!(!flash.dark);
+        flash.write(Write::of(CR, 4, 1 << LOCK));
+        assert!(flash.dark);
+        assert_eq!((flash.load(0x4000, 2), flash.load(0x4002, 1)), (0, 0xff));
     }
 }
