@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
 use anyhow::{Context, Result, anyhow};
+use pneudrive_controller::parameters::id;
 use pneudrive_hil_tests::{Supplied, Target};
 use pneudrive_link::client::Client;
 use pneudrive_nucleo_plan::flash::layout;
@@ -32,7 +33,7 @@ pub struct FlashedTarget {
 
 impl FlashedTarget {
     /// A board whose plant has the true parameters of a rig, put into service as a new board is: the parameters of
-    /// the rig downloaded, the axis referenced where it stands.
+    /// the rig downloaded, the axis referenced where it stands, a stepper's spool stated to be at its null.
     ///
     /// # Errors
     /// When the image cannot be built, or does not answer.
@@ -47,8 +48,12 @@ impl FlashedTarget {
     pub fn start_image(rig: &Rig, corner: Corner, image: &Path) -> Result<FlashedTarget> {
         let target = FlashedTarget::switched_on(rig, corner, image)?;
         let mut client = target.connect()?;
-        client.import_parameters(&rig.parameters())?;
+        let parameters = rig.parameters();
+        client.import_parameters(&parameters)?;
         client.reference(target.beginning)?;
+        if parameters.get(id::STEPPER) == Some(1) {
+            client.at_null()?;
+        }
         Ok(target)
     }
 

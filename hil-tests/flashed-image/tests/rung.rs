@@ -1,6 +1,8 @@
 //! The headline on the image that is flashed: its records are the simulation in every integer, whether an instruction
 //! takes one cycle or two. What becomes of it at six: `deadlines.rs`.
 
+use pneudrive_flashed_image::machine::Machine;
+use pneudrive_flashed_image::peripheral::dac::{CODES, REFERENCE_V};
 use pneudrive_flashed_image::target::{FlashedTarget, NUCLEO};
 use pneudrive_flashed_image::time::{Corner, FAST, LAID_OUT_FOR};
 use pneudrive_hil_tests::body::soak;
@@ -72,6 +74,16 @@ fn a_fault_after_the_moves_of_a_run_trips_the_drive_that_holds() {
 }
 
 #[test]
+fn an_open_loop_that_runs_away_trips() {
+    body::an_open_loop_that_runs_away(slow);
+}
+
+#[test]
+fn the_largest_commands_of_the_dac_are_recorded_as_such() {
+    body::the_largest_commands_of_the_dac(slow);
+}
+
+#[test]
 fn the_record_of_a_stepper_drive_is_the_simulation() {
     body::stepper(fast);
     body::stepper(slow);
@@ -118,6 +130,11 @@ fn a_homing_run_of_the_flashed_image_finds_the_stop() {
 }
 
 #[test]
+fn a_dead_encoder_is_not_homed() {
+    body::axis::a_dead_encoder_is_not_homed(slow);
+}
+
+#[test]
 fn moves_of_the_flashed_image_wait_for_the_arrival() {
     body::axis::moves_on_arrival(slow);
 }
@@ -153,6 +170,23 @@ fn a_changed_rounding_in_the_flashed_image_is_seen() {
     let (rig, image) = (rounding::rig(), rounding::changed(NUCLEO).expect("an image"));
     let target = FlashedTarget::start_image(&rig, FAST, &image).expect("a board");
     println!("{}", rounding::failure(&target, &rig).expect("it is seen"));
+}
+
+/// The voltage at the pin for the commands at both ends: the converter has no code for +2048 counts and gives that of +2047.
+#[test]
+fn the_largest_command_is_the_largest_code_and_no_more() {
+    for (command, code) in [(2046, 4094), (2047, 4095), (2048, 4095), (-2047, 1), (-2048, 0)] {
+        let moves = format!("test.moves=[[0.0, {command}]]");
+        let rig = body::rig("servo-b", &["controller.loop=open", &moves, "test.duration_s=0.1"]);
+        let target = started(&rig, FAST);
+        let (tell, told) = std::sync::mpsc::channel();
+        let look =
+            move |machine: &mut Machine| tell.send(machine.board().dac_volts()).expect("a test that waits");
+        target.with(move |machine| machine.inject_at(10, Box::new(look))).expect("a board that runs");
+        let _ = body::run_and_record(&target, &rig);
+        let volts = told.recv().expect("a run of ten samples");
+        assert_eq!((volts / REFERENCE_V * CODES).round(), f64::from(code), "{command} counts: {volts} V");
+    }
 }
 
 /// The converter has 4096 codes and ends at +2047 counts, where the simulation goes to +2048: at the pin the two are one.
