@@ -16,6 +16,10 @@ pub const TOOLS: [&Tool; 2] = [&CMAKE, &CLANG];
 const SHORT: [&str; 6] =
     ["test", "--test", "rung", "--", "a_short_run_of_the_flashed_image_is_the_simulation", "--nocapture"];
 
+/// One rounding changed in the image.
+const CHANGED_ROUNDING: [&str; 6] =
+    ["test", "--test", "rung", "--", "a_changed_rounding_in_the_flashed_image_is_seen", "--nocapture"];
+
 /// Every body, at one thread: a body's board and its plant take two.
 const ALL: [&str; 5] = ["test", "--no-fail-fast", "--", "--nocapture", "--test-threads=1"];
 
@@ -39,6 +43,14 @@ pub fn cargo(arguments: &[&str]) -> Result<Command> {
 /// As [`cargo`].
 pub fn short() -> Result<Command> {
     cargo(&SHORT)
+}
+
+/// A run whose comparison fails, as one rounding is changed in the image.
+///
+/// # Errors
+/// As [`cargo`].
+pub fn changed_rounding() -> Result<Command> {
+    cargo(&CHANGED_ROUNDING)
 }
 
 /// Every body, deadlines and hazards; `write` has the table of docs/hazards.md written anew.

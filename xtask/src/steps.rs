@@ -233,6 +233,8 @@ pub fn soak(tally: &mut Tally, seconds: u32) {
 pub fn prove_rounding(tally: &mut Tally) {
     tally.check("emulator", || QEMU.ensure());
     tally.check("a changed rounding makes the test fail", || example("prove_rounding", &[]));
+    ensure_flashed(tally);
+    tests_by(tally, "a changed rounding in the flashed image", flashed::changed_rounding);
 }
 
 /// Results that have changed become the golden ones.
