@@ -1,19 +1,25 @@
 //! The Python package `pneudrive`: its compiled part, `pneudrive._pneudrive`.
 
+mod bench;
 mod channels;
 mod controller;
+mod drive;
 mod errors;
+mod evaluate;
 mod identify;
 mod moves;
 mod notes;
+mod overlay;
 mod progress;
 mod rig;
 mod run;
+mod source;
 mod sweep;
 mod target;
 mod transient;
 mod tune;
 mod values;
+mod virtual_rig;
 mod work;
 
 use pyo3::prelude::*;
@@ -25,9 +31,15 @@ mod _pneudrive {
     #[pymodule_export]
     use super::controller::{Command, Controller, Plant, Sample};
     #[pymodule_export]
+    use super::drive::Drive;
+    #[pymodule_export]
+    use super::evaluate::evaluate;
+    #[pymodule_export]
     use super::identify::{Estimate, Identification, identify};
     #[pymodule_export]
-    use super::moves::{Evaluation, Figure, Move, evaluate};
+    use super::moves::{Evaluation, Figure, Move};
+    #[pymodule_export]
+    use super::overlay::{Deviation, Overlay, overlay};
     #[pymodule_export]
     use super::rig::{Rig, builtin_rigs, explain, keys};
     #[pymodule_export]
@@ -37,9 +49,15 @@ mod _pneudrive {
     #[pymodule_export]
     use super::target::Target;
     #[pymodule_export]
-    use super::transient::{Deviation, Overlay, Transient, overlay};
+    use super::transient::Transient;
     #[pymodule_export]
     use super::tune::{Share, Tuned, tune};
+
+    #[pymodule_export]
+    use super::virtual_rig::VirtualRig;
+
+    #[pymodule_export]
+    use super::work::_panic;
 
     #[pymodule_init]
     fn init() {

@@ -13,7 +13,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString, PyTuple};
 
 use crate::errors::{OrRaise, PneudriveError, of_problems};
-use crate::run::{self, Plan, Run};
 use crate::{values, work};
 
 /// What messages call values that were given in Python.
@@ -93,6 +92,9 @@ impl Rig {
         with_settings(&text, &self.settings, "set in Python")
     }
 }
+
+/// Kind of source of a value, the ends between which it lies, and what the file says of it.
+type Origin = (&'static str, Option<(f64, f64)>, String);
 
 /// What to say of a key that there is not.
 fn unknown(path: &str) -> String {
@@ -209,7 +211,7 @@ impl Rig {
 
     /// Where a value comes from: the kind of source, the ends between which it lies (None if the file does not say),
     /// and what the file says of it.
-    fn origin(&self, path: &str) -> PyResult<(&'static str, Option<(f64, f64)>, String)> {
+    fn origin(&self, path: &str) -> PyResult<Origin> {
         let key = find_key(path).ok_or_else(|| PyKeyError::new_err(unknown(path)))?;
         let origin = self.rig.origin(key);
         Ok((origin.source.word(), origin.range.map(|[low, high]| (low, high)), origin.from))
@@ -221,26 +223,6 @@ impl Rig {
         let drawn =
             self.rig.spread(fraction, seed).map_err(|error| PneudriveError::new_err(error.to_string()))?;
         self.with_values(&drawn)
-    }
-
-    /// Runs the test. `ensemble` counts the run and its neighbours, whose mass and starting position differ by next to
-    /// nothing; figures are ranges over them. `decide` asks whether the integration error could change an encoder
-    /// count. `columns` adds columns of the air inside the valve. The interpreter's lock is released.
-    #[pyo3(signature = (*, ensemble=8, decide=true, columns=Vec::new(), tolerance=None, method=None, progress=None))]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
-    fn simulate(
-        &self,
-        py: Python<'_>,
-        ensemble: usize,
-        decide: bool,
-        columns: Vec<String>,
-        tolerance: Option<f64>,
-        method: Option<&str>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Py<Run>> {
-        let accuracy = self.accuracy(tolerance, method)?;
-        let plan = Plan::new(accuracy, ensemble, decide, &columns)?;
-        run::simulate(py, self, plan, progress)
     }
 
     /// The rig file.

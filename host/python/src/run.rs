@@ -73,7 +73,7 @@ impl Run {
 }
 
 /// How a run is to be simulated.
-pub struct Plan {
+struct Plan {
     accuracy: Accuracy,
     spacing: Spacing,
     decide: bool,
@@ -85,7 +85,7 @@ impl Plan {
     ///
     /// # Errors
     /// `ValueError` of a number or a column that there is not.
-    pub fn new(accuracy: Accuracy, ensemble: usize, decide: bool, columns: &[String]) -> PyResult<Plan> {
+    fn new(accuracy: Accuracy, ensemble: usize, decide: bool, columns: &[String]) -> PyResult<Plan> {
         if !(1..=1000).contains(&ensemble) {
             return Err(PyValueError::new_err(format!(
                 "ensemble must be between 1 and 1000 runs, is {ensemble}"
@@ -104,30 +104,31 @@ impl Plan {
     }
 }
 
-/// The run, and what was measured of it and its neighbours, if that was asked for.
-fn simulated(
+/// The run alone.
+fn alone(rig: &pneudrive_sim::Rig, plan: Plan, tell: &mut dyn FnMut(u64, u64)) -> Result<Judged> {
+    let Plan { accuracy, spacing, .. } = plan;
+    let run = run_recorded(rig, accuracy, plan.recording(), |done, all| tell(done.into(), all.into()))?;
+    let (decision, band, lost) = (Decision::UNKNOWN, None, FailedNeighbours::default());
+    Ok(Judged { run, accuracy, decision, band, spacing, lost, columns: plan.columns })
+}
+
+/// The run, and what was measured of it and its neighbours.
+fn with_neighbours(
     rig: &pneudrive_sim::Rig,
     plan: Plan,
     meter: &work::Meter,
-) -> Result<(Judged, Option<Vec<Vec<Measured>>>)> {
-    let recording = plan.recording();
-    if plan.is_alone() {
-        let run = run_recorded(rig, plan.accuracy, recording, |done, all| meter.at(done.into(), all.into()))?;
-        let Plan { accuracy, spacing, columns, .. } = plan;
-        let (decision, band, lost) = (Decision::UNKNOWN, None, FailedNeighbours::default());
-        return Ok((Judged { run, accuracy, decision, band, spacing, lost, columns }, None));
-    }
+) -> Result<(Judged, Vec<Vec<Measured>>)> {
     let measure = |rig: &pneudrive_sim::Rig, run: &pneudrive_sim::Run| moves_of_run(rig, run, TOLERANCE_MM);
     let tell = |done, all| meter.at(done, all);
     let pool = work::pool(None)?;
     let ensemble = pool.install(|| run_ensemble(rig, plan.accuracy, plan.spacing, measure, tell))?;
     let mut judged = ensemble.nominal;
-    if recording.valve {
+    if plan.recording().valve {
         // The same run again, now with a look into the valve at every row.
-        judged.run = run_recorded(rig, plan.accuracy, recording, |_, _| {})?;
+        judged.run = run_recorded(rig, plan.accuracy, plan.recording(), |_, _| {})?;
         judged.columns = plan.columns;
     }
-    Ok((judged, Some(ensemble.measured)))
+    Ok((judged, ensemble.measured))
 }
 
 fn columns_named(names: &[String]) -> PyResult<Vec<&'static Extra>> {
@@ -140,14 +141,41 @@ fn columns_named(names: &[String]) -> PyResult<Vec<&'static Extra>> {
 }
 
 /// Runs the test of a rig.
-pub fn simulate(py: Python<'_>, rig: &Rig, plan: Plan, progress: Option<Py<PyAny>>) -> PyResult<Py<Run>> {
+fn simulate(py: Python<'_>, rig: &Rig, plan: Plan, progress: Option<Py<PyAny>>) -> PyResult<Py<Run>> {
     let is_judged = !plan.is_alone();
     let bar = progress::of(py, progress, "simulating")?;
-    let (judged, measured) = work::run(py, bar, |meter| simulated(&rig.rig, plan, meter))?;
+    let (judged, moves) = if is_judged {
+        let (judged, moves) = work::run(py, bar, |meter| with_neighbours(&rig.rig, plan, meter))?;
+        (judged, OnceLock::from(moves))
+    } else {
+        (work::run_here(py, bar, |tell| alone(&rig.rig, plan, tell))?, OnceLock::new())
+    };
     let judged = Arc::new(judged);
     let channels = channels(rig, &judged);
-    let moves = measured.map_or_else(OnceLock::new, OnceLock::from);
     Py::new(py, (Run { rig: rig.clone(), judged, is_judged, moves }, channels))
+}
+
+#[pymethods]
+impl Rig {
+    /// Runs the test. `ensemble` counts the run and its neighbours, whose mass and starting position differ by next to
+    /// nothing; figures are ranges over them. `decide` asks whether the integration error could change an encoder
+    /// count. `columns` adds columns of the air inside the valve. The interpreter's lock is released.
+    #[pyo3(signature = (*, ensemble=8, decide=true, columns=Vec::new(), tolerance=None, method=None, progress=None))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        ensemble: usize,
+        decide: bool,
+        columns: Vec<String>,
+        tolerance: Option<f64>,
+        method: Option<&str>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Py<Run>> {
+        let accuracy = self.accuracy(tolerance, method)?;
+        let plan = Plan::new(accuracy, ensemble, decide, &columns)?;
+        simulate(py, self, plan, progress)
+    }
 }
 
 /// The columns of trace.csv.
@@ -260,7 +288,7 @@ impl Run {
     /// Steps of the integrator.
     #[getter]
     fn steps(&self) -> u64 {
-        self.judged.run.work.integrator.n_steps as u64
+        self.judged.run.work.integrator.n_steps
     }
 
     /// Lowest and highest values over the run and its neighbours, at the run's own instants: a pair of arrays for each

@@ -1,8 +1,8 @@
 //! Work that takes a while: it runs without the interpreter's lock, tells how far it is, and ends at Ctrl-C.
 //!
-//! The work has a thread of its own. The thread that called waits for it, gives signals to the interpreter and calls
-//! the progress function, as Python delivers signals to its main thread alone. A work that is to end is unwound at
-//! the next place where it tells how far it is.
+//! Python delivers signals to its main thread alone. Work on several threads therefore has a thread of its own, while the
+//! thread that called waits for it, gives signals to the interpreter and calls the progress function; work on one thread
+//! does so itself, now and then. Work that is to end is unwound at the next place where it tells how far it is.
 
 use std::any::Any;
 use std::num::NonZeroUsize;
@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, Thread};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use pyo3::prelude::*;
@@ -35,37 +35,63 @@ struct Cancelled;
 impl Meter {
     /// So much is done; unwinds if the work is to end.
     pub fn at(&self, done: u64, all: u64) {
-        self.done.store(done, Ordering::Relaxed);
-        self.all.store(all, Ordering::Relaxed);
-        if self.ends.load(Ordering::Relaxed) {
+        self.note(done, all);
+        if self.is_ending() {
             resume_unwind(Box::new(Cancelled));
         }
     }
 
-    /// Is set when the work is to end, for work that looks itself.
+    /// So much is done, of work that looks itself whether it is to end.
+    pub fn note(&self, done: u64, all: u64) {
+        self.done.store(done, Ordering::Relaxed);
+        self.all.store(all, Ordering::Relaxed);
+    }
+
+    /// Goes on unless the work is to end, of work that must not be unwound.
+    ///
+    /// # Errors
+    /// When the work is to end.
+    pub fn check(&self) -> anyhow::Result<()> {
+        if self.is_ending() { anyhow::bail!("stopped before the run was started") } else { Ok(()) }
+    }
+
+    fn is_ending(&self) -> bool {
+        self.ends.load(Ordering::Relaxed)
+    }
+
+    /// Is set when the work is to end.
     pub fn ends(&self) -> &AtomicBool {
         &self.ends
     }
 
     /// Gives signals to the interpreter, and tells how far the work is.
     fn look(&self, progress: Option<&Py<PyAny>>) -> PyResult<()> {
-        Python::attach(|py| {
-            py.check_signals()?;
-            let [done, all] = [&self.done, &self.all].map(|count| count.load(Ordering::Relaxed));
-            match progress {
-                Some(progress) if all > 0 => progress.call1(py, (done, all)).map(drop),
-                _ => Ok(()),
-            }
-        })
+        let [done, all] = [&self.done, &self.all].map(|count| count.load(Ordering::Relaxed));
+        look(progress, done, all)
     }
 }
 
-/// Wakes a thread when it goes.
-struct Wake(Thread);
+/// Gives signals to the interpreter, and tells how far some work is.
+fn look(progress: Option<&Py<PyAny>>, done: u64, all: u64) -> PyResult<()> {
+    Python::attach(|py| {
+        py.check_signals()?;
+        match progress {
+            Some(progress) if all > 0 => progress.call1(py, (done, all)).map(drop),
+            _ => Ok(()),
+        }
+    })
+}
 
-impl Drop for Wake {
+/// Says that a thread is done when it goes, and wakes who waits for it.
+struct Wake<'a> {
+    is_done: &'a AtomicBool,
+    caller: Thread,
+}
+
+impl Drop for Wake<'_> {
     fn drop(&mut self) {
-        self.0.unpark();
+        self.is_done.store(true, Ordering::Release);
+        self.caller.unpark();
     }
 }
 
@@ -81,11 +107,7 @@ pub fn run<T: Send>(
 ) -> PyResult<T> {
     let meter = Meter::default();
     let (outcome, stopped) = py.detach(|| wait_for(&meter, progress.as_ref(), work));
-    match (outcome, stopped) {
-        (_, Some(exception)) => Err(exception),
-        (Ok(done), None) => done.or_raise(),
-        (Err(panic), None) => Err(errors::of_panic(&*panic)),
-    }
+    settled(outcome, stopped)
 }
 
 type Outcome<T> = Result<anyhow::Result<T>, Box<dyn Any + Send>>;
@@ -96,16 +118,18 @@ fn wait_for<T: Send>(
     progress: Option<&Py<PyAny>>,
     work: impl FnOnce(&Meter) -> anyhow::Result<T> + Send,
 ) -> (Outcome<T>, Option<PyErr>) {
-    let caller = thread::current();
+    let (is_done, caller) = (AtomicBool::new(false), thread::current());
     thread::scope(|scope| {
+        let wake = Wake { is_done: &is_done, caller };
         let worker = scope.spawn(move || {
-            let _wake = Wake(caller);
+            let _wake = wake;
             catch_unwind(AssertUnwindSafe(|| work(meter)))
         });
         let mut stopped = None;
-        while !worker.is_finished() {
+        let is_done = || is_done.load(Ordering::Acquire);
+        while !is_done() {
             thread::park_timeout(TICK);
-            if stopped.is_none() && !worker.is_finished() {
+            if stopped.is_none() && !is_done() {
                 stopped = meter.look(progress).err();
                 meter.ends.store(stopped.is_some(), Ordering::Relaxed);
             }
@@ -116,6 +140,46 @@ fn wait_for<T: Send>(
         }
         (outcome, stopped)
     })
+}
+
+/// Does work of one thread on the thread that called: a short run costs no other thread. The work is given a function
+/// that it tells how far it is.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_here<T: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&mut dyn FnMut(u64, u64)) -> anyhow::Result<T> + Send,
+) -> PyResult<T> {
+    let (outcome, stopped) = py.detach(|| {
+        let (mut stopped, mut last, mut due) = (None, (0, 0), Instant::now() + TICK);
+        let mut tell = |done, all| {
+            last = (done, all);
+            if Instant::now() >= due {
+                due = Instant::now() + TICK;
+                stopped = look(progress.as_ref(), done, all).err();
+                if stopped.is_some() {
+                    resume_unwind(Box::new(Cancelled));
+                }
+            }
+        };
+        let outcome = catch_unwind(AssertUnwindSafe(|| work(&mut tell)));
+        if stopped.is_none() && outcome.is_ok() && progress.is_some() {
+            stopped = look(progress.as_ref(), last.0, last.1).err();
+        }
+        (outcome, stopped)
+    });
+    settled(outcome, stopped)
+}
+
+/// What came of some work, or the exception that ended it.
+fn settled<T>(outcome: Outcome<T>, stopped: Option<PyErr>) -> PyResult<T> {
+    match (outcome, stopped) {
+        (_, Some(exception)) => Err(exception),
+        (Ok(done), None) => done.or_raise(),
+        (Err(panic), None) => Err(errors::of_panic(&*panic)),
+    }
 }
 
 /// Does what takes a moment, and turns a panic into an exception.
@@ -148,4 +212,10 @@ pub fn pool(threads: Option<NonZeroUsize>) -> anyhow::Result<Arc<ThreadPool>> {
             Ok(pool)
         }
     }
+}
+
+/// Panics behind the border: for the test that nothing else does.
+#[pyfunction]
+pub fn _panic(py: Python<'_>) -> PyResult<()> {
+    run(py, None, |_| panic!("on purpose"))
 }

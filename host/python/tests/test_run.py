@@ -28,7 +28,7 @@ def test_channels_are_read_only_arrays_in_the_memory_of_the_run(run: Run) -> Non
 def test_columns_are_those_of_trace_csv(run: Run, tmp_path: Path) -> None:
     assert run.save(tmp_path / "run") == 1
     trace = np.genfromtxt(tmp_path / "run" / "trace.csv", delimiter=",", names=True)
-    assert list(trace.dtype.names) == run.keys()
+    assert trace.dtype.names == tuple(run.keys())
     for name in run:
         assert np.allclose(trace[name], run[name], rtol=1e-11, atol=0), name
     for name in ("run.json", "band.csv", "report.html"):
@@ -47,6 +47,7 @@ def test_figures_are_ranges_over_the_run_and_its_neighbours(run: Run) -> None:
     last = run.moves[-1]
     assert (last.number, run.ensemble) == (len(run.moves), 8)
     figure = last.ends_at_mm
+    assert figure.least is not None and figure.value is not None and figure.most is not None
     assert figure.least <= figure.value <= figure.most
     assert (figure.runs, figure.runs_without) == (8, 0)
     assert "settled_s" in dir(last)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from .frames import _needs
 
 if TYPE_CHECKING:
-    from ._pneudrive import Run, Transient
+    from ._pneudrive import Channels, Run, Transient
 
 # The axes of a graph: their label, and the channels on them.
 PANELS = {
@@ -61,7 +61,7 @@ def transients(transients: Sequence[Transient], channels: Sequence[str] | None =
     return figure
 
 
-def _panels(first: Mapping[str, Any], channels: Sequence[str] | None) -> Mapping[str, Sequence[str]]:
+def _panels(first: Channels, channels: Sequence[str] | None) -> Mapping[str, Sequence[str]]:
     if channels is None:
         return PANELS
     for name in channels:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
 
 # Work that is done before this many seconds shows no bar.
 DELAY_S = 0.5
@@ -26,26 +29,52 @@ def _in_notebook() -> bool:
     return shell is not None and "IPKernelApp" in shell.config
 
 
+def _tqdm() -> Any:
+    """The class of the bar: a widget where there are widgets, else a line of text; None without tqdm."""
+    try:
+        if _in_notebook() and find_spec("ipywidgets") is not None:
+            from tqdm.notebook import tqdm
+        else:
+            from tqdm.std import tqdm
+    except ModuleNotFoundError:
+        return None
+    return tqdm
+
+
 class _Bar:
-    """A bar of tqdm; without tqdm, a line each quarter."""
+    """A bar of tqdm, made when the work turns out to last; without tqdm, a line each quarter."""
 
     def __init__(self, what: str) -> None:
         self._what = what
-        self._quarter = 0
-        try:
-            from tqdm.auto import tqdm
-        except ModuleNotFoundError:
-            self._tqdm = None
-        else:
-            self._tqdm = tqdm(desc=what, delay=DELAY_S, leave=False)
+        self._begun = time.monotonic()
+        self._show: Callable[[int, int], None] | None = None
 
     def __call__(self, done: int, all_: int) -> None:
-        if self._tqdm is not None:
-            self._tqdm.total = all_
-            self._tqdm.update(done - self._tqdm.n)
-            if done >= all_:
-                self._tqdm.close()
-            return
+        if self._show is None:
+            if done >= all_ or time.monotonic() - self._begun < DELAY_S:
+                return
+            make = _tqdm()
+            self._show = _Lines(self._what) if make is None else _Tqdm(make(desc=self._what, leave=False))
+        self._show(done, all_)
+
+
+class _Tqdm:
+    def __init__(self, bar: Any) -> None:
+        self._bar = bar
+
+    def __call__(self, done: int, all_: int) -> None:
+        self._bar.total = all_
+        self._bar.update(done - self._bar.n)
+        if done >= all_:
+            self._bar.close()
+
+
+class _Lines:
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._quarter = 0
+
+    def __call__(self, done: int, all_: int) -> None:
         quarter = 4 * done // max(all_, 1)
         if quarter > self._quarter:
             self._quarter = quarter

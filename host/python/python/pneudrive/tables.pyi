@@ -1,0 +1,534 @@
+"""The tables of a rig file as classes. Written by tests/stubs.py from the list of keys."""
+
+from typing import Any
+
+from ._pneudrive import Rig
+
+class Table:
+    """A table of a rig. Its attributes are the keys; they are read-only: `rig.with_(...)` makes another rig."""
+
+    def __init__(self, rig: Rig) -> None: ...
+
+CLASSES: dict[str, type[Table]]
+
+def class_name(table: str) -> str: ...
+
+class Gas(Table):
+    @property
+    def heat_capacity_ratio(self) -> float:
+        """Ratio of the heat capacities at constant pressure and volume."""
+    @property
+    def gas_constant_j_per_kg_k(self) -> float:
+        """Specific gas constant, J/(kg K)."""
+
+class Supply(Table):
+    @property
+    def pressure_pa(self) -> float:
+        """Absolute supply pressure, Pa."""
+    @property
+    def temperature_k(self) -> float:
+        """Supply temperature, K."""
+
+class Exhaust(Table):
+    @property
+    def pressure_pa(self) -> float:
+        """Absolute pressure of the surroundings, into which the valve exhausts, Pa."""
+    @property
+    def temperature_k(self) -> float:
+        """Temperature of the surroundings, K."""
+
+class Controller(Table):
+    @property
+    def model(self) -> str:
+        """Sampled: the controller that is flashed. Continuous: the simulator's own, in floats."""
+    @property
+    def law(self) -> str:
+        """How the position error becomes a demand. The variable dead band gain of 6.3.3 has no equation there; dead_band_counts, or zeros at the head of gain_profile, give a fixed one."""
+    @property
+    def loop(self) -> str:
+        """Open: moves are valve commands, nothing is fed back."""
+    @property
+    def period_s(self) -> float:
+        """Sample period; whole microseconds, s."""
+    @property
+    def start_s(self) -> float:
+        """Time for which the drive runs with its valve at the null before the first sample, from the initial state of the test; whole microseconds. Times of test, trace and faults count from the first sample, s."""
+    @property
+    def delay_s(self) -> float:
+        """From a sample to its output; whole microseconds, less than the period, s."""
+    @property
+    def gain_profile(self) -> list[int]:
+        """Gain on the error, an entry for each span of error; the last one repeats to 256 entries."""
+    @property
+    def profile_span_counts(self) -> int:
+        """Range of error that one entry of the gain profile covers, counts."""
+    @property
+    def proportional_gain(self) -> int:
+        """Gain of the laws without a profile."""
+    @property
+    def dead_zone_counts(self) -> int:
+        """Moore's law adds it in the direction of the error: what takes the spool across its dead zone. 102 for the DAC, 4 steps for the stepper: 0.05 mm, half of the hysteresis C(29), counts."""
+    @property
+    def velocity_gain(self) -> int:
+        """Gain on counts per velocity window; the thesis's 1 gives no damping, about 1000 does."""
+    @property
+    def acceleration_gain(self) -> int:
+        """Gain on counts per velocity and acceleration window."""
+    @property
+    def velocity_window_samples(self) -> int:
+        """Samples over which the velocity is a difference of counts, samples."""
+    @property
+    def acceleration_window_samples(self) -> int:
+        """Samples over which the acceleration is a difference of velocities, samples."""
+    @property
+    def velocity_dead_band(self) -> int:
+        """Velocities below it, in counts per velocity window, count as standstill; 0: off."""
+    @property
+    def scale(self) -> int:
+        """The law's sum is divided by it: 256 for the DAC, 65536 for the stepper."""
+    @property
+    def dead_band_counts(self) -> int:
+        """Errors below it ask for nothing; 0: off. For the on-off law the dead zone of its relay, counts."""
+    @property
+    def relay_hysteresis_counts(self) -> int:
+        """The relay of the on-off law drops out this much below dead_band_counts, at which it picks up, counts."""
+    @property
+    def null_offset_counts(self) -> int:
+        """Command at which the valve is at its null; added to the demand, counts."""
+    @property
+    def forced_exit_s(self) -> float:
+        """Time for each of test.targets, s."""
+    @property
+    def exit_on_dead_band(self) -> bool:
+        """Whether a target also ends when it has arrived: tolerance_counts, monitoring_s, dwell_s; with test.targets."""
+    @property
+    def tolerance_counts(self) -> int:
+        """A move has arrived inside this error; without it that of dead_band_counts, if there is one, counts."""
+    @property
+    def monitoring_s(self) -> float:
+        """Exact stop: time inside the tolerance after which a move has arrived. 0: fast stop, at the first sample inside, s."""
+    @property
+    def dwell_s(self) -> float:
+        """From the arrival at a target to the next one, s."""
+    @property
+    def learn_null_offset(self) -> bool:
+        """Whether the controller learns the command at which the valve is at its null."""
+    @property
+    def learning_gain(self) -> int:
+        """Part of the error at rest that is added to the null offset, divided by the scale; 1 in the thesis, which has no effect within a day."""
+    @property
+    def homing(self) -> str:
+        """Where a homing run ends: against a stop, or at the edge of a switch."""
+    @property
+    def homing_command_counts(self) -> int:
+        """Valve command of the homing run, not 0; its sign is the direction. -200 for the DAC, -4 for the stepper, counts."""
+    @property
+    def homing_position_counts(self) -> int:
+        """The position where the homing run ends, counts."""
+    @property
+    def homing_still_s(self) -> float:
+        """Standing still for so long is being at the stop, s."""
+    @property
+    def homing_timeout_s(self) -> float:
+        """A longer homing run trips, s."""
+    @property
+    def pressure_feedback_gain(self) -> float:
+        """Burrows' k5: counts of error that a kPa of quasi-transient pressure difference subtracts in the on-off law; the thesis does not give its unit."""
+
+class Encoder(Table):
+    @property
+    def mm_per_count(self) -> float:
+        """Stroke per encoder count, mm/count."""
+    @property
+    def polarity(self) -> int:
+        """-1: the encoder counts down when the rod extends (a matter of wiring; the twin always counts up)."""
+
+class Sensors(Table):
+    @property
+    def pressure_min_pa(self) -> float:
+        """Absolute pressure at raw 0, Pa."""
+    @property
+    def pressure_max_pa(self) -> float:
+        """Absolute pressure at full scale, Pa."""
+    @property
+    def spool_min_mm(self) -> float:
+        """Spool displacement at raw 0, mm."""
+    @property
+    def spool_max_mm(self) -> float:
+        """Spool displacement at full scale, mm."""
+    @property
+    def bits(self) -> int:
+        """Width of the converter."""
+    @property
+    def home_switch_mm(self) -> float | None:
+        """The homing switch is closed below this position, mm."""
+    @property
+    def pressure_lag_s(self) -> float:
+        """First-order lag of the pressure sensors; 0: none, s."""
+    @property
+    def channel_skew_s(self) -> float:
+        """Delay between the channels of the converter: it reads pressure 1 with the encoder, pressure 2 this much later, and the spool this much after that; whole microseconds, less than half of controller.delay_s. 0: all at once. About 1e-4 on the thesis's test rig, s."""
+    @property
+    def noise_counts(self) -> float:
+        """Standard deviation of the converter's noise, counts."""
+
+class Operator(Table):
+    @property
+    def model(self) -> str:
+        """What moves the spool."""
+    @property
+    def force_gain_n_per_mm(self) -> float:
+        """Force of the coil per mm of command, N/mm."""
+    @property
+    def spring_n_per_mm(self) -> float:
+        """Stiffness of the spool's spring, N/mm."""
+    @property
+    def spring_preload_n(self) -> float:
+        """Compression of the spring at mid-travel, which the mid-range of the coil balances, N."""
+    @property
+    def static_friction_n(self) -> float:
+        """Stiction of the spool, N."""
+    @property
+    def coulomb_friction_n(self) -> float:
+        """Coulomb friction of the spool, N."""
+    @property
+    def spool_mass_kg(self) -> float:
+        """Mass of the spool with the core, kg."""
+    @property
+    def damping_n_s_per_m(self) -> float:
+        """Viscous damping of the spool; not in the thesis, C(51) times C(86), N s/m."""
+    @property
+    def stop_stiffness_n_per_m(self) -> float:
+        """Stiffness of the spool's stops, N/m."""
+    @property
+    def stop_region_m(self) -> float:
+        """Penetration at which the stops' damping is full, m."""
+    @property
+    def stop_damping_ratio(self) -> float:
+        """Damping ratio of the stops."""
+    @property
+    def hysteresis_percent(self) -> float:
+        """Width of the hysteresis loop, of the spool's range from end to end (2 mm in servo-drive B), %."""
+    @property
+    def dither_hz(self) -> float:
+        """Frequency of the amplifier's dither, Hz."""
+    @property
+    def dither_mm(self) -> float:
+        """Amplitude of the dither, mm."""
+    @property
+    def dither_phase_deg(self) -> float:
+        """Phase of the dither at t = 0, deg."""
+    @property
+    def amplifier_gain(self) -> float:
+        """Gain of the amplifier on the command."""
+    @property
+    def saturation_mm(self) -> float:
+        """Largest command that the amplifier passes on, mm."""
+    @property
+    def stiffness_per_mass_per_s2(self) -> float:
+        """Squared natural frequency of the empirical operator, 1/s2."""
+    @property
+    def damping_per_s(self) -> float:
+        """Damping of the empirical operator, 1/s."""
+    @property
+    def mm_per_step(self) -> float:
+        """Spool travel of a step, mm/step."""
+    @property
+    def max_steps(self) -> int:
+        """Furthest step from mid-travel."""
+    @property
+    def pulse_width_us(self) -> int:
+        """Length of a stepper's pulse, kept by the board, us."""
+    @property
+    def direction_setup_us(self) -> int:
+        """Time from a change of a stepper's direction to the pulse, kept by the board, us."""
+    @property
+    def switch_time_s(self) -> float:
+        """Time from state to state of an on-off valve, s."""
+
+class Valve(Table):
+    @property
+    def model(self) -> str:
+        """How the flows through the valve are formed."""
+    @property
+    def spool_travel_mm(self) -> float:
+        """Travel of the spool to either side; also what a command of 2048 asks for, mm."""
+    @property
+    def underlap_mm(self) -> float:
+        """Lap of the lands: negative is underlap, positive overlap, mm."""
+    @property
+    def sleeve_diameter_mm(self) -> float:
+        """Bore of the sleeve, mm."""
+    @property
+    def spool_diameter_mm(self) -> float:
+        """Diameter of the spool's lands, mm."""
+    @property
+    def spool_rod_diameter_mm(self) -> float:
+        """Diameter of the spool between its lands, mm."""
+    @property
+    def port_diameter_mm(self) -> float:
+        """Bore of the ports, mm."""
+    @property
+    def connector_diameter_mm(self) -> float:
+        """Bore of the connectors: the alternative to tubing.diameter_mm for the multiple flow node; not used, as in the reference, mm."""
+    @property
+    def discharge_supply(self) -> float:
+        """Coefficient of discharge of the supply lands and the ports."""
+    @property
+    def discharge_exhaust(self) -> float:
+        """Coefficient of discharge of the exhaust lands."""
+    @property
+    def discharge_reverse(self) -> float:
+        """Multiplier of the coefficient of discharge for reverse flow."""
+    @property
+    def upstream_mach(self) -> bool:
+        """Whether the speed counts at which a tube brings air to the ports of flow nodes; false sets every upstream Mach number to zero."""
+    @property
+    def turbulence(self) -> float:
+        """Every upstream Mach number is multiplied by it; 0 is upstream_mach = false."""
+    @property
+    def table(self) -> bool:
+        """Of former versions: flows from a table. Only false is accepted."""
+    @property
+    def null_offset_mm(self) -> float:
+        """Spool position at which the valve is at its null, mm."""
+    @property
+    def null_drift_mm_per_h(self) -> float:
+        """How fast the valve's null moves, from null_offset_mm at the start of the test, mm/h."""
+    @property
+    def flow_force(self) -> str:
+        """Force of the flow on the spool."""
+    @property
+    def flow_force_inlet(self) -> list[float] | None:
+        """C_Fin: coefficients of the powers 0 to 11 of the opening, for the experimental flow force of air that goes in."""
+    @property
+    def flow_force_outlet(self) -> list[float] | None:
+        """C_Fout: the same for air that comes out."""
+    @property
+    def land_length_m(self) -> float:
+        """Length of the lands, for flow forces, m."""
+    @property
+    def discharge_model(self) -> str:
+        """How the coefficient of discharge depends on the pressure ratio."""
+    @property
+    def sonic_conductance_m3_per_s_pa(self) -> float | None:
+        """Sonic conductance at full opening, m3/(s Pa)."""
+    @property
+    def critical_ratio(self) -> float | None:
+        """Critical pressure ratio."""
+
+class Tubing(Table):
+    @property
+    def model(self) -> str:
+        """Pressure drop between supply, valve and cylinder."""
+    @property
+    def drop_slope(self) -> float:
+        """Part of the pressure that is lost at the reference flow."""
+    @property
+    def reference_flow_kg_s(self) -> float:
+        """Flow at which drop_slope holds, kg/s."""
+    @property
+    def diameter_mm(self) -> float:
+        """Bore of the tubes; with the multiple flow node that of the restriction at the cylinder, mm."""
+    @property
+    def length_m(self) -> float:
+        """Length of each tube, m."""
+    @property
+    def friction_factor(self) -> float:
+        """Fanning friction factor."""
+    @property
+    def lag_s(self) -> float:
+        """First-order lag of the pressure ratio; 0: solved together with the valve, s."""
+
+class Actuator(Table):
+    @property
+    def model(self) -> str:
+        """Kind of cylinder; a symmetric one is rodless, or has a rod on both sides."""
+    @property
+    def stroke_m(self) -> float:
+        """Length of the stroke, m."""
+    @property
+    def bore_m(self) -> float:
+        """Bore of the cylinder, m."""
+    @property
+    def rod_diameter_m(self) -> float:
+        """Diameter of the rod: on one side (asymmetric) or on both (symmetric), m."""
+    @property
+    def residual_volume_1_m3(self) -> float:
+        """Dead volume of chamber 1 with its tube, m3."""
+    @property
+    def residual_volume_2_m3(self) -> float:
+        """Dead volume of chamber 2 with its tube, m3."""
+    @property
+    def leakage(self) -> str:
+        """Leakage past the piston."""
+    @property
+    def leakage_coefficient(self) -> float:
+        """Laminar leakage, kg/(s Pa)."""
+    @property
+    def passage_resistance(self) -> float:
+        """Egli's resistance of the leakage passage."""
+    @property
+    def passage_clearance_m(self) -> float:
+        """Clearance of the leakage passage; the thesis's table has 1e-4, a slip, m."""
+    @property
+    def heat_transfer_w_per_m2_k(self) -> float:
+        """Heat transfer of the chambers' walls; 0: adiabatic, as in the thesis, W/(m2 K)."""
+    @property
+    def wall_temperature_k(self) -> float:
+        """Temperature of the chambers' walls, K."""
+
+class Load(Table):
+    @property
+    def model(self) -> str:
+        """Kind of load."""
+    @property
+    def mass_kg(self) -> float:
+        """Moving mass, kg."""
+    @property
+    def viscous_n_s_per_m(self) -> float:
+        """Viscous friction, N s/m."""
+    @property
+    def constant_force_n(self) -> float:
+        """Constant force in the direction of extension, N."""
+    @property
+    def spring_n_per_m(self) -> float:
+        """Spring to the retracted end, N/m."""
+    @property
+    def incline_deg(self) -> float:
+        """Angle at which extension goes uphill, deg."""
+    @property
+    def friction(self) -> str:
+        """Model of the friction."""
+    @property
+    def static_extend_n(self) -> float:
+        """Stiction, extending, N."""
+    @property
+    def coulomb_extend_n(self) -> float:
+        """Coulomb friction, extending, N."""
+    @property
+    def static_retract_n(self) -> float:
+        """Stiction, retracting, N."""
+    @property
+    def coulomb_retract_n(self) -> float:
+        """Coulomb friction, retracting, N."""
+    @property
+    def velocity_threshold_m_s(self) -> float:
+        """Velocity below which the thesis's model sticks; here sticking is an event at exactly zero, and this is not used, m/s."""
+    @property
+    def bristle_stiffness_n_per_m(self) -> float:
+        """Stiffness of the bristles, s_0: that of a load before it slides, N/m."""
+    @property
+    def bristle_damping_n_s_per_m(self) -> float:
+        """Damping of the bristles, s_1, N s/m."""
+    @property
+    def stribeck_velocity_m_s(self) -> float:
+        """Velocity at which friction has dropped towards Coulomb friction, v_s, m/s."""
+    @property
+    def stribeck_exponent(self) -> float:
+        """How sharply it drops there, n."""
+    @property
+    def film_velocity_m_s(self) -> float:
+        """Velocity from which on the film is as thick as it gets, v_b, m/s."""
+    @property
+    def film_growth_s(self) -> float:
+        """Time constant of a film that grows, t_g, s."""
+    @property
+    def film_decay_s(self) -> float:
+        """Time constant of a film that gets thinner, t_d, s."""
+    @property
+    def fluid_lag_s(self) -> float:
+        """T: viscous friction is that of the velocity and T times the acceleration, s."""
+    @property
+    def stop_stiffness_n_per_m(self) -> float:
+        """Stiffness of the end stops, N/m."""
+    @property
+    def stop_region_m(self) -> float:
+        """Penetration at which the stops' damping is full, m."""
+    @property
+    def stop_damping_ratio(self) -> float:
+        """Damping ratio of the end stops."""
+
+class Faults(Table):
+    @property
+    def event(self) -> list[dict[str, Any]] | None:
+        """Faults and their times, one table [[faults.event]] each."""
+    @property
+    def last_gain_for_negative_errors(self) -> bool:
+        """The same bug in another reading: a negative error has the last gain of the profile; in the simulator only."""
+    @property
+    def positive_gain_only(self) -> bool:
+        """The controller's historical bug (thesis 8.2.5): the error always counts as positive; in the simulator only."""
+
+class Safety(Table):
+    @property
+    def position_margin_mm(self) -> float:
+        """How far outside the stroke the position may be before the supervisor trips, mm."""
+    @property
+    def max_speed_m_s(self) -> float:
+        """A faster step of the encoder trips the supervisor, m/s."""
+    @property
+    def host_silence_s(self) -> float:
+        """Silence of the host that trips a running move or homing run; 0: off, s."""
+    @property
+    def hold_s(self) -> float:
+        """Time after the loss of its host at which an enabled drive that is armed or holds its last setpoint is disarmed, s."""
+    @property
+    def sensor_watch(self) -> bool:
+        """Whether a pressure within a 64th of the range of an end of its converter trips, if no pressure of the drive can be there."""
+    @property
+    def no_motion_s(self) -> float:
+        """A closed loop that opens half of the valve or more and moves nothing for so long trips; with less of the valve it takes longer; 0: off, s."""
+    @property
+    def end_min_mm(self) -> float | None:
+        """Software end position: a closed loop refuses lower setpoints, an open loop pushes no further, mm."""
+    @property
+    def end_max_mm(self) -> float | None:
+        """The other software end position, mm."""
+    @property
+    def late_output_us(self) -> int:
+        """An output that is later than this is not driven and trips the supervisor, us."""
+    @property
+    def late_sample_us(self) -> int:
+        """A sample later than this trips the supervisor, us."""
+
+class Test(Table):
+    @property
+    def moves(self) -> list[tuple[float, int]]:
+        """[time in s, counts], in order of time: setpoints, or commands in open loop."""
+    @property
+    def targets(self) -> list[int] | None:
+        """Setpoints in counts, each for controller.forced_exit_s: the thesis's way, instead of moves."""
+    @property
+    def duration_s(self) -> float:
+        """Length of the test, s."""
+    @property
+    def repeat_every_s(self) -> float | None:
+        """Period at which the moves repeat, rounded up to whole samples, until the end of the test, s."""
+    @property
+    def impulse(self) -> list[float] | None:
+        """[time in s, duration in s, counts]: raises the setpoint, or the command in open loop, by the counts for the duration."""
+    @property
+    def trace_period_s(self) -> float | None:
+        """Period of the rows of trace.csv; whole microseconds, s."""
+    @property
+    def decimation(self) -> int:
+        """The recorder stores every Nth sample."""
+    @property
+    def pre_trigger(self) -> int:
+        """Stored samples from before the start."""
+    @property
+    def position_m(self) -> float:
+        """Position at the start; 8192.5 counts, for a start on the edge of a count is ill-defined, m."""
+    @property
+    def pressure_1_pa(self) -> float | None:
+        """Chamber 1 at the start, absolute, Pa."""
+    @property
+    def pressure_2_pa(self) -> float:
+        """Chamber 2 at the start, absolute, Pa."""
+    @property
+    def temperature_1_k(self) -> float:
+        """Chamber 1 at the start, K."""
+    @property
+    def temperature_2_k(self) -> float:
+        """Chamber 2 at the start, K."""

@@ -1,0 +1,204 @@
+"""A drive at a port: a virtual rig, which runs the firmware's application and speaks its protocol."""
+
+import _thread
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pneudrive
+from pneudrive import Controller, Drive, Rig, Sample, VirtualRig
+
+
+@pytest.fixture
+def port(rig: Rig) -> Iterator[str]:
+    with VirtualRig(rig) as virtual:
+        yield virtual.port
+
+
+@pytest.fixture
+def slow_port(rig: Rig) -> Iterator[str]:
+    """A rig in real time."""
+    with VirtualRig(rig, fast=False) as virtual:
+        yield virtual.port
+
+
+def test_a_run_on_a_drive_records_the_integers_of_the_simulation(port: str, rig: Rig) -> None:
+    expected = rig.simulate(ensemble=1, decide=False).samples
+    with Drive(port) as drive:
+        record = drive.run(rig)
+        again = drive.record()
+    for column in ("position_counts", "error_counts", "command_counts", "pressure_1_raw", "spool_raw"):
+        assert np.array_equal(record[column], expected[column][: len(record[column])]), column
+        assert np.array_equal(record[column], again[column]), column
+    assert len(record["index"]) >= len(expected["index"]) - 1
+
+
+def test_the_controller_repeats_the_commands_of_a_record(port: str, rig: Rig) -> None:
+    with Drive(port) as drive:
+        record = drive.run(rig)
+    controller = Controller(rig)
+    inputs = zip(*(record[name] for name in ("position_counts", "pressure_1_raw", "pressure_2_raw", "spool_raw")), strict=True)
+    commands = [controller.step(Sample(*sample)).counts for sample in inputs]
+    assert np.array_equal(commands, record["command_counts"])
+
+
+def test_a_context_manager_disarms_the_drive_whatever_happens(port: str) -> None:
+    with Drive(port) as drive:
+        drive.arm()
+        assert drive.status()["mode"] == "armed"
+    with Drive(port) as other:
+        assert other.status()["mode"] == "disarmed"
+        other.arm()
+
+    class Mishap(Exception):
+        pass
+
+    with pytest.raises(Mishap), Drive(port) as drive:
+        drive.arm()
+        raise Mishap
+    with Drive(port) as other:
+        assert other.status()["mode"] == "disarmed"
+
+
+def test_a_drive_that_is_forgotten_is_disarmed(port: str) -> None:
+    drive = Drive(port)
+    drive.arm()
+    del drive
+    with Drive(port) as other:
+        assert other.status()["mode"] == "disarmed"
+
+
+def test_a_closed_drive_says_so(port: str) -> None:
+    drive = Drive(port)
+    drive.close()
+    drive.close()
+    assert drive.closed
+    with pytest.raises(ValueError, match=r'was closed; open it again with Drive\("tcp://'):
+        drive.status()
+    assert "closed" in repr(drive)
+
+
+def test_where_nobody_listens_there_is_no_answer() -> None:
+    with pytest.raises(ConnectionError, match="cannot reach a rig at tcp://127.0.0.1:9"):
+        Drive("tcp://127.0.0.1:9")
+    with pytest.raises(pneudrive.NoAnswer, match="cannot open /dev/none"):
+        Drive("/dev/none")
+
+
+def test_two_programs_do_not_command_one_drive(slow_port: str) -> None:
+    with Drive(slow_port) as first, Drive(slow_port) as second:
+        first.arm()
+        with pytest.raises(pneudrive.Refused):
+            second.arm()
+        assert second.status()["mode"] == "armed"
+        second.close()
+        assert first.status()["mode"] == "armed"
+
+
+def test_a_stop_is_a_fault_until_the_drive_is_armed(port: str) -> None:
+    with Drive(port) as drive:
+        drive.arm()
+        drive.stop()
+        assert (drive.status()["mode"], drive.status()["fault"]) == ("fault", "stop")
+        drive.arm()
+        assert drive.status()["fault"] is None
+
+
+def test_a_run_for_another_loop_is_refused(port: str, rig: Rig) -> None:
+    with Drive(port) as drive:
+        with pytest.raises(pneudrive.PneudriveError, match="controller.loop = closed on the rig"):
+            drive.run(rig.with_(controller__loop="open", test__moves=[(0.0, 100)]))
+        with pytest.raises(ValueError, match="duration_s must be more than 0"):
+            drive.run(rig, duration_s=float("nan"))
+        assert drive.status()["mode"] == "disarmed"
+
+
+def test_gains_are_downloaded_when_asked_for(port: str, rig: Rig) -> None:
+    other = rig.with_(controller__velocity_gain=1000)
+    expected = other.simulate(ensemble=1, decide=False).samples
+    with Drive(port) as drive:
+        record = drive.run(other, config=True)
+    assert np.array_equal(record["command_counts"], expected["command_counts"][: len(record["command_counts"])])
+
+
+def test_a_stream_has_every_sample_of_the_run(port: str, rig: Rig, tmp_path: Path) -> None:
+    with Drive(port) as drive:
+        streamed = drive.stream(rig, tmp_path / "stream.txt")
+        record = drive.record()
+        assert np.array_equal(streamed["position_counts"], record["position_counts"])
+        assert streamed.transient().gaps == []
+        with pytest.raises(pneudrive.PneudriveError, match="exists already; choose another file"):
+            drive.stream(rig, tmp_path / "stream.txt")
+        half = drive.stream(rig, tmp_path / "half.txt", every=2)
+        assert np.array_equal(half["index"], streamed["index"][::2])
+        with pytest.raises(ValueError, match="every must be 1 or more"):
+            drive.stream(rig, tmp_path / "none.txt", every=0)
+
+
+def test_control_c_stops_a_drive_that_moves(slow_port: str, rig: Rig) -> None:
+    long = rig.with_(test__duration_s=30.0)
+    with Drive(slow_port) as drive:
+        threading.Timer(1.0, _thread.interrupt_main).start()
+        begun = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            drive.run(long)
+        assert time.monotonic() - begun < 10
+        assert drive.status()["mode"] == "fault"
+
+
+def test_a_drive_in_use_says_so_to_another_thread(slow_port: str, rig: Rig) -> None:
+    with Drive(slow_port) as drive:
+        thread = threading.Thread(target=lambda: drive.run(rig))
+        thread.start()
+        time.sleep(0.2)
+        with pytest.raises(RuntimeError, match="another thread is using this drive"):
+            drive.status()
+        thread.join()
+
+
+def test_a_fit_finds_what_a_virtual_rig_hides_and_a_model_that_does_not_fit_gives_no_rig() -> None:
+    model = Rig("servo-b-tuned")
+    hidden = {"load.mass_kg": 2.0, "supply.pressure_pa": 575e3}
+    with VirtualRig(model.with_(hidden)) as virtual, Drive(virtual.port) as drive:
+        first, *_ = targets = drive.run_identification_tests(model)
+        assert drive.status()["mode"] == "disarmed"
+    assert len(targets) == 6
+    found = pneudrive.identify(model, [first], fit=list(hidden))
+    assert found.fits
+    for estimate in found.estimates:
+        low, high = estimate.interval
+        width = high - low
+        assert estimate.is_95_percent
+        assert low - width < hidden[estimate.key] < high + width, estimate
+    assert found.fitted().load.mass_kg == pytest.approx(2.0, rel=1e-3)
+    assert found.to_dict()["fits"] is True
+    misfit = pneudrive.identify(model, [first], fit=["load.mass_kg"])
+    assert not misfit.fits
+    assert not misfit.estimates[0].is_95_percent
+    with pytest.raises(pneudrive.NotBorneOut, match="does not explain the transients; despite_misfit=True"):
+        misfit.fitted()
+    assert misfit.fitted(despite_misfit=True).load.mass_kg == misfit.estimates[0].value
+
+
+def test_an_axis_is_referenced_in_counts_or_in_millimetres(port: str) -> None:
+    with Drive(port) as drive:
+        drive.reference(counts=1000)
+        assert drive.status()["position_counts"] == 1000
+        drive.reference(mm=12.05)
+        assert drive.status()["position_counts"] == 1000
+        with pytest.raises(TypeError, match="either in counts or in mm"):
+            drive.reference()
+    assert set(Drive(port).info()) == {"firmware", "build", "board", "protocol", "record_capacity"}
+
+
+def test_a_virtual_rig_that_there_cannot_be_is_refused(rig: Rig) -> None:
+    with pytest.raises(pneudrive.PneudriveError, match="continuous"):
+        VirtualRig(rig.with_(controller__model="continuous"))
+    with pytest.raises(pneudrive.PneudriveError, match="tcp:HOST:PORT"):
+        VirtualRig(rig, listen="nowhere")
+    with pytest.raises(pneudrive.PneudriveError):
+        VirtualRig(rig, spread=-1.0)
