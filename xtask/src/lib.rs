@@ -10,6 +10,7 @@
 //! | [`nucleo`] | builds the image for the Nucleo board and judges its size and its interrupt |
 //! | [`targets`] | what must compile for other systems |
 //! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
+//! | [`python`] | builds, installs and tests the Python package |
 //! | [`probe`] | builds the probe image of the firmware and judges it |
 //! | [`image`] | reads an image: its symbols, its code, forbidden content |
 //! | [`forbidden`] | which symbols those are |
@@ -31,6 +32,7 @@ pub mod instructions;
 pub mod memory;
 pub mod nucleo;
 pub mod probe;
+pub mod python;
 pub mod stack;
 pub mod steps;
 pub mod structure;

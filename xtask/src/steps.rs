@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
-use crate::{firmware, flashed, instructions, memory, nucleo, probe, targets};
+use crate::{firmware, flashed, instructions, memory, nucleo, probe, python, targets};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -20,6 +20,7 @@ pub fn fmt(tally: &mut Tally, check: bool) {
     let images = [&["fmt"], check].concat();
     tally.check("format of firmware/", || run(&mut in_firmware(&images, &cargo::image_folder()?)));
     tally.check("format of hil-tests/flashed-image/", || run(&mut flashed::cargo(&images)?));
+    tally.check("format of host/python/", || run(&mut python::cargo(&images)?));
 }
 
 /// Clippy on both workspaces; a warning is an error.
@@ -43,6 +44,8 @@ pub enum Group {
     Targets,
     /// A short run of the image that is flashed
     Flashed,
+    /// The Python package as a wheel in an environment of its own
+    Python,
 }
 
 /// One group of tests; its tools are installed, or it fails.
@@ -60,7 +63,21 @@ pub fn test_group(tally: &mut Tally, group: Group) {
             });
             short_flashed(tally);
         }
+        Group::Python => {
+            tally.check("environment of Python", python::prepare);
+            tally.check("lint of host/python/", || {
+                run(&mut python::cargo(&["clippy", "--release", "--locked", "--", "-D", "warnings"])?)
+            });
+            package(tally);
+        }
     }
+}
+
+/// The Python package, built, installed and tested.
+fn package(tally: &mut Tally) {
+    tally.check("wheel of the Python package", python::install);
+    tally.check("types of the Python package", python::check_types);
+    tally.check("tests of the Python package", python::test);
 }
 
 fn ensure_flashed(tally: &mut Tally) {
@@ -94,6 +111,11 @@ pub fn test(tally: &mut Tally) {
             let (program, how) = (tool.program, tool.how());
             tally.leave_out(format!("the flashed image was not run, as there is no {program} ({how})"));
         }
+    }
+    if python::is_prepared() {
+        package(tally);
+    } else {
+        tally.leave_out("the Python package was not tested (cargo xtask test python)".to_owned());
     }
 }
 

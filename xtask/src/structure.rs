@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 16] = [
+const CRATES: [&str; 17] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
@@ -32,6 +32,7 @@ const CRATES: [&str; 16] = [
     "host/design",
     "host/studio",
     "host",
+    "host/python",
     "hil-tests",
     "hil-tests/flashed-image",
     "xtask",

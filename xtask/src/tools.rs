@@ -26,6 +26,10 @@ pub const VALGRIND: Tool = Tool { program: "valgrind", how: "apt-get install val
 pub const CHROMIUM: Tool =
     Tool { program: "chromium", how: "apt-get install chromium, brew install --cask chromium, ..." };
 
+/// The interpreter of the Python package.
+pub const PYTHON: Tool =
+    Tool { program: "python3", how: "apt-get install python3 python3-venv, brew install python, ..." };
+
 /// What builds the emulator of the flashed image.
 pub const CMAKE: Tool = Tool { program: "cmake", how: "apt-get install cmake, brew install cmake, ..." };
 

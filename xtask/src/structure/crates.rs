@@ -24,7 +24,7 @@ const LAYERS: [&[(&str, &str)]; 9] = [
         ("pneudrive-studio", "host/studio"),
         ("pneudrive-protocol-model", "shared/protocol/model"),
     ],
-    &[("pneudrive", "host")],
+    &[("pneudrive", "host"), ("pneudrive-python", "host/python")],
     &[("xtask", "xtask")],
     &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],
     &[("pneudrive-flashed-image", "hil-tests/flashed-image")],
