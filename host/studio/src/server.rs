@@ -80,7 +80,6 @@ impl Studio {
     }
 
     /// What answers the requests.
-    #[must_use]
     pub fn router(&self) -> Router {
         Router::new()
             .route("/", get(assets::index))
