@@ -20,7 +20,11 @@ macro_rules! asset {
 /// The files of the page: name, media type, content.
 pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("index.html", HTML),
+    asset!("colours.css", CSS),
+    asset!("controls.css", CSS),
     asset!("studio.css", CSS),
+    asset!("inspector.css", CSS),
+    asset!("figures.css", CSS),
     asset!("picture.css", CSS),
     asset!("studio.js", SCRIPT),
     asset!("server.js", SCRIPT),

@@ -23,7 +23,10 @@ fn no_file_has_an_inline_script_or_style_or_asks_another_server() {
 }
 
 #[test]
-fn every_module_that_is_imported_is_served() {
+fn every_module_and_style_sheet_that_is_asked_for_is_served() {
+    for sheet in asset("index.html").split("href=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+        assert!(sheet == "data:," || ASSETS.iter().any(|(asset, ..)| *asset == sheet), "{sheet}");
+    }
     for (name, _, text) in ASSETS.iter().filter(|(name, ..)| name.ends_with(".js")) {
         for line in text.lines().filter(|line| line.starts_with("import ")) {
             let module = line.split('\'').nth(1).expect("a module").trim_start_matches("./");
@@ -34,9 +37,8 @@ fn every_module_that_is_imported_is_served() {
 
 /// The colours of a scheme by name: those of the light one, and what the dark one changes.
 fn colours(is_dark: bool) -> BTreeMap<String, [f64; 3]> {
-    let css = asset("studio.css");
-    let (light, rest) = css.split_once("@media (prefers-color-scheme: dark)").expect("two schemes");
-    let dark = rest.split_once("\n}\n").expect("an end").0;
+    let css = asset("colours.css");
+    let (light, dark) = css.split_once("@media (prefers-color-scheme: dark)").expect("two schemes");
     let text = if is_dark { format!("{light}{dark}") } else { light.to_owned() };
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix("--")?.split_once(": #"));
     lines.map(|(name, digits)| (name.to_owned(), rgb(digits.trim_end_matches(';')))).collect()
