@@ -32,6 +32,8 @@ class Studio {
   /** Records that lie over the run: name, text, curves and deviation. */
   #records = [];
   #playing = null;
+  /** What has just been done. */
+  #news = '';
 
   constructor(keys) {
     this.#keys = keys;
@@ -54,9 +56,10 @@ class Studio {
     this.#offerChannels();
   }
 
-  /** Begins with a rig. */
-  async open(rig) {
+  /** Begins with a rig; `news` is told until something is changed. */
+  async open(rig, news = '') {
     this.#rig = rig;
+    this.#news = news;
     this.#history = new History();
     this.#ghosts = [];
     this.#records = [];
@@ -84,6 +87,7 @@ class Studio {
 
   #change(key, text, isDone) {
     const since = performance.now();
+    this.#news = '';
     this.#history.set(key.path, text === null ? null : settingOf(key, text));
     if (isDone && this.#history.keep()) this.#leaveGhost();
     this.#simulate(since);
@@ -103,7 +107,7 @@ class Studio {
       this.picture.describe(found.values);
       this.picture.moveTo(this.plot.cursor);
       part('command').value = found.command;
-      part('state').textContent = found.origins;
+      part('state').textContent = this.#news || found.origins;
     } else {
       const count = found.problems.length;
       part('state').textContent = `${count} ${count === 1 ? 'problem' : 'problems'}: the curves are those of the last valid rig`;
@@ -239,8 +243,7 @@ class Studio {
   async #write(file, replace) {
     try {
       const saved = await post('/api/save', { ...this.#asked(), file, replace });
-      await this.open(saved);
-      part('state').textContent = `${file} is saved`;
+      await this.open(saved, `${file} is saved`);
     } catch (error) {
       if (error.status !== 409) return told(part('dialog'), 'Not saved', error.message);
       const question = [html('p', {}, `${error.message}. Replace it?`)];
