@@ -286,6 +286,7 @@ fn type_of(kind: &Kind, preset: &Preset) -> String {
         Kind::Choice(_) | Kind::Text => "str",
         Kind::Integers { .. } => "list[int]",
         Kind::Numbers { .. } => "list[float]",
+        Kind::Rows { .. } => "list[list[float]]",
         Kind::Moves => "list[tuple[float, int]]",
         Kind::Events => "list[dict[str, Any]]",
         Kind::NotBuilt => match preset {

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use pneudrive_analysis::tuning::search::Budget;
+use pneudrive_analysis::tuning::stroke::along_the_stroke;
 use pneudrive_analysis::tuning::{self, Goal, Proportion, Relative, Task, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
@@ -236,7 +237,8 @@ impl Tuned {
             make_writable(&folder)?;
             refuse_to_replace(&page, GENERATOR)?;
             refuse_to_replace(&rig, report::MARK)?;
-            report::write_page(&self.task, &self.tuned, &page)?;
+            let steps = along_the_stroke(&self.task, &self.tuned)?;
+            report::write_page(&self.task, &self.tuned, &steps, &page)?;
             put(&rig, &report::rig_file(&self.task, &self.tuned)?)
         })
     }

@@ -16,6 +16,7 @@ pub fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyA
         Value::Word(word) => PyString::new(py, word).into_any(),
         Value::Integers(numbers) => PyList::new(py, numbers)?.into_any(),
         Value::Numbers(numbers) => PyList::new(py, numbers)?.into_any(),
+        Value::Rows(rows) => PyList::new(py, rows)?.into_any(),
         Value::Moves(moves) => PyList::new(py, moves)?.into_any(),
         Value::Events(events) => {
             let events = events.iter().map(|fields| fields_to_python(py, fields));
