@@ -312,10 +312,34 @@ class Valve(Table):
         """How the coefficient of discharge depends on the pressure ratio."""
     @property
     def sonic_conductance_m3_per_s_pa(self) -> float | None:
-        """Sonic conductance at full opening, m3/(s Pa)."""
+        """Sonic conductance of the path from the supply to a port, fully open, m3/(s Pa)."""
     @property
     def critical_ratio(self) -> float | None:
-        """Critical pressure ratio."""
+        """Critical pressure ratio of that path."""
+    @property
+    def exhaust_sonic_conductance_m3_per_s_pa(self) -> float | None:
+        """Sonic conductance of the path from a port to the exhaust, fully open, m3/(s Pa)."""
+    @property
+    def exhaust_critical_ratio(self) -> float | None:
+        """Critical pressure ratio of that path."""
+    @property
+    def subsonic_index(self) -> float:
+        """Exponent of the flow above the critical ratio, of all paths; 0.5 is the ellipse."""
+    @property
+    def characteristic(self) -> str:
+        """How the conductance of a path follows the spool: as the area of a land, in proportion to the opening, or by a table; other models than iso-6358 have lands."""
+    @property
+    def leakage_percent(self) -> float:
+        """Conductance of a shut path, of that of the open one, %."""
+    @property
+    def characteristic_table(self) -> list[list[float]] | None:
+        """Conductance of path 1 over the spool, both in percent of their largest; -100 to 100 % of the spool, or as far as anything changes."""
+    @property
+    def flow_map(self) -> list[list[float]] | None:
+        """Measured flows of the path to port 1 at 20 C: each place of the spool, in percent of its travel, with each ratio of absolute pressures."""
+    @property
+    def flow_map_shift(self) -> float:
+        """By how many of its standard deviations each flow of the map is taken higher."""
 
 class Tubing(Table):
     @property
