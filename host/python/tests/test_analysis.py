@@ -159,7 +159,7 @@ def test_a_fit_of_what_the_data_do_not_show_is_refused(fixtures: Path) -> None:
         pneudrive.identify("servo-b-tuned", [fixtures / "TARGET-2.DAT"], fit=["load.mass_kg"])
     with pytest.raises(pneudrive.PneudriveError, match="load.mas_kg"):
         pneudrive.identify("servo-b-tuned", [fixtures / "TARGET-2.DAT"], fit=["load.mas_kg"])
-    with pytest.raises(pneudrive.PneudriveError, match="a fit needs at least one parameter and one transient"):
+    with pytest.raises(pneudrive.PneudriveError, match="a fit needs"):
         pneudrive.identify("servo-b-tuned", [])
 
 
