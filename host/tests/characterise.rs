@@ -102,7 +102,7 @@ fn a_curve_that_there_is_not_is_wrong_use_and_a_file_of_the_users_stays() {
     let folder = folder();
     let printed = transcript(folder.path(), "characterise servo-b gain --out .");
     assert!(
-        printed.contains("choose one of flow-gain, pressure-gain,") && printed.ends_with("= 2"),
+        printed.contains("choose one of nominal-flow, flow-gain, pressure-gain,") && printed.ends_with("= 2"),
         "{printed}"
     );
     for mine in ["flow-gain.csv", "valve-models.html"] {
