@@ -126,6 +126,9 @@ class Controller(Table):
     def homing_position_counts(self) -> int:
         """The position where the homing run ends, counts."""
     @property
+    def homing_back_off_counts(self) -> int:
+        """A homing run goes so far back from where it has found its stop or switch, and must find it again at the same place, counts."""
+    @property
     def homing_still_s(self) -> float:
         """Standing still for so long is being at the stop, s."""
     @property
