@@ -111,6 +111,12 @@ impl Key {
         self.path.split_once('.').map_or("", |(table, _)| table)
     }
 
+    /// Whether it belongs to a table.
+    #[must_use]
+    pub fn is_in(&self, table: &str) -> bool {
+        self.path.strip_prefix(table).is_some_and(|rest| rest.starts_with('.'))
+    }
+
     /// The name within the table.
     #[must_use]
     pub fn name(&self) -> &'static str {

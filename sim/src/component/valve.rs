@@ -246,7 +246,7 @@ impl Valve {
             per_square: [(supply, self.discharge_supply), (exhaust, self.discharge_exhaust)]
                 .map(|(law, discharge)| self.conductance(gas, law, discharge, around * around)),
             clearance_squared: clearance * clearance,
-            is_map: self.map.is_some(),
+            are_areas: self.map.is_none() && self.characteristic.is_none(),
             shares: self
                 .characteristic
                 .clone()

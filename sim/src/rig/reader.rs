@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
 
     fn table(&mut self, rig: &mut Rig, name: &str, table: &dyn TableLike) {
         let line = table.iter().next().and_then(|(first, _)| self.file.line_of(table.key(first)?.span()));
-        if !all_keys().any(|key| key.table() == name) {
+        if !all_keys().any(|key| key.is_in(name)) {
             let known = all_keys().map(Key::table).filter(|table| !table.is_empty());
             let message = format!("there is no table [{name}]{}", did_you_mean(name, known));
             self.file.problem(line, name, message);

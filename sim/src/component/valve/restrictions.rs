@@ -31,9 +31,10 @@ pub(crate) struct Restrictions {
     pub(super) per_square: [f64; 2],
     /// c^2, m^2.
     pub(super) clearance_squared: f64,
+    /// Of lands that open by shares. Without them lands have areas, or laws that know the spool (a map).
     pub(super) shares: Option<Shares>,
-    /// Whether the laws of the lands know the spool: then their conductances are whole.
-    pub(super) is_map: bool,
+    /// Whether the lands have areas.
+    pub(super) are_areas: bool,
     pub(super) port: Option<f64>,
 }
 
@@ -50,15 +51,13 @@ impl Restrictions {
     /// beyond the change as well.
     #[inline]
     pub fn at(&self, openings: [f64; 2], open: [bool; 2]) -> Conductances<Pair> {
-        let squares = match &self.shares {
-            None if self.is_map => [1.0; 2],
-            None => [0, 1].map(|i| {
+        let squares = if self.are_areas {
+            [0, 1].map(|i| {
                 let across = if open[i] { openings[i] * openings[i] } else { 0.0 };
                 across + self.clearance_squared
-            }),
-            Some(shares) => {
-                [0, 1].map(|i| shares.characteristic.share(openings[i], open[i], shares.spool).powi(2))
-            }
+            })
+        } else {
+            self.squares(openings, open)
         };
         let [supply, exhaust] = self.per_square.map(Pair::splat);
         Conductances {
@@ -66,5 +65,14 @@ impl Restrictions {
             exhaust: exhaust * Pair::new([squares[1], squares[0]]),
             port: self.port.map(Pair::splat),
         }
+    }
+
+    /// The squares of the shares that lands 1 and 2 open; 1 of lands with a map.
+    #[cold]
+    #[inline(never)]
+    fn squares(&self, openings: [f64; 2], open: [bool; 2]) -> [f64; 2] {
+        self.shares.as_ref().map_or([1.0; 2], |shares| {
+            [0, 1].map(|i| shares.characteristic.share(openings[i], open[i], shares.spool).powi(2))
+        })
     }
 }
