@@ -9,7 +9,7 @@ use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
-use program::{exists, folder, ok, transcript, with_line};
+use program::{exists, folder, ok, recorded_with, transcript, with_line};
 
 /// An open loop with two strokes, without dither: half a second.
 const TEST: &str = "\
@@ -25,17 +25,6 @@ duration_s = 0.45
 /// TARGET01.DAT of the test on a rig with another mass and viscous friction, next to its rig file.
 fn recorded(folder: &Path) {
     recorded_with(folder, TEST, &[("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0)]);
-}
-
-fn recorded_with(folder: &Path, text: &str, hidden: &[(&'static str, f64)]) {
-    fs::write(folder.join("rig.toml"), text).expect("written");
-    let rig = Rig::read("rig.toml", text).expect("valid");
-    let real = rig.with_numbers(hidden).expect("valid");
-    let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
-    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
-    ok(folder, &format!("run rig.toml --port {}", rig.port()));
-    ok(folder, &format!("record --port {}", rig.port()));
-    rig.stop().expect("it served");
 }
 
 #[test]

@@ -3,12 +3,8 @@
 mod program;
 
 use std::fs;
-use std::path::Path;
 
-use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
-use pneudrive_sim::Rig;
-
-use program::{folder, ok};
+use program::{folder, ok, recorded_with};
 
 /// An open loop with two strokes, without dither: half a second.
 const TEST: &str = "\
@@ -20,18 +16,6 @@ dither_mm = 0.0
 moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
 duration_s = 0.45
 ";
-
-/// TARGET01.DAT of the test on a rig with other values, next to its rig file.
-fn recorded_with(folder: &Path, text: &str, hidden: &[(&'static str, f64)]) {
-    fs::write(folder.join("rig.toml"), text).expect("written");
-    let rig = Rig::read("rig.toml", text).expect("valid");
-    let real = rig.with_numbers(hidden).expect("valid");
-    let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
-    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
-    ok(folder, &format!("run rig.toml --port {}", rig.port()));
-    ok(folder, &format!("record --port {}", rig.port()));
-    rig.stop().expect("it served");
-}
 
 /// A valve by its data sheet, which leaks a little.
 const DATA_SHEET: &str = "\

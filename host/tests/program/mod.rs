@@ -69,6 +69,16 @@ fn start(rig: Rig, listener: &str, pace: Pace) -> Background {
     Background::start(rig, Listener::open(listener).expect("a port"))
 }
 
+/// TARGET01.DAT of the test of a rig file, next to it, on a rig with other values.
+pub fn recorded_with(folder: &Path, text: &str, hidden: &[(&'static str, f64)]) {
+    std::fs::write(folder.join("rig.toml"), text).expect("written");
+    let real = Rig::read("rig.toml", text).expect("valid").with_numbers(hidden).expect("valid");
+    let rig = virtual_rig_of(real);
+    ok(folder, &format!("run rig.toml --port {}", rig.port()));
+    ok(folder, &format!("record --port {}", rig.port()));
+    rig.stop().expect("it served");
+}
+
 /// A TARGET file with a line of its header changed, added before the CRC, or left out.
 pub fn with_line(text: &str, key: &str, value: Option<&str>) -> String {
     let mut file = TargetFile::from_text(text).expect("a TARGET file");
