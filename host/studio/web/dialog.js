@@ -2,21 +2,40 @@
 
 import { html } from './svg.js';
 
-/** Asks; resolves to what `take` makes of the form if the user agrees, else to null. */
-export function asked(dialog, title, content, agree, take = () => true) {
+/**
+ * Asks; resolves to what `take` makes of the form if the user agrees, else to null.
+ *
+ * Every question has an element of its own: the close event of one question comes later than the buttons of the
+ * next, and an agreement to the next must not be taken for one to this.
+ */
+export function asked(title, content, agree, take = () => true) {
   const cancel = html('button', { type: 'button' }, 'Cancel');
   const form = html('form', { method: 'dialog' }, html('h2', { id: 'dialog-title' }, title), ...content,
-    html('p', { class: 'buttons' }, cancel, html('button', { class: 'main', value: 'agree' }, agree)));
-  cancel.addEventListener('click', () => dialog.close(''));
-  dialog.replaceChildren(form);
-  dialog.returnValue = '';
+    html('p', { class: 'buttons' }, cancel, html('button', { class: 'main' }, agree)));
+  const dialog = html('dialog', { id: 'dialog', 'aria-labelledby': 'dialog-title' }, form);
+  document.body.append(dialog);
   dialog.showModal();
   return new Promise((resolve) => {
-    dialog.addEventListener('close', () => resolve(dialog.returnValue === 'agree' ? take(form) : null), { once: true });
+    const answer = (value) => {
+      dialog.close();
+      dialog.remove();
+      resolve(value);
+    };
+    form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      answer(take(form));
+    });
+    cancel.addEventListener('click', () => answer(null));
+    dialog.addEventListener('cancel', () => answer(null));
   });
 }
 
 /** Tells something. */
-export function told(dialog, title, text) {
-  return asked(dialog, title, [html('p', {}, text)], 'OK');
+export function told(title, text) {
+  return asked(title, [html('p', {}, text)], 'OK');
+}
+
+/** Whether a question waits for its answer. */
+export function isAsking() {
+  return document.getElementById('dialog') !== null;
 }

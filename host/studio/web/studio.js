@@ -2,7 +2,7 @@
 
 import { Commission } from './commission.js';
 import { componentOf } from './components.js';
-import { asked, told } from './dialog.js';
+import { asked, isAsking, told } from './dialog.js';
 import { offer, toCsv } from './export.js';
 import { showAlone, showDeviations, showJudged } from './figures.js';
 import { History } from './history.js';
@@ -236,7 +236,7 @@ class Studio {
     const name = /\.toml$/.test(this.#rig.name) ? this.#rig.name.split('/').at(-1) : `${this.#rig.name}.toml`;
     const field = html('input', { id: 'file-name', value: name, autocomplete: 'off', spellcheck: 'false' });
     const content = [html('label', { for: 'file-name' }, 'Name of the rig file'), field];
-    const file = await asked(part('dialog'), 'Save', content, 'Save', () => field.value.trim());
+    const file = await asked('Save', content, 'Save', () => field.value.trim());
     if (file) await this.#write(file, false);
   }
 
@@ -245,9 +245,9 @@ class Studio {
       const saved = await post('/api/save', { ...this.#asked(), file, replace });
       await this.open(saved, `${file} is saved`);
     } catch (error) {
-      if (error.status !== 409) return told(part('dialog'), 'Not saved', error.message);
+      if (error.status !== 409) return told('Not saved', error.message);
       const question = [html('p', {}, `${error.message}. Replace it?`)];
-      if (await asked(part('dialog'), 'Replace the file?', question, 'Replace')) await this.#write(file, true);
+      if (await asked('Replace the file?', question, 'Replace')) await this.#write(file, true);
     }
   }
 
@@ -325,7 +325,7 @@ class Studio {
 
   #key(event) {
     const { key, shiftKey } = event;
-    if (!(event.ctrlKey || event.metaKey) || part('dialog').open) return;
+    if (!(event.ctrlKey || event.metaKey) || isAsking()) return;
     const isTyping = event.target.matches('input[type=text]');
     const actions = { s: () => this.#save() };
     if (!isTyping) actions[shiftKey ? 'Z' : 'z'] = () => this.#travel(() => (shiftKey ? this.#history.redo() : this.#history.undo()));
