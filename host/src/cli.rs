@@ -5,6 +5,7 @@ mod design;
 mod device;
 mod experiments;
 mod link;
+mod logs;
 mod percent;
 mod transients;
 
@@ -18,6 +19,7 @@ pub use design::NewRig;
 pub use device::{ConfigAction, Device, DeviceAction, Position, ValveAction};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
 pub use link::{Monitor, PortChoice, Record, Run};
+pub use logs::{Export, Format, Import};
 pub use transients::{Align, Channel, Eval, Identify, Interval, Overlay, Spectrum, Window};
 
 use crate::exit;
@@ -64,6 +66,10 @@ pub enum Command {
     Identify(Identify),
     /// Show the spectrum of a channel as a graph and a table of its peaks
     Spectrum(Spectrum),
+    /// Write a transient for other programs: CSV, MATLAB, MCAP (PlotJuggler, Foxglove), Parquet
+    Export(Export),
+    /// Turn the log of another recorder, CSV or MCAP, into a TARGET file for overlay, eval, spectrum and identify
+    Import(Import),
     /// Run the component tests of the thesis on a rig's valve, operator and tubes
     Characterise(Characterise),
     /// Run the application studies of the thesis: what it says, and what the model shows

@@ -4,7 +4,9 @@ mod characterise;
 mod demo;
 mod device;
 mod eval;
+mod export;
 mod identify;
+mod import;
 mod interrupts;
 mod ladder;
 mod long_work;
@@ -102,6 +104,8 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Overlay(arguments) => overlay::execute(&arguments),
         Command::Identify(arguments) => identify::execute(&arguments),
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
+        Command::Export(arguments) => export::execute(&arguments),
+        Command::Import(arguments) => import::execute(&arguments),
         Command::Characterise(arguments) => characterise::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
         Command::Thesis(arguments) => thesis::execute(&arguments),

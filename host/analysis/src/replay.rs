@@ -31,7 +31,7 @@ use pneudrive_controller::drive::DriveConfig;
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::{Config, Fault, Mode, Observation, Refusal, Sample, State, output, sample};
 use pneudrive_protocol::{RecordedSample, Refused};
-use pneudrive_records::target::TargetFile;
+use pneudrive_records::target::{IMPORTED, TargetFile};
 use pneudrive_records::words;
 
 use moves::Plan;
@@ -123,6 +123,9 @@ pub struct Replay {
 /// Why a file cannot be replayed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReplayError {
+    /// Another recorder's log.
+    #[error("it was imported from {0}: the commands in it are not those of this controller")]
+    Imported(String),
     /// Samples are missing.
     #[error(
         "its decimation is {0}: the controller ran on samples that are not in the file; record the run again with test.decimation=1, or stream it with --every 1"
@@ -192,6 +195,9 @@ pub enum ReplayError {
 /// # Errors
 /// When the file does not hold what a replay needs.
 pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
+    if let Some(log) = file.get(IMPORTED) {
+        return Err(ReplayError::Imported(log.to_owned()));
+    }
     let header = Header::of(file)?;
     let mut config = Config::new(&header.parameters).map_err(ReplayError::Inconsistent)?;
     config.motion.commands_at_exit = older::commands_at_exit(file);

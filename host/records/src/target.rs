@@ -23,6 +23,13 @@ const FORMAT: &str = "pneudrive-target 2";
 /// The same for files whose CRC covers only the samples.
 const FORMAT_1: &str = "pneudrive-target 1";
 
+/// Key of a record that was made from the log of another recorder: the name of that log.
+pub const IMPORTED: &str = "imported";
+
+/// Key of such a record for the channels that the log did not have, separated by commas: `pressure_1,spool`. Their
+/// columns hold 0; without a setpoint that of the error does.
+pub const UNKNOWN: &str = "unknown";
+
 /// Key of the header's last line: the CRC of all other lines.
 const CRC: &str = "crc32";
 
@@ -69,6 +76,13 @@ impl TargetFile {
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&str> {
         self.header.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
+    }
+
+    /// Whether the log that this record was made from did not have a channel: `pressure_1`, `pressure_2`, `spool` or
+    /// `setpoint`.
+    #[must_use]
+    pub fn is_unknown(&self, channel: &str) -> bool {
+        self.get(UNKNOWN).is_some_and(|unknown| unknown.split(',').any(|name| name == channel))
     }
 
     /// A number of the header.

@@ -21,6 +21,7 @@ const LAYERS: [&[(&str, &str)]; 9] = [
     ],
     &[
         ("pneudrive-rigs", "host/rigs"),
+        ("pneudrive-logs", "host/logs"),
         ("pneudrive-studio", "host/studio"),
         ("pneudrive-protocol-model", "shared/protocol/model"),
     ],

@@ -163,8 +163,11 @@ impl Recording {
                 && rig.get(&keys::dither::DITHER_MM) > 0.0,
         };
         let mut channels = converters.channels(file, &recorded)?;
-        if stepper {
-            // SPLLOC: what was asked for, not what was measured.
+        if let Some(missing) = ["pressure_1", "pressure_2"].iter().find(|name| file.is_unknown(name)) {
+            bail!("the log that it was imported from has no {missing}; a fit needs both pressures");
+        }
+        if stepper || file.is_unknown("spool") {
+            // SPLLOC is what was asked for, not what was measured.
             channels[3].taken.clear();
         }
         let timing = timing(file.period_us()?, parameter(id::PERIOD_US), parameter(id::DELAY_US))?;

@@ -22,6 +22,7 @@ impl Transient {
         // The first firmware knows of none.
         let stepper = file.get("param.stepper").is_some_and(|value| value != "0");
         let scaled = |raw: i16, [scale, offset]: [f64; 2]| f64::from(raw) * scale + offset;
+        let known = |name: &str, value: f64| if file.is_unknown(name) { f64::NAN } else { value };
         let channel = |of: &dyn Fn(&RecordedSample) -> f64| {
             file.samples.iter().map(|(_, sample)| of(sample)).collect::<Vec<f64>>()
         };
@@ -32,12 +33,12 @@ impl Transient {
             channels: [
                 setpoints(file, open_loop).into_iter().map(|counts| counts * mm).collect(),
                 channel(&|s| f64::from(s.position) * mm),
-                channel(&|s| scaled(s.pressure_1, pressure)),
-                channel(&|s| scaled(s.pressure_2, pressure)),
+                channel(&|s| known("pressure_1", scaled(s.pressure_1, pressure))),
+                channel(&|s| known("pressure_2", scaled(s.pressure_2, pressure))),
                 // SPLLOC counts steps: how long they are, and where the spool really is, nobody has measured.
-                channel(&|s| if stepper { f64::NAN } else { scaled(s.spool, spool) }),
+                channel(&|s| if stepper { f64::NAN } else { known("spool", scaled(s.spool, spool)) }),
                 channel(&|s| f64::from(s.command)),
-                channel(&|s| f64::from(s.error)),
+                channel(&|s| known("setpoint", f64::from(s.error))),
             ],
             counts: file.samples.iter().map(|(_, sample)| sample.position).collect(),
             mm_per_count: mm,

@@ -1,0 +1,51 @@
+//! Signals as files of other programs. The same signals give the same bytes.
+
+mod csv;
+mod mat;
+mod mcap;
+#[cfg(feature = "parquet")]
+mod parquet;
+
+use anyhow::Result;
+
+use crate::signals::Signals;
+
+/// A kind of file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// A table as text.
+    Csv,
+    /// MATLAB 5, which SciPy and Octave read, too.
+    Mat,
+    /// MCAP with protobuf messages, for PlotJuggler and Foxglove.
+    Mcap,
+    /// Parquet, for pandas, Polars and DuckDB.
+    Parquet,
+}
+
+/// All kinds, with the endings of their names.
+pub const FORMATS: [(Format, &str); 4] =
+    [(Format::Csv, "csv"), (Format::Mat, "mat"), (Format::Mcap, "mcap"), (Format::Parquet, "parquet")];
+
+/// The bytes of the file of these signals.
+///
+/// # Errors
+/// When the format cannot hold them, or this program is built without it.
+pub fn file(signals: &Signals, format: Format) -> Result<Vec<u8>> {
+    match format {
+        Format::Csv => Ok(csv::file(signals).into_bytes()),
+        Format::Mat => mat::file(signals),
+        Format::Mcap => mcap::file(signals),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => parquet::file(signals),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => {
+            anyhow::bail!(
+                "this program was built without Parquet; build it with `--features parquet`, or choose csv, mat or mcap"
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

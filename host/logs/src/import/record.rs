@@ -1,0 +1,200 @@
+//! Channels on one clock as the integers of a record.
+
+use anyhow::{Result, anyhow, bail};
+use pneudrive_controller::Parameters;
+use pneudrive_controller::parameters::{id, lookup};
+use pneudrive_protocol::RecordedSample;
+use pneudrive_records::record::{Record, RecordHead};
+use pneudrive_records::rig_info::{Info, RigParameters};
+use pneudrive_records::target::{IMPORTED, TargetFile, UNKNOWN};
+use pneudrive_sim::{Rig, keys};
+
+use super::{Imported, Table};
+use crate::column_map::{CHANNELS, COMMAND, POSITION, PRESSURES, SETPOINT, SPOOL};
+use crate::log::Log;
+
+/// Least and most of a command, counts.
+const COMMANDS: [f64; 2] = [-2048.0, 2048.0];
+
+/// The record of a log.
+///
+/// # Errors
+/// When a value is outside what the rig's sensors or its valve can have.
+pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
+    let parameters = parameters(rig, table)?;
+    let converters = Converters::of(rig, &parameters);
+    let samples = samples(table, &converters)?;
+    let spool = samples.iter().map(|sample| f64::from(sample.spool)).sum::<f64>() / samples.len() as f64;
+    let head = RecordHead {
+        test: rig.name().to_owned(),
+        samples: samples.len(),
+        first_index: 0,
+        decimation: 1,
+        pre_trigger: 0,
+        measured_period_ns: (1e9 * table.period_s).round() as u32,
+        mean_spool_raw: spool.round() as i16,
+        crc32: 0,
+    };
+    let info = Info {
+        version: 0,
+        firmware: "none".to_owned(),
+        build: "none".to_owned(),
+        board: "none".to_owned(),
+        record_capacity: 0,
+    };
+    let parameters = RigParameters { values: parameters, lacking: Vec::new() };
+    let mut file = TargetFile::new(&Record { head, samples }, &info, &parameters)?;
+    let unknown: Vec<&str> = (0..CHANNELS.len())
+        .filter(|&channel| table.channels[channel].is_none())
+        .map(|channel| CHANNELS[channel].name)
+        .collect();
+    file.header.insert(1, (IMPORTED.to_owned(), log.name.clone()));
+    if !unknown.is_empty() {
+        file.header.insert(2, (UNKNOWN.to_owned(), unknown.join(",")));
+    }
+    file.seal();
+    Ok(Imported { file, remarks: remarks(table, &converters, rig.get(&keys::controller::DELAY_S), &unknown) })
+}
+
+/// The rig's parameters at the log's period; without setpoints those of an open loop.
+fn parameters(rig: &Rig, table: &Table) -> Result<Parameters> {
+    let mut parameters = rig.parameters();
+    let period_us = (1e6 * table.period_s).round() as i32;
+    let delay_us = parameters.get(id::DELAY_US).unwrap_or(0);
+    if delay_us >= period_us {
+        bail!(
+            "in the rig file a command reaches the valve {delay_us} us after its sample, in the log the next sample comes after {period_us} us; set controller.delay_s to the delay of what was logged"
+        );
+    }
+    parameters.set(id::PERIOD_US, period_us).map_err(|_| {
+        let most = lookup(id::PERIOD_US).map_or(0, |parameter| parameter.max);
+        anyhow!("a sample every {period_us} us is more than the {most} us of a controller; choose a shorter --period")
+    })?;
+    if table.channels[SETPOINT].is_none() {
+        parameters.set(id::OPEN_LOOP, 1).map_err(|_| anyhow!("the rig cannot be one of an open loop"))?;
+    }
+    Ok(parameters)
+}
+
+/// The rig's sensors.
+struct Converters {
+    mm_per_count: f64,
+    pressure: Converter,
+    spool: Converter,
+}
+
+/// A converter of this many codes from 0, over a range.
+struct Converter {
+    least: f64,
+    most: f64,
+    codes: f64,
+}
+
+impl Converters {
+    fn of(rig: &Rig, parameters: &Parameters) -> Converters {
+        let get = |id: u16| f64::from(parameters.get(id).unwrap_or(0));
+        let codes = f64::from((1u32 << parameters.get(id::SENSOR_BITS).unwrap_or(12)) - 1);
+        Converters {
+            mm_per_count: rig.get(&keys::encoder::MM_PER_COUNT),
+            pressure: Converter { least: get(id::PRESSURE_MIN_PA), most: get(id::PRESSURE_MAX_PA), codes },
+            spool: Converter {
+                least: get(id::SPOOL_MIN_NM) * 1e-6,
+                most: get(id::SPOOL_MAX_NM) * 1e-6,
+                codes,
+            },
+        }
+    }
+}
+
+impl Converter {
+    fn step(&self) -> f64 {
+        (self.most - self.least) / self.codes
+    }
+
+    /// None outside its range.
+    fn code(&self, value: f64) -> Option<i16> {
+        (self.least..=self.most).contains(&value).then(|| ((value - self.least) / self.step()).round() as i16)
+    }
+}
+
+fn samples(table: &Table, converters: &Converters) -> Result<Vec<RecordedSample>> {
+    let rows = table.channels[POSITION].as_ref().map_or(0, Vec::len);
+    (0..rows).map(|row| sample(table, converters, row)).collect()
+}
+
+fn sample(table: &Table, converters: &Converters, row: usize) -> Result<RecordedSample> {
+    let value = |channel: usize| table.channels[channel].as_ref().map(|values| values[row]);
+    let code = |channel: usize, converter: &Converter, show: fn(f64) -> String| {
+        match value(channel) {
+        None => Ok(0),
+        Some(value) => converter.code(value).ok_or_else(|| {
+            anyhow!(
+                "{} is {} in sample {row}, outside the range of the rig's sensor, {} to {}; check unit and sign, or give the rig the sensor that was used",
+                CHANNELS[channel].name,
+                show(value),
+                show(converter.least),
+                show(converter.most)
+            )
+        }),
+    }
+    };
+    let counts =
+        |channel: usize| value(channel).map(|metres| encoder_count(1e3 * metres / converters.mm_per_count));
+    let position = counts(POSITION).unwrap_or(0);
+    let setpoint = counts(SETPOINT).unwrap_or(position);
+    Ok(RecordedSample {
+        position,
+        pressure_1: code(PRESSURES[0], &converters.pressure, kilopascals)?,
+        pressure_2: code(PRESSURES[1], &converters.pressure, kilopascals)?,
+        command: command(value(COMMAND).unwrap_or(0.0), row)?,
+        error: setpoint.saturating_sub(position).clamp(i16::MIN.into(), i16::MAX.into()) as i16,
+        spool: code(SPOOL, &converters.spool, millimetres)?,
+    })
+}
+
+/// The count of a position in counts. One that was itself counted stands on an edge, and may have lost its last digit.
+fn encoder_count(position: f64) -> i32 {
+    const LAST_DIGITS: f64 = 1e-6;
+    (position + LAST_DIGITS).floor() as i32
+}
+
+fn command(counts: f64, row: usize) -> Result<i16> {
+    let [least, most] = COMMANDS;
+    match counts.round() {
+        counts if (least..=most).contains(&counts) => Ok(counts as i16),
+        counts => bail!(
+            "command is {counts} counts in sample {row}, beyond a fully open valve ({least} to {most}); check unit, null and full"
+        ),
+    }
+}
+
+fn kilopascals(pascals: f64) -> String {
+    format!("{:.1} kPa", 1e-3 * pascals)
+}
+
+fn millimetres(value: f64) -> String {
+    format!("{value:.3} mm")
+}
+
+fn remarks(table: &Table, converters: &Converters, delay_s: f64, unknown: &[&str]) -> Vec<String> {
+    let mut remarks = vec![format!(
+        "Values are rounded to the rig's sensors: the position to {} mm, pressures to {:.3} kPa, commands to a count. A rig with finer ones keeps more.",
+        converters.mm_per_count,
+        1e-3 * converters.pressure.step()
+    )];
+    remarks.push(format!(
+        "A command is taken to reach the valve {:.3} ms after its row, as in the rig file (controller.delay_s).",
+        1e3 * delay_s
+    ));
+    remarks.extend(table.remark.clone());
+    if !unknown.is_empty() {
+        remarks.push(format!(
+            "The log has no {}: no curve and no figure of a record shows them.",
+            unknown.join(", ")
+        ));
+    }
+    if table.channels[SETPOINT].is_none() {
+        remarks.push("Without setpoints, the moves are the commands, as in an open loop.".to_owned());
+    }
+    remarks
+}

@@ -1,0 +1,160 @@
+//! MCAP (mcap.dev/spec) with messages in protobuf or JSON: every number of every field of every topic.
+
+mod chunk;
+mod protobuf;
+
+use std::collections::HashMap;
+
+use anyhow::{Context, Result, bail};
+use mcap::records::{Channel, Record};
+
+use super::Series;
+use protobuf::Messages;
+
+/// The messages of a topic.
+#[derive(Default)]
+struct Topic {
+    times_ns: Vec<u64>,
+    /// In the order in which fields are met.
+    fields: Vec<(String, Vec<f64>)>,
+    places: HashMap<String, usize>,
+}
+
+/// What a channel's messages are.
+enum Encoding {
+    Protobuf(Messages),
+    Json,
+    /// One that cannot be read.
+    Other(String),
+}
+
+/// What was read so far.
+#[derive(Default)]
+struct Reading {
+    schemas: HashMap<u16, (String, Vec<u8>)>,
+    channels: HashMap<u16, (String, Encoding)>,
+    topics: Vec<(String, Topic)>,
+}
+
+/// The series of a file.
+///
+/// # Errors
+/// When it is damaged, or no message can be read.
+pub fn read(bytes: &[u8]) -> Result<Vec<Series>> {
+    let mut reading = Reading::default();
+    chunk::each_record(bytes, &mut |record| reading.take(record))?;
+    let Reading { topics, channels, .. } = reading;
+    if topics.is_empty() {
+        let other = channels.values().find_map(|(topic, encoding)| match encoding {
+            Encoding::Other(encoding) => Some(format!("{topic} is in {encoding:?}")),
+            _ => None,
+        });
+        match other {
+            Some(other) => bail!("{other}: only protobuf and json can be read"),
+            None => bail!("it has no messages"),
+        }
+    }
+    let first = topics.iter().filter_map(|(_, topic)| topic.times_ns.first()).min().copied().unwrap_or(0);
+    Ok(topics.into_iter().flat_map(|(name, topic)| topic.into_series(&name, first)).collect())
+}
+
+impl Reading {
+    fn take(&mut self, record: Record<'_>) -> Result<()> {
+        match record {
+            Record::Schema { header, data } => {
+                self.schemas.insert(header.id, (header.name, data.into_owned()));
+            }
+            Record::Channel(channel) => {
+                let encoding =
+                    self.encoding(&channel).with_context(|| format!("channel {}", channel.topic))?;
+                self.channels.insert(channel.id, (channel.topic, encoding));
+            }
+            Record::Message { header, data } => {
+                let (name, encoding) =
+                    self.channels.get(&header.channel_id).context("a message has no channel")?;
+                let numbers = numbers(encoding, &data).with_context(|| format!("a message of {name}"))?;
+                if let Some(numbers) = numbers {
+                    topic(&mut self.topics, name).append(header.log_time, numbers);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn encoding(&self, channel: &Channel) -> Result<Encoding> {
+        match &*channel.message_encoding {
+            "json" => Ok(Encoding::Json),
+            "protobuf" => {
+                let (name, data) = self.schemas.get(&channel.schema_id).context("it has no schema")?;
+                Messages::described(data, name).map(Encoding::Protobuf)
+            }
+            other => Ok(Encoding::Other(other.to_owned())),
+        }
+    }
+}
+
+fn topic<'a>(topics: &'a mut Vec<(String, Topic)>, name: &str) -> &'a mut Topic {
+    let place = topics.iter().position(|(other, _)| other == name).unwrap_or_else(|| {
+        topics.push((name.to_owned(), Topic::default()));
+        topics.len() - 1
+    });
+    &mut topics[place].1
+}
+
+impl Topic {
+    fn append(&mut self, time_ns: u64, numbers: Vec<(String, f64)>) {
+        let before = self.times_ns.len();
+        self.times_ns.push(time_ns);
+        for (field, number) in numbers {
+            let place = *self.places.entry(field).or_insert_with_key(|field| {
+                self.fields.push((field.clone(), vec![f64::NAN; before]));
+                self.fields.len() - 1
+            });
+            self.fields[place].1.push(number);
+        }
+        self.fields.iter_mut().for_each(|(_, values)| values.resize(before + 1, f64::NAN));
+    }
+
+    fn into_series(self, topic: &str, first_ns: u64) -> Vec<Series> {
+        let clock: Vec<f64> = self.times_ns.iter().map(|time| time.abs_diff(first_ns) as f64 / 1e9).collect();
+        let series = |(field, values): (String, Vec<f64>)| Series {
+            name: format!("{topic}.{field}"),
+            clock_s: Some(clock.clone()),
+            values,
+        };
+        self.fields.into_iter().map(series).collect()
+    }
+}
+
+/// Fields and their numbers; None of a message in another encoding.
+fn numbers(encoding: &Encoding, data: &[u8]) -> Result<Option<Vec<(String, f64)>>> {
+    let mut numbers = Vec::new();
+    match encoding {
+        Encoding::Protobuf(messages) => messages.numbers(data, &mut numbers).context("it is damaged")?,
+        Encoding::Json => of_json("", &serde_json::from_slice(data).context("it is damaged")?, &mut numbers),
+        Encoding::Other(_) => return Ok(None),
+    }
+    Ok(Some(numbers))
+}
+
+/// The name of a field of a field.
+fn below(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
+}
+
+fn of_json(path: &str, value: &serde_json::Value, numbers: &mut Vec<(String, f64)>) {
+    use serde_json::Value as Json;
+    match value {
+        Json::Number(number) => numbers.extend(number.as_f64().map(|number| (path.to_owned(), number))),
+        Json::Bool(switch) => numbers.push((path.to_owned(), f64::from(u8::from(*switch)))),
+        Json::Object(fields) => {
+            fields.iter().for_each(|(name, value)| of_json(&below(path, name), value, numbers))
+        }
+        Json::Array(values) => {
+            let parts = values.iter().enumerate();
+            parts.for_each(|(place, value)| of_json(&below(path, &place.to_string()), value, numbers));
+        }
+        Json::Null | Json::String(_) => {}
+    }
+}

@@ -1,0 +1,83 @@
+//! The signals of a transient, in SI units, whatever file it comes from.
+//!
+//! Names are those of trace.csv, with their units: `position_m`, `pressure_1_pa`. What is unknown is not a number.
+
+use std::path::Path;
+
+use anyhow::Result;
+use pneudrive_analysis::transient::{COMMAND, ERROR, POSITION, SETPOINT, SPOOL, Transient};
+use pneudrive_protocol::RecordedSample;
+use pneudrive_records::run_folder::StoredRun;
+use pneudrive_records::target::TargetFile;
+
+/// A quantity over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signal {
+    /// With its unit at the end.
+    pub name: String,
+    /// One value a sample; not a number where it is unknown.
+    pub values: Vec<f64>,
+}
+
+/// The signals of a transient.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signals {
+    /// What is known of all samples: the header of a record, the rig of a run.
+    pub about: Vec<(String, String)>,
+    /// s, from the start of the test; grows from sample to sample.
+    pub time_s: Vec<f64>,
+    /// As long as the time each.
+    pub signals: Vec<Signal>,
+}
+
+impl Signals {
+    /// Of a TARGET file, a streamed run or a run folder, by what it is.
+    ///
+    /// # Errors
+    /// When it is none of them, or damaged.
+    pub fn read(path: &Path) -> Result<Signals> {
+        if path.is_dir() {
+            return Ok(Signals::of_run(StoredRun::read(path)?));
+        }
+        // Refuses what is part of a run folder.
+        let transient = Transient::read(path)?;
+        Signals::of_record(&transient, &TargetFile::read(path)?)
+    }
+
+    /// Every column of a run.
+    #[must_use]
+    pub fn of_run(run: StoredRun) -> Signals {
+        let about = [("rig", run.rig.clone()), ("mm_per_count", run.mm_per_count.to_string())];
+        let mut columns = run.into_columns().map(|(name, values)| Signal { name: name.to_owned(), values });
+        let time_s = columns.next().map(|time| time.values).unwrap_or_default();
+        let about = about.map(|(key, value)| (key.to_owned(), value)).into();
+        Signals { about, time_s, signals: columns.collect() }
+    }
+
+    /// The channels of a record, with the lines of its header.
+    ///
+    /// # Errors
+    /// When its header lacks a scale.
+    pub fn of_record(transient: &Transient, file: &TargetFile) -> Result<Signals> {
+        let channel = |channel: usize, factor: f64| {
+            transient.channels[channel].iter().map(|value| value * factor).collect()
+        };
+        let [scale, offset] = [file.positive("pressure_scale_pa")?, file.number("pressure_offset_pa")?];
+        let pressure = |name: &str, raw: fn(&RecordedSample) -> i16| {
+            let known = if file.is_unknown(name) { f64::NAN } else { 1.0 };
+            file.samples.iter().map(|(_, sample)| known * (f64::from(raw(sample)) * scale + offset)).collect()
+        };
+        let signals: [(&str, Vec<f64>); 8] = [
+            ("setpoint_m", channel(SETPOINT, 1e-3)),
+            ("position_counts", transient.counts.iter().copied().map(f64::from).collect()),
+            ("error_counts", channel(ERROR, 1.0)),
+            ("command_counts", channel(COMMAND, 1.0)),
+            ("position_m", channel(POSITION, 1e-3)),
+            ("pressure_1_pa", pressure("pressure_1", |sample| sample.pressure_1)),
+            ("pressure_2_pa", pressure("pressure_2", |sample| sample.pressure_2)),
+            ("spool_mm", channel(SPOOL, 1.0)),
+        ];
+        let signals = signals.map(|(name, values)| Signal { name: name.to_owned(), values }).into();
+        Ok(Signals { about: file.header.clone(), time_s: transient.time.clone(), signals })
+    }
+}

@@ -1,0 +1,27 @@
+//! `pneudrive import`.
+
+use std::fs;
+
+use anyhow::{Context, Result};
+use pneudrive_logs::column_map::ColumnMap;
+use pneudrive_logs::import::import;
+use pneudrive_logs::log::Log;
+use pneudrive_sim::keys;
+
+use super::rig_source::load_choice;
+use crate::cli::Import;
+
+pub(super) fn execute(arguments: &Import) -> Result<()> {
+    let rig = load_choice(&arguments.rig)?;
+    let place = arguments.columns.display().to_string();
+    let text = fs::read_to_string(&arguments.columns).with_context(|| format!("cannot read {place}"))?;
+    let map = ColumnMap::from_text(&text, rig.get(&keys::exhaust::PRESSURE_PA)).context(place)?;
+    let log = Log::read(&arguments.log)?;
+    let imported = import(&log, &map, &rig, arguments.period)?;
+    for remark in &imported.remarks {
+        say!("{remark}");
+    }
+    let path = imported.file.write_next(&arguments.out)?;
+    say!("{}: {} samples of {}", path.display(), imported.file.samples.len(), rig.name());
+    Ok(())
+}
