@@ -15,6 +15,7 @@ const LAYERS: [&[(&str, &str)]; 9] = [
         ("pneudrive-design", "host/design"),
     ],
     &[
+        ("pneudrive-interfaces", "firmware/interfaces"),
         ("pneudrive-nucleo-plan", "firmware/nucleo-f446/plan"),
         ("pneudrive-link", "host/link"),
         ("pneudrive-analysis", "host/analysis"),

@@ -1,0 +1,68 @@
+//! MCP4922: two converters of 12 bits on SPI, for the command of a valve amplifier.
+//!
+//! Data sheet: Microchip DS21897, "12-Bit DAC with SPI Interface", section 5 and Register 5-1. A write is one frame of
+//! 16 bits, most significant first; the rising edge of the chip select takes it over.
+//!
+//! | bit | name | here |
+//! |---|---|---|
+//! | 15 | A/B | 0: converter A, 1: converter B |
+//! | 14 | BUF | 0: the reference is not buffered, so it may be the supply |
+//! | 13 | GA | 1: U = U(ref) * code / 4096 |
+//! | 12 | SHDN | 1: the output is driven |
+//! | 11..0 | D | code |
+//!
+//! Mode 0 or 3, up to 20 MHz. The chip cannot be read: a code that is lost on the wire goes unnoticed until the drive
+//! does not move as it should. After its power came, the output is not driven, and the amplifier sees whatever its own
+//! resistor says: `drive_enable` must be low then.
+
+use embedded_hal::spi::SpiDevice;
+use pneudrive_controller::drive::MAX_CODE;
+
+use super::ChipError;
+use crate::ValveOutput;
+
+/// One of the two converters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// On the pin VOUTA.
+    A,
+    /// On the pin VOUTB.
+    B,
+}
+
+const CHANNEL_B: u16 = 1 << 15;
+const GAIN_1: u16 = 1 << 13;
+const ACTIVE: u16 = 1 << 12;
+
+/// The converter of a valve.
+#[derive(Debug)]
+pub struct Mcp4922<SPI> {
+    spi: SPI,
+    channel: Channel,
+}
+
+impl<SPI: SpiDevice> Mcp4922<SPI> {
+    /// One of the chip's converters. Nothing is driven before the first code.
+    pub fn new(spi: SPI, channel: Channel) -> Mcp4922<SPI> {
+        Mcp4922 { spi, channel }
+    }
+
+    /// Gives the bus back.
+    pub fn release(self) -> SPI {
+        self.spi
+    }
+}
+
+/// The frame that sets a converter to a code.
+fn frame(channel: Channel, code: u16) -> [u8; 2] {
+    let select = if channel == Channel::B { CHANNEL_B } else { 0 };
+    (select | GAIN_1 | ACTIVE | code.min(MAX_CODE)).to_be_bytes()
+}
+
+impl<SPI: SpiDevice> ValveOutput for Mcp4922<SPI> {
+    type Error = ChipError<SPI::Error>;
+
+    fn set_code(&mut self, code: u16) -> Result<(), Self::Error> {
+        self.spi.write(&frame(self.channel, code)).map_err(ChipError::Bus)
+    }
+}

@@ -1,0 +1,93 @@
+//! What a servo-pneumatic drive is wired to, as interfaces for any board: encoder, valve, translator, pressure
+//! sensors. The drivers need nothing but the traits of `embedded-hal` 1.0.
+//!
+//! | interface | drivers |
+//! |---|---|
+//! | [`EncoderCounter`] | [`chip::ls7366r`]: quadrature counter on SPI; [`chip::ssi`]: absolute encoder |
+//! | [`PressureInput`] | [`chip::mcp3208`]: converter of eight channels on SPI |
+//! | [`ValveOutput`] | [`chip::mcp4922`]: two converters on SPI |
+//! | [`StepDirection`] | [`step_pins`]: two output pins |
+//!
+//! Counts, codes and conversions are integers in the units of the hardware. A chip that gives an answer which it
+//! cannot give makes an error, never a figure.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod chip;
+pub mod step_pins;
+
+use pneudrive_controller::drive::Translator;
+
+/// A counter of an encoder's edges, or an encoder that knows its position.
+pub trait EncoderCounter {
+    /// Why there is no count.
+    type Error;
+
+    /// The position at this instant, counts. An incremental counter starts at 0 and wraps through 32 bits, as the
+    /// differences of the controller do.
+    ///
+    /// # Errors
+    /// When the counter does not answer, or its answer is none that it can give.
+    fn count(&mut self) -> Result<i32, Self::Error>;
+}
+
+/// What was converted at a sample, 0 to 4095 each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Conversions {
+    /// Pressure in chamber 1, on the blind side.
+    pub pressure_1: u16,
+    /// Pressure in chamber 2, on the rod side.
+    pub pressure_2: u16,
+    /// Displacement of the spool; any value without such a sensor.
+    pub spool: u16,
+}
+
+/// The pressure sensors, and that of the spool, behind a converter of 12 bits.
+pub trait PressureInput {
+    /// Why there is no conversion.
+    type Error;
+
+    /// Converts pressure 1, pressure 2 and spool, in this order, one right after the other.
+    ///
+    /// # Errors
+    /// When the converter does not answer, or its answer is none that it can give.
+    fn convert(&mut self) -> Result<Conversions, Self::Error>;
+}
+
+/// The command of a valve amplifier, behind a converter of 12 bits.
+pub trait ValveOutput {
+    /// Why the command was not taken.
+    type Error;
+
+    /// Sets the converter to a code of 0 to 4095; a larger one counts as 4095.
+    ///
+    /// # Errors
+    /// When the converter cannot be reached. A converter that cannot be read back may miss a code unnoticed.
+    fn set_code(&mut self, code: u16) -> Result<(), Self::Error>;
+
+    /// The code of the valve's null by the present configuration, for a board whose program sets it when it breaks
+    /// down. Called before every command.
+    fn note_null(&mut self, _code: u16) {}
+}
+
+/// Where a step takes the spool of a stepper valve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Toward extension: the direction line is high.
+    Extend,
+    /// Toward retraction: the direction line is low.
+    Retract,
+}
+
+/// A translator of step pulses.
+pub trait StepDirection {
+    /// Why there was no step.
+    type Error;
+
+    /// Gives one pulse of `pulse_width_us`, after the direction has stood for `direction_setup_us`. It may return
+    /// before the pulse is over; the pulse is over before the next sample.
+    ///
+    /// # Errors
+    /// When a line cannot be driven.
+    fn step(&mut self, translator: &Translator, direction: Direction) -> Result<(), Self::Error>;
+}
