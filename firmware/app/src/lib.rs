@@ -32,6 +32,7 @@ pub mod plant_link;
 pub mod ram_flash;
 pub mod recorder;
 mod repetition;
+pub mod runtime;
 pub mod server;
 pub mod storage;
 pub mod store;

@@ -8,13 +8,18 @@
 //! | [`ValveOutput`] | [`chip::mcp4922`]: two converters on SPI |
 //! | [`StepDirection`] | [`step_pins`]: two output pins |
 //!
+//! [`wired_board`] makes the application's [`pneudrive_app::Board`] of any of them, and [`spi_board`] of the three
+//! chips on SPI.
+//!
 //! Counts, codes and conversions are integers in the units of the hardware. A chip that gives an answer which it
 //! cannot give makes an error, never a figure.
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod chip;
+pub mod spi_board;
 pub mod step_pins;
+pub mod wired_board;
 
 use pneudrive_controller::drive::Translator;
 

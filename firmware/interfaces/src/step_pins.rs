@@ -2,7 +2,7 @@
 //!
 //! The processor waits while the direction stands and the pulse lasts: with the usual 10 microseconds each, 20 of the
 //! time between the output and the next sample. Where that is too long, a one-pulse timer does it
-//! (as on the Nucleo board). A PWM channel of `embedded-hal` cannot: it has no way to give one pulse.
+//! ([`pneudrive_app::runtime::pulse`]). A PWM channel of `embedded-hal` cannot: it has no way to give one pulse.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;

@@ -2,10 +2,13 @@
 
 use core::sync::atomic::{AtomicU16, Ordering, fence};
 
-use pneudrive_nucleo_plan::input::CHANNELS;
+use pneudrive_interfaces::{Conversions, PressureInput};
 use stm32f4xx_hal::gpio::{Analog, PB0, PC0, PC1};
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, DMA2};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+/// Channels that are converted at a sample.
+const CHANNELS: usize = 3;
 
 /// Looks at the DMA before the conversions are given up: some 20 us. They take 5.4.
 const PATIENCE: u32 = 400;
@@ -72,20 +75,28 @@ impl Converter {
             w.ctcif0().set_bit().chtif0().set_bit().cteif0().set_bit().cdmeif0().set_bit().cfeif0().set_bit()
         });
     }
+}
 
-    /// Converts all channels; None if they do not come.
-    pub fn convert(&mut self) -> Option<[u16; CHANNELS]> {
+/// The conversions did not come.
+pub struct NoConversion;
+
+impl PressureInput for Converter {
+    type Error = NoConversion;
+
+    #[inline]
+    fn convert(&mut self) -> Result<Conversions, NoConversion> {
         self.clear_flags();
         self.adc.cr2().modify(|_, w| w.swstart().set_bit());
         for _ in 0..PATIENCE {
             if self.dma.lisr().read().tcif0().bit_is_set() {
                 // What the DMA has written is read after its flag.
                 fence(Ordering::Acquire);
-                return Some([0, 1, 2].map(load));
+                let [pressure_1, pressure_2, spool] = [0, 1, 2].map(load);
+                return Ok(Conversions { pressure_1, pressure_2, spool });
             }
         }
         self.restart();
-        None
+        Err(NoConversion)
     }
 }
 

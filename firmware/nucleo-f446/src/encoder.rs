@@ -1,5 +1,8 @@
 //! TIM2: 32 bits of quadrature counts, all four edges of a period.
 
+use core::convert::Infallible;
+
+use pneudrive_interfaces::EncoderCounter;
 use stm32f4xx_hal::gpio::{Alternate, PA0, PA1, Pull};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -28,9 +31,13 @@ impl Encoder {
         timer.cr1().write(|w| w.cen().set_bit());
         Encoder(timer)
     }
+}
 
-    /// The counts so far.
-    pub fn counter(&self) -> u32 {
-        self.0.cnt().read().cnt().bits()
+impl EncoderCounter for Encoder {
+    type Error = Infallible;
+
+    #[inline]
+    fn count(&mut self) -> Result<i32, Infallible> {
+        Ok(self.0.cnt().read().cnt().bits().cast_signed())
     }
 }

@@ -2,6 +2,7 @@
 //! or writes, the processor stalls: it runs from the same flash.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use pneudrive_app::runtime::talk::Watchdog as _;
 use pneudrive_nucleo_plan::flash::{BYTES, UNIT, is_kept, sectors};
 use stm32f4xx_hal::flash::FlashExt;
 use stm32f4xx_hal::pac::FLASH;

@@ -9,6 +9,8 @@ use cortex_m::peripheral::{DCB, DWT};
 use pneudrive_app::lock_step::Stopwatch;
 use pneudrive_app::plant_bus::{Inputs, Outputs};
 use pneudrive_app::plant_link::{Line, PlantLink};
+use pneudrive_app::runtime::drive::REST_US;
+use pneudrive_app::runtime::talk::Served;
 use pneudrive_app::{LockStep, Recorder};
 use stm32f4xx_hal::gpio::{GpioExt, Output, PB10, PC10, PC11, PinState};
 use stm32f4xx_hal::pac::{CorePeripherals, GPIOB, Peripherals, USART3};
@@ -24,7 +26,7 @@ use crate::watchdog::Watchdog;
 use crate::{Control, Talk, reset};
 
 /// Nothing is stored before the drive has been disabled for so long: as on the board with a cylinder.
-const REST_CYCLES: u32 = PROCESSOR_MHZ * 1_000_000;
+const REST_CYCLES: u32 = PROCESSOR_MHZ * REST_US as u32;
 
 /// The control, its board, and the plant's line: what the two tasks share.
 pub struct Drive {
@@ -42,25 +44,34 @@ impl Drive {
     pub fn tick(&mut self) {
         self.link.attend(&mut self.control, &mut self.board, &self.cycles);
     }
+}
+
+impl Served for Drive {
+    type Board = LockStep<Store>;
+    type Recorder = &'static mut Recorder;
+
+    fn parts(&mut self) -> (&mut Control, &mut LockStep<Store>) {
+        (&mut self.control, &mut self.board)
+    }
 
     /// The control runs when the plant says so, and a plant that is silent does not stall the board: true. Looks
     /// whether it is silent.
-    pub fn has_run(&mut self) -> bool {
+    fn has_run(&mut self) -> bool {
         self.control.settle_timing();
         self.link.watch(&mut self.control, &mut self.board, &self.cycles);
         true
     }
 
     /// The plant waits.
-    pub fn has_time(&self) -> bool {
+    fn has_time(&self) -> bool {
         true
     }
 
     /// The plant is told the timing when a run begins.
-    pub fn keep_timing(&mut self) {}
+    fn keep_timing(&mut self) {}
 
     /// What waits for a disabled drive. False when the flash does not take it.
-    pub fn tidy_up(&mut self) -> bool {
+    fn tidy_up(&mut self) -> bool {
         if self.control.state().supervisor.drives() {
             self.enabled = Some(self.cycles.now());
         }

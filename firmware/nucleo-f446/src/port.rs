@@ -8,7 +8,8 @@ use core::convert::Infallible;
 use core::sync::atomic::{AtomicU8, Ordering, fence};
 
 use embedded_io::{ErrorType, Write};
-use pneudrive_nucleo_plan::ring::Reader;
+use pneudrive_app::runtime::ring::Reader;
+use pneudrive_app::runtime::talk;
 use pneudrive_protocol::MAX_FRAME;
 use stm32f4xx_hal::gpio::{PA2, PA3};
 use stm32f4xx_hal::pac::USART2;
@@ -54,35 +55,32 @@ impl Port {
         received.fill_round(usart.dr().as_ptr().cast(), &RECEIVED);
         Ok(Port { usart, received, sent, reader: Reader::default(), collected: 0 })
     }
+}
 
-    /// Whether the last reply has gone.
-    pub fn is_free(&self) -> bool {
+impl talk::Port for Port {
+    fn is_free(&self) -> bool {
         !self.sent.is_on()
     }
 
-    /// A byte that has come.
-    pub fn read(&mut self) -> Option<u8> {
+    fn read(&mut self) -> Option<u8> {
         let place = self.reader.next(RING, self.received.left())?;
         // What the DMA has written is read after its counter.
         fence(Ordering::Acquire);
         RECEIVED.get(place).map(|byte| byte.load(Ordering::Relaxed))
     }
 
-    /// Whether there is a reply to be sent.
-    pub fn has_collected(&self) -> bool {
+    fn has_collected(&self) -> bool {
         self.collected > 0
     }
 
-    /// Sends what was collected. The port must be free.
-    pub fn send(&mut self) {
+    fn send(&mut self) {
         if self.collected > 0 {
             self.sent.send(self.usart.dr().as_ptr().cast(), &REPLY, self.collected);
             self.collected = 0;
         }
     }
 
-    /// Clears what noise on the line has left, so that reception goes on.
-    pub fn clear_errors(&mut self) {
+    fn clear_errors(&mut self) {
         let state = self.usart.sr().read();
         if state.ore().bit_is_set() || state.fe().bit_is_set() || state.nf().bit_is_set() {
             // Reading the state, then the data: that is how the flags are cleared.

@@ -12,7 +12,7 @@ use core::ptr::{read_volatile, write_volatile};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 use pneudrive_app::fault_log::Memory;
-use pneudrive_nucleo_plan::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
+use pneudrive_app::runtime::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
 use stm32f4xx_hal::pac::RCC;
 
 use crate::switch_off;

@@ -1,93 +1,88 @@
-//! The two drive stages and the line that enables them. Which stage drives, the configuration says.
+//! The two drive stages and how they are switched off. Which stage drives, the configuration says.
 //!
 //! - the DAC on PA4, for the amplifier of a solenoid valve;
-//! - step and direction, for a translator; TIM4 times the pulse ([`pneudrive_nucleo_plan::pulse`]).
+//! - step and direction, for a translator; TIM4 times the pulse ([`pneudrive_app::runtime::pulse`]).
 
+use core::convert::Infallible;
 use core::sync::atomic::{AtomicU16, Ordering};
 
-use pneudrive_controller::Command;
-use pneudrive_controller::drive::DriveConfig;
-use pneudrive_nucleo_plan::pulse::Pulse;
-use pneudrive_nucleo_plan::time::prescaler;
-use stm32f4xx_hal::gpio::{Alternate, Analog, Output, PA4, PB6, PB10, PC7, PinState};
+use pneudrive_app::runtime::instants::prescaler;
+use pneudrive_app::runtime::pulse::Pulse;
+use pneudrive_controller::drive::Translator;
+use pneudrive_interfaces::{Direction, StepDirection, ValveOutput};
+use stm32f4xx_hal::gpio::{Alternate, Analog, Output, PA4, PB6, PC7, PinState};
 use stm32f4xx_hal::pac::{DAC, GPIOB, TIM4};
 use stm32f4xx_hal::rcc::{BusTimerClock, Enable, Rcc, Reset};
 
-/// Half of the converter's range: null, until a configuration says otherwise, and with a stepper.
+/// Half of the converter's range: null, until a configuration says otherwise.
 const MIDDLE: u16 = 2048;
 
 /// The code of the valve's null, for whoever switches off from outside.
 static NULL_CODE: AtomicU16 = AtomicU16::new(MIDDLE);
 
-/// The valve's lines.
-pub struct Valve {
+/// The converter of a solenoid valve's amplifier.
+pub struct Converter {
     dac: DAC,
-    _dac_pin: PA4<Analog>,
-    step: TIM4,
-    direction: PC7<Output>,
-    enable: PB10<Output>,
+    _pin: PA4<Analog>,
 }
 
-/// The pins as they are after a reset: inputs. External pull-downs hold `drive_enable` and `step` low.
-pub struct Pins {
-    /// The converter's output.
-    pub dac: PA4<Analog>,
-    /// The translator's pulse.
-    pub step: PB6,
-    /// The translator's direction: high extends.
-    pub direction: PC7,
-    /// Gates amplifier, translator and dump valve.
-    pub enable: PB10,
-}
-
-impl Valve {
-    /// Disabled, at null. None if the step timer's clock can't be divided to microseconds.
-    pub fn start(dac: DAC, step: TIM4, pins: Pins, rcc: &mut Rcc) -> Option<Valve> {
-        let enable = pins.enable.into_push_pull_output_in_state(PinState::Low);
+impl Converter {
+    /// At the middle of its range.
+    pub fn start(dac: DAC, pin: PA4<Analog>, rcc: &mut Rcc) -> Converter {
         DAC::enable(rcc);
         DAC::reset(rcc);
         dac.dhr12r1().write(|w| w.daccdhr().set(MIDDLE));
         dac.cr().write(|w| w.en1().set_bit());
-        start_pulses(&step, rcc)?;
-        let _: PB6<Alternate<2>> = pins.step.into_alternate();
-        let direction = pins.direction.into_push_pull_output_in_state(PinState::Low);
-        Some(Valve { dac, _dac_pin: pins.dac, step, direction, enable })
+        Converter { dac, _pin: pin }
     }
+}
 
-    /// Drives the stage. A drive is disabled before anything else changes, and enabled after.
-    pub fn drive(&mut self, config: &DriveConfig, command: Command) {
-        if !command.drive_enable {
-            self.enable.set_low();
-        }
-        match config {
-            DriveConfig::Dac(dac) => {
-                NULL_CODE.store(dac.null_code, Ordering::Relaxed);
-                self.convert(dac.code(command.counts));
-            }
-            DriveConfig::Stepper { translator, .. } => {
-                self.convert(MIDDLE);
-                self.step(Pulse::of(translator), command.step);
-            }
-        }
-        if command.drive_enable {
-            self.enable.set_high();
-        }
-    }
+impl ValveOutput for Converter {
+    type Error = Infallible;
 
-    fn convert(&mut self, code: u16) {
+    #[inline]
+    fn set_code(&mut self, code: u16) -> Result<(), Infallible> {
         self.dac.dhr12r1().write(|w| w.daccdhr().set(code));
+        Ok(())
     }
+
+    #[inline]
+    fn note_null(&mut self, code: u16) {
+        NULL_CODE.store(code, Ordering::Relaxed);
+    }
+}
+
+/// The lines of a translator. External pull-downs hold the pulse line low until they are driven.
+pub struct Steps {
+    timer: TIM4,
+    direction: PC7<Output>,
+}
+
+impl Steps {
+    /// No pulse. None if the timer's clock can't be divided to microseconds.
+    pub fn start(timer: TIM4, pulse: PB6, direction: PC7, rcc: &mut Rcc) -> Option<Steps> {
+        start_pulses(&timer, rcc)?;
+        let _: PB6<Alternate<2>> = pulse.into_alternate();
+        let direction = direction.into_push_pull_output_in_state(PinState::Low);
+        Some(Steps { timer, direction })
+    }
+}
+
+impl StepDirection for Steps {
+    type Error = Infallible;
 
     /// Sets the direction and starts the timer, which gives the pulse after the set-up time.
-    fn step(&mut self, pulse: Pulse, step: i8) {
-        match step {
-            0 => return,
-            1.. => self.direction.set_high(),
-            _ => self.direction.set_low(),
+    #[inline]
+    fn step(&mut self, translator: &Translator, direction: Direction) -> Result<(), Infallible> {
+        let pulse = Pulse::of(translator);
+        match direction {
+            Direction::Extend => self.direction.set_high(),
+            Direction::Retract => self.direction.set_low(),
         }
-        self.step.ccr1().write(|w| w.ccr().set(pulse.compare));
-        self.step.arr().write(|w| w.arr().set(pulse.reload));
-        self.step.cr1().modify(|_, w| w.cen().set_bit());
+        self.timer.ccr1().write(|w| w.ccr().set(pulse.compare));
+        self.timer.arr().write(|w| w.arr().set(pulse.reload));
+        self.timer.cr1().modify(|_, w| w.cen().set_bit());
+        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! The independent watchdog. It runs on a clock of its own, and nothing stops it once it has started.
 
+use pneudrive_app::runtime::talk;
 use pneudrive_nucleo_plan::watchdog::{RUNNING, Timeout, WRITING_FLASH};
 use stm32f4xx_hal::pac::iwdg::RegisterBlock;
 use stm32f4xx_hal::pac::iwdg::kr::KEY;
@@ -32,11 +33,6 @@ impl Watchdog {
         self.set(RUNNING);
     }
 
-    /// The control task and the server have run.
-    pub fn feed(&mut self) {
-        self.key(KEY::Feed);
-    }
-
     /// Gives the work the time that writing flash takes. For a disabled drive.
     pub fn while_writing<T>(&mut self, work: impl FnOnce() -> T) -> T {
         self.set(WRITING_FLASH);
@@ -52,7 +48,7 @@ impl Watchdog {
         self.registers().pr().write(|w| unsafe { w.bits(u16::from(timeout.prescaler)) });
         self.registers().rlr().write(|w| w.rl().set(timeout.reload));
         self.wait();
-        self.feed();
+        self.key(KEY::Feed);
     }
 
     /// Until it has taken over what was set before.
@@ -67,5 +63,11 @@ impl Watchdog {
 
     fn key(&self, key: KEY) {
         self.registers().kr().write(|w| w.key().variant(key));
+    }
+}
+
+impl talk::Watchdog for Watchdog {
+    fn feed(&mut self) {
+        self.key(KEY::Feed);
     }
 }

@@ -5,6 +5,15 @@
 
 use pneudrive_controller::drive::SpoolLocation;
 
+/// Two words of memory that a reset leaves as they are; after a power cut they hold anything.
+pub trait SpoolMemory {
+    /// Keeps the words, in the control interrupt.
+    fn keep(&mut self, words: [u32; 2]);
+
+    /// The words.
+    fn kept(&self) -> [u32; 2];
+}
+
 /// Upper half of the first word.
 const MARK: u32 = 0x5b1c_0000;
 

@@ -1,0 +1,83 @@
+//! The control and its board: what the control interrupt and the idle task share.
+
+use core::borrow::BorrowMut;
+
+use super::clock::{Clock, Timer};
+use crate::board::Board;
+use crate::control::Control;
+use crate::recorder::Recorder;
+
+/// Nothing is stored before the drive has been disabled for so long, microseconds: an erasure stalls the
+/// processor, and a host that asks for the reason of a fault gets it first.
+pub const REST_US: u64 = 1_000_000;
+
+/// A board whose control runs by a clock of its own.
+pub trait ClockedBoard: Board {
+    /// The clock's timer.
+    type Timer: Timer;
+
+    /// The clock.
+    fn clock(&self) -> &Clock<Self::Timer>;
+
+    /// The clock, to be set.
+    fn clock_mut(&mut self) -> &mut Clock<Self::Timer>;
+
+    /// When the drive was last enabled, microseconds since the reset.
+    fn enabled_us(&self) -> u64;
+}
+
+/// The control and its board.
+#[derive(Debug)]
+pub struct Drive<B, R = Recorder> {
+    /// The half with a deadline.
+    pub control: Control<R>,
+    /// Sensors, drive stage and clock.
+    pub board: B,
+    /// The longest request, microseconds: none begins with less time left before the control is due.
+    request_us: u32,
+    /// The control has run since the watchdog was last fed.
+    ran: bool,
+}
+
+impl<B: ClockedBoard, R: BorrowMut<Recorder>> Drive<B, R> {
+    /// A drive that carries out requests of at most `request_us` microseconds between two instants of the control.
+    pub fn new(control: Control<R>, board: B, request_us: u32) -> Drive<B, R> {
+        Drive { control, board, request_us, ran: false }
+    }
+
+    /// The timer's interrupt: whatever is due.
+    #[inline]
+    pub fn tick(&mut self) {
+        if self.board.clock_mut().sample_is_due() {
+            self.control.on_sample(&mut self.board);
+        }
+        if self.board.clock_mut().output_is_due() {
+            self.control.on_output(&mut self.board);
+            self.ran = true;
+        }
+    }
+
+    /// Whether the control has run since this was last asked; its times are settled then.
+    pub fn has_run(&mut self) -> bool {
+        self.control.settle_timing();
+        core::mem::take(&mut self.ran)
+    }
+
+    /// Whether a request can be carried out before the control is due.
+    #[must_use]
+    pub fn has_time(&self) -> bool {
+        self.board.clock().left_us() > self.request_us
+    }
+
+    /// Takes over the timing that a request may have changed.
+    pub fn keep_timing(&mut self) {
+        let timing = self.control.config().timing;
+        self.board.clock_mut().keep(timing);
+    }
+
+    /// Stores what waits for a drive that has been disabled for a while. False when the flash does not take it.
+    pub fn tidy_up(&mut self) -> bool {
+        let rests = self.board.now_us().saturating_sub(self.board.enabled_us()) > REST_US;
+        !rests || self.control.tidy_up(&mut self.board).is_ok()
+    }
+}

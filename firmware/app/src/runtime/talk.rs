@@ -1,0 +1,161 @@
+//! The idle task: serves the port and the stream, stores what waits for a disabled drive, feeds the watchdog.
+//!
+//! A request is carried out in one go with the control locked out: right after an output, when most of the
+//! period is left, or whenever there is time enough before the control is due.
+
+use core::borrow::BorrowMut;
+use core::convert::Infallible;
+
+use embedded_io::Write;
+use rtic_core::Mutex;
+
+use super::drive::{ClockedBoard, Drive};
+use crate::board::Board;
+use crate::control::Control;
+use crate::recorder::Recorder;
+use crate::server::Server;
+use crate::store::NotStored;
+
+/// Bytes that are looked at in one round: some 10,000 instructions.
+const BYTES_A_ROUND: usize = 64;
+
+/// A serial port. What is written to it is collected, and then sent in one go; a frame always fits.
+pub trait Port: Write<Error = Infallible> {
+    /// Whether the last reply has gone.
+    fn is_free(&self) -> bool;
+
+    /// A byte that has come.
+    fn read(&mut self) -> Option<u8>;
+
+    /// Whether there is a reply to be sent.
+    fn has_collected(&self) -> bool;
+
+    /// Sends what was collected. The port must be free.
+    fn send(&mut self);
+
+    /// Clears what noise on the line has left, so that reception goes on.
+    fn clear_errors(&mut self);
+}
+
+/// A watchdog that resets the board if it is not fed.
+pub trait Watchdog {
+    /// The control and the idle task have run.
+    fn feed(&mut self);
+}
+
+/// A drive as the idle task sees it.
+pub trait Served {
+    /// Its board.
+    type Board: Board;
+    /// Its recorder.
+    type Recorder: BorrowMut<Recorder>;
+
+    /// The control and the board, for a request.
+    fn parts(&mut self) -> (&mut Control<Self::Recorder>, &mut Self::Board);
+
+    /// Whether the control has run since this was last asked.
+    fn has_run(&mut self) -> bool;
+
+    /// Whether a request can be carried out before the control is due.
+    fn has_time(&self) -> bool;
+
+    /// Takes over the timing that a request may have changed.
+    fn keep_timing(&mut self);
+
+    /// Stores what waits for a disabled drive. False when the flash does not take it.
+    fn tidy_up(&mut self) -> bool;
+}
+
+impl<B: ClockedBoard, R: BorrowMut<Recorder>> Served for Drive<B, R> {
+    type Board = B;
+    type Recorder = R;
+
+    fn parts(&mut self) -> (&mut Control<R>, &mut B) {
+        (&mut self.control, &mut self.board)
+    }
+
+    fn has_run(&mut self) -> bool {
+        self.has_run()
+    }
+
+    fn has_time(&self) -> bool {
+        self.has_time()
+    }
+
+    fn keep_timing(&mut self) {
+        self.keep_timing();
+    }
+
+    fn tidy_up(&mut self) -> bool {
+        self.tidy_up()
+    }
+}
+
+/// The half that talks, and what it needs.
+#[derive(Debug)]
+pub struct Talk<P, W> {
+    server: Server,
+    port: P,
+    watchdog: W,
+    /// The flash has refused; it is not worn out by trying again and again.
+    flash_refuses: bool,
+}
+
+impl<P: Port, W: Watchdog> Talk<P, W> {
+    /// A task that has nothing to say yet.
+    pub fn new(port: P, watchdog: W) -> Talk<P, W> {
+        Talk { server: Server::default(), port, watchdog, flash_refuses: false }
+    }
+
+    /// One round of the idle task.
+    ///
+    /// # Errors
+    /// Once, when the flash does not take the fault log; it is not tried again before the next reset.
+    pub fn round<D: Served>(&mut self, drive: &mut impl Mutex<T = D>) -> Result<(), NotStored> {
+        self.port.clear_errors();
+        drive.lock(|drive| self.server.attend(drive.parts().0));
+        let (has_run, has_time) = drive.lock(|drive| (drive.has_run(), drive.has_time()));
+        if self.port.is_free() && (has_run || has_time) {
+            self.listen(drive);
+            self.speak();
+            self.port.send();
+        }
+        if !has_run {
+            return Ok(());
+        }
+        self.watchdog.feed();
+        self.tidy_up(drive)
+    }
+
+    /// The bytes that have come, up to one that ends a request; a few at a time, since what was looked at before
+    /// them, the time that is left, goes by.
+    fn listen<D: Served>(&mut self, drive: &mut impl Mutex<T = D>) {
+        for _ in 0..BYTES_A_ROUND {
+            if self.port.has_collected() {
+                return;
+            }
+            let Some(byte) = self.port.read() else { return };
+            let Talk { server, port, .. } = self;
+            drive.lock(|drive| {
+                let (control, board) = drive.parts();
+                let Ok(()) = server.receive(&[byte], control, board, port);
+                drive.keep_timing();
+            });
+        }
+    }
+
+    /// What goes unasked, behind the replies.
+    fn speak(&mut self) {
+        if !self.port.has_collected() {
+            let Ok(()) = self.server.speak(&mut self.port);
+        }
+    }
+
+    fn tidy_up<D: Served>(&mut self, drive: &mut impl Mutex<T = D>) -> Result<(), NotStored> {
+        if self.flash_refuses || drive.lock(D::tidy_up) {
+            return Ok(());
+        }
+        self.flash_refuses = true;
+        Err(NotStored)
+    }
+}
