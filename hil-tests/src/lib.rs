@@ -6,6 +6,7 @@
 //! | [`VirtualTarget`] | the virtual rig, over TCP and over a pty |
 //! | [`QemuTarget`] | the image for a Cortex-M4, in the emulator |
 //! | [`linked::LinkedTarget`] | the application natively, its plant at a second port, over TCP |
+//! | [`wired::WiredTarget`] | the application natively, on models of the chips of `pneudrive_interfaces::spi_board`, over TCP |
 //! | [`board`] | the image on a board, where one is named: `cargo xtask hil` |
 
 #[cfg(unix)]
@@ -17,6 +18,7 @@ pub mod cost;
 mod emulated;
 pub mod golden;
 pub mod linked;
+mod native;
 #[cfg(unix)]
 pub mod requests;
 #[cfg(unix)]
@@ -24,6 +26,7 @@ pub mod rounding;
 mod service;
 #[cfg(unix)]
 pub mod shell;
+pub mod wired;
 
 use anyhow::Result;
 use pneudrive_link::client::Client;

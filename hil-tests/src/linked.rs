@@ -1,7 +1,7 @@
 //! The firmware's application, run natively, with its plant at a second port, as on a Nucleo board with the feature
 //! `plant-bus`: TCP replaces the two serial ports, and everything else is as on the board.
 
-use std::io::{ErrorKind, Read, Write};
+use std::io::Write;
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,11 +13,12 @@ use pneudrive_app::lock_step::Stopwatch;
 use pneudrive_app::plant_link::{Line, PlantLink};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
-use pneudrive_app::{Control, LockStep, Server};
+use pneudrive_app::{Control, LockStep};
 use pneudrive_rigs::board_plant::BoardPlant;
 use pneudrive_sim::Rig;
 
 use crate::Target;
+use crate::native::{Callers, accepted, listener, port_name, read};
 use crate::service::commission;
 
 /// The board, and the plant that waits at its second port.
@@ -35,8 +36,7 @@ impl LinkedTarget {
     /// When there is no port, or board and plant do not come together.
     pub fn start(rig: &Rig) -> Result<LinkedTarget> {
         let [protocol, plant] = [listener()?, listener()?];
-        let name = |listener: &TcpListener| listener.local_addr().map(|address| format!("tcp://{address}"));
-        let (port, plant_port) = (name(&protocol)?, name(&plant)?);
+        let (port, plant_port) = (port_name(&protocol)?, port_name(&plant)?);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         std::thread::spawn(move || NativeBoard::new(protocol, plant).serve(&stopped));
@@ -61,12 +61,6 @@ impl LinkedTarget {
     }
 }
 
-fn listener() -> Result<TcpListener> {
-    let listener = TcpListener::bind("127.0.0.1:0")?;
-    listener.set_nonblocking(true)?;
-    Ok(listener)
-}
-
 impl Target for LinkedTarget {
     fn name(&self) -> &str {
         "native board with its plant at a port"
@@ -89,8 +83,7 @@ struct NativeBoard {
     board: LockStep<FlashStore<RamFlash, Memory>>,
     link: PlantLink<TcpLine>,
     microseconds: Microseconds,
-    listener: TcpListener,
-    callers: Vec<(TcpStream, Server)>,
+    callers: Callers,
 }
 
 impl NativeBoard {
@@ -103,51 +96,18 @@ impl NativeBoard {
         let microseconds = Microseconds(Instant::now());
         let line = TcpLine { listener: plant, plant: None, answer: Vec::new(), awaited: 0 };
         let link = PlantLink::new(line, 1000, &microseconds);
-        NativeBoard { control, board, link, microseconds, listener, callers: Vec::new() }
+        NativeBoard { control, board, link, microseconds, callers: Callers::new(listener) }
     }
 
     fn serve(mut self, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
-            self.listen();
+            self.callers.listen(&mut self.control, &mut self.board);
             self.link.attend(&mut self.control, &mut self.board, &self.microseconds);
             self.link.watch(&mut self.control, &mut self.board, &self.microseconds);
             // This flash takes everything.
             let _ = self.control.tidy_up(&mut self.board);
             std::thread::sleep(Duration::from_micros(20));
         }
-    }
-
-    /// Requests that have come, whatever the plant is doing.
-    fn listen(&mut self) {
-        if let Some(caller) = accepted(&self.listener) {
-            self.callers.push((caller, Server::default()));
-        }
-        let NativeBoard { control, board, callers, .. } = self;
-        callers.retain_mut(|(caller, server)| {
-            let (mut bytes, mut replies) = ([0; 1024], Vec::new());
-            let Some(count) = read(caller, &mut bytes) else { return false };
-            let Ok(()) = server.receive(&bytes[..count], control, board, &mut replies);
-            server.attend(control);
-            let Ok(()) = server.speak(&mut replies);
-            caller.write_all(&replies).is_ok()
-        });
-    }
-}
-
-fn accepted(listener: &TcpListener) -> Option<TcpStream> {
-    let (caller, _) = listener.accept().ok()?;
-    caller.set_nonblocking(true).ok()?;
-    caller.set_nodelay(true).ok()?;
-    Some(caller)
-}
-
-/// How many bytes have come; None once the other side has gone.
-fn read(from: &mut TcpStream, bytes: &mut [u8]) -> Option<usize> {
-    match from.read(bytes) {
-        Ok(0) if !bytes.is_empty() => None,
-        Ok(count) => Some(count),
-        Err(error) if error.kind() == ErrorKind::WouldBlock => Some(0),
-        Err(_) => None,
     }
 }
 

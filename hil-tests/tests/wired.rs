@@ -1,0 +1,158 @@
+//! A board of chips on SPI: drivers, clock and control as on a microcontroller, the plant at the pins of the modelled chips.
+
+use pneudrive_controller::Fault;
+use pneudrive_hil_tests::body::{self, rig};
+use pneudrive_hil_tests::wired::{Chip, Loss, WiredTarget};
+use pneudrive_hil_tests::{Delayed, Target};
+use pneudrive_protocol::Mode;
+use pneudrive_sim::Rig;
+
+fn wired(rig: &Rig) -> Box<dyn Target> {
+    Box::new(WiredTarget::start(rig).expect("a board"))
+}
+
+fn delayed(rig: &Rig) -> Box<dyn Delayed> {
+    Box::new(WiredTarget::start(rig).expect("a board"))
+}
+
+#[test]
+fn the_record_of_a_board_of_chips_is_the_simulation_in_closed_loop() {
+    body::closed_loop(wired);
+}
+
+#[test]
+fn the_record_of_a_board_of_chips_is_the_simulation_in_open_loop() {
+    body::open_loop(wired);
+}
+
+#[test]
+fn the_record_of_a_board_of_chips_is_the_simulation_of_the_other_built_in_rigs() {
+    body::other_built_in_rigs(wired);
+}
+
+#[test]
+fn the_record_of_a_board_of_chips_that_reads_its_channels_in_turn_is_the_simulation() {
+    body::channels_read_in_turn(wired);
+}
+
+#[test]
+fn the_record_of_a_board_of_chips_whose_controller_starts_late_is_the_simulation() {
+    body::a_late_controller(wired);
+}
+
+#[test]
+fn an_error_beyond_16_bits_is_limited_in_the_record_of_a_board_of_chips() {
+    body::an_error_beyond_16_bits(wired);
+}
+
+#[test]
+fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_a_board_of_chips() {
+    body::a_late_first_move(wired);
+}
+
+#[test]
+fn a_fault_after_the_moves_of_a_run_trips_a_board_of_chips() {
+    body::a_fault_after_the_moves(wired);
+}
+
+#[test]
+fn an_open_loop_that_runs_away_trips_a_board_of_chips() {
+    body::an_open_loop_that_runs_away(wired);
+}
+
+#[test]
+fn the_largest_commands_of_the_converter_are_recorded_as_such() {
+    body::the_largest_commands_of_the_dac(wired);
+}
+
+#[test]
+fn the_record_of_a_stepper_drive_on_two_pins_is_the_simulation() {
+    body::stepper(wired);
+}
+
+#[test]
+fn the_records_of_a_board_of_chips_replay_on_the_pc() {
+    body::records_replay(wired);
+}
+
+#[test]
+fn a_run_of_a_board_of_chips_that_was_stopped_replays_up_to_there() {
+    body::the_record_of_a_stopped_run_replays(wired);
+}
+
+#[test]
+fn each_start_of_a_board_of_chips_begins_from_the_same_state() {
+    body::each_start_begins_from_the_same_state(wired);
+}
+
+#[test]
+fn a_board_of_chips_that_is_given_another_period_keeps_that_time() {
+    body::another_period(wired);
+}
+
+#[test]
+fn a_stop_ends_a_run_of_a_board_of_chips() {
+    body::a_stop_ends_a_run_in_a_named_fault_and_arming_leaves_it(wired);
+}
+
+#[test]
+fn faults_of_the_plant_trip_a_board_of_chips_by_name() {
+    body::axis::faults_of_the_plant_trip_by_name(wired);
+}
+
+#[test]
+fn a_homing_run_of_a_board_of_chips_finds_the_stop() {
+    body::axis::homing_finds_the_stop(wired);
+}
+
+#[test]
+fn a_dead_encoder_of_a_board_of_chips_is_not_homed() {
+    body::axis::a_dead_encoder_is_not_homed(wired);
+}
+
+#[test]
+fn moves_of_a_board_of_chips_wait_for_the_arrival() {
+    body::axis::moves_on_arrival(wired);
+}
+
+#[test]
+fn a_step_of_a_board_of_chips_meets_its_requirements() {
+    body::axis::a_step_meets_its_requirements(wired);
+}
+
+#[test]
+fn parameters_are_saved_on_a_board_of_chips() {
+    body::axis::parameters_are_saved(wired);
+}
+
+#[test]
+fn a_late_sample_trips_a_board_of_chips_by_name() {
+    body::jitter::a_late_sample_trips_by_name(delayed);
+}
+
+/// The sample at which a run trips and its fault, when a chip loses its supply just before sample 200.
+fn trip_after(loss: Loss) -> (u32, Option<Fault>, bool) {
+    let rig = rig("servo-b-tuned", &["test.moves=[[0.0, 8192], [0.1, 16384]]", "test.duration_s=1"]);
+    let target = WiredTarget::start(&rig).expect("a board");
+    target.lose_supply(200, loss);
+    let mut client = target.connect().expect("a board that answers");
+    body::start_run(&mut client, &rig);
+    while client.status().expect("the port is served").mode == Mode::Running {}
+    let status = client.status().expect("an answer");
+    assert_eq!((status.mode, status.command), (Mode::Fault, 0), "{loss:?}");
+    let newest = client.events().expect("a log").first().copied().expect("an event");
+    (newest.index, Fault::from_code(newest.code), status.referenced)
+}
+
+#[test]
+fn a_counter_that_is_gone_or_has_lost_its_count_trips_at_that_sample_and_takes_the_reference_away() {
+    for loss in [Loss::Off(Chip::Ls7366r), Loss::BrownOut] {
+        assert_eq!(trip_after(loss), (200, Some(Fault::EncoderStep), false), "{loss:?}");
+    }
+}
+
+#[test]
+fn a_converter_that_is_gone_trips_as_an_open_sensor_does() {
+    // sensor_samples = 4: the fourth sample without a pressure trips.
+    assert_eq!(trip_after(Loss::Off(Chip::Mcp3208)), (203, Some(Fault::SensorRange), true));
+}
