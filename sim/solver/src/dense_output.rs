@@ -9,6 +9,7 @@
 pub(crate) struct DenseOutput<const N: usize> {
     pub start: f64,
     pub width: f64,
+    /// r1 to r6; of states that rest r1 alone.
     pub coefficients: [[f64; N]; 6],
     /// How many states move in it: the others stay at r1.
     pub n_moving: usize,
@@ -37,6 +38,9 @@ impl<const N: usize> DenseOutput<N> {
 
     /// dx/dt of one state.
     pub fn derivative_of(&self, state: usize, t: f64) -> f64 {
+        if state >= self.n_moving {
+            return 0.0;
+        }
         let theta = (t - self.start) / self.width;
         let rest = 1.0 - theta;
         let [_, r2, r3, r4, r5, r6] = self.coefficients.map(|row| row[state]);
@@ -63,16 +67,21 @@ impl<const N: usize> DenseOutput<N> {
     }
 }
 
-/// A step that was tried.
-pub(crate) struct TrialStep<const N: usize> {
-    /// Its error over what is allowed, and the power of the step size that it goes with.
+/// The error of a step that was tried over what is allowed, and the power of the step size that it goes with.
+pub(crate) struct TrialError {
     pub error: f64,
     pub order: f64,
-    /// None where the error is more than that, or no number.
-    pub accepted: Option<AcceptedStep<N>>,
 }
 
-/// A step that is good enough.
+impl TrialError {
+    /// Whether the step is good enough; not where the error is no number.
+    pub fn is_small(&self) -> bool {
+        self.error <= 1.0
+    }
+}
+
+/// A step that is good enough. The next one is written over it.
+#[derive(Clone, Debug)]
 pub(crate) struct AcceptedStep<const N: usize> {
     pub dense: DenseOutput<N>,
     /// The state at the end, and dx/dt there if it is known.
@@ -80,4 +89,20 @@ pub(crate) struct AcceptedStep<const N: usize> {
     pub end_derivative: Option<[f64; N]>,
     /// The step times the fastest rate of decay in it.
     pub stiffness: f64,
+}
+
+impl<const N: usize> AcceptedStep<N> {
+    /// Before the first step.
+    pub const NONE: AcceptedStep<N> = AcceptedStep {
+        dense: DenseOutput {
+            start: 0.0,
+            width: 1.0,
+            coefficients: [[0.0; N]; 6],
+            n_moving: 0,
+            refined: false,
+        },
+        x: [0.0; N],
+        end_derivative: None,
+        stiffness: 0.0,
+    };
 }

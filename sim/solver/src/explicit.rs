@@ -1,22 +1,24 @@
 //! One trial step of an explicit method, its error, and how stiff it found the system. The first M states move.
 
-use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
+use crate::dense_output::{AcceptedStep, DenseOutput, TrialError};
 use crate::progress::Progress;
 use crate::system::System;
 use crate::tableau::{DORMAND_PRINCE, MAX_STAGES, MERSON, Method, Tableau};
 
 impl<const N: usize> Progress<N> {
+    /// The step goes to `step` if its error is small.
     pub(crate) fn explicit_step<const M: usize, const G: usize, const E: usize>(
         &mut self,
         tableau: &Tableau,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         h: f64,
-    ) -> TrialStep<N> {
+        step: &mut AcceptedStep<N>,
+    ) -> TrialError {
         // Of a tableau that the compiler knows it unrolls the sums.
         match tableau.method {
-            Method::DormandPrince => self.step_by::<M, G, E>(&DORMAND_PRINCE, system, derivative, h),
-            Method::Merson => self.step_by::<M, G, E>(&MERSON, system, derivative, h),
+            Method::DormandPrince => self.step_by::<M, G, E>(&DORMAND_PRINCE, system, derivative, h, step),
+            Method::Merson => self.step_by::<M, G, E>(&MERSON, system, derivative, h, step),
         }
     }
 
@@ -25,22 +27,21 @@ impl<const N: usize> Progress<N> {
         &mut self,
         tableau: &Tableau,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         h: f64,
-    ) -> TrialStep<N> {
+        step: &mut AcceptedStep<N>,
+    ) -> TrialError {
         let (stages, x, end_derivative) = self.stages::<M, G, E>(tableau, system, derivative, h);
-        let error = self.error_norm(&combined(tableau.error, &stages, h), &x);
-        let accepted = if error <= 1.0 {
-            Some(AcceptedStep {
-                dense: self.dense_output_of::<M>(tableau, &stages, &x, h),
-                x,
-                end_derivative: Some(end_derivative),
-                stiffness: self.stiffness_of::<M>(tableau, &stages, &x),
-            })
-        } else {
-            None
-        };
-        TrialStep { error, order: tableau.error_order, accepted }
+        let sizes = self.sizes::<M>(&x);
+        let error = self.error_norm(&combined(tableau.error, &stages, h), &sizes);
+        let trial = TrialError { error, order: tableau.error_order };
+        if trial.is_small() {
+            self.write_dense_output::<M>(tableau, &stages, &x, h, &mut step.dense);
+            step.x = x;
+            step.end_derivative = Some(end_derivative);
+            step.stiffness = stiffness_of(tableau, &stages, &sizes);
+        }
+        trial
     }
 
     /// The derivatives of all stages, and the state and the derivative at the end; the last stage is the latter.
@@ -49,7 +50,7 @@ impl<const N: usize> Progress<N> {
         &mut self,
         tableau: &Tableau,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         h: f64,
     ) -> ([[f64; M]; MAX_STAGES], [f64; N], [f64; N]) {
         let mut stages = [[0.0; M]; MAX_STAGES];
@@ -86,49 +87,43 @@ impl<const N: usize> Progress<N> {
         slope
     }
 
-    /// h times the fastest rate of decay: the last two stages are slopes at the same time, at states that
-    /// differ by little (Hairer, Norsett, Wanner II, IV.2).
     #[inline(always)]
-    fn stiffness_of<const M: usize>(
-        &self,
-        tableau: &Tableau,
-        stages: &[[f64; M]; MAX_STAGES],
-        x: &[f64; N],
-    ) -> f64 {
-        let last = tableau.last_stage();
-        let apart = combined(tableau.apart, stages, 1.0);
-        let (mut states, mut slopes) = (0.0, 0.0);
-        for i in 0..M {
-            let per_scale = 1.0 / self.scale[i].max(x[i].abs());
-            states += (apart[i] * per_scale).powi(2);
-            slopes += ((stages[last][i] - stages[last - 1][i]) * per_scale).powi(2);
-        }
-        // The states differ by h times this: h cancels.
-        if states > 0.0 { (slopes / states).sqrt() } else { 0.0 }
-    }
-
-    #[inline(always)]
-    fn dense_output_of<const M: usize>(
+    fn write_dense_output<const M: usize>(
         &self,
         tableau: &Tableau,
         stages: &[[f64; M]; MAX_STAGES],
         x: &[f64; N],
         h: f64,
-    ) -> DenseOutput<N> {
+        dense: &mut DenseOutput<N>,
+    ) {
+        (dense.start, dense.width, dense.n_moving, dense.refined) = (self.t, h, M, false);
         let end = &stages[tableau.last_stage()];
         let quartic = combined(tableau.dense, stages, h);
-        let mut coefficients = [[0.0; N]; 6];
-        coefficients[0] = self.x;
-        coefficients[4][..M].copy_from_slice(&quartic);
+        let [r1, r2, r3, r4, r5, r6] = &mut dense.coefficients;
+        *r1 = self.x;
         for i in 0..M {
             let rise = x[i] - self.x[i];
             let bend = h * stages[0][i] - rise;
-            coefficients[1][i] = rise;
-            coefficients[2][i] = bend;
-            coefficients[3][i] = rise - h * end[i] - bend;
+            (r2[i], r3[i], r4[i]) = (rise, bend, rise - h * end[i] - bend);
+            (r5[i], r6[i]) = (quartic[i], 0.0);
         }
-        DenseOutput { start: self.t, width: h, coefficients, n_moving: M, refined: false }
     }
+}
+
+/// h times the fastest rate of decay: the last two stages are slopes at the same time, at states that
+/// differ by little (Hairer, Norsett, Wanner II, IV.2).
+#[inline(always)]
+fn stiffness_of<const M: usize>(tableau: &Tableau, stages: &[[f64; M]; MAX_STAGES], sizes: &[f64; M]) -> f64 {
+    let last = tableau.last_stage();
+    let apart = combined(tableau.apart, stages, 1.0);
+    let (mut states, mut slopes) = (0.0, 0.0);
+    for i in 0..M {
+        let per_size = 1.0 / sizes[i];
+        states += (apart[i] * per_size).powi(2);
+        slopes += ((stages[last][i] - stages[last - 1][i]) * per_size).powi(2);
+    }
+    // The states differ by h times this: h cancels.
+    if states > 0.0 { (slopes / states).sqrt() } else { 0.0 }
 }
 
 /// h times the weighted sum of the stages.

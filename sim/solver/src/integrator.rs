@@ -3,7 +3,7 @@
 //! Between a step's ends the state can be read at any time, so a sample costs no step. Where an event leaves dx/dt
 //! continuous, the next step has its first stage already.
 
-use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
+use crate::dense_output::{AcceptedStep, TrialError};
 use crate::error::{IntegrationError, MAX_STEPS};
 use crate::progress::Progress;
 use crate::rosenbrock::Linearization;
@@ -40,8 +40,9 @@ pub struct Integrator<
     derivative: Option<[f64; N]>,
     /// The guards at t, if they are known in the present modes.
     guards: Option<[f64; G]>,
-    /// The step that led to t.
-    last_step: Option<DenseOutput<N>>,
+    /// The step that was accepted last, and whether it led to t in the present modes.
+    step: AcceptedStep<N>,
+    has_step: bool,
     /// The state that was requested last, as long as it is valid.
     read: Option<(f64, [f64; N])>,
     /// The event at t, until it has been handled.
@@ -88,7 +89,8 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             now: Progress { t: 0.0, x, tolerance, scale, statistics: Statistics::default() },
             derivative: None,
             guards: None,
-            last_step: None,
+            step: AcceptedStep::NONE,
+            has_step: false,
             read: None,
             pending: None,
             step_size: FIRST_STEP,
@@ -115,10 +117,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         {
             return x;
         }
-        let x = match &self.last_step {
-            Some(step) if t < self.now.t => step.at(t),
-            _ => self.now.x,
-        };
+        let x = if self.has_step && t < self.now.t { self.step.dense.at(t) } else { self.now.x };
         self.read = Some((t, x));
         x
     }
@@ -126,9 +125,9 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
     /// The derivative of one state at `t`, as in [`Integrator::state`]; None where it may have jumped.
     #[must_use]
     pub fn derivative_of(&self, state: usize, t: f64) -> Option<f64> {
-        match &self.last_step {
-            Some(step) => Some(step.derivative_of(state, t.min(self.now.t))),
-            None => self.derivative.map(|derivative| derivative[state]),
+        match self.has_step {
+            true => Some(self.step.dense.derivative_of(state, t.min(self.now.t))),
+            false => self.derivative.map(|derivative| derivative[state]),
         }
     }
 
@@ -164,9 +163,9 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         change: impl FnOnce(&mut S, &mut [f64; N]) -> Derivative,
     ) {
         if t < self.now.t {
-            if let Some(mut step) = self.last_step.take() {
-                self.now.refine(system, &mut step);
-                self.now.x = step.at(t);
+            if self.has_step {
+                self.now.refine(system, &mut self.step.dense);
+                self.now.x = self.step.dense.at(t);
             }
             self.pending = None;
             self.derivative = None;
@@ -181,7 +180,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             self.oscillates = oscillates;
             std::mem::swap(&mut self.step_size, &mut self.other_step_size);
         }
-        self.last_step = None;
+        self.has_step = false;
         self.read = None;
         self.guards = None;
         self.control = StepControl::default();
@@ -224,15 +223,15 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             self.pending = limit.event;
             return Ok(());
         }
-        let derivative = self.present_derivative(system);
+        let derivative = &self.present_derivative(system);
         // No step is short enough for a derivative that is not a number.
         if !derivative.iter().all(|rate| rate.is_finite()) {
             return Err(IntegrationError::NotANumber { at_s: self.now.t });
         }
-        let (AcceptedStep { mut dense, x, end_derivative, .. }, end) =
-            self.accepted_step(system, derivative, limit.until.min(horizon))?;
+        let end = self.accepted_step(system, derivative, limit.until.min(horizon))?;
         self.now.statistics.n_steps += 1;
-        match self.now.first_event(system, &mut self.guards, &mut dense, end, &x) {
+        let AcceptedStep { dense, x, end_derivative, .. } = &mut self.step;
+        match self.now.first_event(system, &mut self.guards, dense, end, x) {
             Some((event, at)) => {
                 self.now.x = dense.at(at);
                 self.now.t = at;
@@ -240,13 +239,13 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
                 self.pending = Some(event);
             }
             None => {
-                self.now.x = x;
+                self.now.x = *x;
                 self.now.t = end;
                 self.derivative = end_derivative.filter(|_| !self.stiffness.implicit);
                 self.pending = limit.event.filter(|_| end == limit.until);
             }
         }
-        self.last_step = Some(dense);
+        self.has_step = true;
         self.read = None;
         Ok(())
     }
@@ -262,13 +261,13 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         }
     }
 
-    /// Tries steps until the error is small enough: the step, and when it ends.
+    /// Tries steps until the error of one is small enough, and tells when it ends.
     fn accepted_step(
         &mut self,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         limit: f64,
-    ) -> Result<(AcceptedStep<N>, f64), IntegrationError> {
+    ) -> Result<f64, IntegrationError> {
         let linearization = self.stiffness.implicit.then(|| self.now.linearize(system, derivative));
         loop {
             let Proposal { h, end, limited } = self.propose(limit);
@@ -278,11 +277,11 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
                 self.step_size = 0.1 * h;
             } else {
                 let next = h * self.control.factor(h, error, trial.order);
-                if let Some(step) = trial.accepted {
+                if trial.is_small() {
                     // A step cut short by an event says nothing about the size for the allowed error.
                     self.step_size = if limited { next.max(self.step_size) } else { next };
-                    self.note_stiffness(&step, limited);
-                    return Ok((step, end));
+                    self.note_stiffness(limited);
+                    return Ok(end);
                 }
                 self.step_size = next;
             }
@@ -320,10 +319,10 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
     fn try_step(
         &mut self,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         linearization: Option<&Linearization<N>>,
         h: f64,
-    ) -> TrialStep<N> {
+    ) -> TrialError {
         system.begin_step(h);
         match system.n_moving() {
             n if n <= FEW => self.try_step_of::<FEW>(system, derivative, linearization, h),
@@ -337,21 +336,23 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
     fn try_step_of<const M: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         linearization: Option<&Linearization<N>>,
         h: f64,
-    ) -> TrialStep<N> {
+    ) -> TrialError {
+        let step = &mut self.step;
         match linearization {
-            Some(linearization) => self.now.rosenbrock_step::<M, G, E>(system, derivative, linearization, h),
-            None => self.now.explicit_step::<M, G, E>(self.tableau, system, derivative, h),
+            Some(linear) => self.now.rosenbrock_step::<M, G, E>(system, derivative, linear, h, step),
+            None => self.now.explicit_step::<M, G, E>(self.tableau, system, derivative, h, step),
         }
     }
 
     /// A step cut short says nothing of how far a method might go.
-    fn note_stiffness(&mut self, step: &AcceptedStep<N>, limited: bool) {
+    fn note_stiffness(&mut self, limited: bool) {
         if !limited {
-            let moved: [f64; N] = std::array::from_fn(|i| step.x[i] - self.now.x[i]);
-            self.stiffness.note(step.stiffness, self.now.error_norm(&moved, &step.x));
+            let moved: [f64; N] = std::array::from_fn(|i| self.step.x[i] - self.now.x[i]);
+            let moved = self.now.error_norm(&moved, &self.now.sizes(&self.step.x));
+            self.stiffness.note(self.step.stiffness, moved);
         }
     }
 }

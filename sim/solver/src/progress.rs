@@ -17,15 +17,22 @@ pub(crate) struct Progress<const N: usize> {
 }
 
 impl<const N: usize> Progress<N> {
-    /// The largest error of one of the first M states over what is allowed.
-    pub fn error_norm<const M: usize>(&self, error: &[f64; M], x: &[f64; N]) -> f64 {
-        let (mut largest, mut sum) = (0.0_f64, 0.0);
+    /// What an error of each of the first M states is measured by: the state, but not less than its scale.
+    #[inline(always)]
+    pub fn sizes<const M: usize>(&self, x: &[f64; N]) -> [f64; M] {
+        std::array::from_fn(|i| larger(self.scale[i], x[i].abs()))
+    }
+
+    /// The largest of several errors, each over its state's size, over what is allowed.
+    #[inline(always)]
+    pub fn error_norm<const M: usize>(&self, error: &[f64; M], sizes: &[f64; M]) -> f64 {
+        let (mut largest, mut sum) = (0.0, 0.0);
         for i in 0..M {
-            let ratio = error[i].abs() / self.scale[i].max(x[i].abs());
-            largest = largest.max(ratio);
+            let ratio = error[i].abs() / sizes[i];
+            largest = larger(largest, ratio);
             sum += ratio;
         }
-        // max() ignores a NaN, the sum does not.
+        // The larger one ignores a NaN, the sum does not.
         if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
     }
 
@@ -44,4 +51,10 @@ impl<const N: usize> Progress<N> {
         }
         new
     }
+}
+
+/// The larger of two numbers; the first one if the second one is none. A single instruction, which `f64::max` is not.
+#[inline(always)]
+fn larger(one: f64, other: f64) -> f64 {
+    if other > one { other } else { one }
 }

@@ -9,7 +9,7 @@
 //! J and df/dt by differences: each state is moved by little more than the tolerance allows, because a
 //! right-hand side may bend within that much of a state.
 
-use crate::dense_output::{AcceptedStep, DenseOutput, TrialStep};
+use crate::dense_output::{AcceptedStep, DenseOutput, TrialError};
 use crate::linear::Factors;
 use crate::progress::Progress;
 use crate::system::System;
@@ -74,7 +74,7 @@ impl<const N: usize> Progress<N> {
     pub(crate) fn linearize<const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
     ) -> Linearization<N> {
         let mut jacobian = [[0.0; N]; N];
         let n_states = system.n_states();
@@ -97,40 +97,43 @@ impl<const N: usize> Progress<N> {
         part * self.scale[state].max(self.x[state].abs())
     }
 
-    /// A trial step in which the first M states move.
+    /// A trial step in which the first M states move. It goes to `step` if its error is small.
     pub(crate) fn rosenbrock_step<const M: usize, const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         linearization: &Linearization<N>,
         h: f64,
-    ) -> TrialStep<N> {
+        step: &mut AcceptedStep<N>,
+    ) -> TrialError {
         let u = self.increments::<M, G, E>(system, derivative, linearization, h);
         let mut x = self.x;
         for (i, x) in x.iter_mut().enumerate().take(M) {
             *x += combined(A[5], &u, i);
             *x += u[5][i];
         }
-        let error = self.error_norm(&u[5], &x);
-        let accepted = (error <= 1.0).then(|| AcceptedStep {
-            dense: DenseOutput {
-                start: self.t,
-                width: h,
-                coefficients: self.interpolant(&u, &x),
-                n_moving: M,
-                refined: true,
-            },
-            x,
-            end_derivative: None,
-            stiffness: h * self.fastest::<M>(&linearization.jacobian),
-        });
-        TrialStep { error, order: ERROR_ORDER, accepted }
+        let trial = TrialError { error: self.error_norm(&u[5], &self.sizes(&x)), order: ERROR_ORDER };
+        if trial.is_small() {
+            *step = AcceptedStep {
+                dense: DenseOutput {
+                    start: self.t,
+                    width: h,
+                    coefficients: self.interpolant(&u, &x),
+                    n_moving: M,
+                    refined: true,
+                },
+                x,
+                end_derivative: None,
+                stiffness: h * self.fastest::<M>(&linearization.jacobian),
+            };
+        }
+        trial
     }
 
     fn increments<const M: usize, const G: usize, const E: usize>(
         &mut self,
         system: &mut impl System<N, G, E>,
-        derivative: [f64; N],
+        derivative: &[f64; N],
         linearization: &Linearization<N>,
         h: f64,
     ) -> [[f64; M]; STAGES] {
@@ -139,7 +142,7 @@ impl<const N: usize> Progress<N> {
         let mut u = [[0.0; M]; STAGES];
         for stage in 0..STAGES {
             let f = if stage == 0 {
-                derivative
+                *derivative
             } else {
                 self.statistics.n_rhs_evaluations += 1;
                 let mut x = self.x;
