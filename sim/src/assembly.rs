@@ -287,6 +287,15 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
         }
     }
 
+    /// A spool with a closed form has no guards, and a gain profile is one of the continuous controller.
+    fn n_guards(&self) -> usize {
+        match (self.parts.operator.has_closed_form(), &self.parts.continuous) {
+            (true, None) => guard::PROFILE[0],
+            (true, Some(_)) => guard::SPOOL,
+            (false, _) => GUARDS,
+        }
+    }
+
     fn oscillates(&self) -> bool {
         self.parts.operator.max_step().is_finite()
     }

@@ -364,34 +364,4 @@ impl Plant {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::assembly::STATES;
-    use crate::rig::BUILTIN;
-
-    /// Every built-in rig with commands to and fro, held, flying, in its stops, on dry friction and on bristles: `System::n_moving`
-    /// leaves what rests out of the sums of a step.
-    #[test]
-    fn states_that_are_said_to_rest_have_no_derivative() {
-        let (mut samples, bristles) = ([0; STATES + 1], "load.friction=lugre".to_owned());
-        for (name, _) in BUILTIN {
-            let rig = Rig::builtin(name).expect("a built-in rig");
-            let with_bristles = rig.with_settings(std::slice::from_ref(&bristles));
-            for rig in [Ok(rig), with_bristles].into_iter().flatten() {
-                let mut plant = Plant::new(&rig, Accuracy::of_draw(&rig), 0);
-                for k in 0..400_i16 {
-                    let counts = [0, 700, -1500, 2048][usize::from(k.unsigned_abs() / 25 % 4)];
-                    plant.command(Command { counts, step: counts.signum() as i8, drive_enable: true });
-                    plant.next_sample().expect("a sample");
-                    let t = plant.sample_time_of(plant.k);
-                    let x = plant.integrator.state(t);
-                    let n_moving = plant.assembly.n_moving();
-                    samples[n_moving] += 1;
-                    let slope = plant.assembly.derivative(t, &x);
-                    assert!(slope[n_moving..].iter().all(|rate| *rate == 0.0), "{name} at {t} s");
-                }
-            }
-        }
-        assert_eq!(samples.iter().filter(|count| **count > 100).count(), 3, "{samples:?}");
-    }
-}
+mod tests;

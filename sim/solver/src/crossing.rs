@@ -39,10 +39,9 @@ pub fn first_crossing<const G: usize>(
 const CLEAR: f64 = 2.0;
 
 /// Whether all guards stay clear of zero, by their values at the beginning, in the middle and at the end.
-pub fn stay_clear<const G: usize>(begin: &[f64; G], middle: &[f64; G], end: &[f64; G]) -> bool {
+pub fn stay_clear(begin: &[f64], middle: &[f64], end: &[f64]) -> bool {
     let mut clear = true;
-    for i in 0..G {
-        let (one, two, three) = (begin[i], middle[i], end[i]);
+    for ((&one, &two), &three) in begin.iter().zip(middle).zip(end) {
         let (least, most) = (one.min(two).min(three), one.max(two).max(three));
         clear &= least > CLEAR * (most - least);
     }

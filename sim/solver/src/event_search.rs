@@ -40,7 +40,9 @@ impl<const N: usize> Progress<N> {
         let end_guards = system.end_guards(end, x);
         *guards = Some(last);
         let end_guards_hold = end_guards.iter().all(|value| *value >= 0.0);
-        if end_guards_hold && stay_clear(&begin, &middle, &last) {
+        let n_guards = system.n_guards().min(G);
+        let clear = stay_clear(&begin[..n_guards], &middle[..n_guards], &last[..n_guards]);
+        if end_guards_hold && clear {
             return None;
         }
         let mut probed = probed(system, step, &span, x);

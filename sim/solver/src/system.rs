@@ -47,6 +47,11 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
         false
     }
 
+    /// How many guards may change in the present modes: the first ones. Those behind them stay at some value above zero.
+    fn n_guards(&self) -> usize {
+        G
+    }
+
     /// How many states the system has, whatever its modes: the first ones. Those behind them never move.
     fn n_states(&self) -> usize {
         N
