@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml_edit::Document;
 
-use super::problem::{Problem, Problems, line_at};
+use super::problem::{Problem, Problems};
 
 /// A TOML file that is being read, and what was found wrong so far.
 #[derive(Clone, Debug)]
@@ -12,6 +12,8 @@ pub struct TomlFile<'a> {
     /// Its name for messages, or the part of the command line.
     pub source: &'a str,
     text: &'a str,
+    /// Where each of its lines ends, bytes.
+    line_ends: Vec<usize>,
     /// What was found wrong.
     pub problems: Vec<Problem>,
 }
@@ -20,7 +22,8 @@ impl<'a> TomlFile<'a> {
     /// Nothing of it has been read.
     #[must_use]
     pub fn new(source: &'a str, text: &'a str) -> TomlFile<'a> {
-        TomlFile { source, text, problems: Vec::new() }
+        let line_ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(place, _)| place);
+        TomlFile { source, text, line_ends: line_ends.collect(), problems: Vec::new() }
     }
 
     /// Its tables and keys; None if it is not TOML, which is noted.
@@ -37,7 +40,7 @@ impl<'a> TomlFile<'a> {
     /// The line, counted from 1, of something in the file.
     #[must_use]
     pub fn line_of(&self, span: Option<Range<usize>>) -> Option<usize> {
-        span.map(|span| line_at(self.text, span.start))
+        span.map(|span| 1 + self.line_ends.partition_point(|end| *end < span.start))
     }
 
     /// What was read, if nothing is wrong with it.

@@ -109,9 +109,11 @@ fn whole(key: &Key, item: &Item, min: i64, max: i64) -> Result<i64, String> {
 }
 
 fn word(key: &Key, item: &Item, options: &[(&str, bool)]) -> Result<Value, String> {
-    let known: Vec<String> = options.iter().map(|(name, _)| format!("\"{name}\"")).collect();
-    let known = known.join(", ");
-    let word = text(item, &format!("must be one of {known}"))?;
+    let must = || {
+        let known: Vec<String> = options.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+        format!("must be one of {}", known.join(", "))
+    };
+    let word = item.as_str().ok_or_else(must)?.to_owned();
     match options.iter().find(|(name, _)| *name == word) {
         Some((_, true)) => Ok(Value::Word(word)),
         Some((_, false)) => {
@@ -119,7 +121,7 @@ fn word(key: &Key, item: &Item, options: &[(&str, bool)]) -> Result<Value, Strin
                 options.iter().filter(|(_, built)| *built).map(|(name, _)| *name).collect();
             Err(format!("{} = \"{word}\" is not built yet; built: {}", key.path, built.join(", ")))
         }
-        None => Err(format!("must be one of {known}, is \"{word}\"")),
+        None => Err(format!("{}, is \"{word}\"", must())),
     }
 }
 
