@@ -128,7 +128,7 @@ fn tell(name: &str, memory: &Memory) {
 /// # Errors
 /// When a figure is off, with what to do.
 pub fn check() -> Result<()> {
-    figures::hold(figures::FIRMWARE, TABLE, &table()?)
+    figures::hold(figures::FIRMWARE, TABLE, &table()?, figures::Off::EitherWay)
 }
 
 /// Writes the document's table anew.
