@@ -13,6 +13,7 @@ const SOURCES: [(&str, Source); 4] = [
 ];
 
 /// A value as a file states it.
+#[derive(Clone, Debug)]
 pub(super) struct Stated {
     pub value: Item,
     /// None where the file gives the bare value.
@@ -20,6 +21,7 @@ pub(super) struct Stated {
 }
 
 /// Where the file says that it comes from.
+#[derive(Clone, Debug)]
 pub(super) struct StatedOrigin {
     pub source: Source,
     /// The ends of the range in which the value lies.

@@ -1,9 +1,9 @@
-//! Reading a rig file.
+//! Reading a rig file: once for one rig, or for many that differ in what is set.
 
 use super::check::check;
 use super::names::unknown_key;
 use super::problem::Problems;
-use super::reader::Reader;
+use super::reader::{Noted, Reader};
 use super::table::{find_key, preset_value, presets};
 use super::value::{item_of, value_of};
 use crate::component::operator::Model;
@@ -24,17 +24,7 @@ impl Rig {
     /// # Errors
     /// Every problem with its line and key.
     pub fn read_with(source: &str, text: &str, settings: &[String]) -> Result<Rig, Problems> {
-        let mut reader = Reader::new(source, text);
-        let mut rig = presets();
-        if let Some(document) = reader.file.document() {
-            reader.top(&mut rig, document.as_table());
-        }
-        for setting in settings {
-            reader.setting(&mut rig, setting);
-        }
-        reader.finish(&mut rig);
-        rig.suit_drive_stage();
-        rig.checked_by(reader)
+        RigFile::read(source, text).into_rig(settings)
     }
 
     /// What is counted in commands follows the drive stage where the file does not give it: the scale of
@@ -94,6 +84,46 @@ impl Rig {
             reader.note(findings);
         }
         reader.file.end(self)
+    }
+}
+
+/// A rig file that has been read, for rigs of it that differ in what is set.
+#[derive(Clone, Debug)]
+pub struct RigFile {
+    source: String,
+    /// With the values of the file, unchecked.
+    rig: Rig,
+    noted: Noted,
+}
+
+impl RigFile {
+    /// Reads a rig file; `source` is its name for messages. What is wrong with it is told with each rig.
+    #[must_use]
+    pub fn read(source: &str, text: &str) -> RigFile {
+        let (mut reader, mut rig) = (Reader::new(source, text), presets());
+        if let Some(document) = reader.file.document() {
+            reader.top(&mut rig, document.as_table());
+        }
+        RigFile { source: source.to_owned(), rig, noted: reader.into_noted() }
+    }
+
+    /// The rig of the file with `key=value` settings applied, each in TOML syntax.
+    ///
+    /// # Errors
+    /// Every problem with its line and key.
+    pub fn with(&self, settings: &[String]) -> Result<Rig, Problems> {
+        self.clone().into_rig(settings)
+    }
+
+    fn into_rig(self, settings: &[String]) -> Result<Rig, Problems> {
+        let RigFile { source, mut rig, noted } = self;
+        let mut reader = Reader::resume(&source, noted);
+        for setting in settings {
+            reader.setting(&mut rig, setting);
+        }
+        reader.finish(&mut rig);
+        rig.suit_drive_stage();
+        rig.checked_by(reader)
     }
 }
 

@@ -6,6 +6,7 @@ use toml_edit::{ArrayOfTables, Item, Table, TableLike};
 
 use super::names::{did_you_mean, key_of_stem, unknown_key};
 use super::origin::{Stated, stated};
+use super::problem::Problem;
 use super::table::{all_keys, find_key};
 use super::toml_file::TomlFile;
 use super::value::{end_of, is_gauge, item_of, value_of, with_unit};
@@ -25,7 +26,16 @@ pub(super) struct Reader<'a> {
     gauge: BTreeMap<&'static str, Entry>,
 }
 
+/// What a reader keeps of a file for settings that come later.
+#[derive(Clone, Debug)]
+pub(super) struct Noted {
+    problems: Vec<Problem>,
+    lines: BTreeMap<&'static str, Option<usize>>,
+    gauge: BTreeMap<&'static str, Entry>,
+}
+
 /// The item at a key.
+#[derive(Clone, Debug)]
 struct Entry {
     key: &'static Key,
     /// As the file spells it: with its unit, or without it in front of a number with one.
@@ -38,6 +48,20 @@ impl<'a> Reader<'a> {
     /// Reads a file or settings for messages under the name `source`.
     pub fn new(source: &'a str, text: &'a str) -> Self {
         Reader { file: TomlFile::new(source, text), lines: BTreeMap::new(), gauge: BTreeMap::new() }
+    }
+
+    /// Goes on after a file that was read under the name `source`.
+    pub fn resume(source: &'a str, noted: Noted) -> Self {
+        let Noted { problems, lines, gauge } = noted;
+        let mut file = TomlFile::new(source, "");
+        file.problems = problems;
+        Reader { file, lines, gauge }
+    }
+
+    /// What it has found in the file.
+    pub fn into_noted(self) -> Noted {
+        let Reader { file, lines, gauge } = self;
+        Noted { problems: file.problems, lines, gauge }
     }
 
     /// Notes what does not go together; the lines are known of keys that the file has.
