@@ -30,7 +30,6 @@ pub use motion::Motion;
 pub use other_rig::refuse_other_rig;
 pub use table::{remarks, table};
 
-use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::{Rig, Run};
 
 use crate::transient::Transient;
@@ -115,7 +114,7 @@ pub fn moves(
 /// The moves of a simulated run; `tolerance_mm` as in [`moves`].
 #[must_use]
 pub fn moves_of_run(rig: &Rig, run: &Run, tolerance_mm: f64) -> Vec<Move> {
-    let transient = Transient::of_run(rig.name(), &StoredRun::of(rig, run));
+    let transient = Transient::of_simulation(rig.name(), rig, run);
     moves(&transient, &Motion::of(&transient), Some(&Chambers::of(rig)), tolerance_mm)
 }
 

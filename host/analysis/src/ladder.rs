@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_records::judged::{Judged, Spacing};
-use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::component::{friction, operator, valve};
 use pneudrive_sim::key::Choice;
 use pneudrive_sim::keys;
@@ -149,7 +148,7 @@ impl Climbed {
         };
         // Alone, as what else runs would be in its time.
         let time_over_reference = timed(plan, reference, clock)?;
-        let transient = |rig: &Rig, run: &_| Transient::of_run(&name, &StoredRun::of(rig, run));
+        let transient = |rig: &Rig, run: &_| Transient::of_simulation(&name, rig, run);
         let ensemble = run_ensemble(&plan.rig, Accuracy::of(&plan.rig), spacing, transient, |_, _| {})?;
         if let Some(why) = ensemble.nominal.lost.failed.first() {
             bail!("{name}: a neighbour cannot be simulated; write a smaller --change: {why}");

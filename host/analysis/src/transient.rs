@@ -1,5 +1,6 @@
 //! A transient in engineering units, wherever it comes from.
 
+mod of_simulation;
 mod of_target;
 
 use std::path::Path;

@@ -18,7 +18,10 @@ const FROM_MEDIAN: f64 = 1.4826;
 pub(super) fn deviation(values: &[f64]) -> f64 {
     let mut differences = values.to_vec();
     for _ in 0..ORDER {
-        differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        for i in 1..differences.len() {
+            differences[i - 1] = differences[i] - differences[i - 1];
+        }
+        differences.pop();
     }
     let mut sizes: Vec<f64> = differences.into_iter().map(f64::abs).collect();
     if sizes.is_empty() {

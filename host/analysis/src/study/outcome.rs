@@ -1,6 +1,5 @@
 //! A run of a study, with the quantities that its statements need.
 
-use pneudrive_records::run_folder::StoredRun;
 use pneudrive_sim::{Rig, Run};
 
 use super::steadiness::{Steadiness, Swing, swing};
@@ -25,7 +24,7 @@ pub struct Outcome {
 
 impl Outcome {
     pub(super) fn of(name: &'static str, rig: &Rig, run: &Run) -> Outcome {
-        let transient = Transient::of_run(name, &StoredRun::of(rig, run));
+        let transient = Transient::of_simulation(name, rig, run);
         Outcome {
             name,
             moves: moves(&transient, &Motion::of(&transient), None, TOLERANCE_MM),

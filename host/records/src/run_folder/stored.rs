@@ -53,7 +53,7 @@ impl StoredRun {
     /// A run that has not been written.
     #[must_use]
     pub fn of(rig: &Rig, run: &Run) -> StoredRun {
-        let mut columns = vec![Vec::with_capacity(run.rows.len()); COLUMNS.len()];
+        let mut columns = Vec::from(COLUMNS.map(|_| Vec::with_capacity(run.rows.len())));
         for row in &run.rows {
             for (column, value) in columns.iter_mut().zip(row.values()) {
                 column.push(value);
