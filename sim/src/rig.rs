@@ -27,7 +27,7 @@ pub use explain::{explain, preset_in_words, range_in_words};
 pub use names::{key_of, nearest};
 pub use problem::{Problem, Problems};
 pub use quantity::{Reading, read as read_quantity};
-pub use read::value_of_setting;
+pub use read::{RigFile, value_of_setting};
 pub use spread::SpreadError;
 pub use table::{all_keys, chooser, find_key};
 pub use toml_file::TomlFile;

@@ -134,19 +134,21 @@ impl<R: Record> Runner<R> {
     /// The same with what else to record.
     #[must_use]
     pub fn recording(rig: &Rig, accuracy: Accuracy, recording: Recording) -> Runner<R> {
+        Runner::in_memory_of(Run::new(), rig, accuracy, recording)
+    }
+
+    /// The next runs are of another rig.
+    pub fn take(&mut self, rig: &Rig, accuracy: Accuracy) {
+        let run = std::mem::replace(&mut self.run, Run::new());
+        *self = Runner::in_memory_of(run, rig, accuracy, self.recording);
+    }
+
+    fn in_memory_of(mut run: Run<R>, rig: &Rig, accuracy: Accuracy, recording: Recording) -> Runner<R> {
         let (period_us, last_sample) = (u64::from(rig.period_us().get()), rig.last_sample());
         let row_period = rig.get(&keys::test::TRACE_PERIOD_S).and_then(whole_microseconds);
         let row_period_us = row_period.unwrap_or(period_us);
         let end_us = rig.microseconds(&keys::test::DURATION_S);
-        let samples = room_for(u64::from(last_sample));
-        let run = Run {
-            rows: Vec::with_capacity(room_for(end_us / row_period_us)),
-            observations: Vec::with_capacity(samples),
-            readings: Vec::with_capacity(samples),
-            commands: Vec::with_capacity(samples),
-            fault: None,
-            work: PlantWork::default(),
-        };
+        run.make_room(room_for(end_us / row_period_us), room_for(u64::from(last_sample)));
         let start = Drive::of(rig, accuracy);
         Runner { start, period_us, last_sample, row_period_us, end_us, recording, run }
     }
@@ -195,6 +197,27 @@ impl<R: Record> Runner<R> {
 }
 
 impl<R> Run<R> {
+    /// Nothing has been run.
+    fn new() -> Run<R> {
+        Run {
+            rows: Vec::new(),
+            observations: Vec::new(),
+            readings: Vec::new(),
+            commands: Vec::new(),
+            fault: None,
+            work: PlantWork::default(),
+        }
+    }
+
+    /// Room for the rows and samples of another run.
+    fn make_room(&mut self, rows: usize, samples: usize) {
+        self.clear();
+        self.rows.reserve_exact(rows);
+        self.observations.reserve_exact(samples);
+        self.readings.reserve_exact(samples);
+        self.commands.reserve_exact(samples);
+    }
+
     /// Nothing is left of it but its memory.
     fn clear(&mut self) {
         self.rows.clear();

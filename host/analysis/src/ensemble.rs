@@ -25,9 +25,10 @@ use pneudrive_records::band::Band;
 use pneudrive_records::judged::{FailedNeighbours, Judged, Spacing};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Problems;
-use pneudrive_sim::{Accuracy, Decision, Rig, Run, decide, run, run_watched};
+use pneudrive_sim::{Accuracy, Decision, Rig, Run, decide, run_watched};
 
 use crate::parallel;
+use crate::runners::Runners;
 
 /// A run and what was measured of it and of its neighbours.
 #[derive(Clone, Debug)]
@@ -109,18 +110,19 @@ pub fn run_ensemble_while<T: Send>(
         .with_context(|| format!("{} cannot be simulated", rig.name()))?;
     let band = Mutex::new(Band::of(&nominal));
     let (jobs, failed) = jobs(rig, spacing);
+    let runners = Runners::default();
     let draw = Accuracy { tolerance: Accuracy::of_draw(rig).tolerance.max(accuracy.tolerance), ..accuracy };
     let carry_out = |job: &Job| match job {
         _ if !wanted() => Done::Failed("called off".to_owned()),
         Job::Nominal => Done::Measured(measure(rig, &nominal), None),
         Job::Decision => Done::Decided(decide(rig, accuracy, &nominal).unwrap_or(Decision::UNKNOWN)),
-        Job::Neighbour(neighbour) => match run(neighbour, draw) {
-            Ok(one) => {
-                band.lock().expect("no thread panics with it").include(&one);
-                Done::Measured(measure(neighbour, &one), one.fault.map(|(fault, _)| fault))
-            }
-            Err(error) => Done::Failed(error.to_string()),
-        },
+        Job::Neighbour(neighbour) => {
+            let measured = runners.run(neighbour, draw, |one| {
+                band.lock().expect("no thread panics with it").include(one);
+                Done::Measured(measure(neighbour, one), one.fault.map(|(fault, _)| fault))
+            });
+            measured.unwrap_or_else(|error| Done::Failed(error.to_string()))
+        }
     };
     let done = parallel::map(&jobs, carry_out, |done| progress(samples * (done as u64).max(1), all));
     if !wanted() {
@@ -174,6 +176,7 @@ impl<T> Gathered<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneudrive_sim::run;
 
     fn rig() -> Rig {
         let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");

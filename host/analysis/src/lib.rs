@@ -17,7 +17,7 @@
 //! | [`ladder`] | what each model of a component costs, and what it changes |
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`thesis`] | the numbers of the thesis that the model can be held against, on one page |
-//! | [`parallel`] | the same for each of many, on several threads |
+//! | [`parallel`], [`runners`] | the same for each of many, on several threads; runs in the memory of those before |
 //! | [`page`], [`report`] | notes, tables and graphs in one file; the page of transients |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
@@ -35,6 +35,7 @@ pub mod range;
 pub mod recorded_test;
 pub mod replay;
 pub mod report;
+pub mod runners;
 pub mod sensitivity;
 pub mod spectrum;
 pub mod study;

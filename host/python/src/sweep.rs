@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_analysis::parallel;
-use pneudrive_analysis::sweep::point::run_point;
+use pneudrive_analysis::sweep::point::Points;
 use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, report};
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::rig_source::rig_text;
@@ -108,7 +108,8 @@ fn rows(sweep: &Sweep, threads: Option<NonZeroUsize>, meter: &work::Meter) -> Re
         meter.at(rows.len() as u64, all);
         Ok::<(), anyhow::Error>(())
     };
-    work::pool(threads)?.install(|| parallel::each(&points, |point| run_point(sweep, *point), take))?;
+    let rigs = Points::of(sweep);
+    work::pool(threads)?.install(|| parallel::each(&points, |point| rigs.run(*point), take))?;
     let rows: Vec<Row> = rows.into_values().collect();
     match rows.iter().find(|row| !row.failure.is_empty()) {
         Some(first) if rows.iter().all(|row| !row.failure.is_empty()) => {

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 
 use super::journal::Journal;
-use super::point::run_point;
+use super::point::Points;
 use super::{Row, Sweep};
 use crate::parallel;
 
@@ -74,5 +74,6 @@ pub fn run_points(
         progress(finished);
         Ok(())
     };
-    parallel::each(todo, |point| run_point(sweep, *point), keep)
+    let points = Points::of(sweep);
+    parallel::each(todo, |point| points.run(*point), keep)
 }

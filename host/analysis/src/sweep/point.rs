@@ -5,12 +5,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::words::fault_name;
-use pneudrive_sim::{Rig, Run, run};
+use pneudrive_sim::rig::RigFile;
+use pneudrive_sim::{Rig, Run};
 
 use super::{Metric, Sweep};
 use crate::ensemble::{Ensemble, run_ensemble};
 use crate::evaluation::{Move, moves_of_run};
 use crate::range::Range;
+use crate::runners::Runners;
 
 /// A line of the result.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,36 +94,57 @@ const YES: &str = "yes";
 /// And one that is not.
 const NO: &str = "no";
 
-/// Runs a point. Its row records any failure.
-#[must_use]
-pub fn run_point(sweep: &Sweep, point: usize) -> Row {
-    let found =
-        catch_unwind(AssertUnwindSafe(|| measured(sweep, point))).unwrap_or_else(|panic| Err(told(&*panic)));
-    found.unwrap_or_else(|failure| Row::failed(sweep, point, &failure))
+/// The points of a sweep, which have the file of their rig in common.
+#[derive(Debug)]
+pub struct Points<'a> {
+    sweep: &'a Sweep,
+    file: RigFile,
+    runners: Runners,
 }
 
-fn measured(sweep: &Sweep, point: usize) -> Result<Row, String> {
-    let source = &sweep.rig_source;
-    let rig = Rig::read_with(&source.name, &source.text, &sweep.settings_of(point));
-    let rig = rig.map_err(|problems| problems.to_string())?;
-    if sweep.is_drawn() {
-        let run = run(&rig, sweep.accuracy_for(&rig)).map_err(|error| error.to_string())?;
-        return row(sweep, point, &run, &[moves_of_run(&rig, &run, sweep.settled_mm)]);
+impl Points<'_> {
+    /// Of a sweep. Its rig file is read once.
+    #[must_use]
+    pub fn of(sweep: &Sweep) -> Points<'_> {
+        let file = RigFile::read(&sweep.rig_source.name, &sweep.rig_source.text);
+        Points { sweep, file, runners: Runners::default() }
     }
-    let spacing = Spacing { runs: sweep.ensemble, ..Spacing::default() };
-    let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, sweep.settled_mm);
-    let accuracy = sweep.accuracy_for(&rig);
-    let ensemble = run_ensemble(&rig, accuracy, spacing, measure, |_, _| {});
-    let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
-    let row = row(sweep, point, &nominal.run, &measured)?;
-    let of_neighbour =
-        nominal.lost.tripped.first().map(|fault| format!("{} of a neighbour", fault_name(*fault)));
-    Ok(Row {
-        decided: Some(nominal.decision.is_decided()),
-        fault: if row.fault.is_empty() { of_neighbour.unwrap_or_default() } else { row.fault },
-        failure: nominal.lost.failed.first().map_or_else(String::new, |why| format!("a neighbour: {why}")),
-        ..row
-    })
+
+    /// Runs a point. Its row records any failure.
+    #[must_use]
+    pub fn run(&self, point: usize) -> Row {
+        let run = || {
+            let rig = self.file.with(&self.sweep.settings_of(point));
+            self.measured(point, &rig.map_err(|problems| problems.to_string())?)
+        };
+        let found = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| Err(told(&*panic)));
+        found.unwrap_or_else(|failure| Row::failed(self.sweep, point, &failure))
+    }
+
+    fn measured(&self, point: usize, rig: &Rig) -> Result<Row, String> {
+        let (sweep, accuracy) = (self.sweep, self.sweep.accuracy_for(rig));
+        let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, sweep.settled_mm);
+        if sweep.is_drawn() {
+            let row = |run: &Run| row(sweep, point, run, &[measure(rig, run)]);
+            return self.runners.run(rig, accuracy, row).unwrap_or_else(|error| Err(error.to_string()));
+        }
+        let spacing = Spacing { runs: sweep.ensemble, ..Spacing::default() };
+        let ensemble = run_ensemble(rig, accuracy, spacing, measure, |_, _| {});
+        let Ensemble { nominal, measured } = ensemble.map_err(|error| format!("{error:#}"))?;
+        let row = row(sweep, point, &nominal.run, &measured)?;
+        let of_neighbour =
+            nominal.lost.tripped.first().map(|fault| format!("{} of a neighbour", fault_name(*fault)));
+        Ok(Row {
+            decided: Some(nominal.decision.is_decided()),
+            fault: if row.fault.is_empty() { of_neighbour.unwrap_or_default() } else { row.fault },
+            failure: nominal
+                .lost
+                .failed
+                .first()
+                .map_or_else(String::new, |why| format!("a neighbour: {why}")),
+            ..row
+        })
+    }
 }
 
 /// The row of a run; `moves` has its own, and then those of its neighbours.

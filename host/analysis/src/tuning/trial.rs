@@ -1,18 +1,20 @@
 //! The step on a rig: from somewhere on the stroke in either direction, and back.
 
+use std::sync::Arc;
+
 use anyhow::{Result, bail};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::rig_text;
-use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::words::fault_name;
 use pneudrive_sim::keys;
-use pneudrive_sim::rig::Problems;
-use pneudrive_sim::{Accuracy, Rig, Run, run};
+use pneudrive_sim::rig::{Problems, RigFile};
+use pneudrive_sim::{Accuracy, Rig, Run};
 
 use super::goal::{Goal, Performance};
 use super::{Task, Variant};
 use crate::ensemble::run_ensemble;
 use crate::evaluation::{Motion, Move, moves};
+use crate::runners::Runners;
 use crate::transient::Transient;
 
 /// Runs of the file's rig and its neighbours.
@@ -36,10 +38,11 @@ pub struct Trial {
     /// The rig of the file, with the step about the middle of its way.
     pub rig: Rig,
     /// Its file without a schedule, and what is set in it.
-    source: (String, String),
+    file: RigFile,
     settings: Vec<String>,
     goal: Goal,
     way: Way,
+    runners: Arc<Runners>,
 }
 
 /// Where a step may lie, and how far it goes, counts; and how long it has.
@@ -69,11 +72,11 @@ impl Trial {
         let (name, text) = &task.source;
         let as_it_is = Rig::read_with(name, text, &typed().cloned().collect::<Vec<_>>());
         let without = |problems| as_it_is.clone().err().unwrap_or(problems);
-        let source =
-            (name.clone(), rig_text::without(text, "test", &SCHEDULE).unwrap_or_else(|_| text.clone()));
-        let bare = with_moves(&source, &unlimited(&settings), "test.moves=[[0.0, 0]]").map_err(without)?;
+        let text = rig_text::without(text, "test", &SCHEDULE).unwrap_or_else(|_| text.clone());
+        let file = RigFile::read(name, &text);
+        let bare = with_moves(&file, &unlimited(&settings), "test.moves=[[0.0, 0]]").map_err(without)?;
         let way = Way::of(&bare, task)?;
-        let trial = Trial { rig: bare, source, settings, goal: task.goal, way };
+        let trial = Trial { rig: bare, file, settings, goal: task.goal, way, runners: Arc::default() };
         let rig = trial.rig_of(&[], &Variant::NOMINAL)?;
         Ok(Trial { rig, ..trial })
     }
@@ -90,8 +93,8 @@ impl Trial {
     /// Why it did not come to its end.
     pub fn transient(&self, gains: &[String], variant: &Variant) -> Result<(Transient, Vec<Move>), String> {
         let rig = self.rig_of(gains, variant).map_err(|problems| problems.to_string())?;
-        let run = run(&rig, Accuracy::of_draw(&rig)).map_err(|error| error.to_string())?;
-        self.measured(&rig, &run)
+        let measured = self.runners.run(&rig, Accuracy::of_draw(&rig), |run| self.measured(&rig, run));
+        measured.unwrap_or_else(|error| Err(error.to_string()))
     }
 
     /// The step on the rig of the file and on its neighbours, the rig of the file first.
@@ -147,7 +150,7 @@ impl Trial {
         if let Some((fault, k)) = run.fault {
             return Err(format!("{} at sample {k}", fault_name(fault)));
         }
-        let transient = Transient::of_run("", &StoredRun::of(rig, run));
+        let transient = Transient::of_simulation("", rig, run);
         let moves = moves(&transient, &Motion::of(&transient), None, self.goal.settled_mm);
         Ok((transient, moves))
     }
@@ -155,15 +158,15 @@ impl Trial {
     fn rig_of(&self, gains: &[String], variant: &Variant) -> Result<Rig, Problems> {
         let own = variant.settings(&self.rig).into_iter().chain(self.way.step(variant));
         let settings: Vec<String> = self.settings.iter().chain(gains).cloned().chain(own).collect();
-        with_moves(&self.source, &settings, &self.way.moves(variant))
+        with_moves(&self.file, &settings, &self.way.moves(variant))
     }
 }
 
-/// The rig of a source with settings and moves, which are timed: none waits for an arrival.
-fn with_moves((name, text): &(String, String), settings: &[String], moves: &str) -> Result<Rig, Problems> {
+/// The rig of a file with settings and moves, which are timed: none waits for an arrival.
+fn with_moves(file: &RigFile, settings: &[String], moves: &str) -> Result<Rig, Problems> {
     let timed = [moves.to_owned(), "controller.exit_on_dead_band=false".to_owned()];
     let settings: Vec<String> = settings.iter().cloned().chain(timed).collect();
-    Rig::read_with(name, text, &settings)
+    file.with(&settings)
 }
 
 /// Settings with which a rig is valid whatever its software ends are: an open loop has no setpoints.
