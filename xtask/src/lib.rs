@@ -17,6 +17,7 @@
 //! | [`memory`] | what the images take of flash, memory and stack |
 //! | [`figures`] | tables of documents that programs write and tests hold |
 //! | [`instructions`] | what the simulator needs for its runs, and the table that holds it |
+//! | [`processors`] | the simulator's results on emulated processors |
 //! | [`stack`] | the most stack that a function of an image takes |
 //! | [`frame`] | what an instruction takes from the stack |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
@@ -32,6 +33,7 @@ pub mod instructions;
 pub mod memory;
 pub mod nucleo;
 pub mod probe;
+pub mod processors;
 pub mod python;
 pub mod stack;
 pub mod steps;

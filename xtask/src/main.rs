@@ -61,6 +61,8 @@ enum Command {
     /// Count what the simulator's runs cost, in evaluations and in instructions, and write the tables of docs/counts.md
     /// anew
     Cost,
+    /// Run the simulator on emulated processors without AVX: the results must be the same bits
+    Processors,
     /// Replace the golden hashes of results that have changed (hil-tests/golden.toml)
     Bless {
         /// Words of the line of CHANGELOG.md that says why they have
@@ -95,6 +97,7 @@ fn main() -> ExitCode {
         Command::ProveRounding => steps::prove_rounding(&mut tally),
         Command::Figures => steps::figures(&mut tally),
         Command::Cost => steps::cost(&mut tally),
+        Command::Processors => steps::processors(&mut tally),
         Command::Bless { cause } => steps::bless(&mut tally, &cause),
         Command::LinkStates => steps::link_states(&mut tally),
         Command::Thesis { write } => steps::thesis(&mut tally, write),

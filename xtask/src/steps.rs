@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use crate::cargo::{self, THUMB, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
-use crate::{firmware, flashed, instructions, memory, nucleo, probe, python, targets};
+use crate::{firmware, flashed, instructions, memory, nucleo, probe, processors, python, targets};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -219,6 +219,11 @@ pub fn cost(tally: &mut Tally) {
         run(&mut in_root(&["run", "--release", "--package", "pneudrive-sim", "--example", "cost"]))
     });
     tally.check("instructions of the simulator", instructions::write);
+}
+
+/// The simulator's results on other processors.
+pub fn processors(tally: &mut Tally) {
+    tally.check("bits on other processors", processors::check);
 }
 
 /// The numbers of the whole thesis, studies and all.

@@ -7,34 +7,52 @@ use anyhow::{Result, bail};
 
 use crate::cargo::run;
 
-/// A program, which a package of its name brings.
+/// A program, and the package that brings it.
 pub struct Tool {
     /// Its name.
     pub program: &'static str,
+    /// The package of apt.
+    package: &'static str,
     /// How it is installed.
     how: &'static str,
 }
 
 /// The emulator.
-pub const QEMU: Tool =
-    Tool { program: "qemu-system-arm", how: "apt-get install qemu-system-arm, brew install qemu, ..." };
+pub const QEMU: Tool = Tool {
+    program: "qemu-system-arm",
+    package: "qemu-system-arm",
+    how: "apt-get install qemu-system-arm, brew install qemu, ...",
+};
+
+/// The emulator of other processors of this kind, for programs of Linux.
+pub const QEMU_USER: Tool =
+    Tool { program: "qemu-x86_64", package: "qemu-user", how: "apt-get install qemu-user, ..." };
 
 /// The counter of instructions.
-pub const VALGRIND: Tool = Tool { program: "valgrind", how: "apt-get install valgrind, ..." };
+pub const VALGRIND: Tool =
+    Tool { program: "valgrind", package: "valgrind", how: "apt-get install valgrind, ..." };
 
 /// The browser that opens the pages.
-pub const CHROMIUM: Tool =
-    Tool { program: "chromium", how: "apt-get install chromium, brew install --cask chromium, ..." };
+pub const CHROMIUM: Tool = Tool {
+    program: "chromium",
+    package: "chromium",
+    how: "apt-get install chromium, brew install --cask chromium, ...",
+};
 
 /// The interpreter of the Python package.
-pub const PYTHON: Tool =
-    Tool { program: "python3", how: "apt-get install python3 python3-venv, brew install python, ..." };
+pub const PYTHON: Tool = Tool {
+    program: "python3",
+    package: "python3",
+    how: "apt-get install python3 python3-venv, brew install python, ...",
+};
 
 /// What builds the emulator of the flashed image.
-pub const CMAKE: Tool = Tool { program: "cmake", how: "apt-get install cmake, brew install cmake, ..." };
+pub const CMAKE: Tool =
+    Tool { program: "cmake", package: "cmake", how: "apt-get install cmake, brew install cmake, ..." };
 
 /// What reads the headers of that emulator.
-pub const CLANG: Tool = Tool { program: "clang", how: "apt-get install clang, brew install llvm, ..." };
+pub const CLANG: Tool =
+    Tool { program: "clang", package: "clang", how: "apt-get install clang, brew install llvm, ..." };
 
 impl Tool {
     /// Whether it is there.
@@ -54,16 +72,16 @@ impl Tool {
     /// # Errors
     /// When it's missing and can't be installed, with what to do.
     pub fn ensure(&self) -> Result<()> {
-        let Tool { program, how } = self;
+        let Tool { program, package, how } = self;
         if self.is_there() {
             return Ok(());
         }
         if !answers("apt-get", "--version") || !is_root() {
             bail!("{program} is not found, and the tests need it: install it ({how})");
         }
-        println!("installing {program}: apt-get install {program}");
+        println!("installing {program}: apt-get install {package}");
         run(Command::new("apt-get").arg("update"))?;
-        run(Command::new("apt-get").args(["install", "--yes", "--no-install-recommends", program]))
+        run(Command::new("apt-get").args(["install", "--yes", "--no-install-recommends", package]))
     }
 }
 
