@@ -24,13 +24,13 @@ impl Event {
     /// The event's bytes: the fields in order.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
-        let fields = self.number.to_le_bytes().into_iter();
-        let fields = fields.chain(self.boot.to_le_bytes()).chain(self.time_us.to_le_bytes());
-        let fields = fields.chain(self.index.to_le_bytes()).chain(self.position.to_le_bytes());
         let mut bytes = [0; Self::BYTES];
-        for (byte, field) in bytes.iter_mut().zip(fields.chain([self.code])) {
-            *byte = field;
-        }
+        bytes[..4].copy_from_slice(&self.number.to_le_bytes());
+        bytes[4..8].copy_from_slice(&self.boot.to_le_bytes());
+        bytes[8..16].copy_from_slice(&self.time_us.to_le_bytes());
+        bytes[16..20].copy_from_slice(&self.index.to_le_bytes());
+        bytes[20..24].copy_from_slice(&self.position.to_le_bytes());
+        bytes[24] = self.code;
         bytes
     }
 
