@@ -45,7 +45,7 @@ pub fn a_late_sample_trips_by_name(start: StartDelayed) {
 
 /// A host that says nothing more while a move runs trips the drive once it has been silent for as long as is
 /// allowed. For a rung in real time, whose samples may lag behind the wall clock: how long a silence is allowed
-/// to the millisecond is tested on a clock of its own (`firmware/app/tests/requests.rs`).
+/// to the millisecond is tested on a clock of its own (`firmware/app/tests/trips.rs`).
 ///
 /// # Panics
 /// When it does not.
