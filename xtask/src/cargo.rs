@@ -11,6 +11,9 @@ use anyhow::{Context, Result, bail, ensure};
 /// The target of the boards.
 pub const THUMB: &str = "thumbv7em-none-eabihf";
 
+/// That of the Pico 2, a Cortex-M33.
+pub const THUMB_V8: &str = "thumbv8m.main-none-eabihf";
+
 /// What `cargo xtask`, itself run by cargo and rustup, must not hand down: rust-toolchain.toml and the
 /// workspaces' own configurations say which toolchain builds for which target.
 const LEAKS: [&str; 2] = ["RUSTUP_TOOLCHAIN", "CARGO_BUILD_TARGET"];

@@ -4,19 +4,26 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use crate::cargo::{self, THUMB};
+use crate::cargo::{self, THUMB, THUMB_V8};
 use crate::image::Image;
 
 /// The image for the emulated board.
 pub const EMULATED: &str = "qemu-mps2";
 
+/// The image for the Pico 2, whose processor is another one: a workspace of its own.
+pub const PICO2: &str = "pico2";
+
 /// Builds an image, with its release profile, and tells where it is. Its package is
 /// `pneudrive-IMAGE`.
 ///
 /// # Errors
-/// When the target of the boards is missing, or the build fails.
+/// When the target of the board is missing, or the build fails.
 pub fn build(target_folder: &Path, image: &str, features: &[&str]) -> Result<PathBuf> {
-    build_from(&cargo::firmware(), target_folder, image, features)
+    let workspace = cargo::firmware();
+    match image {
+        PICO2 => build_from(&workspace.join(PICO2), THUMB_V8, target_folder, image, features),
+        _ => build_from(&workspace, THUMB, target_folder, image, features),
+    }
 }
 
 /// The same from another copy of the inner workspace.
@@ -24,17 +31,23 @@ pub fn build(target_folder: &Path, image: &str, features: &[&str]) -> Result<Pat
 /// # Errors
 /// As [`build`].
 pub fn build_in(workspace: &Path, target_folder: &Path, image: &str) -> Result<PathBuf> {
-    build_from(workspace, target_folder, image, &[])
+    build_from(workspace, THUMB, target_folder, image, &[])
 }
 
-fn build_from(workspace: &Path, target_folder: &Path, image: &str, features: &[&str]) -> Result<PathBuf> {
-    cargo::ensure_thumb_target()?;
+fn build_from(
+    workspace: &Path,
+    target: &str,
+    target_folder: &Path,
+    image: &str,
+    features: &[&str],
+) -> Result<PathBuf> {
+    cargo::ensure_target(target)?;
     let package = format!("pneudrive-{image}");
-    let mut arguments = vec!["build", "--package", &package, "--release", "--target", THUMB];
+    let mut arguments = vec!["build", "--package", &package, "--release", "--target", target];
     features.iter().for_each(|feature| arguments.extend(["--features", *feature]));
     cargo::run(&mut cargo::in_inner(workspace, &arguments, target_folder))
         .with_context(|| format!("building the image {image}"))?;
-    Ok(target_folder.join(THUMB).join("release").join(image))
+    Ok(target_folder.join(target).join("release").join(image))
 }
 
 /// Builds the image for the emulated board where it belongs.

@@ -7,7 +7,7 @@
 //! | [`cargo`] | how cargo and rustup are called, and where they build |
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
-//! | [`nucleo`] | builds the image for the Nucleo board and judges its size and its interrupt |
+//! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
 //! | [`targets`] | what must compile for other systems |
 //! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
 //! | [`python`] | builds, installs and tests the Python package |
@@ -22,6 +22,7 @@
 //! | [`frame`] | what an instruction takes from the stack |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
 
+pub mod boards;
 pub mod cargo;
 pub mod figures;
 pub mod firmware;
@@ -31,7 +32,6 @@ pub mod frame;
 pub mod image;
 pub mod instructions;
 pub mod memory;
-pub mod nucleo;
 pub mod probe;
 pub mod processors;
 pub mod python;

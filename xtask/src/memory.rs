@@ -10,10 +10,8 @@ use crate::image::Image;
 use crate::stack::Stack;
 use crate::{cargo, figures, firmware};
 
-/// Where the memory begins, on both boards.
+/// Where the memory begins, on all boards.
 const START: u64 = 0x2000_0000;
-/// Bytes of it.
-const BYTES: u64 = 128 * 1024;
 
 /// Bytes that an interrupt takes before its first instruction: the basic frame, and the word that aligns it. The
 /// images have no float instruction, so no float registers are kept.
@@ -26,15 +24,28 @@ const TABLE: &str = "memory";
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     name: &'static str,
+    /// Bytes of its memory.
+    memory: u64,
     /// Parts of the names of the functions that the control enters by.
     control: &'static [&'static str],
     /// Whether the control interrupts the program, or is called by it.
     interrupts: bool,
 }
 
-const IMAGES: [Kind; 2] = [
-    Kind { name: "nucleo-f446", control: &["TIM5"], interrupts: true },
-    Kind { name: firmware::EMULATED, control: &["9on_sample", "9on_output"], interrupts: false },
+const IMAGES: [Kind; 3] = [
+    Kind { name: "nucleo-f446", memory: 128 * 1024, control: &["TIM5"], interrupts: true },
+    Kind {
+        name: firmware::PICO2,
+        memory: 512 * 1024,
+        control: &["TIMER0_IRQ_0", "TIMER0_IRQ_1"],
+        interrupts: true,
+    },
+    Kind {
+        name: firmware::EMULATED,
+        memory: 128 * 1024,
+        control: &["9on_sample", "9on_output"],
+        interrupts: false,
+    },
 ];
 
 /// What an image takes, bytes.
@@ -68,7 +79,7 @@ impl Memory {
             flash: image.flash_bytes,
             variables,
             recorder: image.largest_variable,
-            left: BYTES.saturating_sub(variables),
+            left: kind.memory.saturating_sub(variables),
             control,
             program: Stack::of(image, "Reset")?,
             interrupts: kind.interrupts,

@@ -6,10 +6,10 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 
-use crate::cargo::{self, THUMB, in_firmware, in_root, run};
+use crate::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, QEMU};
-use crate::{firmware, flashed, instructions, memory, nucleo, probe, processors, python, targets};
+use crate::{boards, firmware, flashed, instructions, memory, probe, processors, python, targets};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -19,6 +19,7 @@ pub fn fmt(tally: &mut Tally, check: bool) {
     // Without --all, which follows the paths to the outer workspace.
     let images = [&["fmt"], check].concat();
     tally.check("format of firmware/", || run(&mut in_firmware(&images, &cargo::image_folder()?)));
+    tally.check("format of firmware/pico2/", || run(&mut in_pico2(&images)?));
     tally.check("format of hil-tests/flashed-image/", || run(&mut flashed::cargo(&images)?));
     tally.check("format of host/python/", || run(&mut python::cargo(&images)?));
 }
@@ -33,6 +34,15 @@ pub fn lint(tally: &mut Tally) {
         cargo::ensure_thumb_target()?;
         run(&mut in_firmware(&images, &cargo::image_folder()?))
     });
+    tally.check("lint of firmware/pico2/", || {
+        cargo::ensure_target(THUMB_V8)?;
+        run(&mut in_pico2(&images)?)
+    });
+}
+
+/// A cargo call in the workspace of the Pico 2.
+fn in_pico2(arguments: &[&str]) -> Result<Command> {
+    Ok(cargo::in_inner(&cargo::firmware().join(firmware::PICO2), arguments, &cargo::image_folder()?))
 }
 
 /// Tests that need more than Rust and an emulator.
@@ -147,7 +157,7 @@ fn test_without_groups(tally: &mut Tally) {
     });
     tally.check("instructions of the simulator", instructions::check);
     tally.check("no_std crates for the boards", || {
-        let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app"];
+        let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app", "pneudrive-interfaces"];
         let mut arguments = vec!["build", "--lib", "--keep-going", "--target", THUMB];
         arguments.extend(crates.iter().flat_map(|name| ["--package", name]));
         run(&mut in_root(&arguments))
@@ -202,7 +212,8 @@ pub fn docs(tally: &mut Tally) {
 /// The image that links the controller alone: no panic, no float, no division routine; then the board's.
 pub fn probe(tally: &mut Tally) {
     tally.check("probe image", probe::check);
-    tally.check("image for the Nucleo board", nucleo::check);
+    tally.check("image for the Nucleo board", boards::check_nucleo);
+    tally.check("image for the Pico 2", boards::check_pico2);
     tally.check("flash, memory and stack of the images", memory::check);
 }
 

@@ -1,0 +1,12 @@
+//! What the Pico 2 board computes for its hardware, without the hardware: the PC tests it, the image writes the
+//! results into registers.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`flash`] | where in the flash what is |
+//! | [`quadrature`] | the program of the state machine that counts the encoder's edges |
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod flash;
+pub mod quadrature;

@@ -1,0 +1,105 @@
+//! Clocks, pins and parts. Runs once, with interrupts disabled; what goes wrong here breaks down.
+
+use pneudrive_app::Recorder;
+use pneudrive_app::runtime::clock::Clock;
+use pneudrive_app::store::FlashStore;
+use pneudrive_interfaces::chip::mcp3208::Mcp3208;
+use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922};
+use pneudrive_interfaces::step_pins::StepPins;
+use pneudrive_interfaces::wired_board::Stages;
+use pneudrive_pico2_plan::flash::layout;
+use rp235x_hal::clocks::{Clock as _, init_clocks_and_plls};
+use rp235x_hal::gpio::{PinState, Pins, PullNone};
+use rp235x_hal::pac::Peripherals;
+use rp235x_hal::{Sio, watchdog::Watchdog as Ticks};
+
+use crate::board::{Pico2Board, Store};
+use crate::clock::{ControlTimer, Wait};
+use crate::encoder::Encoder;
+use crate::flash::KeptFlash;
+use crate::port::Port;
+use crate::watchdog::{KeptSpool, Watchdog};
+use crate::{Control, Drive, Talk, reset, spi};
+
+/// The pin of `drive_enable`.
+pub const ENABLE_PIN: u8 = 8;
+
+/// The crystal, Hz. The system clock is 150 MHz of it.
+const CRYSTAL_HZ: u32 = 12_000_000;
+
+/// The longest request, microseconds: as on the Nucleo board. Not measured on this one.
+const REQUEST_US: u32 = 450;
+
+/// All that there is.
+pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive, Talk) {
+    let sio = Sio::new(device.SIO);
+    let pins = Pins::new(device.IO_BANK0, device.PADS_BANK0, sio.gpio_bank0, &mut device.RESETS);
+    // First of all the line that must be low.
+    let enable = pins.gpio8.into_pull_type::<PullNone>().into_push_pull_output_in_state(PinState::Low);
+    let reset = reset::reason(&device.POWMAN);
+    let mut watchdog = Watchdog::new(&device.WATCHDOG, &device.PSM);
+    let clocks = init_clocks_and_plls(
+        CRYSTAL_HZ,
+        device.XOSC,
+        device.CLOCKS,
+        device.PLL_SYS,
+        device.PLL_USB,
+        &mut device.RESETS,
+        &mut Ticks::new(device.WATCHDOG),
+    )
+    .unwrap_or_else(|_| panic!("the crystal and its multipliers start"));
+    let peripheral_clock = clocks.peripheral_clock.freq();
+    let timer = ControlTimer::start(device.TIMER0, &device.RESETS);
+
+    let valve = spi::valve(
+        device.SPI1,
+        (pins.gpio11.reconfigure(), pins.gpio10.reconfigure()),
+        pins.gpio13.into_pull_type::<PullNone>().into_push_pull_output_in_state(PinState::High),
+        &mut device.RESETS,
+        peripheral_clock,
+    );
+    let sensors = spi::sensors(
+        device.SPI0,
+        (pins.gpio19.reconfigure(), pins.gpio16.reconfigure(), pins.gpio18.reconfigure()),
+        pins.gpio17.into_pull_type::<PullNone>().into_push_pull_output_in_state(PinState::High),
+        &mut device.RESETS,
+        peripheral_clock,
+    );
+    let step = pins.gpio6.into_pull_type::<PullNone>().into_push_pull_output_in_state(PinState::Low);
+    let direction = pins.gpio7.into_pull_type::<PullNone>().into_push_pull_output_in_state(PinState::Low);
+    let Ok(steps) = StepPins::new(step, direction, Wait);
+    let tracks = (pins.gpio2.reconfigure(), pins.gpio3.reconfigure());
+    let encoder = Encoder::start(device.PIO0, tracks, &mut device.RESETS);
+
+    let mut control = Control::with_recorder(recorder);
+    let mut board = Pico2Board {
+        name: "Raspberry Pi Pico 2",
+        encoder: encoder.unwrap_or_else(|_| panic!("the program fits its state machine")),
+        pressures: Mcp3208::new(sensors, [0, 1, 2]),
+        home_switch: pins.gpio4.into_pull_up_input(),
+        stages: Stages::new(Mcp4922::new(valve, Channel::A), steps, enable),
+        clock: Clock::start(timer, control.config().timing),
+        spool: KeptSpool,
+        store: store(watchdog),
+        position: 0,
+        enabled_us: 0,
+    };
+    if let Some(fault) = reset.fault() {
+        control.trip(fault);
+    }
+    control.take_up(&mut board);
+    board.clock.keep(control.config().timing);
+    let lines = (pins.gpio0.reconfigure(), pins.gpio1.reconfigure());
+    let port = Port::open(device.UART0, device.DMA, lines, &mut device.RESETS, peripheral_clock);
+    let port = port.unwrap_or_else(|_| panic!("150 MHz has this baud rate"));
+    watchdog.start();
+    (Drive::new(control, board, REQUEST_US), Talk::new(port, watchdog))
+}
+
+/// What is kept in flash, and in memory through a reset.
+fn store(watchdog: Watchdog) -> Store {
+    // SAFETY: once after a reset, since there is one start.
+    let memory = unsafe { reset::fault_memory() };
+    let taken_up = FlashStore::take_up(KeptFlash::new(watchdog), layout(), memory);
+    taken_up.unwrap_or_else(|_| panic!("the plan's layout is that of this flash")).0
+}
