@@ -1,5 +1,6 @@
 //! A change on its way: its parts, collected until all of them are there.
 
+use heapless::Vec;
 use pneudrive_protocol::change::MAX_CHANGE;
 use pneudrive_protocol::frame;
 
@@ -8,17 +9,10 @@ use pneudrive_protocol::frame;
 pub struct NotWhole;
 
 /// The parts of a change that have come.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Parts {
     crc32: u32,
-    len: usize,
-    bytes: [u8; MAX_CHANGE],
-}
-
-impl Default for Parts {
-    fn default() -> Self {
-        Parts { crc32: 0, len: 0, bytes: [0; MAX_CHANGE] }
-    }
+    bytes: Vec<u8, MAX_CHANGE>,
 }
 
 impl Parts {
@@ -29,16 +23,16 @@ impl Parts {
     pub fn add(&mut self, crc32: u32, first: u16, part: &[u8]) -> Result<(), NotWhole> {
         let first = usize::from(first);
         let end = first.saturating_add(part.len());
-        if self.crc32 == crc32 && self.bytes.get(first..end.min(self.len)) == Some(part) {
+        if self.crc32 == crc32 && self.bytes.get(first..end) == Some(part) {
             return Ok(());
         }
-        let follows = self.crc32 == crc32 && first == self.len;
-        if first != 0 && !follows {
+        let follows = self.crc32 == crc32 && first == self.bytes.len();
+        if (first != 0 && !follows) || end > MAX_CHANGE {
             return Err(NotWhole);
         }
-        self.bytes.get_mut(first..end).ok_or(NotWhole)?.copy_from_slice(part);
-        (self.crc32, self.len) = (crc32, end);
-        Ok(())
+        self.bytes.truncate(first);
+        self.crc32 = crc32;
+        self.bytes.extend_from_slice(part).map_err(|_| NotWhole)
     }
 
     /// The change that has this CRC-32, whole.
@@ -46,14 +40,13 @@ impl Parts {
     /// # Errors
     /// When it is not.
     pub fn whole(&self, crc32: u32) -> Result<&[u8], NotWhole> {
-        let bytes = self.bytes.get(..self.len).unwrap_or(&[]);
-        let is_whole = self.crc32 == crc32 && frame::crc32(bytes) == crc32;
-        if is_whole { Ok(bytes) } else { Err(NotWhole) }
+        let is_whole = self.crc32 == crc32 && frame::crc32(&self.bytes) == crc32;
+        if is_whole { Ok(&self.bytes) } else { Err(NotWhole) }
     }
 
     /// Forgets what has come.
     pub fn clear(&mut self) {
-        self.len = 0;
+        self.bytes.clear();
     }
 }
 

@@ -16,10 +16,10 @@
 
 use pneudrive_protocol::{Presence, RequestBody, session};
 
-use crate::name::Name;
+use crate::name::cut;
 
 /// What a host calls itself.
-pub type HostName = Name<{ session::HOST_BYTES }>;
+pub type HostName = heapless::String<{ session::HOST_BYTES }>;
 
 /// What a request needs of its host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ impl Ownership {
     /// A host that has just been heard.
     #[must_use]
     pub fn of(session: u32, host: &str, now_ms: Option<u64>) -> Ownership {
-        Ownership { session, host: Name::new(host), heard_ms: now_ms, left: false, lapsed: false }
+        Ownership { session, host: cut(host), heard_ms: now_ms, left: false, lapsed: false }
     }
 
     /// A request of this session has come; an owner is gone after `silence_ms` of silence, 0: never.

@@ -1,9 +1,10 @@
 //! What was downloaded to be run.
 
+use heapless::String;
 use pneudrive_controller::Sequence;
 use pneudrive_protocol::session::OLD_HOSTS;
 
-use crate::name::Name;
+use crate::name::cut;
 
 /// Bytes of a test's name.
 pub const NAME_BYTES: usize = 32;
@@ -11,7 +12,7 @@ pub const NAME_BYTES: usize = 32;
 /// What was downloaded to be run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Test {
-    name: Name<NAME_BYTES>,
+    name: String<NAME_BYTES>,
     pub(super) decimation: u16,
     pub(super) pre_trigger: u16,
     pub(super) sequence: Sequence,
@@ -38,7 +39,7 @@ impl Test {
     #[must_use]
     pub fn new(name: &str, duration_samples: u32, decimation: u16, pre_trigger: u16) -> Test {
         let sequence = Sequence::new(duration_samples);
-        Test { name: Name::new(name), decimation, pre_trigger, sequence, origin: Origin::default() }
+        Test { name: cut(name), decimation, pre_trigger, sequence, origin: Origin::default() }
     }
 
     /// The same, by the host of this session.
