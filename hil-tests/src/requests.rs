@@ -1,22 +1,69 @@
-//! How long a request blocks the control interrupt, in instructions: it is executed without interruption.
+//! How long a request locks the control interrupt out: the longest of the pieces in which it is carried out, in
+//! instructions.
 
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
 use pneudrive_link::client::Client;
+use pneudrive_protocol::MAX_VALUES;
+use pneudrive_sim::Rig;
 
 use crate::{QemuTarget, Target, body};
 
-/// The most that a request may take while the drive is enabled, instructions. Requests are carried out after
-/// an output; with the thesis's timing 800 us are left then until the next sample, and this is 444 us at 180 MHz
-/// and two cycles an instruction.
-pub const MAX_INSTRUCTIONS: u64 = 40_000;
+/// The most that a piece of a request may take while the drive is enabled, instructions: 80 us at 180 MHz and six cycles an
+/// instruction. A board begins a piece when so much time is left before the control is due, and a sample may be late by
+/// 100 us.
+pub const MAX_INSTRUCTIONS: u64 = 2_400;
 
-/// A request and the most instructions of it that are carried out in one go.
+/// A request and the instructions of its longest piece.
 pub type Request = (&'static str, u64);
 
 /// Faults in the log: as many as it holds.
 const FAULTS: u32 = 100;
+
+/// A question that a host may ask an enabled drive.
+pub struct Question {
+    /// Its name in docs/firmware-figures.md.
+    pub name: &'static str,
+    /// Asks it; an error if the drive does not answer as it must.
+    pub ask: fn(&mut Client, &Rig) -> Result<()>,
+}
+
+/// All that a host may ask of a drive in a run. The last five are for a disarmed drive, so they are refused.
+pub const IN_A_RUN: [Question; 13] = [
+    Question { name: "status", ask: |client, _| client.status().map(drop) },
+    Question { name: "info", ask: |client, _| client.info().map(drop) },
+    Question { name: "owner", ask: |client, _| client.owner().map(drop) },
+    Question { name: "config get", ask: |client, _| client.parameters().map(drop) },
+    Question { name: "config state", ask: |client, _| client.config_state().map(drop) },
+    Question { name: "motion", ask: |client, _| client.motion().map(drop) },
+    Question { name: "timing", ask: |client, _| client.timing().map(drop) },
+    Question { name: "faults, a full log", ask: |client, _| client.events().map(drop) },
+    Question {
+        name: "config set, refused",
+        ask: |client, rig| refused(client.set_parameters(1, &some_values(rig))),
+    },
+    Question { name: "test, refused", ask: |client, rig| refused(client.download_test(rig)) },
+    Question {
+        name: "parameters and test, refused",
+        ask: |client, rig| refused(client.prepare(rig, 1, Some(&rig.parameters())).map(drop)),
+    },
+    Question { name: "config save, refused", ask: |client, _| refused(client.save_parameters()) },
+    Question { name: "reference, refused", ask: |client, _| refused(client.reference(0)) },
+];
+
+fn refused(asked: Result<()>) -> Result<()> {
+    ensure!(asked.is_err(), "an enabled drive has carried out what is for a disarmed one");
+    Ok(())
+}
+
+/// As many values as a request holds.
+fn some_values(rig: &Rig) -> Vec<i32> {
+    rig.parameters().iter().take(MAX_VALUES).map(|(_, value)| value).collect()
+}
+
+/// What makes a run end with a null offset to be learned: the tolerance is so wide that the error left at rest counts.
+pub const LEARNING: [&str; 2] = ["controller.learn_null_offset=true", "controller.tolerance_counts=200"];
 
 /// Measures every request that a drive takes while it is enabled, at its worst: the log is full and the
 /// record, too.
@@ -24,22 +71,23 @@ const FAULTS: u32 = 100;
 /// # Errors
 /// When there is no emulated board.
 pub fn measure() -> Result<Vec<Request>> {
-    // So tolerant that the error left at rest is learned from.
-    let learning = ["controller.learn_null_offset=true", "controller.tolerance_counts=200"];
-    let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6", learning[0], learning[1]]);
+    let rig = body::rig("servo-b-tuned", &["test.duration_s=5.6", LEARNING[0], LEARNING[1]]);
     let target = QemuTarget::start(&rig)?;
-    fill_log(&target)?;
+    fill_log(&mut target.connect()?)?;
     let _ = body::run_and_record(&target, &rig);
     let mut client = target.connect()?;
     client.download_test(&rig)?;
     let mut meter = Meter { target: &target, client, requests: Vec::new() };
-    meter.ask_in_a_run()?;
+    meter.ask_in_a_run(&rig)?;
     meter.ask_after_the_run()?;
     Ok(meter.requests)
 }
 
-fn fill_log(target: &QemuTarget) -> Result<()> {
-    let mut client = target.connect()?;
+/// Fills the fault log of a referenced drive.
+///
+/// # Errors
+/// When the drive does not answer, or cannot be armed.
+pub fn fill_log(client: &mut Client) -> Result<()> {
     for _ in 0..FAULTS {
         client.arm()?;
         client.stop()?;
@@ -67,16 +115,12 @@ impl Meter<'_> {
         Ok(())
     }
 
-    fn ask_in_a_run(&mut self) -> Result<()> {
+    fn ask_in_a_run(&mut self, rig: &Rig) -> Result<()> {
         self.ask("arm", Client::arm)?;
         self.ask("start", Client::start)?;
-        self.ask("status", |client| client.status().map(drop))?;
-        self.ask("info", |client| client.info().map(drop))?;
-        self.ask("config get", |client| client.parameters().map(drop))?;
-        self.ask("config state", |client| client.config_state().map(drop))?;
-        self.ask("motion", |client| client.motion().map(drop))?;
-        self.ask("timing", |client| client.timing().map(drop))?;
-        self.ask("faults, a full log", |client| client.events().map(drop))?;
+        for question in &IN_A_RUN {
+            self.ask(question.name, |client| (question.ask)(client, rig))?;
+        }
         self.ask("follow to the end", |client| client.follow(&false.into(), |_| {}).map(drop))
     }
 

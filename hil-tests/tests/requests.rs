@@ -4,7 +4,7 @@
 use pneudrive_hil_tests::requests::{MAX_INSTRUCTIONS, measure};
 
 #[test]
-fn a_request_to_an_enabled_drive_fits_between_an_output_and_the_next_sample() {
+fn no_piece_of_a_request_to_an_enabled_drive_takes_80_us_at_six_cycles_an_instruction() {
     let requests = measure().expect("an emulated board");
     for (name, instructions) in &requests {
         println!("{instructions:6} {name}");

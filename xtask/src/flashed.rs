@@ -37,7 +37,7 @@ pub fn cargo(arguments: &[&str]) -> Result<Command> {
     Ok(in_inner(&workspace(), arguments, &built("")?))
 }
 
-/// One short run, at one cycle an instruction and at two.
+/// One short run, at one cycle an instruction and at six.
 ///
 /// # Errors
 /// As [`cargo`].

@@ -1,6 +1,7 @@
 //! The parameters in force, what the law runs on, and where both come from.
 
 use pneudrive_controller::config::ConfigError;
+use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Config, Parameters};
 
 use crate::storage::{Load, Outcome, configuration_hash};
@@ -20,11 +21,51 @@ pub enum Source {
     Damaged,
 }
 
+/// Parameters that go together, what the law makes of them, and their fingerprint. Making one takes tens of thousands of
+/// instructions, putting it in force few. By default the thesis's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Prepared {
+    parameters: Parameters,
+    config: Config,
+    hash: u32,
+}
+
+impl Prepared {
+    /// Of these parameters.
+    ///
+    /// # Errors
+    /// When they do not go together.
+    pub fn of(parameters: Parameters) -> Result<Prepared, ConfigError> {
+        let config = Config::new(&parameters)?;
+        let hash = configuration_hash(&parameters);
+        Ok(Prepared { parameters, config, hash })
+    }
+
+    /// The parameters, by id.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// What the law runs on.
+    #[must_use]
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+}
+
+impl Default for Prepared {
+    fn default() -> Self {
+        let parameters = Parameters::default();
+        let hash = configuration_hash(&parameters);
+        Prepared { parameters, config: Config::default(), hash }
+    }
+}
+
 /// The configuration of the drive. By default the thesis's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Configuration {
-    parameters: Parameters,
-    config: Config,
+    in_force: Prepared,
     source: Source,
     /// Saves so far, and the fingerprint of what was saved last.
     saves: u32,
@@ -44,7 +85,7 @@ impl Configuration {
             Outcome::Damaged | Outcome::UnknownFormat(_) => None,
             Outcome::Loaded(report) => Some(report),
         };
-        let Some((report, config)) = report.zip(Config::new(&parameters).ok()) else {
+        let Some((report, prepared)) = report.zip(Prepared::of(parameters).ok()) else {
             self.source = Source::Damaged;
             return false;
         };
@@ -52,32 +93,28 @@ impl Configuration {
         let as_stored = self.ignored == 0 && report.missing == 0;
         self.source = if as_stored { Source::Stored } else { Source::TakenOver };
         self.saves = report.generation;
-        self.saved_hash = as_stored.then(|| configuration_hash(&parameters));
-        (self.parameters, self.config) = (parameters, config);
+        self.saved_hash = as_stored.then_some(prepared.hash);
+        self.in_force = prepared;
         true
     }
 
-    /// Takes other parameters.
-    ///
-    /// # Errors
-    /// When they do not go together; nothing is changed then.
-    pub fn replace(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
-        self.config = Config::new(&parameters)?;
-        self.parameters = parameters;
+    /// Puts other parameters in force.
+    pub fn replace(&mut self, prepared: Prepared) {
+        self.in_force = prepared;
         self.learned = false;
-        Ok(())
     }
 
-    /// Takes parameters that the drive has learned. Where those before them were stored, these will be, too
-    /// ([`Configuration::save_learned`]).
-    ///
-    /// # Errors
-    /// When they do not go together; nothing is changed then.
-    pub fn learn(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
-        let learned = self.learned || self.is_saved();
-        self.replace(parameters)?;
-        self.learned = learned;
-        Ok(())
+    /// Puts the null offset in force that the drive has learned: that of these parameters, which otherwise are those in
+    /// force. Where those before them were stored, these will be, too ([`Configuration::save_learned`]).
+    pub fn learn(&mut self, learned: &Prepared) {
+        self.learned |= self.is_saved();
+        // A copy of the whole would keep the control interrupt waiting.
+        let Prepared { parameters, config, hash } = &mut self.in_force;
+        let null_offset = learned.config.law.null_offset;
+        if parameters.set(id::NULL_OFFSET_COUNTS, null_offset.into()).is_ok() {
+            config.law.null_offset = null_offset;
+            *hash = learned.hash;
+        }
     }
 
     /// Stores what was learned since the last save, if anything. It is tried once: what cannot be stored is learned
@@ -94,7 +131,7 @@ impl Configuration {
     /// # Errors
     /// When they are not stored; what was stored before is whole then.
     pub fn save(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
-        self.saves = store.save(&self.parameters)?;
+        self.saves = store.save(self.parameters())?;
         self.saved_hash = Some(self.hash());
         self.learned = false;
         self.source = Source::Stored;
@@ -117,13 +154,13 @@ impl Configuration {
     /// The parameters, by id.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
-        &self.parameters
+        &self.in_force.parameters
     }
 
     /// What the law runs on.
     #[must_use]
     pub fn config(&self) -> &Config {
-        &self.config
+        &self.in_force.config
     }
 
     /// Where the parameters come from.
@@ -147,6 +184,6 @@ impl Configuration {
     /// The fingerprint of the parameters in force.
     #[must_use]
     pub fn hash(&self) -> u32 {
-        configuration_hash(&self.parameters)
+        self.in_force.hash
     }
 }

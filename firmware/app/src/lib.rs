@@ -6,7 +6,7 @@
 //! |---|---|---|---|
 //! | [`Control::on_sample`] | timer, at k * period | highest | before the output |
 //! | [`Control::on_output`] | timer, `delay` later | highest | before the next sample |
-//! | [`Server::receive`] | serial port | below | none; a request locks the two above out while it is carried out (docs/firmware-figures.md) |
+//! | [`Server::receive_beside`] | serial port | below | none; a request locks the two above out for short pieces of its work ([`SharedDrive`]) |
 //! | [`Server::attend`], [`Server::speak`] | idle task | below | none; streams miss samples that it is late for |
 //!
 //! A sample that comes later than the configuration allows trips the supervisor; it is never made up
@@ -34,6 +34,7 @@ pub mod recorder;
 mod repetition;
 pub mod runtime;
 pub mod server;
+pub mod shared_drive;
 pub mod storage;
 pub mod store;
 pub mod stream;
@@ -44,6 +45,7 @@ pub use control::Control;
 pub use lock_step::LockStep;
 pub use recorder::Recorder;
 pub use server::Server;
+pub use shared_drive::SharedDrive;
 pub use store::Store;
 
 /// What was built from which sources: the version, and the commit where it is known.

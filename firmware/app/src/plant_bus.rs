@@ -133,8 +133,8 @@ impl Outputs {
     }
 }
 
-/// Says in outputs that are about to travel how long the server has taken the control for, at most and at one
-/// time: a request is carried out in one go, with the control interrupt locked out. In ticks, as [`Ticks`].
+/// Says in outputs that are about to travel how long the longest piece of a request has taken: a board with an interrupt
+/// locks it out for as long ([`SharedDrive`](crate::SharedDrive)). In ticks, as [`Ticks`].
 pub fn with_request_ticks(outputs: &mut [u8; Outputs::BYTES], ticks: u32) {
     let [b0, b1, b2, _] = ticks.min(0x00ff_ffff).to_le_bytes();
     let [_, _, _, _, _, t0, t1, t2, ..] = outputs;

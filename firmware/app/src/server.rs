@@ -1,8 +1,9 @@
 //! The half that talks: frames in, one reply for each request.
 //!
-//! Every request is carried out or refused in one go, and answered with its own sequence number;
+//! Every request is carried out or refused before the next one, and answered with its own sequence number;
 //! the host asks again for what it has not heard. Nothing here waits: a reply is written, and that
-//! is all. Unasked go the rows of a [`Stream`](crate::stream) alone.
+//! is all. Unasked go the rows of a [`Stream`](crate::stream) alone. What changes the drive happens in one piece, between
+//! two control interrupts; what only reads much of it does so in several.
 
 mod answers;
 mod requests;
@@ -24,6 +25,7 @@ use crate::change::Parts;
 use crate::control::Control;
 use crate::recorder::Recorder;
 use crate::repetition::CarriedOut;
+use crate::shared_drive::SharedDrive;
 use crate::store::Store;
 use crate::stream::Stream;
 
@@ -100,6 +102,19 @@ impl Server {
         board: &mut B,
         port: &mut W,
     ) -> Result<(), W::Error> {
+        self.receive_beside(bytes, &mut (control, board), port)
+    }
+
+    /// The same while an interrupt controls the drive: it is locked for short pieces of a request.
+    ///
+    /// # Errors
+    /// When the port does not take a reply.
+    pub fn receive_beside<W: Write>(
+        &mut self,
+        bytes: &[u8],
+        drive: &mut impl SharedDrive,
+        port: &mut W,
+    ) -> Result<(), W::Error> {
         for &byte in bytes {
             let damaged = self.accumulator.damaged;
             let Some(Ok(message)) = self.accumulator.push(byte) else { continue };
@@ -108,16 +123,14 @@ impl Server {
                 continue;
             }
             let meant = InBoot::decode(message);
-            // What was meant for another boot is no sign that its host is there now, nor does it change anything.
-            let of_this_boot = meant.ok().filter(|meant| meant.counts_in(board.store().boot()));
+            let of_this_boot = meant.ok().filter(|meant| is_heard(meant, drive));
             if let Some(now) = of_this_boot {
-                control.host_heard(now.asked.session, board);
                 self.session = now.asked.session;
             }
             let framed = match self.answered {
                 Some((answered, framed)) if answered == crc32 => framed,
                 _ if of_this_boot.is_some_and(|now| self.carried_out.has(&now, crc32)) => continue,
-                _ => answer(&meant, control, board, damaged, &mut self.talk, &mut self.reply),
+                _ => answer(&meant, drive, damaged, &mut self.talk, &mut self.reply),
             };
             self.answered = Some((crc32, framed));
             if let Some((len, crc32)) = framed {
@@ -164,12 +177,23 @@ impl Server {
     }
 }
 
+/// Whether a request is meant for this boot: its host is there, then. One that was meant for another boot is no sign of
+/// that, nor does it change anything.
+fn is_heard(meant: &InBoot<'_>, drive: &mut impl SharedDrive) -> bool {
+    drive.lock(|control, board| {
+        let of_this_boot = meant.counts_in(board.store().boot());
+        if of_this_boot {
+            control.host_heard(meant.asked.session, board);
+        }
+        of_this_boot
+    })
+}
+
 /// Carries out a request and frames its reply; none for a message that does not even have a number to answer
 /// under.
-fn answer<B: Board>(
+fn answer(
     meant: &Result<InBoot<'_>, MessageError>,
-    control: &mut Control<impl BorrowMut<Recorder>>,
-    board: &mut B,
+    drive: &mut impl SharedDrive,
     damaged_frames: u32,
     talk: &mut Talk,
     frame: &mut [u8; MAX_FRAME],
@@ -178,7 +202,7 @@ fn answer<B: Board>(
     let reply = match meant {
         Ok(meant) => Reply {
             sequence: meant.asked.request.sequence,
-            body: carry_out(meant, control, board, damaged_frames, talk, &mut scratch),
+            body: carry_out(meant, drive, damaged_frames, talk, &mut scratch),
         },
         Err(error) => match error.sequence {
             Some(sequence) => Reply { sequence, body: ReplyBody::Refused(Refused::Unknown) },

@@ -27,8 +27,9 @@ pub const ENABLE_PIN: u8 = 8;
 /// The crystal, Hz. The system clock is 150 MHz of it.
 const CRYSTAL_HZ: u32 = 12_000_000;
 
-/// The longest request, microseconds: as on the Nucleo board. Not measured on this one.
-const REQUEST_US: u32 = 450;
+/// The longest piece of a request to an enabled drive, microseconds: the 2,400 instructions of docs/firmware-figures.md at
+/// six cycles each and 150 MHz. Not measured on this board.
+const PIECE_US: u32 = 96;
 
 /// All that there is.
 pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive, Talk) {
@@ -93,7 +94,7 @@ pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive
     let port = Port::open(device.UART0, device.DMA, lines, &mut device.RESETS, peripheral_clock);
     let port = port.unwrap_or_else(|_| panic!("150 MHz has this baud rate"));
     watchdog.start();
-    (Drive::new(control, board, REQUEST_US), Talk::new(port, watchdog))
+    (Drive::new(control, board, PIECE_US), Talk::new(port, watchdog))
 }
 
 /// What is kept in flash, and in memory through a reset.

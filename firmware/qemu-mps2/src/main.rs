@@ -36,7 +36,7 @@ use core::panic::PanicInfo;
 
 use pneudrive_app::lock_step::{Stopwatch, run_control};
 use pneudrive_app::plant_bus::{Next, Outputs};
-use pneudrive_app::{Board, Recorder, Server};
+use pneudrive_app::{Board, Recorder, Server, SharedDrive};
 use semihosting::{eprintln, process};
 
 use board::EmulatedBoard;
@@ -99,7 +99,7 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
     Ok(())
 }
 
-/// Requests whose bytes are there; the ticks of the longest part, which is that of one byte.
+/// Requests whose bytes are there; the ticks of the longest piece that a board with an interrupt would lock it out for.
 fn listen(
     server: &mut Server,
     control: &mut Control,
@@ -107,13 +107,31 @@ fn listen(
     uart: &mut Uart,
     clock: &Clock,
 ) -> u32 {
-    let mut longest = 0;
+    let mut drive = Timed { control, board, clock, longest: 0 };
     while let Some(byte) = uart.read() {
-        let begun = clock.now();
-        let Ok(()) = server.receive(&[byte], control, board, uart);
-        longest = longest.max(clock.since(begun));
+        let Ok(()) = server.receive_beside(&[byte], &mut drive, uart);
     }
-    longest
+    drive.longest
+}
+
+/// The drive, with the ticks of the longest piece of work that was done while it was locked.
+struct Timed<'a> {
+    control: &'a mut Control,
+    board: &'a mut EmulatedBoard,
+    clock: &'a Clock,
+    longest: u32,
+}
+
+impl SharedDrive for Timed<'_> {
+    type Recorder = &'static mut Recorder;
+    type Board = EmulatedBoard;
+
+    fn lock<T>(&mut self, work: impl FnOnce(&mut Control, &mut EmulatedBoard) -> T) -> T {
+        let begun = self.clock.now();
+        let done = work(self.control, self.board);
+        self.longest = self.longest.max(self.clock.since(begun));
+        done
+    }
 }
 
 /// The plant is told that the valve is at null and the drive disabled; then the emulator ends.

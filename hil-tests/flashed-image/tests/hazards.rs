@@ -9,7 +9,7 @@ use std::fmt::Write;
 use pneudrive_controller::Fault;
 use pneudrive_flashed_image::machine::Machine;
 use pneudrive_flashed_image::target::FlashedTarget;
-use pneudrive_flashed_image::time::{Corner, FAST, LAID_OUT_FOR, MILLISECOND, Ticks};
+use pneudrive_flashed_image::time::{Corner, FAST, MILLISECOND, SLOWEST, Ticks};
 use pneudrive_hil_tests::{Target, body};
 use pneudrive_link::client::Client;
 use pneudrive_sim::Rig;
@@ -226,7 +226,7 @@ fn every_hazard_ends_as_the_list_says_with_fast_code_and_a_slow_watchdog() {
 
 #[test]
 fn every_hazard_ends_as_the_list_says_with_slow_code_and_a_fast_watchdog() {
-    hold_all(LAID_OUT_FOR);
+    hold_all(SLOWEST);
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! The headline on the image that is flashed: its records are the simulation in every integer, whether an instruction
-//! takes one cycle or two. What becomes of it at six: `deadlines.rs`.
+//! takes one cycle or six.
 
 use pneudrive_flashed_image::machine::Machine;
 use pneudrive_flashed_image::peripheral::dac::{CODES, REFERENCE_V};
 use pneudrive_flashed_image::target::{FlashedTarget, NUCLEO};
-use pneudrive_flashed_image::time::{Corner, FAST, LAID_OUT_FOR};
+use pneudrive_flashed_image::time::{Corner, FAST, SLOWEST};
 use pneudrive_hil_tests::body::soak;
 use pneudrive_hil_tests::{Supplied, Target, body, rounding};
 use pneudrive_sim::{Accuracy, Rig, run};
@@ -18,7 +18,7 @@ fn fast(rig: &Rig) -> Box<dyn Target> {
 }
 
 fn slow(rig: &Rig) -> Box<dyn Target> {
-    Box::new(started(rig, LAID_OUT_FOR))
+    Box::new(started(rig, SLOWEST))
 }
 
 fn supplied(rig: &Rig) -> Box<dyn Supplied> {
@@ -196,7 +196,7 @@ fn the_largest_command_is_the_largest_code_and_no_more() {
 fn a_record_leaves_the_simulation_only_where_the_converter_has_no_code() {
     let rig = soak::run_of(1);
     let simulated = run(&rig, Accuracy::of(&rig)).expect("a transient").observations;
-    let record = body::run_and_record(&started(&rig, LAID_OUT_FOR), &rig);
+    let record = body::run_and_record(&started(&rig, SLOWEST), &rig);
     let pairs = || record.samples.iter().zip(&simulated);
     let differ = pairs().position(|(on_rig, seen)| {
         (on_rig.position, on_rig.pressure_1, on_rig.pressure_2, on_rig.spool, on_rig.command)

@@ -77,7 +77,7 @@ pub struct Figures {
     pub control_instructions: Spread,
     /// Both together at the first samples of the runs, where estimator and sequencer start.
     pub first_instructions: Spread,
-    /// The most instructions of an uninterrupted part of a request.
+    /// The most instructions of a piece of a request, for which a board with an interrupt locks it out.
     pub request_instructions: u64,
     since: Option<Instant>,
     is_first: bool,

@@ -10,6 +10,7 @@ use pneudrive_controller::{Config, Move, Parameters, Refusal};
 
 use super::{Control, Test};
 use crate::board::Board;
+use crate::configuration::Prepared;
 use crate::recorder::Recorder;
 use crate::store::NotStored;
 use crate::timing::Clock;
@@ -60,15 +61,15 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             changed.set(id, value).map_err(|error| (id, ChangeError::Value(error)))?;
             id = id.saturating_add(1);
         }
-        let config = Config::new(&changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
-        self.stage_may_become(&config).map_err(|refusal| (first_id, ChangeError::Refused(refusal)))?;
-        self.put_in_force(changed, &config).map_err(|error| (first_id, ChangeError::Inconsistent(error)))
+        let changed = Prepared::of(changed).map_err(|error| (first_id, ChangeError::Inconsistent(error)))?;
+        self.put_in_force(changed).map_err(|refusal| (first_id, ChangeError::Refused(refusal)))
     }
 
-    /// Takes parameters and what the law makes of them.
-    pub(super) fn put_in_force(&mut self, changed: Parameters, config: &Config) -> Result<(), ConfigError> {
-        self.forget_what_depends(&changed, config);
-        self.configuration.replace(changed)?;
+    /// Puts parameters in force, unless a spool is open that the drive stage of these would not close.
+    pub(super) fn put_in_force(&mut self, changed: Prepared) -> Result<(), Refusal> {
+        self.stage_may_become(changed.config())?;
+        self.forget_what_depends(changed.parameters(), changed.config());
+        self.configuration.replace(changed);
         self.clock = Clock::default();
         Ok(())
     }
@@ -94,7 +95,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// # Errors
     /// When they do not go together; nothing is changed then.
     pub fn load_parameters(&mut self, parameters: Parameters) -> Result<(), ConfigError> {
-        self.configuration.replace(parameters)
+        self.configuration.replace(Prepared::of(parameters)?);
+        Ok(())
     }
 
     /// Stores the parameters for the next reset.

@@ -4,11 +4,12 @@ use core::borrow::BorrowMut;
 
 use pneudrive_controller::drive::MAX_COUNTS;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Fault, Mode, Refusal};
+use pneudrive_controller::{Fault, Mode, Parameters, Refusal};
 use pneudrive_protocol::session::OLD_HOSTS;
 
 use super::Control;
 use crate::board::Board;
+use crate::configuration::Prepared;
 use crate::ownership::Ownership;
 use crate::recorder::Recorder;
 use crate::timing::Clock;
@@ -29,11 +30,29 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// # Errors
     /// As for [`Control::arm`].
     pub fn arm_as(&mut self, session: u32, host: &str, board: &mut impl Board) -> Result<(), Refusal> {
+        let learned = self.learned_parameters().and_then(|learned| Prepared::of(learned).ok());
+        self.arm_with(learned.as_ref(), session, host, board)
+    }
+
+    /// The same with [`Control::learned_parameters`] that have been prepared before: that takes longer than a control
+    /// interrupt may wait.
+    ///
+    /// # Errors
+    /// As for [`Control::arm`].
+    pub fn arm_with(
+        &mut self,
+        learned: Option<&Prepared>,
+        session: u32,
+        host: &str,
+        board: &mut impl Board,
+    ) -> Result<(), Refusal> {
         if self.configuration.is_lost() {
             return Err(Refusal::NoConfiguration);
         }
         self.log_fault(board);
-        self.take_over_null_offset(board);
+        if let Some(learned) = learned {
+            self.learn(learned, board);
+        }
         self.state.arm(self.configuration.config())?;
         self.ownership = Ownership::of(session, host, board.host_clock_ms());
         self.logged = false;
@@ -43,20 +62,26 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         Ok(())
     }
 
-    /// The next run starts where the last one has learned to. Between runs only, and not before the next
-    /// one: a record is read with the parameters that it was taken with.
-    fn take_over_null_offset(&mut self, board: &mut impl Board) {
+    /// The parameters with what the last run has learned of the valve's null, so that the next one starts where that has
+    /// learned to. None if it has learned nothing, and while a run is on: a record is read with the parameters that it was
+    /// taken with.
+    #[must_use]
+    pub fn learned_parameters(&self) -> Option<Parameters> {
         let learned = self.state.learned_null_offset();
         if learned == 0 || matches!(self.state.supervisor.mode(), Mode::Running | Mode::Homing) {
-            return;
+            return None;
         }
         let largest = i32::from(MAX_COUNTS);
         let mut changed = self.parameters().clone();
         let old = changed.get(id::NULL_OFFSET_COUNTS).unwrap_or(0);
         let new = old.saturating_add(learned).clamp(-largest, largest);
-        if changed.set(id::NULL_OFFSET_COUNTS, new).is_ok() && self.configuration.learn(changed).is_ok() {
-            self.state.forget_null_offset();
-        }
+        changed.set(id::NULL_OFFSET_COUNTS, new).ok().map(|()| changed)
+    }
+
+    /// Puts what was learned in force, and stores it at once if the drive rests.
+    fn learn(&mut self, learned: &Prepared, board: &mut impl Board) {
+        self.configuration.learn(learned);
+        self.state.forget_null_offset();
         if self.flash_may_be_written() {
             // A flash that refuses does not keep the drive from arming.
             let _ = self.configuration.save_learned(board.store());

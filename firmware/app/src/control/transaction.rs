@@ -5,11 +5,12 @@ use core::borrow::BorrowMut;
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::SequenceError;
-use pneudrive_controller::{Config, Move, Parameters, Refusal};
+use pneudrive_controller::{Move, Parameters, Refusal};
 use pneudrive_protocol::UNTIL_STOPPED;
 use pneudrive_protocol::change::{Entries, Entry, start_crc32, test_crc32};
 
 use super::{Control, Test};
+use crate::configuration::Prepared;
 use crate::recorder::Recorder;
 
 /// Why a change was not taken. Nothing was changed.
@@ -79,9 +80,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         for entry in Entries::of(change) {
             draft.add(entry.map_err(|_| TakeError::Malformed)?)?;
         }
-        let config = Config::new(&draft.parameters).map_err(TakeError::Inconsistent)?;
-        self.stage_may_become(&config).map_err(TakeError::Refused)?;
-        self.put_in_force(draft.parameters, &config).map_err(TakeError::Inconsistent)?;
+        let changed = Prepared::of(draft.parameters).map_err(TakeError::Inconsistent)?;
+        self.put_in_force(changed).map_err(TakeError::Refused)?;
         if let Some(test) = draft.test {
             self.put_test(test.named(test_crc32(change)));
         }

@@ -3,7 +3,7 @@
 
 use pneudrive_controller::config::Timing;
 
-use super::instants::{Milliseconds, extend, left, next_on_grid, output_after};
+use super::instants::{Milliseconds, extend, has_time, left, next_on_grid, output_after};
 
 /// Distance of the compare channels from the counter until a configuration sets them: its shortest period.
 const SOON_US: u32 = 100;
@@ -107,11 +107,11 @@ impl<T: Timer> Clock<T> {
         extend(self.base_us, self.timer.counter())
     }
 
-    /// Microseconds until the next sample or output.
+    /// Whether work that takes so long can be done before the next sample or output.
     #[must_use]
-    pub fn left_us(&self) -> u32 {
+    pub fn has_time(&self, work_us: u32) -> bool {
         let instants = [Mark::Sample, Mark::Output].map(|mark| self.timer.instant(mark));
-        left(self.timer.counter(), instants)
+        has_time(left(self.timer.counter(), instants), work_us, self.timing.period_us)
     }
 
     /// Milliseconds since the reset, at the last sample.

@@ -33,16 +33,18 @@ pub struct Drive<B, R = Recorder> {
     pub control: Control<R>,
     /// Sensors, drive stage and clock.
     pub board: B,
-    /// The longest request, microseconds: none begins with less time left before the control is due.
-    request_us: u32,
+    /// The longest piece of a request to an enabled drive, microseconds: none begins with less time left before the
+    /// control is due.
+    piece_us: u32,
     /// The control has run since the watchdog was last fed.
     ran: bool,
 }
 
 impl<B: ClockedBoard, R: BorrowMut<Recorder>> Drive<B, R> {
-    /// A drive that carries out requests of at most `request_us` microseconds between two instants of the control.
-    pub fn new(control: Control<R>, board: B, request_us: u32) -> Drive<B, R> {
-        Drive { control, board, request_us, ran: false }
+    /// A drive whose requests are carried out in pieces of at most `piece_us` microseconds between two instants of the
+    /// control.
+    pub fn new(control: Control<R>, board: B, piece_us: u32) -> Drive<B, R> {
+        Drive { control, board, piece_us, ran: false }
     }
 
     /// The timer's interrupt: whatever is due.
@@ -63,13 +65,14 @@ impl<B: ClockedBoard, R: BorrowMut<Recorder>> Drive<B, R> {
         core::mem::take(&mut self.ran)
     }
 
-    /// Whether a request can be carried out before the control is due.
+    /// Whether a piece of a request can be done before the control is due. A disabled drive has no deadline.
     #[must_use]
     pub fn has_time(&self) -> bool {
-        self.board.clock().left_us() > self.request_us
+        !self.control.state().supervisor.drives() || self.board.clock().has_time(self.piece_us)
     }
 
     /// Takes over the timing that a request may have changed.
+    #[inline(never)] // At the end of every piece of a request.
     pub fn keep_timing(&mut self) {
         let timing = self.control.config().timing;
         self.board.clock_mut().keep(timing);

@@ -80,6 +80,13 @@ pub fn left(now: u32, instants: [u32; 2]) -> u32 {
     a.min(b)
 }
 
+/// Whether a piece of work can be done before the next of two instants, which is so far away. With a period that never leaves
+/// the time for it, a quarter of the period has to do: some gap between sample and output is twice as long.
+#[must_use]
+pub fn has_time(left_us: u32, work_us: u32, period_us: NonZeroU32) -> bool {
+    left_us > work_us.min(period_us.get() / 4)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -167,5 +174,13 @@ mod tests {
         assert_eq!(left(1600, [2300, 2800]), 700);
         assert_eq!(left(2301, [2300, 2800]), 0);
         assert_eq!(left(u32::MAX - 9, [90, 600]), 100);
+    }
+
+    #[test]
+    fn work_is_begun_when_it_is_over_before_the_control_is_due() {
+        assert!(has_time(81, 80, PERIOD) && !has_time(80, 80, PERIOD));
+        let short = NonZeroU32::new(100).expect("not zero");
+        assert!(has_time(26, 80, short), "a period of 100 us never leaves 80 us");
+        assert!(!has_time(25, 80, short));
     }
 }

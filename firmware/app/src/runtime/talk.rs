@@ -1,7 +1,7 @@
 //! The idle task: serves the port and the stream, stores what waits for a disabled drive, feeds the watchdog.
 //!
-//! A request is carried out in one go with the control locked out: right after an output, when most of the
-//! period is left, or whenever there is time enough before the control is due.
+//! The control is locked out for short pieces of a request, each of them begun when there is time for it before the
+//! control is due ([`Served::has_time`]).
 
 use core::borrow::BorrowMut;
 use core::convert::Infallible;
@@ -14,10 +14,8 @@ use crate::board::Board;
 use crate::control::Control;
 use crate::recorder::Recorder;
 use crate::server::Server;
+use crate::shared_drive::SharedDrive;
 use crate::store::NotStored;
-
-/// Bytes that are looked at in one round: some 10,000 instructions.
-const BYTES_A_ROUND: usize = 64;
 
 /// A serial port. What is written to it is collected, and then sent in one go; a frame always fits.
 pub trait Port: Write<Error = Infallible> {
@@ -56,7 +54,7 @@ pub trait Served {
     /// Whether the control has run since this was last asked.
     fn has_run(&mut self) -> bool;
 
-    /// Whether a request can be carried out before the control is due.
+    /// Whether a piece of a request can be done before the control is due.
     fn has_time(&self) -> bool;
 
     /// Takes over the timing that a request may have changed.
@@ -113,34 +111,24 @@ impl<P: Port, W: Watchdog> Talk<P, W> {
     /// Once, when the flash does not take the fault log; it is not tried again before the next reset.
     pub fn round<D: Served>(&mut self, drive: &mut impl Mutex<T = D>) -> Result<(), NotStored> {
         self.port.clear_errors();
-        drive.lock(|drive| self.server.attend(drive.parts().0));
-        let (has_run, has_time) = drive.lock(|drive| (drive.has_run(), drive.has_time()));
-        if self.port.is_free() && (has_run || has_time) {
+        InPieces(drive).lock(|control, _| self.server.attend(control));
+        if self.port.is_free() {
             self.listen(drive);
             self.speak();
             self.port.send();
         }
-        if !has_run {
+        if !drive.lock(D::has_run) {
             return Ok(());
         }
         self.watchdog.feed();
         self.tidy_up(drive)
     }
 
-    /// The bytes that have come, up to one that ends a request; a few at a time, since what was looked at before
-    /// them, the time that is left, goes by.
+    /// The bytes that have come, up to one that ends a request.
     fn listen<D: Served>(&mut self, drive: &mut impl Mutex<T = D>) {
-        for _ in 0..BYTES_A_ROUND {
-            if self.port.has_collected() {
-                return;
-            }
+        while !self.port.has_collected() {
             let Some(byte) = self.port.read() else { return };
-            let Talk { server, port, .. } = self;
-            drive.lock(|drive| {
-                let (control, board) = drive.parts();
-                let Ok(()) = server.receive(&[byte], control, board, port);
-                drive.keep_timing();
-            });
+            let Ok(()) = self.server.receive_beside(&[byte], &mut InPieces(drive), &mut self.port);
         }
     }
 
@@ -157,5 +145,31 @@ impl<P: Port, W: Watchdog> Talk<P, W> {
         }
         self.flash_refuses = true;
         Err(NotStored)
+    }
+}
+
+/// The drive, locked for a piece of a request at a time.
+struct InPieces<'a, M>(&'a mut M);
+
+impl<D: Served, M: Mutex<T = D>> InPieces<'_, M> {
+    /// Waits until there is time for a piece: the control does not come before it is done, nor before it begins.
+    #[inline(never)]
+    fn await_time(&mut self) {
+        while !self.0.lock(|drive| drive.has_time()) {}
+    }
+}
+
+impl<D: Served, M: Mutex<T = D>> SharedDrive for InPieces<'_, M> {
+    type Recorder = D::Recorder;
+    type Board = D::Board;
+
+    fn lock<T>(&mut self, work: impl FnOnce(&mut Control<D::Recorder>, &mut D::Board) -> T) -> T {
+        self.await_time();
+        self.0.lock(|drive| {
+            let (control, board) = drive.parts();
+            let done = work(control, board);
+            drive.keep_timing();
+            done
+        })
     }
 }

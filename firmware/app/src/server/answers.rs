@@ -1,17 +1,20 @@
 //! What a drive tells of itself.
 
-use core::borrow::BorrowMut;
+use core::borrow::{Borrow, BorrowMut};
 
-use pneudrive_controller::Mode;
 use pneudrive_controller::sequencer::Arrival;
+use pneudrive_controller::{Mode, Parameters};
 use pneudrive_protocol::{
-    self as protocol, CHUNK_SAMPLES, ConfigState, Event, MAX_EVENTS, MAX_VALUES, Motion, RecordInfo,
-    RecordedSample, Refused, ReplyBody, Status, Values,
+    self as protocol, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, Event, MAX_EVENTS, MAX_VALUES,
+    MIN_VERSION, Motion, Owner, RecordInfo, RecordedSample, Refused, ReplyBody, Status, Values,
 };
 
+use super::{FIRMWARE, Scratch};
+use crate::board::Board;
 use crate::configuration::{Configuration, Source};
 use crate::control::Control;
-use crate::recorder::Recorder;
+use crate::recorder::{CAPACITY, Recorder};
+use crate::shared_drive::SharedDrive;
 use crate::store::Store;
 
 pub(super) fn status(control: &Control<impl BorrowMut<Recorder>>, damaged_frames: u32) -> Status {
@@ -74,33 +77,80 @@ pub(super) fn config_state(configuration: &Configuration) -> ConfigState {
     }
 }
 
-pub(super) fn events<'a>(store: &impl Store, first: u8, count: u8, room: &'a mut [u8]) -> ReplyBody<'a> {
-    let total = store.events();
-    let wanted = usize::from(first)..usize::from(first) + usize::from(count).min(MAX_EVENTS);
+/// Who commands the drive, with its name in this room: the drive is not locked any more when the reply is framed.
+pub(super) fn kept<'a>(owner: Owner<'_>, room: &'a mut Scratch) -> Owner<'a> {
+    let Owner { presence, session, silent_ms, host } = owner;
+    Owner { presence, session, silent_ms, host: kept_text(host, room) }
+}
+
+/// A text in this room; empty if it does not fit.
+#[inline(never)]
+fn kept_text<'a>(text: &str, room: &'a mut Scratch) -> &'a str {
+    let Some(room) = room.get_mut(..text.len()) else { return "" };
+    room.copy_from_slice(text.as_bytes());
+    core::str::from_utf8(room).unwrap_or("")
+}
+
+pub(super) fn info<'a>(board: &impl Board, room: &'a mut Scratch) -> ReplyBody<'a> {
+    ReplyBody::Info {
+        min_version: MIN_VERSION,
+        version: CURRENT_VERSION,
+        firmware: FIRMWARE,
+        build: board.build(),
+        board: kept_text(board.name(), room),
+        record_capacity: CAPACITY as u32,
+    }
+}
+
+pub(super) fn events<'a>(
+    drive: &mut impl SharedDrive,
+    first: u8,
+    count: u8,
+    room: &'a mut [u8],
+) -> ReplyBody<'a> {
+    let wanted = usize::from(count).min(MAX_EVENTS);
+    let (total, events) = drive.lock(|_, board| {
+        let (store, first) = (board.store(), usize::from(first));
+        let nth = |nth| if nth < wanted { store.event(first + nth) } else { None };
+        (store.events(), core::array::from_fn::<_, MAX_EVENTS, _>(nth))
+    });
     let mut bytes = 0;
-    for (slot, event) in room.chunks_exact_mut(Event::BYTES).zip(wanted.filter_map(|nth| store.event(nth))) {
+    for (slot, event) in room.chunks_exact_mut(Event::BYTES).zip(events.iter().flatten()) {
         slot.copy_from_slice(&event.to_bytes());
         bytes += Event::BYTES;
     }
     ReplyBody::Events { total: total as u8, first, events: room.get(..bytes).unwrap_or(&[]) }
 }
 
+/// Values that are read in one piece.
+const VALUES_AT_ONCE: usize = 16;
+
 pub(super) fn config<'a>(
-    control: &Control<impl BorrowMut<Recorder>>,
+    drive: &mut impl SharedDrive,
     first_id: u16,
     count: u8,
     room: &'a mut [u8],
 ) -> ReplyBody<'a> {
-    let count = usize::from(count).min(MAX_VALUES) as u16;
-    let ids = first_id..first_id.saturating_add(count);
-    if let Some(id) = ids.clone().find(|&id| control.parameters().get(id).is_none()) {
-        return ReplyBody::Refused(Refused::UnknownParameter { id });
+    let end = first_id.saturating_add(usize::from(count).min(MAX_VALUES) as u16);
+    let slots = room.as_chunks_mut().0.get_mut(..usize::from(end - first_id)).unwrap_or_default();
+    for (first, slots) in (first_id..).step_by(VALUES_AT_ONCE).zip(slots.chunks_mut(VALUES_AT_ONCE)) {
+        if let Err(id) = drive.lock(|control, _| read(control.parameters(), first, slots)) {
+            return ReplyBody::Refused(Refused::UnknownParameter { id });
+        }
     }
-    let values = ids.filter_map(|id| control.parameters().get(id));
-    match Values::fill(room, values) {
+    let bytes = room.get(..4 * usize::from(end - first_id));
+    match bytes.and_then(Values::new) {
         Some(values) => ReplyBody::Config { first_id, values },
         None => ReplyBody::Refused(Refused::UnknownParameter { id: first_id }),
     }
+}
+
+/// Reads values of consecutive ids, or tells the first id that there is not.
+fn read(parameters: &Parameters, first_id: u16, slots: &mut [[u8; 4]]) -> Result<(), u16> {
+    for (slot, id) in slots.iter_mut().zip(first_id..) {
+        *slot = parameters.get(id).ok_or(id)?.to_le_bytes();
+    }
+    Ok(())
 }
 
 /// Samples that one `RecordInfo` takes into the CRC of the record; the host asks until all are in. A drive
@@ -116,44 +166,51 @@ pub(super) fn digest(control: &mut Control<impl BorrowMut<Recorder>>, samples: u
     if over { control.recorder.borrow_mut().digest(samples) } else { None }
 }
 
-pub(super) fn record_info(control: &mut Control<impl BorrowMut<Recorder>>) -> ReplyBody<'_> {
-    let crc = digest(control, DIGEST_AT_ONCE);
-    let measured_period_ns = control.measured_period_ns();
-    let recorder: &Recorder = control.recorder.borrow();
-    ReplyBody::RecordInfo(RecordInfo {
-        test: control.test().name(),
-        samples: recorder.len() as u32,
-        first_index: recorder.first_index(),
-        decimation: recorder.decimation() as u16,
-        pre_trigger: recorder.pre_trigger(),
-        complete: crc.is_some(),
-        measured_period_ns,
-        mean_spool_raw: recorder.mean_spool(),
-        crc32: crc.unwrap_or(0),
+pub(super) fn record_info<'a>(drive: &mut impl SharedDrive, room: &'a mut Scratch) -> ReplyBody<'a> {
+    for _ in 0..DIGEST_AT_ONCE / DIGEST_BETWEEN {
+        drive.lock(|control, _| digest(control, DIGEST_BETWEEN));
+    }
+    drive.lock(|control, _| {
+        let crc = digest(control, 0);
+        let measured_period_ns = control.measured_period_ns();
+        let recorder: &Recorder = control.recorder.borrow();
+        ReplyBody::RecordInfo(RecordInfo {
+            test: kept_text(control.test().name(), room),
+            samples: recorder.len() as u32,
+            first_index: recorder.first_index(),
+            decimation: recorder.decimation() as u16,
+            pre_trigger: recorder.pre_trigger(),
+            complete: crc.is_some(),
+            measured_period_ns,
+            mean_spool_raw: recorder.mean_spool(),
+            crc32: crc.unwrap_or(0),
+        })
     })
 }
 
 pub(super) fn chunk<'a>(
-    control: &Control<impl BorrowMut<Recorder>>,
+    drive: &mut impl SharedDrive,
     first: u32,
     count: u8,
     room: &'a mut [u8],
 ) -> ReplyBody<'a> {
-    let recorder: &Recorder = control.recorder.borrow();
-    if recorder.is_empty() {
-        return ReplyBody::Refused(Refused::NoRecord);
-    }
-    let samples = recorder.len() as u32;
-    let end = first.saturating_add(u32::from(count).min(CHUNK_SAMPLES as u32));
-    if count == 0 || end > samples {
-        return ReplyBody::Refused(Refused::RecordRange { samples });
-    }
-    let mut bytes = 0;
-    for (slot, i) in room.chunks_exact_mut(RecordedSample::BYTES).zip(first..end) {
-        if let Some(stored) = recorder.get(i as usize) {
-            slot.copy_from_slice(stored);
-            bytes += RecordedSample::BYTES;
+    drive.lock(|control, _| {
+        let recorder: &Recorder = control.recorder.borrow();
+        if recorder.is_empty() {
+            return ReplyBody::Refused(Refused::NoRecord);
         }
-    }
-    ReplyBody::Chunk { first, samples: room.get(..bytes).unwrap_or(&[]) }
+        let samples = recorder.len() as u32;
+        let end = first.saturating_add(u32::from(count).min(CHUNK_SAMPLES as u32));
+        if count == 0 || end > samples {
+            return ReplyBody::Refused(Refused::RecordRange { samples });
+        }
+        let mut bytes = 0;
+        for (slot, i) in room.chunks_exact_mut(RecordedSample::BYTES).zip(first..end) {
+            if let Some(stored) = recorder.get(i as usize) {
+                slot.copy_from_slice(stored);
+                bytes += RecordedSample::BYTES;
+            }
+        }
+        ReplyBody::Chunk { first, samples: room.get(..bytes).unwrap_or(&[]) }
+    })
 }

@@ -7,131 +7,119 @@ use pneudrive_controller::sequencer::SequenceError;
 use pneudrive_controller::{Mode, Move};
 use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
-    CURRENT_VERSION, InBoot, InSession, MIN_VERSION, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED,
-    code,
+    InBoot, InSession, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED, Values, code,
 };
 
-use super::answers::{chunk, config, config_state, digest, events, motion, record_info, status};
-use super::{FIRMWARE, Scratch, Talk};
+use super::answers::{chunk, config, config_state, digest, events, info, kept, motion, record_info, status};
+use super::{Scratch, Talk};
 use crate::board::Board;
 use crate::change::{NotWhole, Parts};
+use crate::configuration::Prepared;
 use crate::control::{ChangeError, Control, MoveError, SaveRefused, TakeError, Test};
 use crate::ownership::Need;
-use crate::recorder::{CAPACITY, Recorder};
+use crate::recorder::Recorder;
 use crate::repetition::counts_in_any_boot;
+use crate::shared_drive::SharedDrive;
 use crate::store::Store;
 
 /// Carries out a request, unless it was meant for another boot, or another host commands the drive.
-pub(super) fn carry_out<'a, B: Board>(
+pub(super) fn carry_out<'a>(
     meant: &InBoot<'a>,
-    control: &'a mut Control<impl BorrowMut<Recorder>>,
-    board: &'a mut B,
+    drive: &mut impl SharedDrive,
     damaged_frames: u32,
     talk: &mut Talk,
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
     let InBoot { asked: InSession { request, session }, .. } = *meant;
-    let boot = board.store().boot();
-    if !(meant.counts_in(boot) || counts_in_any_boot(&request.body)) {
-        return ReplyBody::Refused(Refused::OtherBoot { number: boot });
-    }
-    if !control.allows(session, Need::of(&request.body), board) {
-        return ReplyBody::Refused(owned(session, control.owner(board)));
+    match drive.lock(|control, board| admission(meant, control, board)) {
+        Admission::OtherBoot { number } => return ReplyBody::Refused(Refused::OtherBoot { number }),
+        Admission::Owned => {
+            return drive.lock(|control, board| owned(session, control.owner(board), scratch));
+        }
+        Admission::Granted => {}
     }
     match request.body {
-        RequestBody::Info => ReplyBody::Info {
-            min_version: MIN_VERSION,
-            version: CURRENT_VERSION,
-            firmware: FIRMWARE,
-            build: board.build(),
-            board: board.name(),
-            record_capacity: CAPACITY as u32,
-        },
-        RequestBody::Status => ReplyBody::Status(status(control, damaged_frames)),
-        RequestBody::ConfigGet { first_id, count } => config(control, first_id, count, scratch),
+        RequestBody::Info => drive.lock(|_, board| info(board, scratch)),
+        RequestBody::Status => drive.lock(|control, _| ReplyBody::Status(status(control, damaged_frames))),
+        RequestBody::ConfigGet { first_id, count } => config(drive, first_id, count, scratch),
         RequestBody::ConfigSet { first_id, values } => {
-            done(control.set_parameters(first_id, values.iter()).map_err(|(id, error)| {
-                let place = usize::from(id.saturating_sub(first_id));
-                change_refused(id, values.iter().nth(place).unwrap_or(0), error)
-            }))
+            drive.lock(|control, _| set(control, first_id, values))
         }
         // A host that has a session arms by `ArmAs`: this is something else that reads as it, such as an echo.
         RequestBody::Arm if session != OLD_HOSTS => ReplyBody::Refused(Refused::Unknown),
-        RequestBody::Arm => done(control.arm_as(session, "", board).map_err(not_now)),
-        RequestBody::ArmAs { host } => done(control.arm_as(session, host, board).map_err(not_now)),
-        RequestBody::TakeOver { host } => done(control.take_over(session, host, board).map_err(not_now)),
-        RequestBody::Leave => {
+        RequestBody::Arm => arm(drive, session, ""),
+        RequestBody::ArmAs { host } => arm(drive, session, host),
+        RequestBody::TakeOver { host } => {
+            drive.lock(|control, board| done(control.take_over(session, host, board).map_err(not_now)))
+        }
+        RequestBody::Leave => drive.lock(|control, _| {
             control.host_leaves(session);
             ReplyBody::Done
-        }
+        }),
         RequestBody::Token { .. } => ReplyBody::Done,
-        RequestBody::Boot => ReplyBody::Boot { number: boot },
-        RequestBody::Owner => ReplyBody::Owner(control.owner(board)),
-        RequestBody::Disarm => {
+        RequestBody::Boot => drive.lock(|_, board| ReplyBody::Boot { number: board.store().boot() }),
+        RequestBody::Owner => {
+            drive.lock(|control, board| ReplyBody::Owner(kept(control.owner(board), scratch)))
+        }
+        RequestBody::Disarm => drive.lock(|control, _| {
             control.disarm();
             ReplyBody::Done
-        }
-        RequestBody::Start | RequestBody::StartTest { .. } | RequestBody::Home
-            if control.owner_was_silent() =>
-        {
-            ReplyBody::Refused(Refused::NotNow(code::HOST_WAS_SILENT))
-        }
-        RequestBody::Start if others_test(control, |test| test.is_by(session)) => {
-            ReplyBody::Refused(other_test(session))
-        }
-        RequestBody::StartTest { crc32 } if others_test(control, |_| control.is_named(crc32)) => {
-            ReplyBody::Refused(Refused::OtherTest)
-        }
-        RequestBody::Start | RequestBody::StartTest { .. } => done(control.start(board).map_err(not_now)),
-        RequestBody::Stop => {
+        }),
+        RequestBody::Start => drive.lock(|control, board| {
+            let is_meant = control.test().is_by(session);
+            done(start(control, board, is_meant, other_test(session)))
+        }),
+        RequestBody::StartTest { crc32 } => drive.lock(|control, board| {
+            let is_meant = control.is_named(crc32);
+            done(start(control, board, is_meant, Refused::OtherTest))
+        }),
+        RequestBody::Stop => drive.lock(|control, _| {
             control.stop();
             ReplyBody::Done
-        }
+        }),
         RequestBody::Reference { position_counts } => {
-            done(control.reference(position_counts).map_err(not_now))
+            drive.lock(|control, _| done(control.reference(position_counts).map_err(not_now)))
         }
-        RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => {
+        RequestBody::TestBegin { name, duration_us, decimation, pre_trigger } => drive.lock(|control, _| {
             let last_sample = duration_us / control.config().timing.period_us;
             let test = Test::new(name, last_sample, decimation, pre_trigger).by(session);
             done(control.set_test(test).map_err(not_now))
-        }
-        RequestBody::TestMove { .. } | RequestBody::TestSpan { .. } if !control.test().is_by(session) => {
-            ReplyBody::Refused(other_test(session))
-        }
-        RequestBody::TestMove { time_us, target } => {
+        }),
+        RequestBody::TestMove { time_us, target } => drive.lock(|control, _| {
             let next = Move::at_time_us(time_us, control.config().timing.period_us, target);
-            done(control.push_move(next).map_err(move_refused))
-        }
-        RequestBody::TestSpan { last_sample, .. } if last_sample > UNTIL_STOPPED => {
-            ReplyBody::Refused(Refused::TestTooLong)
-        }
-        RequestBody::TestSpan { last_sample, round } => {
-            done(control.set_span(last_sample, round).map_err(move_refused))
-        }
+            done(extend(control, session, |control| control.push_move(next).map_err(move_refused)))
+        }),
+        RequestBody::TestSpan { last_sample, round } => drive.lock(|control, _| {
+            done(extend(control, session, |control| match last_sample {
+                ..=UNTIL_STOPPED => control.set_span(last_sample, round).map_err(move_refused),
+                _ => Err(Refused::TestTooLong),
+            }))
+        }),
         RequestBody::ChangePart { crc32, first, part } => {
             done(talk.change.add(crc32, first, part).map_err(|NotWhole| Refused::ChangeNotWhole))
         }
-        RequestBody::ChangeTake { crc32 } => take(control, &mut talk.change, crc32),
-        RequestBody::Home => done(control.home(board).map_err(not_now)),
-        RequestBody::SeekNull => done(control.seek_null().map_err(not_now)),
-        RequestBody::AtNull => done(control.at_null(board).map_err(not_now)),
-        RequestBody::Motion => ReplyBody::Motion(motion(control)),
-        RequestBody::ConfigSave => done(control.save_parameters(board).map_err(|refused| match refused {
-            SaveRefused::NotNow(refusal) => not_now(refusal),
-            SaveRefused::NotStored => Refused::NotStored,
-        })),
-        RequestBody::ConfigState => ReplyBody::ConfigState(config_state(control.configuration())),
-        RequestBody::Events { first, count } => events(board.store(), first, count, scratch),
-        RequestBody::Timing => {
+        RequestBody::ChangeTake { crc32 } => take(drive, &mut talk.change, crc32),
+        RequestBody::Home => drive.lock(|control, board| done(home(control, board))),
+        RequestBody::SeekNull => drive.lock(|control, _| done(control.seek_null().map_err(not_now))),
+        RequestBody::AtNull => drive.lock(|control, board| done(control.at_null(board).map_err(not_now))),
+        RequestBody::Motion => drive.lock(|control, _| ReplyBody::Motion(motion(control))),
+        RequestBody::ConfigSave => drive.lock(|control, board| done(save(control, board))),
+        RequestBody::ConfigState => {
+            drive.lock(|control, _| ReplyBody::ConfigState(config_state(control.configuration())))
+        }
+        RequestBody::Events { first, count } => events(drive, first, count, scratch),
+        RequestBody::Timing => drive.lock(|control, _| {
             let [interval, latency] = control.timing();
             ReplyBody::Timing { interval, latency }
+        }),
+        RequestBody::RecordInfo => record_info(drive, scratch),
+        RequestBody::RecordRead { first, count } => chunk(drive, first, count, scratch),
+        RequestBody::RecordChunk { crc32, first, count } => {
+            match drive.lock(|control, _| digest(control, 0)) {
+                Some(crc) if crc == crc32 => chunk(drive, first, count, scratch),
+                _ => ReplyBody::Refused(Refused::OtherRecord),
+            }
         }
-        RequestBody::RecordInfo => record_info(control),
-        RequestBody::RecordRead { first, count } => chunk(control, first, count, scratch),
-        RequestBody::RecordChunk { crc32, first, count } => match digest(control, 0) {
-            Some(crc) if crc == crc32 => chunk(control, first, count, scratch),
-            _ => ReplyBody::Refused(Refused::OtherRecord),
-        },
         RequestBody::StreamBegin { every, batch } => {
             talk.stream.begin(request.sequence, every, batch);
             ReplyBody::Done
@@ -144,15 +132,105 @@ pub(super) fn carry_out<'a, B: Board>(
     }
 }
 
-/// Who commands the drive, in words that the host of this session knows.
-fn owned(session: u32, owner: Owner<'_>) -> Refused<'_> {
-    if session == OLD_HOSTS { Refused::NotNow(code::OWNED) } else { Refused::Owned(owner) }
+/// Whether a request may be carried out.
+enum Admission {
+    Granted,
+    /// It was meant for another boot than this one.
+    OtherBoot {
+        number: u32,
+    },
+    /// Another host commands the drive.
+    Owned,
 }
 
-/// Whether an armed drive has a test to run, and it is not the one that is meant.
-fn others_test<R: BorrowMut<Recorder>>(control: &Control<R>, is_meant: impl Fn(&Test) -> bool) -> bool {
+fn admission<R: BorrowMut<Recorder>>(
+    meant: &InBoot<'_>,
+    control: &Control<R>,
+    board: &mut impl Board,
+) -> Admission {
+    let InBoot { asked: InSession { request, session }, .. } = meant;
+    let number = board.store().boot();
+    if !(meant.counts_in(number) || counts_in_any_boot(&request.body)) {
+        return Admission::OtherBoot { number };
+    }
+    match control.allows(*session, Need::of(&request.body), board) {
+        true => Admission::Granted,
+        false => Admission::Owned,
+    }
+}
+
+/// Arms. What the last run has learned is prepared while the control goes on: a drive that holds may be armed anew.
+fn arm<'a>(drive: &mut impl SharedDrive, session: u32, host: &str) -> ReplyBody<'a> {
+    let learned = drive.lock(|control, _| control.learned_parameters());
+    let learned = learned.and_then(|learned| Prepared::of(learned).ok());
+    drive.lock(|control, board| {
+        done(control.arm_with(learned.as_ref(), session, host, board).map_err(not_now))
+    })
+}
+
+/// Starts, unless the drive is armed with a test that is not meant.
+fn start<'a>(
+    control: &mut Control<impl BorrowMut<Recorder>>,
+    board: &mut impl Board,
+    is_meant: bool,
+    other_test: Refused<'a>,
+) -> Result<(), Refused<'a>> {
+    must_not_have_lapsed(control)?;
     let (mode, test) = (control.state().supervisor.mode(), control.test());
-    mode == Mode::Armed && !test.sequence().moves().is_empty() && !is_meant(test)
+    if mode == Mode::Armed && !test.sequence().moves().is_empty() && !is_meant {
+        return Err(other_test);
+    }
+    control.start(board).map_err(not_now)
+}
+
+fn home<'a>(
+    control: &mut Control<impl BorrowMut<Recorder>>,
+    board: &mut impl Board,
+) -> Result<(), Refused<'a>> {
+    must_not_have_lapsed(control)?;
+    control.home(board).map_err(not_now)
+}
+
+fn must_not_have_lapsed<'a, R: BorrowMut<Recorder>>(control: &Control<R>) -> Result<(), Refused<'a>> {
+    if control.owner_was_silent() { Err(Refused::NotNow(code::HOST_WAS_SILENT)) } else { Ok(()) }
+}
+
+fn set<'a>(
+    control: &mut Control<impl BorrowMut<Recorder>>,
+    first_id: u16,
+    values: Values<'_>,
+) -> ReplyBody<'a> {
+    done(control.set_parameters(first_id, values.iter()).map_err(|(id, error)| {
+        let place = usize::from(id.saturating_sub(first_id));
+        change_refused(id, values.iter().nth(place).unwrap_or(0), error)
+    }))
+}
+
+fn save<'a>(
+    control: &mut Control<impl BorrowMut<Recorder>>,
+    board: &mut impl Board,
+) -> Result<(), Refused<'a>> {
+    control.save_parameters(board).map_err(|refused| match refused {
+        SaveRefused::NotNow(refusal) => not_now(refusal),
+        SaveRefused::NotStored => Refused::NotStored,
+    })
+}
+
+/// Adds to the test that the host of this session has stated.
+fn extend<'a, R: BorrowMut<Recorder>>(
+    control: &mut Control<R>,
+    session: u32,
+    add: impl FnOnce(&mut Control<R>) -> Result<(), Refused<'a>>,
+) -> Result<(), Refused<'a>> {
+    if control.test().is_by(session) { add(control) } else { Err(other_test(session)) }
+}
+
+/// Who commands the drive, in words that the host of this session knows.
+fn owned<'a>(session: u32, owner: Owner<'_>, room: &'a mut Scratch) -> ReplyBody<'a> {
+    ReplyBody::Refused(match session {
+        OLD_HOSTS => Refused::NotNow(code::OWNED),
+        _ => Refused::Owned(kept(owner, room)),
+    })
 }
 
 /// The test is another host's, in words that the host of this session knows.
@@ -161,9 +239,9 @@ fn other_test<'a>(session: u32) -> Refused<'a> {
 }
 
 /// Takes the change whose parts have come, and forgets them.
-fn take<'a>(control: &mut Control<impl BorrowMut<Recorder>>, parts: &mut Parts, crc32: u32) -> ReplyBody<'a> {
+fn take<'a>(drive: &mut impl SharedDrive, parts: &mut Parts, crc32: u32) -> ReplyBody<'a> {
     let taken = match parts.whole(crc32) {
-        Ok(change) => control.take_change(change).map_err(take_refused),
+        Ok(change) => drive.lock(|control, _| control.take_change(change).map_err(take_refused)),
         Err(NotWhole) => Err(Refused::ChangeNotWhole),
     };
     if taken.is_ok() {

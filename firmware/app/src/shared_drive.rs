@@ -1,0 +1,32 @@
+//! The drive as its two users see it: the interrupt that controls it, and the task that talks to the host.
+//!
+//! A request is carried out while the interrupt may come at any time. It locks the drive only for the pieces of work that
+//! need it, and each of them is short (docs/firmware-figures.md): decoding a request, framing its reply and computing a CRC
+//! happen in between.
+
+use core::borrow::BorrowMut;
+
+use crate::board::Board;
+use crate::control::Control;
+use crate::recorder::Recorder;
+
+/// A drive that an interrupt controls meanwhile.
+pub trait SharedDrive {
+    /// The recorder, owned or lent.
+    type Recorder: BorrowMut<Recorder>;
+    /// The board.
+    type Board: Board;
+
+    /// Does a piece of work with the interrupt locked out.
+    fn lock<T>(&mut self, work: impl FnOnce(&mut Control<Self::Recorder>, &mut Self::Board) -> T) -> T;
+}
+
+/// A drive without an interrupt, on boards that run both halves from one thread.
+impl<R: BorrowMut<Recorder>, B: Board> SharedDrive for (&mut Control<R>, &mut B) {
+    type Recorder = R;
+    type Board = B;
+
+    fn lock<T>(&mut self, work: impl FnOnce(&mut Control<R>, &mut B) -> T) -> T {
+        work(self.0, self.1)
+    }
+}

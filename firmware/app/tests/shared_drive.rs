@@ -1,0 +1,107 @@
+//! The control goes on between the pieces of a request: what a request reads is of one state, and what it changes is whole.
+
+mod bench;
+
+use bench::{Bench, FakeBoard};
+use pneudrive_app::{Control, Recorder, SharedDrive};
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Config, Mode};
+use pneudrive_protocol::{RequestBody, Values};
+
+/// A drive whose control runs before each piece of work.
+struct Interrupted<'a> {
+    control: &'a mut Control,
+    board: &'a mut FakeBoard,
+    pieces: u32,
+}
+
+impl SharedDrive for Interrupted<'_> {
+    type Recorder = Recorder;
+    type Board = FakeBoard;
+
+    fn lock<T>(&mut self, work: impl FnOnce(&mut Control, &mut FakeBoard) -> T) -> T {
+        self.control.on_sample(self.board);
+        self.control.on_output(self.board);
+        self.board.now_us += 1300;
+        self.pieces += 1;
+        work(self.control, self.board)
+    }
+}
+
+/// The replies to a request between whose pieces samples come, and how many pieces it has.
+fn interrupted(bench: &mut Bench, body: RequestBody<'_>) -> (Vec<u8>, u32) {
+    let (frame, mut replies) = (bench.frame(body), Vec::new());
+    let mut drive = Interrupted { control: &mut bench.app.control, board: &mut bench.board, pieces: 0 };
+    let Ok(()) = bench.app.server.receive_beside(&frame, &mut drive, &mut replies);
+    (replies, drive.pieces)
+}
+
+fn set(bench: &mut Bench, first_id: u16, value: i32) {
+    let mut room = [0; 4];
+    bench.done(RequestBody::ConfigSet { first_id, values: Values::fill(&mut room, [value]).expect("room") });
+}
+
+/// A drive that has run and holds.
+fn holding(samples: u32) -> Bench {
+    let mut bench = Bench::referenced();
+    bench.board.stands = true;
+    bench.armed(samples, 1, 0);
+    bench.done(RequestBody::Start);
+    bench.samples(samples + 2);
+    assert_eq!(bench.mode(), Mode::Done);
+    bench
+}
+
+#[test]
+fn a_record_and_parameters_are_read_between_samples_as_without_them() {
+    for body in [
+        RequestBody::RecordInfo,
+        RequestBody::RecordRead { first: 7, count: 32 },
+        RequestBody::ConfigGet { first_id: id::GAIN_PROFILE, count: 64 },
+        RequestBody::ConfigState,
+    ] {
+        let [mut alone, mut beside] = [holding(200), holding(200)];
+        let frame = alone.frame(body);
+        let (replies, pieces) = interrupted(&mut beside, body);
+        assert_eq!(replies, alone.send(&frame), "{body:?}");
+        assert!(pieces > 1, "{body:?} is of one piece");
+        assert_eq!(beside.mode(), Mode::Done);
+    }
+}
+
+/// What was learned is prepared in a piece and put in force in another.
+#[test]
+fn an_arm_between_samples_puts_in_force_what_was_learned_and_nothing_else() {
+    let mut bench = Bench::referenced();
+    set(&mut bench, id::LEARNING_GAIN, 256);
+    bench.board.stands = true;
+    bench.test(9, 1, 0);
+    bench.done(RequestBody::TestMove { time_us: 5200, target: 7 });
+    bench.done(RequestBody::Arm);
+    bench.done(RequestBody::Start);
+    bench.samples(11);
+    let learned = bench.app.control.state().learned_null_offset();
+    assert_ne!(learned, 0);
+    let mut expected = bench.app.control.parameters().clone();
+    expected.set(id::NULL_OFFSET_COUNTS, learned).expect("in range");
+
+    let (_, pieces) = interrupted(&mut bench, RequestBody::Arm);
+    assert!(pieces > 3, "{pieces}");
+    let control = &bench.app.control;
+    assert_eq!((bench.mode(), control.state().learned_null_offset()), (Mode::Armed, 0));
+    assert_eq!(control.parameters(), &expected);
+    assert_eq!(control.config(), &Config::new(&expected).expect("they go together"));
+    let hash = pneudrive_app::storage::configuration_hash(&expected);
+    assert_eq!(control.configuration().hash(), hash, "what the host compares before a start");
+}
+
+#[test]
+fn a_stop_takes_effect_at_the_output_behind_its_piece() {
+    let mut bench = Bench::referenced();
+    bench.armed(100, 1, 0);
+    bench.done(RequestBody::Start);
+    bench.samples(3);
+    let _ = interrupted(&mut bench, RequestBody::Stop);
+    bench.samples(1);
+    assert_eq!(bench.board.driven.last().map(|command| command.drive_enable), Some(false));
+}
