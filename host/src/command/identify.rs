@@ -127,7 +127,10 @@ fn write(
     put(&numbers, &format!("{:#}\n", report::to_json(found, recordings)))?;
     let mut figures = Vec::new();
     for (recording, start) in recordings.iter().zip(&found.starts) {
-        let follow = |rig: &Rig| recording.follow(rig, accuracy, *start, recording.commands.len());
+        let follow = |rig: &Rig| -> Result<_> {
+            let started = rig.with_numbers(&recording.start(*start))?;
+            recording.follow(&started, accuracy, recording.commands.len())
+        };
         let readings = [follow(rig), follow(&found.rig)];
         let [Ok(before), Ok(after)] = readings else { continue };
         figures.push(report::figure(recording, &before, &after));

@@ -115,9 +115,12 @@ impl<'a> Model<'a> {
     /// # Errors
     /// When it is not valid.
     pub fn rig_at(&self, u: &[f64]) -> Result<Rig> {
-        let numbers =
-            self.parameters.iter().zip(u).map(|(parameter, &u)| (parameter.key.path, parameter.value(u)));
-        Ok(self.rig.with_numbers(&numbers.collect::<Vec<_>>())?)
+        Ok(self.rig.with_numbers(&self.values_at(u).collect::<Vec<_>>())?)
+    }
+
+    /// The values of the parameters at a point, each with its key.
+    fn values_at(&self, u: &[f64]) -> impl Iterator<Item = (&'static str, f64)> {
+        self.parameters.iter().zip(u).map(|(parameter, &u)| (parameter.key.path, parameter.value(u)))
     }
 
     /// Why there are no residuals at a point: the first recording that cannot be followed, and its error. None where
@@ -143,8 +146,9 @@ impl<'a> Model<'a> {
         let recording = &self.recordings[job.recording];
         self.runs.fetch_add(1, Ordering::Relaxed);
         let start = self.start_at(job.u, job.recording);
-        let rig = self.rig_at(job.u)?;
-        let readings = recording.follow(&rig, self.accuracy, start, self.samples(recording))?;
+        let values = self.values_at(job.u).chain(recording.start(start)).collect::<Vec<_>>();
+        let rig = self.rig.with_numbers(&values)?;
+        let readings = recording.follow(&rig, self.accuracy, self.samples(recording))?;
         let residuals = self.compare(recording, &readings);
         ensure!(residuals.iter().all(|r| r.is_finite()), "the model's readings are not finite numbers");
         Ok(residuals)

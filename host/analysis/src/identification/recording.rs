@@ -176,21 +176,17 @@ impl Recording {
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
     }
 
-    /// What the sensors of `rig` would read under the first `samples` commands, from an initial state that is
-    /// `off` the one that was measured, in counts.
+    /// The initial state that is `off` the one that was measured, in counts: its values, each with its key.
+    pub fn start(&self, off: [f64; STARTS]) -> [(&'static str, f64); STARTS] {
+        std::array::from_fn(|i| (KEYS_OF_START[i], self.start[i] + off[i] * self.channels[i].scale))
+    }
+
+    /// What the sensors of `rig` would read under the first `samples` commands.
     ///
     /// # Errors
-    /// When the rig is not valid in that state, or cannot be integrated.
-    pub fn follow(
-        &self,
-        rig: &Rig,
-        accuracy: Accuracy,
-        off: [f64; STARTS],
-        samples: usize,
-    ) -> Result<Vec<Reading>> {
-        let start = |i: usize| (KEYS_OF_START[i], self.start[i] + off[i] * self.channels[i].scale);
-        let started = rig.with_numbers(&[0, 1, 2].map(start))?;
-        Ok(follow(&started, accuracy, self.timing, &self.commands[..samples])?)
+    /// When the rig cannot be integrated.
+    pub fn follow(&self, rig: &Rig, accuracy: Accuracy, samples: usize) -> Result<Vec<Reading>> {
+        Ok(follow(rig, accuracy, self.timing, &self.commands[..samples])?)
     }
 }
 
