@@ -1,6 +1,10 @@
 //! The validated form of the parameters: what the law runs on, immutable while it does.
 
+mod error;
+
 use core::num::NonZeroU32;
+
+pub use error::ConfigError;
 
 use crate::drive::{DacConfig, DriveConfig, MAX_COUNTS, Translator};
 use crate::estimator::EstimatorConfig;
@@ -46,48 +50,6 @@ pub struct Timing {
     pub host_silence_ms: u32,
     /// How long an enabled drive stands without a host before it is disarmed, milliseconds.
     pub hold_ms: u32,
-}
-
-/// Which parameters do not go together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ConfigError {
-    /// `delay_us` must be less than `period_us`.
-    DelayNotBelowPeriod,
-    /// `position_min_counts` must be below `position_max_counts`.
-    PositionLimitsCrossed,
-    /// `pressure_min_pa` must be below `pressure_max_pa`.
-    PressureRangeEmpty,
-    /// `spool_min_nm` must be below `spool_max_nm`.
-    SpoolRangeEmpty,
-    /// `end_min_counts` must be below `end_max_counts`.
-    EndPositionsCrossed,
-    /// `homing_command_counts` must not be 0.
-    HomingStandsStill,
-    /// `direction_setup_us` and `pulse_width_us` together must be less than `period_us`.
-    PulseTooLong,
-    /// A divisor (`period_us`, `delay_us`, `profile_span_counts`, `scale`) is not positive.
-    DivisorNotPositive,
-}
-
-impl ConfigError {
-    /// The parameter to change, and what it must be.
-    #[must_use]
-    pub fn advice(self) -> &'static str {
-        match self {
-            ConfigError::DelayNotBelowPeriod => "delay_us must be less than period_us",
-            ConfigError::PositionLimitsCrossed => "position_min_counts must be below position_max_counts",
-            ConfigError::PressureRangeEmpty => "pressure_min_pa must be below pressure_max_pa",
-            ConfigError::SpoolRangeEmpty => "spool_min_nm must be below spool_max_nm",
-            ConfigError::EndPositionsCrossed => "end_min_counts must be below end_max_counts",
-            ConfigError::HomingStandsStill => "homing_command_counts must be other than 0",
-            ConfigError::PulseTooLong => {
-                "direction_setup_us and pulse_width_us together must be less than period_us"
-            }
-            ConfigError::DivisorNotPositive => {
-                "period_us, delay_us, profile_span_counts and scale must be positive"
-            }
-        }
-    }
 }
 
 /// The thesis's controller: what [`Config::new`] makes of the default parameters.
