@@ -226,4 +226,28 @@ mod tests {
             assert!(!limits.are_pressures(2000, bad), "{bad}");
         }
     }
+
+    #[test]
+    fn the_idle_part_of_a_valve_is_its_dead_zone_but_a_tenth_of_its_range_at_most() {
+        assert_eq!(NoMotion::of(384, 2048, 102), NoMotion { idle: 102, full: 1024, most: 384 * 922 - 1 });
+        assert_eq!(NoMotion::of(384, 12, 102), NoMotion { idle: 1, full: 6, most: 384 * 5 - 1 });
+        assert_eq!(NoMotion::of(10, 1, 102), NoMotion { idle: 0, full: 1, most: 9 }, "a stage of one step");
+    }
+
+    #[test]
+    fn a_command_at_the_edge_of_the_idle_part_may_leave_the_valve_shut() {
+        let no_motion = NoMotion::of(384, 2048, 102);
+        let efforts = [102, 103, 1024, 1025].map(|from_null| no_motion.effort(from_null));
+        assert_eq!(efforts, [None, Some(1), Some(922), Some(922)]);
+    }
+
+    #[test]
+    fn an_axis_at_null_goes_no_further_than_allowed_from_where_it_no_longer_coasts() {
+        let limits = Limits { null_motion: 10, ..Config::default().limits };
+        let mut watch = Watch::of_a_coasting_axis();
+        assert!((0..=COASTING_SAMPLES).all(|k| !watch.runs_away(&limits, 100 * k, false)));
+        let rest = 100 * COASTING_SAMPLES;
+        assert!(!watch.runs_away(&limits, rest + 10, false));
+        assert!(watch.runs_away(&limits, rest + 11, false));
+    }
 }

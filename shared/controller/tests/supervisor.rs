@@ -3,7 +3,6 @@
 mod bench;
 
 use bench::{Bench, at, one_move, running, wide_open};
-use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{
     Command, Config, Fault, Mode, Parameters, Refusal, Sample, Sequence, State, output, sample,
@@ -139,48 +138,6 @@ fn a_start_begins_anew_at_sample_zero_with_a_fresh_history() {
     assert_eq!((seen.index, seen.velocity, seen.acceleration, seen.command), (0, 0, 0, 0));
 }
 
-/// A rig with a stepper, running towards a setpoint far away.
-fn stepper_at_work() -> (Config, Sequence, State) {
-    let mut parameters = wide_open();
-    parameters.set(id::STEPPER, 1).expect("in range");
-    let config = Config::new(&parameters).expect("they go together");
-    let sequence = one_move(20_000);
-    let mut state = running(&config, &sequence);
-    for k in 1..=5 {
-        sample(&config, &sequence, &mut state, &Sample::default());
-        let command = output(&config, &mut state);
-        assert_eq!(command, Command { counts: 40, step: 1, drive_enable: true });
-        assert_eq!(state.observation().spool, k - 1, "SPLLOC at the sample");
-    }
-    (config, sequence, state)
-}
-
-#[test]
-fn a_tripped_stepper_gets_target_zero_at_once_and_walks_there_one_pulse_a_sample() {
-    let (config, sequence, mut state) = stepper_at_work();
-    state.supervisor.trip(Fault::Stop);
-    let pulses: [(i8, bool); 7] = core::array::from_fn(|_| {
-        let command = output(&config, &mut state);
-        assert_eq!(command.counts, 0);
-        sample(&config, &sequence, &mut state, &Sample::default());
-        (command.step, command.drive_enable)
-    });
-    let walking = (-1, true);
-    assert_eq!(pulses, [walking, walking, walking, walking, walking, (0, false), (0, false)]);
-}
-
-#[test]
-fn a_stepper_that_is_not_at_null_yet_does_not_start() {
-    let (config, sequence, mut state) = stepper_at_work();
-    state.supervisor.disarm();
-    state.supervisor.arm().expect("referenced");
-    assert_eq!(state.start(&config, &sequence), Err(Refusal::ValveNotAtNull));
-    assert_eq!(state.home(&config), Err(Refusal::ValveNotAtNull));
-    let pulses: [i8; 6] = core::array::from_fn(|_| output(&config, &mut state).step);
-    assert_eq!(pulses, [-1, -1, -1, -1, -1, 0], "armed is null at once, whatever the last sample asked for");
-    assert_eq!(state.start(&config, &sequence), Ok(()));
-}
-
 /// Stop and arm may both come between a sample and its output. Once the command of the stopped run
 /// was driven then, with the drive enabled.
 #[test]
@@ -195,60 +152,6 @@ fn a_drive_that_is_re_armed_between_a_sample_and_its_output_is_at_null() {
     assert_eq!(output(&config, &mut state), null);
     state.start(&config, &one_move(9000)).expect("armed");
     assert_eq!(output(&config, &mut state), null, "nothing is driven before the first sample of a run");
-}
-
-/// It was set to mid-travel, and the next stepper began from there with the valve open.
-#[test]
-fn a_drive_that_is_changed_to_a_dac_and_back_still_knows_where_its_spool_is() {
-    let (stepper, sequence, mut state) = stepper_at_work();
-    let dac = Config::new(&wide_open()).expect("they go together");
-    state.supervisor.disarm();
-    assert_eq!(output(&dac, &mut state), Command::OFF, "a solenoid does not wait for a stepper's spool");
-    state.arm(&dac).expect("referenced");
-    assert_eq!(state.start(&dac, &sequence), Ok(()));
-    state.supervisor.disarm();
-    let pulses: [i8; 6] = core::array::from_fn(|_| output(&stepper, &mut state).step);
-    assert_eq!(pulses, [-1, -1, -1, -1, -1, 0]);
-}
-
-#[test]
-fn a_spool_that_was_open_at_a_reset_gets_no_pulse_and_no_arming_before_it_is_sought() {
-    let (config, sequence, _) = stepper_at_work();
-    let mut state = State::default();
-    state.take_up_spool(Some(SpoolLocation::at(-3)));
-    sample(&config, &sequence, &mut state, &Sample::default());
-    assert_eq!(output(&config, &mut state), Command::OFF);
-    assert_eq!(state.arm(&config), Err(Refusal::SpoolInDoubt));
-    assert!(state.spool_is_open(&config));
-    state.seek_null().expect("it is known where it was");
-    let walk: [(i8, bool); 4] = core::array::from_fn(|_| {
-        let command = output(&config, &mut state);
-        (command.step, command.drive_enable)
-    });
-    assert_eq!(walk, [(1, true), (1, true), (1, true), (0, false)]);
-    assert_eq!(state.arm(&config), Ok(()));
-}
-
-#[test]
-fn a_spool_of_which_nothing_is_known_is_not_sought_but_must_be_said_to_be_at_null() {
-    let (config, ..) = stepper_at_work();
-    let mut state = State::default();
-    state.take_up_spool(None);
-    assert_eq!(state.arm(&config), Err(Refusal::SpoolLost));
-    assert_eq!(state.seek_null(), Err(Refusal::SpoolLost));
-    assert_eq!(state.at_null(), Ok(()));
-    assert_eq!(state.arm(&config), Ok(()));
-    let dac = Config::new(&wide_open()).expect("they go together");
-    state.take_up_spool(None);
-    assert_eq!(state.arm(&dac), Ok(()), "a solenoid's spool has a spring");
-}
-
-#[test]
-fn a_spool_that_was_at_mid_travel_at_a_reset_is_there() {
-    let (config, ..) = stepper_at_work();
-    let mut state = State::default();
-    state.take_up_spool(Some(SpoolLocation::default()));
-    assert_eq!(state.arm(&config), Ok(()));
 }
 
 /// A spool that has lost steps, an amplifier that fails: the valve is not where its null is taken to be.
@@ -267,29 +170,17 @@ fn an_armed_drive_that_moves_trips_and_one_that_creeps_does_not() {
     assert_eq!([6, -6, 100].map(after), [Some((58, 0)), Some((58, 0)), Some((4, 0))]);
 }
 
+/// The board judges a host's silence by it.
 #[test]
-fn a_drive_that_is_armed_while_its_spool_walks_to_mid_travel_may_move_until_it_is_there() {
-    let (config, sequence, mut state) = stepper_at_work();
-    let mut limits = config.clone();
-    limits.limits.null_motion = 345;
-    state.supervisor.disarm();
-    state.arm(&limits).expect("tripped");
-    let mut position = 0;
-    while state.spool_location() != SpoolLocation::default() {
-        position += 400;
-        sample(&limits, &sequence, &mut state, &at(position));
-        assert_eq!(state.supervisor.mode(), Mode::Armed);
-        let _ = output(&limits, &mut state);
-    }
-    for counts in [0, 400] {
-        sample(&limits, &sequence, &mut state, &at(position + counts));
-    }
-    assert_eq!(state.supervisor.mode(), Mode::Fault(Fault::MotionAtNull));
-}
-
-#[test]
-fn a_spool_on_its_way_is_not_said_to_be_at_null() {
-    let (_, _, mut state) = stepper_at_work();
-    state.supervisor.disarm();
-    assert_eq!(state.at_null(), Err(Refusal::ValveNotAtNull));
+fn the_cylinder_is_on_its_way_in_a_run_and_in_a_homing_run_alone() {
+    let mut bench = Bench::armed(&[], &[(0, 500)]);
+    assert!(!bench.state.supervisor.moves(), "armed");
+    bench.state.home(&bench.config).expect("armed");
+    assert!(bench.state.supervisor.moves(), "homing");
+    bench.state.supervisor.trip(Fault::Stop);
+    assert!(!bench.state.supervisor.moves(), "tripped");
+    let mut bench = Bench::running_for(3, &[], &[(0, 500)]);
+    assert!(bench.state.supervisor.moves(), "running");
+    bench.hold(at(500), 5);
+    assert_eq!((bench.mode(), bench.state.supervisor.moves()), (Mode::Done, false));
 }

@@ -203,3 +203,12 @@ fn moves_out_of_order_and_one_too_many_are_refused() {
     assert_eq!(sequence(&[(5, 0)], 0).push(Move { at_sample: 4, target: 0 }), Err(SequenceError::OutOfOrder));
     assert_eq!(full.moves().len(), MAX_MOVES);
 }
+
+#[test]
+fn a_sequence_tells_after_how_many_samples_its_moves_come_again() {
+    let mut sequence = sequence(&[(0, 5), (6, 7)], 100);
+    assert_eq!(sequence.round(), 0, "once");
+    assert_eq!(sequence.repeat_every(6), Err(SequenceError::OutOfOrder), "the second move is not within it");
+    sequence.repeat_every(7).expect("both are");
+    assert_eq!(sequence.round(), 7);
+}
