@@ -74,6 +74,11 @@ fn refused(rig: &Rig, last_gain: bool) -> Option<&'static str> {
     if rig.get(&controller::keys::LOOP) != Loop::Closed {
         return Some("an open loop has no gain");
     }
+    let feed_forward =
+        [&controller::keys::VELOCITY_FEED_FORWARD, &controller::keys::ACCELERATION_FEED_FORWARD];
+    if feed_forward.iter().any(|gain| rig.get(gain) != 0) {
+        return Some("it is a bug of the thesis's controller, which feeds nothing forward");
+    }
     match rig.get(&controller::keys::LAW) {
         Law::GainProfile => None,
         _ if last_gain => Some("it is for the law gain-profile"),

@@ -26,19 +26,23 @@ use crate::timing::Clock;
 /// The controller, its configuration, the test and the recorder: its own, or one that is lent, since
 /// a microcontroller has no room to make it on the stack. By default: disarmed, with the thesis's
 /// parameters and no test.
+///
+/// In this order: what a sample needs lies within reach of one load from the front, which the long lists of moves and
+/// samples would move it out of.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct Control<R = Recorder> {
-    configuration: Configuration,
-    test: Test,
     state: State,
-    /// The transient buffer.
-    pub recorder: R,
     clock: Clock,
     /// The mode at the present sample, until that is recorded.
     sampled: Option<Mode>,
-    ownership: Ownership,
     /// Whether the fault that the drive is in stands in the log.
     logged: bool,
+    ownership: Ownership,
+    configuration: Configuration,
+    test: Test,
+    /// The transient buffer.
+    pub recorder: R,
 }
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -168,10 +172,12 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.clock.spreads()
     }
 
-    /// Takes the times of the last sample into their histograms: what the control interrupt leaves to who is
-    /// idle, before the next sample.
+    /// What the control interrupt leaves to who is idle before the next sample: takes the times of the last one into
+    /// their histograms, and works out the next setpoint of a profile.
     pub fn settle_timing(&mut self) {
-        self.clock.settle(&self.configuration.config().timing);
+        let config = self.configuration.config();
+        self.clock.settle(&config.timing);
+        self.state.prepare(config, &self.test.sequence);
     }
 
     /// Mode, limits, fault latch.

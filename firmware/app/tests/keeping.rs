@@ -95,7 +95,7 @@ fn flash_is_not_written_while_a_steppers_spool_walks_to_mid_travel() {
     drive.set(id::OPEN_LOOP, 1);
     drive.control.at_null(&mut drive.board).expect("disarmed");
     drive.control.set_test(pneudrive_app::control::Test::new("open", 99, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move { at_sample: 0, target: 40 }).expect("room");
+    drive.control.push_move(Move::step(0, 40)).expect("room");
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(5);
@@ -115,7 +115,7 @@ fn what_was_learned_of_the_null_is_kept_at_the_next_arming() {
     drive.set(id::LEARNING_GAIN, 256);
     drive.control.save_parameters(&mut drive.board).expect("disarmed");
     drive.control.set_test(pneudrive_app::control::Test::new("learn", 9, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move { at_sample: 0, target: 107 }).expect("room");
+    drive.control.push_move(Move::step(0, 107)).expect("room");
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(11);

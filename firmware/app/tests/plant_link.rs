@@ -119,7 +119,7 @@ impl Bench {
 
     fn arm(&mut self) {
         self.control.set_test(Test::new("still", 9999, 1, 0)).expect("disarmed");
-        self.control.push_move(Move { at_sample: 0, target: 200 }).expect("room");
+        self.control.push_move(Move::step(0, 200)).expect("room");
         self.control.arm(&mut self.board).expect("disarmed");
     }
 

@@ -162,7 +162,7 @@ fn record(run: &Run) -> Result<Vec<RecordedSample>, Refusal> {
     let mut sequence = Sequence::new(run.path.len() as u32);
     sequence.held_first = run.held_first;
     for &(at_sample, target) in &run.moves {
-        sequence.push(Move { at_sample, target }).expect("room");
+        sequence.push(Move::step(at_sample, target)).expect("room");
     }
     let mut state = State::default();
     state.supervisor.set_referenced();

@@ -35,6 +35,8 @@ const KEYS: &[(u16, &str, Form)] = &[
     (id::PROPORTIONAL_GAIN, "controller.proportional_gain", Whole),
     (id::VELOCITY_GAIN, "controller.velocity_gain", Whole),
     (id::ACCELERATION_GAIN, "controller.acceleration_gain", Whole),
+    (id::VELOCITY_FEED_FORWARD, "controller.velocity_feed_forward", Whole),
+    (id::ACCELERATION_FEED_FORWARD, "controller.acceleration_feed_forward", Whole),
     (id::VELOCITY_WINDOW_SAMPLES, "controller.velocity_window_samples", Whole),
     (id::ACCELERATION_WINDOW_SAMPLES, "controller.acceleration_window_samples", Whole),
     (id::VELOCITY_DEAD_BAND, "controller.velocity_dead_band", Whole),

@@ -9,7 +9,7 @@ use pneudrive_controller::{Config, Move, Parameters, Sample, Sequence, State, ou
 fn step(criterion: &mut Criterion) {
     let config = Config::new(&Parameters::default()).expect("consistent defaults");
     let mut sequence = Sequence::new(u32::MAX);
-    sequence.push(Move { at_sample: 0, target: 8192 }).expect("room for a move");
+    sequence.push(Move::step(0, 8192)).expect("room for a move");
     let mut state = State::default();
     state.supervisor.set_referenced();
     state.supervisor.arm().expect("a new drive does not run");

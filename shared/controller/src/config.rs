@@ -12,7 +12,7 @@ use crate::homing::{HomingConfig, HomingKind};
 use crate::law::{LawConfig, LawKind, Loop};
 use crate::limits::{Limits, NULL_SAMPLES, NoMotion};
 use crate::parameters::{Parameters, id};
-use crate::sequencer::MotionConfig;
+use crate::sequencer::{FeedForward, MotionConfig};
 
 /// Everything that stays as it is while the controller runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -93,6 +93,7 @@ impl Default for Config {
                 dwell: 0,
                 forced_exit: 1093,
                 commands_at_exit: false,
+                feed_forward: FeedForward { velocity: 0, acceleration: 0 },
             },
             homing: HomingConfig {
                 kind: HomingKind::Stop,
@@ -218,6 +219,17 @@ fn motion(parameters: &Parameters, period_us: NonZeroU32) -> MotionConfig {
         // A move at sample s ends with the first sample at which the time is over, as a timed one would.
         forced_exit: unsigned(id::FORCED_EXIT_US).div_ceil(period_us.get()),
         commands_at_exit: false,
+        feed_forward: feed_forward(parameters),
+    }
+}
+
+fn feed_forward(parameters: &Parameters) -> FeedForward {
+    let unsigned = |id| parameters.scalar(id).unsigned_abs();
+    let velocity_window = unsigned(id::VELOCITY_WINDOW_SAMPLES);
+    let both = velocity_window.saturating_mul(unsigned(id::ACCELERATION_WINDOW_SAMPLES));
+    FeedForward {
+        velocity: unsigned(id::VELOCITY_FEED_FORWARD).saturating_mul(velocity_window),
+        acceleration: unsigned(id::ACCELERATION_FEED_FORWARD).saturating_mul(both),
     }
 }
 

@@ -24,6 +24,22 @@ pub(crate) fn divide_toward_zero(value: i32, divisor: NonZeroU32) -> i32 {
     if value < 0 { magnitude.wrapping_neg() } else { magnitude }
 }
 
+/// `value / divisor`, rounded down; all bits set for a divisor of 0. A shift and a subtraction for each bit: 64-bit
+/// divisions of the compiler's library take more room, and this one is not for a control sample.
+pub(crate) fn quotient(value: u64, divisor: u64) -> u64 {
+    let (mut quotient, mut rest) = (0_u64, 0_u64);
+    for bit in (0..u64::BITS).rev() {
+        let carry = rest >> 63;
+        rest = (rest << 1) | ((value >> bit) & 1);
+        quotient <<= 1;
+        if carry == 1 || rest >= divisor {
+            rest = rest.wrapping_sub(divisor);
+            quotient |= 1;
+        }
+    }
+    quotient
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,5 +69,16 @@ mod tests {
         }
         assert_eq!(divide_toward_zero(i32::MIN, divisor(1)), i32::MIN);
         assert_eq!(divide_toward_zero(i32::MAX, divisor(u32::MAX)), 0);
+    }
+
+    #[test]
+    fn quotients_of_64_bits_are_those_of_the_processor() {
+        let edges = [1, 2, 3, 7, 1 << 31, u64::from(u32::MAX), (1 << 40) - 87, 1 << 63, u64::MAX];
+        for value in edges.into_iter().chain([0]) {
+            for divisor in edges {
+                assert_eq!(quotient(value, divisor), value / divisor, "{value} / {divisor}");
+            }
+        }
+        assert_eq!(quotient(5, 0), u64::MAX);
     }
 }

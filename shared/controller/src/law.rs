@@ -3,7 +3,7 @@
 //! ```text
 //! n_p    = setpoint - position
 //! i      = min(|n_p| / span, 255)                       gain-profile index (Appendix IX a)
-//! n_DAC1 = Kp[i] n_p - Kv n_v - Ka n_a                  exact in i64, saturated once to i32
+//! n_DAC1 = Kp[i] n_p - Kv n_v - Ka n_a + n_f            exact in i64, saturated once to i32
 //! demand = n_DAC1 / scale + null offset                 toward zero
 //! ```
 //!
@@ -17,7 +17,17 @@
 //!   quasi-transient pressure ([`crate::pressure`], gain k5 = C(68)). The relay switches on
 //!   `s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale`; its demand is the full range to either side, or 0.
 //!
-//! Inside the position dead band the demand is the null offset alone; inside the velocity dead band n_v
+//! **Feed-forward** (not in the thesis) is of the setpoint's own motion while a profile moves it, with windows of Wv and
+//! Wa samples:
+//!
+//! ```text
+//! n_f = Fv Wv v + Fa Wv Wa a        v, a: first and second difference of the setpoint, counts a sample (and sample)
+//! ```
+//!
+//! so that Fv = Kv and Fa = Ka feed back the deviation from the setpoint's motion. It is 0 while the setpoint stands and
+//! where it jumps; the on-off law has none.
+//!
+//! Inside the position dead band the demand is the null offset alone, unless something is fed forward; inside the velocity dead band n_v
 //! counts as 0. What was learned of the null ([`crate::learning`]) is added to the null offset. For the on-off law the position dead band is the relay's dead zone, and there is no null
 //! offset: a closed valve has none. Open loop: the demand is the setpoint.
 
@@ -121,25 +131,35 @@ pub(crate) struct Memory {
     pub null_offset: NullOffset,
 }
 
+/// What the law is to achieve at a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Aim {
+    /// Counts (open loop: command).
+    pub setpoint: i32,
+    /// n_p, counts.
+    pub error: i32,
+    /// n_f.
+    pub feed_forward: i64,
+}
+
 /// The demand in valve counts, before the limits of the drive stage.
 pub(crate) fn demand(
     config: &LawConfig,
     memory: &mut Memory,
-    setpoint: i32,
-    error: i32,
+    aim: &Aim,
     motion: &Motion,
     input: &Sample,
 ) -> i32 {
     match (config.control_loop, config.kind) {
-        (Loop::Open, _) => setpoint,
+        (Loop::Open, _) => aim.setpoint,
         (Loop::Closed, LawKind::OnOff) => {
-            let s = relay_input(config, &mut memory.pressure, error, motion, input);
+            let s = relay_input(config, &mut memory.pressure, aim.error, motion, input);
             let side = memory.relay.switch(s, config.dead_band, config.relay_hysteresis);
             i32::from(side) * i32::from(MAX_COUNTS)
         }
         (Loop::Closed, _) => {
             let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts());
-            from_null(config, error, motion).saturating_add(null)
+            from_null(config, aim, motion).saturating_add(null)
         }
     }
 }
@@ -151,10 +171,11 @@ fn relay_input(config: &LawConfig, mean: &mut Mean, error: i32, motion: &Motion,
 }
 
 /// The demand as the valve's null has it.
-fn from_null(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
-    let by_gain = |gain| scaled(config, weighed(config, gain, error, motion));
+fn from_null(config: &LawConfig, aim: &Aim, motion: &Motion) -> i32 {
+    let error = aim.error;
+    let by_gain = |gain| scaled(config, weighed(config, gain, error, motion) + aim.feed_forward);
     match config.kind {
-        _ if error.unsigned_abs() < config.dead_band => 0,
+        _ if error.unsigned_abs() < config.dead_band && aim.feed_forward == 0 => 0,
         LawKind::GainProfile => by_gain(profile_gain(config, error)),
         LawKind::MooreProportional => {
             let across_dead_zone = error.signum() * i32::from(config.dead_zone);
@@ -165,7 +186,7 @@ fn from_null(config: &LawConfig, error: i32, motion: &Motion) -> i32 {
 }
 
 /// Kp n_p - Kv n_v - Ka n_a: 16 + 32, 16 + 33 and 16 + 34 bits, so the sum is exact in 64, also with the 16 + 17
-/// bits of k5 n_q.
+/// bits of k5 n_q, or the 48 bits of n_f.
 fn weighed(config: &LawConfig, gain: u16, error: i32, motion: &Motion) -> i64 {
     let velocity = match config.velocity_dead_band {
         Some(band) if motion.velocity.unsigned_abs() < u64::from(band.get()) => 0,
@@ -222,10 +243,32 @@ mod tests {
         let by_band = LawConfig { dead_band: 8, velocity_gain: 512, ..thesis };
         let moving = Motion { velocity: 10, ..Motion::default() };
         for error in [-7, 0, 7] {
-            assert_eq!(from_null(&by_profile, error, &moving), -20, "error {error}");
-            assert_eq!(from_null(&by_band, error, &moving), 0, "error {error}");
+            assert_eq!(from_null(&by_profile, &at(error), &moving), -20, "error {error}");
+            assert_eq!(from_null(&by_band, &at(error), &moving), 0, "error {error}");
         }
-        assert_eq!(from_null(&by_profile, 8, &moving), 8 * 16 - 20);
-        assert_eq!(from_null(&by_band, 8, &moving), 8 * 16 - 20);
+        assert_eq!(from_null(&by_profile, &at(8), &moving), 8 * 16 - 20);
+        assert_eq!(from_null(&by_band, &at(8), &moving), 8 * 16 - 20);
+    }
+
+    fn at(error: i32) -> Aim {
+        Aim { error, ..Aim::default() }
+    }
+
+    #[test]
+    fn a_moving_setpoint_asks_for_its_feed_forward_in_the_dead_band_too() {
+        let law = LawConfig { dead_band: 8, ..crate::Config::default().law };
+        let aim = Aim { error: 3, feed_forward: 256 * 50, ..Aim::default() };
+        let by_error = 3 * i32::from(profile_gain(&law, 3));
+        assert_eq!(from_null(&law, &aim, &Motion::default()), (by_error + 256 * 50) / 256);
+        assert_eq!(from_null(&law, &Aim { feed_forward: 0, ..aim }, &Motion::default()), 0);
+    }
+
+    #[test]
+    fn the_largest_feed_forward_is_saturated_once_with_the_rest() {
+        let law = LawConfig { scale: NonZeroU32::MIN, ..crate::Config::default().law };
+        for (sign, expected) in [(1, i32::MAX), (-1, i32::MIN)] {
+            let aim = Aim { error: sign as i32 * i32::MAX, feed_forward: sign << 48, setpoint: 0 };
+            assert_eq!(from_null(&law, &aim, &Motion::default()), expected);
+        }
     }
 }

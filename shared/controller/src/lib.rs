@@ -18,7 +18,9 @@
 //! | [`parameters`] | the one table of parameters: id, unit, range, default, meaning, thesis name |
 //! | [`config`] | the validated, immutable form of the parameters that the law runs on |
 //! | [`estimator`] | velocity and acceleration as differences of counts |
-//! | [`sequencer`] | moves: which setpoint is in force, and whether it is reached |
+//! | [`profile`] | the way of a setpoint while a move is under way |
+//! | [`sequence`] | the moves of a test: when, where to, on which way |
+//! | [`sequencer`] | which setpoint is in force, and whether it is reached |
 //! | [`law`] | error, velocity and acceleration to an unlimited demand |
 //! | [`learning`] | the command at which the valve is at its null, learned at rest |
 //! | [`homing`] | the run that gives counts their meaning |
@@ -48,6 +50,8 @@ pub mod learning;
 pub mod limits;
 pub mod parameters;
 pub mod pressure;
+pub mod profile;
+pub mod sequence;
 pub mod sequencer;
 pub mod signal;
 mod spool;
@@ -57,14 +61,15 @@ pub mod supervisor;
 pub use config::Config;
 pub use fault::Fault;
 pub use parameters::Parameters;
-pub use sequencer::{Move, Sequence};
+pub use profile::Profile;
+pub use sequence::{Move, Sequence};
 pub use signal::{Command, Observation, Sample};
 pub use supervisor::{Mode, Refusal};
 
 use drive::{DriveConfig, SpoolLocation};
 use estimator::{Estimator, Motion};
 use homing::{Homing, Progress};
-use law::{LawConfig, Loop, Memory};
+use law::{Aim, LawConfig, Loop, Memory};
 use limits::Evidence;
 use sequencer::Sequencer;
 use spool::Spool;
@@ -177,7 +182,7 @@ impl State {
     /// The [`Refusal`] that names what forbids the start.
     pub fn start(&mut self, config: &Config, sequence: &Sequence) -> Result<(), Refusal> {
         if self.supervisor.mode() == Mode::Armed {
-            check_moves(config, sequence)?;
+            sequence.check(&config.limits, config.law.control_loop == Loop::Closed)?;
         }
         self.supervisor.start(config.law.control_loop, self.spool_is_open(config))?;
         self.begin_anew(Sequencer::new(sequence, config.law.control_loop == Loop::Closed));
@@ -193,6 +198,13 @@ impl State {
         self.homing = Homing::default();
         self.begin_anew(Sequencer::default());
         Ok(())
+    }
+
+    /// Works out the next setpoint of a profile between two samples, if nobody has. [`sample`] does so itself otherwise,
+    /// and takes longer then; what comes out is the same.
+    #[inline]
+    pub fn prepare(&mut self, config: &Config, sequence: &Sequence) {
+        self.sequencer.prepare(&config.motion, sequence);
     }
 
     fn begin_anew(&mut self, sequencer: Sequencer) {
@@ -213,19 +225,6 @@ impl State {
         self.origin = self.encoder.wrapping_sub(position);
         self.observation.position = position;
         self.estimator.forget();
-    }
-}
-
-/// What a run may not begin with.
-fn check_moves(config: &Config, sequence: &Sequence) -> Result<(), Refusal> {
-    let moves = sequence.moves();
-    let closed = config.law.control_loop == Loop::Closed;
-    if moves.is_empty() {
-        Err(Refusal::NoMoves)
-    } else if closed && !moves.iter().all(|next| config.limits.allows(next.target)) {
-        Err(Refusal::BeyondEnd)
-    } else {
-        Ok(())
     }
 }
 
@@ -279,6 +278,7 @@ impl State {
         let running = was_running && !over;
         let rested = if over {
             self.supervisor.finish();
+            self.sequencer.stand();
             self.sequencer.close()
         } else if running {
             self.observation.index = self.sequencer.taken();
@@ -313,7 +313,12 @@ impl State {
         if !matches!(self.supervisor.mode(), Mode::Running | Mode::Done) {
             return self.demand_without_moves(config, motion.position, input.home_switch);
         }
-        let demand = law::demand(&config.law, &mut self.law, target.setpoint, target.error, motion, input);
+        let aim = Aim {
+            setpoint: target.setpoint,
+            error: target.error,
+            feed_forward: self.sequencer.feed_forward(),
+        };
+        let demand = law::demand(&config.law, &mut self.law, &aim, motion, input);
         if config.law.control_loop == Loop::Open {
             self.demand_in_open_loop(config, demand, motion.position)
         } else if config.motion.on_arrival && target.running && self.sequencer.is_at_exit(&config.motion) {

@@ -65,6 +65,8 @@ pub mod id {
     pub const HOLD_MS: u16 = 54;
     pub const LATE_OUTPUT_US: u16 = 55;
     pub const HOMING_BACK_OFF_COUNTS: u16 = 56;
+    pub const VELOCITY_FEED_FORWARD: u16 = 57;
+    pub const ACCELERATION_FEED_FORWARD: u16 = 58;
     /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
     pub const GAIN_PROFILE: u16 = 256;
 }
@@ -120,7 +122,7 @@ const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
 #[rustfmt::skip]
-pub static TABLE: [Parameter; 57] = [
+pub static TABLE: [Parameter; 59] = [
     scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
     scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
     scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
@@ -177,6 +179,8 @@ pub static TABLE: [Parameter; 57] = [
     scalar!(HOLD_MS, "hold_ms", "ms", 0, HOUR_MS, 60_000, "", "An enabled drive that stands, armed or holding its last setpoint, is disarmed this long after its host has gone."),
     scalar!(LATE_OUTPUT_US, "late_output_us", "us", 1, 100_000, 100, "", "An output that comes later than this behind its time is not driven and trips the supervisor."),
     scalar!(HOMING_BACK_OFF_COUNTS, "homing_back_off_counts", "counts", 1, COUNT_MAX, 400, "", "A homing run goes so far back from where it has found its stop or switch, and must find it again at the same place."),
+    scalar!(VELOCITY_FEED_FORWARD, "velocity_feed_forward", "", 0, GAIN_MAX, 0, "", "Gain on the setpoint's own counts per velocity window while a profile moves it; 0: off."),
+    scalar!(ACCELERATION_FEED_FORWARD, "acceleration_feed_forward", "", 0, GAIN_MAX, 0, "", "Gain on the setpoint's own counts per velocity and acceleration window while a profile moves it; 0: off."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

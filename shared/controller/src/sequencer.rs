@@ -17,109 +17,13 @@
 //! A sequence may repeat: its moves come again and again, a round after the other, until the run is over.
 //!
 //! Before the first move a closed loop holds the count of sample k = 0, and an open loop is at null.
+//!
+//! A move may have a [`Profile`]: the way of its setpoint from the beginning of the move on. Its next setpoint can be
+//! worked out ahead, between two samples ([`Sequencer::prepare`]); a sample that finds none does so itself. A move whose
+//! profile is under way has not arrived. A profile is cut short where the next move begins or the run ends.
 
-/// The most moves one sequence holds.
-pub const MAX_MOVES: usize = 64;
-
-/// From sample `at_sample` on, `target` is the setpoint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Move {
-    /// First sample at which the move is in force.
-    pub at_sample: u32,
-    /// Setpoint in encoder counts (closed loop) or command in valve counts (open loop).
-    pub target: i32,
-}
-
-impl Move {
-    /// A move at `time_us` for a sample period of `period_us`: in force from the first sample at or
-    /// after that time.
-    #[must_use]
-    pub fn at_time_us(time_us: u32, period_us: core::num::NonZeroU32, target: i32) -> Move {
-        Move { at_sample: time_us.div_ceil(period_us.get()), target }
-    }
-}
-
-/// Why a sequence was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SequenceError {
-    /// It holds [`MAX_MOVES`] moves already.
-    Full,
-    /// A move lies before its predecessor, or not within the round that repeats; moves come in order of time.
-    OutOfOrder,
-}
-
-/// A list of moves in order of time, and the length of the run.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sequence {
-    moves: [Move; MAX_MOVES],
-    len: usize,
-    /// Length of a round, samples; 0: the moves come once.
-    round: u32,
-    /// Samples of the run: the run is done after sample number `duration_samples`.
-    pub duration_samples: u32,
-    /// What is held before the first move, instead of the count of sample k = 0: older firmware held 0, and its
-    /// records are replayed so. Unit: counts.
-    pub held_first: Option<i32>,
-}
-
-impl Default for Sequence {
-    fn default() -> Self {
-        let moves = [Move::default(); MAX_MOVES];
-        Sequence { moves, len: 0, round: 0, duration_samples: 0, held_first: None }
-    }
-}
-
-impl Sequence {
-    /// An empty sequence of `duration_samples` samples.
-    #[must_use]
-    pub fn new(duration_samples: u32) -> Sequence {
-        Sequence { duration_samples, ..Sequence::default() }
-    }
-
-    /// The moves, in order of time.
-    #[must_use]
-    pub fn moves(&self) -> &[Move] {
-        self.moves.get(..self.len).unwrap_or(&[])
-    }
-
-    /// The moves come again every `round` samples; 0: they come once.
-    ///
-    /// # Errors
-    /// When a move lies at the end of the round or behind it.
-    pub fn repeat_every(&mut self, round: u32) -> Result<(), SequenceError> {
-        if self.moves().last().is_some_and(|last| !is_within(last, round)) {
-            return Err(SequenceError::OutOfOrder);
-        }
-        self.round = round;
-        Ok(())
-    }
-
-    /// Length of a round, samples; 0: the moves come once.
-    #[must_use]
-    pub fn round(&self) -> u32 {
-        self.round
-    }
-
-    /// Appends a move.
-    ///
-    /// # Errors
-    /// When the sequence is full, or the move lies before the last one or not within the round.
-    pub fn push(&mut self, next: Move) -> Result<(), SequenceError> {
-        let too_early = self.moves().last().is_some_and(|last| next.at_sample < last.at_sample);
-        if too_early || !is_within(&next, self.round) {
-            return Err(SequenceError::OutOfOrder);
-        }
-        let slot = self.moves.get_mut(self.len).ok_or(SequenceError::Full)?;
-        *slot = next;
-        self.len += 1;
-        Ok(())
-    }
-}
-
-/// Whether a move lies within a round of this length.
-fn is_within(next: &Move, round: u32) -> bool {
-    round == 0 || next.at_sample < round
-}
+use crate::profile::{Profile, Progress, Waypoint};
+pub use crate::sequence::{MAX_MOVES, Move, Sequence, SequenceError};
 
 /// When a move counts as complete, and what follows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,6 +40,26 @@ pub struct MotionConfig {
     pub forced_exit: u32,
     /// A command is given at an exit, too: older firmware did so, and its records are replayed so.
     pub commands_at_exit: bool,
+    /// What is fed forward of a profile.
+    pub feed_forward: FeedForward,
+}
+
+/// What the motion of a setpoint adds to the sum of the law, in the units of its feedback gains (see [`crate::law`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FeedForward {
+    /// On counts a sample: the gain of a velocity window times the window.
+    pub velocity: u32,
+    /// On counts a sample and sample: the gain times both windows.
+    pub acceleration: u32,
+}
+
+impl FeedForward {
+    /// The sum at a sample of a profile. Factors of 31 + 22 and 31 + 28 bits: exact in 64, then rounded down from 2^-12.
+    fn sum(self, waypoint: &Waypoint) -> i64 {
+        let velocity = i64::from(self.velocity) * i64::from(waypoint.velocity);
+        let acceleration = i64::from(self.acceleration) * i64::from(waypoint.acceleration);
+        (velocity + acceleration) >> 12
+    }
 }
 
 /// How the move in force stands.
@@ -152,6 +76,14 @@ pub enum Arrival {
     NotReached,
 }
 
+/// The next sample of a profile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Ahead {
+    setpoint: i32,
+    feed_forward: i64,
+    last: bool,
+}
+
 /// Where a run stands in its sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sequencer {
@@ -159,12 +91,23 @@ pub struct Sequencer {
     /// The run is over behind this sample, which can still be counted.
     last: u32,
     next_move: usize,
+    /// Place of the move whose profile began last.
+    in_force: usize,
     /// Sample at which the round of the next move begins.
     round_at: u32,
     /// The next move is due at this sample; `u32::MAX`, which no run reaches: there is none.
     next_at: u32,
     next_target: i32,
+    next_is_profile: bool,
     setpoint: i32,
+    /// What the law adds for the motion of the setpoint.
+    feed_forward: i64,
+    /// Whether the profile of the move in force is under way.
+    follows: bool,
+    /// Whether `ahead` is the sample that comes next.
+    prepared: bool,
+    ahead: Ahead,
+    progress: Progress,
     arrival: Arrival,
     /// Moves that ended without arriving.
     not_reached: u32,
@@ -186,7 +129,9 @@ impl Sequencer {
         let last = sequence.duration_samples.min(u32::MAX - 1);
         let mut sequencer = Sequencer { last, ..Sequencer::default() };
         sequencer.look_ahead(sequence);
-        if closed && sequencer.next_at > 0 {
+        let begins_with_ramp =
+            sequence.moves().first().is_some_and(|first| matches!(first.profile, Profile::Ramp(_)));
+        if closed && (sequencer.next_at > 0 || begins_with_ramp) {
             sequencer.holds_first = true;
             sequencer.next_at = 0;
         }
@@ -195,9 +140,52 @@ impl Sequencer {
 
     /// Takes sample k, at which the axis is at `position`. Whether it ends a move that rests.
     pub(crate) fn advance(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
-        let rested = self.is_due(config) && self.move_on(config, sequence, position);
+        let mut rested = false;
+        if self.is_due(config) {
+            rested = self.move_on(config, sequence, position);
+        } else if self.follows {
+            self.follow(config, sequence);
+        }
         self.taken = self.taken.wrapping_add(1); // A run is over before.
         rested
+    }
+
+    /// Goes on along the profile of the move in force.
+    #[inline(always)]
+    fn follow(&mut self, config: &MotionConfig, sequence: &Sequence) {
+        if !self.prepared {
+            self.work_out(config, sequence);
+        }
+        self.prepared = false;
+        self.setpoint = self.ahead.setpoint;
+        self.feed_forward = self.ahead.feed_forward;
+        self.follows = !self.ahead.last;
+        // Up to the last sample of a profile an axis has not arrived, however close it is.
+        self.outside_at = self.taken.wrapping_add(u32::from(self.follows));
+    }
+
+    /// Works out the next setpoint of a profile ahead of its sample.
+    #[inline(always)]
+    pub(crate) fn prepare(&mut self, config: &MotionConfig, sequence: &Sequence) {
+        if self.follows && !self.prepared {
+            self.work_out(config, sequence);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn work_out(&mut self, config: &MotionConfig, sequence: &Sequence) {
+        let Some(Move { target, profile, .. }) = sequence.get(self.in_force) else { return };
+        let waypoint = self.progress.advance(profile, *target);
+        let feed_forward = config.feed_forward.sum(&waypoint);
+        self.ahead = Ahead { setpoint: waypoint.setpoint, feed_forward, last: waypoint.last };
+        self.prepared = true;
+    }
+
+    /// The setpoint stays where it is from here on.
+    pub(crate) fn stand(&mut self) {
+        self.follows = false;
+        self.feed_forward = 0;
     }
 
     /// Whether the time of the next move has come, and it need not wait for the end of the one before.
@@ -209,40 +197,62 @@ impl Sequencer {
     #[cold]
     #[inline(never)]
     fn move_on(&mut self, config: &MotionConfig, sequence: &Sequence, position: i32) -> bool {
-        let mut rested = false;
         if self.holds_first {
             self.holds_first = false;
             self.setpoint = sequence.held_first.unwrap_or(position);
             self.look_ahead(sequence);
+            if !self.is_due(config) {
+                return false;
+            }
         }
-        while self.is_due(config) {
+        let mut rested = false;
+        loop {
             rested |= self.close();
-            self.begin();
+            self.begin(sequence);
             self.look_ahead(sequence);
+            if !self.is_due(config) {
+                return rested;
+            }
         }
-        rested
     }
 
     /// Finds the next move, in this round or the one after it.
     fn look_ahead(&mut self, sequence: &Sequence) {
-        if self.next_move >= sequence.len && sequence.round > 0 {
+        if self.next_move >= sequence.len() && sequence.round() > 0 {
             self.next_move = 0;
-            self.round_at = self.round_at.saturating_add(sequence.round);
+            self.round_at = self.round_at.saturating_add(sequence.round());
         }
         self.next_at = u32::MAX;
-        if let Some(next) = sequence.moves().get(self.next_move) {
+        if let Some(next) = sequence.get(self.next_move) {
             self.next_at = self.round_at.saturating_add(next.at_sample);
             self.next_target = next.target;
+            self.next_is_profile = !matches!(next.profile, Profile::Step);
         }
     }
 
-    fn begin(&mut self) {
-        self.setpoint = self.next_target;
-        self.next_move += 1;
+    fn begin(&mut self, sequence: &Sequence) {
+        let before = core::mem::replace(&mut self.setpoint, self.next_target);
+        self.follows = self.next_is_profile;
+        self.feed_forward = 0;
         self.arrival = Arrival::Moving;
         self.begun_at = self.taken;
         self.outside_at = self.taken;
         self.ended = false;
+        if self.follows {
+            self.begin_profile(sequence, before);
+        }
+        self.next_move += 1;
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn begin_profile(&mut self, sequence: &Sequence, before: i32) {
+        let Some(Move { profile, .. }) = sequence.get(self.next_move) else { return };
+        self.in_force = self.next_move;
+        self.progress = Progress::new(profile, before, self.next_target);
+        self.setpoint = self.progress.first();
+        self.prepared = false;
+        self.outside_at = self.taken.wrapping_add(1);
     }
 
     /// Judges the move in force by the error at this sample.
@@ -297,13 +307,18 @@ impl Sequencer {
     /// Moves of this run that have begun; `sequence` is the one that it runs.
     #[must_use]
     pub fn begun(&self, sequence: &Sequence) -> u32 {
-        let rounds = self.round_at.checked_div(sequence.round).unwrap_or(0);
-        rounds.saturating_mul(sequence.len as u32).saturating_add(self.next_move as u32)
+        let rounds = self.round_at.checked_div(sequence.round()).unwrap_or(0);
+        rounds.saturating_mul(sequence.len() as u32).saturating_add(self.next_move as u32)
     }
 
     /// The setpoint last in force.
     pub(crate) fn setpoint(&self) -> i32 {
         self.setpoint
+    }
+
+    /// What the law adds for the motion of that setpoint, in the units of its sum.
+    pub(crate) fn feed_forward(&self) -> i64 {
+        self.feed_forward
     }
 
     /// Samples taken: k of the next one.
@@ -314,7 +329,7 @@ impl Sequencer {
     /// Whether the last sample of the run has been taken, or the last move has ended that others wait
     /// for.
     pub(crate) fn is_over(&self, config: &MotionConfig, sequence: &Sequence) -> bool {
-        let through = config.on_arrival && self.ended && self.next_move >= sequence.moves().len();
+        let through = config.on_arrival && self.ended && self.next_move >= sequence.len();
         through || self.taken > self.last
     }
 }

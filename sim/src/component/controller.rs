@@ -65,6 +65,8 @@ keys! {
     DEAD_ZONE_COUNTS: i64 = integer("controller.dead_zone_counts", 102, 0, 2048, "", "Moore's law adds it in the direction of the error: what takes the spool across its dead zone. 102 for the DAC, 4 steps for the stepper: 0.05 mm, half of the hysteresis C(29).");
     VELOCITY_GAIN: i64 = integer("controller.velocity_gain", 1, 0, GAIN, "C(43)", "Gain on counts per velocity window; the thesis's 1 gives no damping, about 1000 does.");
     ACCELERATION_GAIN: i64 = integer("controller.acceleration_gain", 1, 0, GAIN, "C(44)", "Gain on counts per velocity and acceleration window.");
+    VELOCITY_FEED_FORWARD: i64 = integer("controller.velocity_feed_forward", 0, 0, GAIN, "", "Gain on the setpoint's own counts per velocity window while a profile moves it; as much as velocity_gain takes the damping off that motion.");
+    ACCELERATION_FEED_FORWARD: i64 = integer("controller.acceleration_feed_forward", 0, 0, GAIN, "", "Gain on the setpoint's own counts per velocity and acceleration window while a profile moves it.");
     VELOCITY_WINDOW_SAMPLES: i64 = integer("controller.velocity_window_samples", 5, 1, 63, "L(52)", "Samples over which the velocity is a difference of counts.");
     ACCELERATION_WINDOW_SAMPLES: i64 = integer("controller.acceleration_window_samples", 3, 1, 63, "L(77)", "Samples over which the acceleration is a difference of velocities.");
     VELOCITY_DEAD_BAND: i64 = integer("controller.velocity_dead_band", 0, 0, COUNT, "C(45)", "Velocities below it, in counts per velocity window, count as standstill; 0: off.");

@@ -50,6 +50,8 @@ impl Rig {
             (id::PROPORTIONAL_GAIN, self.whole(&key::PROPORTIONAL_GAIN)),
             (id::VELOCITY_GAIN, self.whole(&key::VELOCITY_GAIN)),
             (id::ACCELERATION_GAIN, self.whole(&key::ACCELERATION_GAIN)),
+            (id::VELOCITY_FEED_FORWARD, self.whole(&key::VELOCITY_FEED_FORWARD)),
+            (id::ACCELERATION_FEED_FORWARD, self.whole(&key::ACCELERATION_FEED_FORWARD)),
             (id::VELOCITY_WINDOW_SAMPLES, self.whole(&key::VELOCITY_WINDOW_SAMPLES)),
             (id::ACCELERATION_WINDOW_SAMPLES, self.whole(&key::ACCELERATION_WINDOW_SAMPLES)),
             (id::VELOCITY_DEAD_BAND, self.whole(&key::VELOCITY_DEAD_BAND)),

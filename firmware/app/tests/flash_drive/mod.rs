@@ -116,7 +116,7 @@ pub fn stepper_that_has_learned() -> Drive {
     drive.set(id::LEARNING_GAIN, 1);
     drive.control.save_parameters(&mut drive.board).expect("disarmed");
     drive.control.set_test(Test::new("learn", 9, 1, 0)).expect("disarmed");
-    drive.control.push_move(Move { at_sample: 0, target: 107 }).expect("room");
+    drive.control.push_move(Move::step(0, 107)).expect("room");
     drive.control.arm(&mut drive.board).expect("disarmed");
     drive.control.start(&mut drive.board).expect("armed");
     drive.samples(11);

@@ -1,4 +1,4 @@
-//! The moves of a record, which are not in the file.
+//! The moves of a record whose file does not have them.
 //!
 //! Closed loop: setpoint = position + error, and a move begins where it changes. The recorder stores the
 //! error in 16 bits; if it is at their limit, the setpoint is that of the nearest sample before or after that shows it,
@@ -22,6 +22,16 @@ pub struct Plan {
     pub referenced: bool,
     /// Samples whose setpoint was taken from another one.
     pub inferred: Vec<bool>,
+}
+
+/// The ways in which a record of a test may have come about: a closed loop is referenced, an open one may be.
+#[must_use]
+pub fn of_test(config: &Config, test: &Sequence, samples: usize) -> Vec<Plan> {
+    let plan = |referenced| Plan { sequence: test.clone(), referenced, inferred: vec![false; samples] };
+    match config.law.control_loop {
+        Loop::Closed => vec![plan(true)],
+        Loop::Open => [true, false].map(plan).into(),
+    }
 }
 
 /// All ways in which the record may have come about; the likelier first.
@@ -51,7 +61,7 @@ fn open_loop(config: &Config, recorded: &[RecordedSample], referenced: bool) -> 
         let limited = if referenced { config.limits.hold_back(target, seen.position) } else { target };
         if config.limits.command(limited) != seen.command {
             target = i32::from(seen.command);
-            moves.push(Move { at_sample, target });
+            moves.push(Move::step(at_sample, target));
         }
     }
     let inferred = vec![false; recorded.len()];
@@ -79,7 +89,7 @@ fn closed_loop(config: &Config, recorded: &[RecordedSample]) -> Result<Vec<Plan>
     if let Some(target) = held_first.filter(allowed)
         && config.law.learning_gain > 0
     {
-        plans.extend(plan(&[&[Move { at_sample: 0, target }], moves.as_slice()].concat()));
+        plans.extend(plan(&[&[Move::step(0, target)], moves.as_slice()].concat()));
     }
     Ok(plans)
 }
@@ -89,7 +99,7 @@ fn changes(held_first: Option<i32>, setpoints: &[i32]) -> Vec<Move> {
     let before = std::iter::once(held_first).chain(setpoints.iter().copied().map(Some));
     let pairs = (0..).zip(before.zip(setpoints));
     let changed = pairs.filter(|(_, (before, now))| *before != Some(**now));
-    changed.map(|(at_sample, (_, &target))| Move { at_sample, target }).collect()
+    changed.map(|(at_sample, (_, &target))| Move::step(at_sample, target)).collect()
 }
 
 /// The sequence of these moves. It ends with one behind the last sample, if there is room: with `on_arrival` a
@@ -101,7 +111,7 @@ fn sequence(config: &Config, moves: &[Move], samples: usize) -> Result<Sequence,
     }
     let target = 0.max(config.limits.end_min).min(config.limits.end_max);
     // Without room there are no further moves either.
-    let _ = sequence.push(Move { at_sample: samples as u32, target });
+    let _ = sequence.push(Move::step(samples as u32, target));
     Ok(sequence)
 }
 
@@ -219,9 +229,9 @@ mod tests {
     #[test]
     fn a_move_begins_where_the_setpoint_is_another_one_than_before() {
         let setpoints = [9, 9, 7, 7, 9];
-        let behind = [Move { at_sample: 2, target: 7 }, Move { at_sample: 4, target: 9 }];
+        let behind = [Move::step(2, 7), Move::step(4, 9)];
         assert_eq!(changes(Some(9), &setpoints), behind, "9 was held");
-        let first = Move { at_sample: 0, target: 9 };
+        let first = Move::step(0, 9);
         assert_eq!(changes(None, &setpoints), [first, behind[0], behind[1]]);
     }
 }

@@ -65,7 +65,7 @@ fn record_by(
     let mut sequence = Sequence::new(100_000);
     sequence.held_first = held_first;
     for &(at_sample, target) in moves {
-        sequence.push(Move { at_sample, target }).expect("room");
+        sequence.push(Move::step(at_sample, target)).expect("room");
     }
     let mut state = State::default();
     state.supervisor.set_referenced();

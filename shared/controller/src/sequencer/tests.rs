@@ -10,6 +10,7 @@ const TIMED: MotionConfig = MotionConfig {
     dwell: 0,
     forced_exit: 100,
     commands_at_exit: false,
+    feed_forward: FeedForward { velocity: 0, acceleration: 0 },
 };
 const FAST: MotionConfig = MotionConfig { on_arrival: true, ..TIMED };
 
@@ -30,7 +31,7 @@ fn setpoints(config: &MotionConfig, sequence: &Sequence, errors: &[i32]) -> (Vec
 fn sequence(moves: &[(u32, i32)], duration_samples: u32) -> Sequence {
     let mut sequence = Sequence::new(duration_samples);
     for &(at_sample, target) in moves {
-        sequence.push(Move { at_sample, target }).expect("in order");
+        sequence.push(Move::step(at_sample, target)).expect("in order");
     }
     sequence
 }
@@ -188,19 +189,19 @@ fn a_move_behind_the_end_of_its_round_is_refused() {
     let mut round = sequence(&[(5, 0)], 9);
     assert_eq!(round.repeat_every(5), Err(SequenceError::OutOfOrder));
     assert_eq!(round.repeat_every(6), Ok(()));
-    assert_eq!(round.push(Move { at_sample: 6, target: 0 }), Err(SequenceError::OutOfOrder));
+    assert_eq!(round.push(Move::step(6, 0)), Err(SequenceError::OutOfOrder));
     assert_eq!(round.repeat_every(0), Ok(()));
-    assert_eq!(round.push(Move { at_sample: 6, target: 0 }), Ok(()));
+    assert_eq!(round.push(Move::step(6, 0)), Ok(()));
 }
 
 #[test]
 fn moves_out_of_order_and_one_too_many_are_refused() {
     let mut full = Sequence::new(0);
     for at_sample in 0..MAX_MOVES as u32 {
-        full.push(Move { at_sample, target: 0 }).expect("room for this many");
+        full.push(Move::step(at_sample, 0)).expect("room for this many");
     }
-    assert_eq!(full.push(Move { at_sample: 99, target: 0 }), Err(SequenceError::Full));
-    assert_eq!(sequence(&[(5, 0)], 0).push(Move { at_sample: 4, target: 0 }), Err(SequenceError::OutOfOrder));
+    assert_eq!(full.push(Move::step(99, 0)), Err(SequenceError::Full));
+    assert_eq!(sequence(&[(5, 0)], 0).push(Move::step(4, 0)), Err(SequenceError::OutOfOrder));
     assert_eq!(full.moves().len(), MAX_MOVES);
 }
 

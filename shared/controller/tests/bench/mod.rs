@@ -9,7 +9,7 @@ use pneudrive_controller::{
 /// A run of six samples toward one target.
 pub fn one_move(target: i32) -> Sequence {
     let mut sequence = Sequence::new(5);
-    sequence.push(Move { at_sample: 0, target }).expect("room");
+    sequence.push(Move::step(0, target)).expect("room");
     sequence
 }
 
@@ -64,7 +64,7 @@ impl Bench {
     pub fn armed(changes: &[(u16, i32)], moves: &[(u32, i32)]) -> Bench {
         let mut sequence = Sequence::new(10_000);
         for &(at_sample, target) in moves {
-            sequence.push(Move { at_sample, target }).expect("room");
+            sequence.push(Move::step(at_sample, target)).expect("room");
         }
         let mut state = State::default();
         state.supervisor.set_referenced();
