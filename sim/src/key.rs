@@ -10,6 +10,37 @@ use std::ops::Deref;
 
 pub use units::unit;
 
+/// A list of a rig file whose entries are tables.
+#[derive(Debug)]
+pub struct Tables {
+    /// Key of the list.
+    pub path: &'static str,
+    /// What an entry is called.
+    pub entry: &'static str,
+    /// The same, with the word that follows.
+    pub entry_with: &'static str,
+    /// The words of its first field, which chooses among the others, and what each means.
+    pub words: &'static [(&'static str, &'static str)],
+    /// Every field of an entry, made and read like a key of the file; `models` of a field are the words that have it.
+    pub fields: &'static [Key],
+}
+
+impl Tables {
+    /// The name of the field whose word chooses among the others.
+    #[must_use]
+    pub fn chooser(&self) -> &'static str {
+        let path = self.fields[0].path;
+        path.rsplit('.').next().unwrap_or(path)
+    }
+}
+
+impl PartialEq for Tables {
+    /// There is one list of a path.
+    fn eq(&self, other: &Tables) -> bool {
+        self.path == other.path
+    }
+}
+
 /// What a key takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
@@ -54,8 +85,8 @@ pub enum Kind {
     },
     /// A list of [time in s, whole number].
     Moves,
-    /// A list of tables: what goes wrong and when.
-    Events,
+    /// A list of tables.
+    Tables(&'static Tables),
     /// Text.
     Text,
     /// Not built yet; only the default is accepted.

@@ -2,19 +2,34 @@
 
 use std::num::NonZeroU32;
 
+use pneudrive_controller::Sequence;
 use pneudrive_controller::sequencer::MAX_MOVES;
-use pneudrive_controller::{Move, Sequence};
 
 use crate::component::controller::{self, Loop};
-use crate::component::{actuator, encoder, safety};
 use crate::key::{Kind, Preset, keys};
-use crate::values::{Findings, Rig, whole_microseconds};
+use crate::values::{Fields, Findings, Rig, whole_microseconds};
+
+mod check;
+mod entry;
+mod plan;
+mod ramp;
+#[cfg(test)]
+mod tests;
+
+use entry::ENTRIES;
+pub use entry::Shape;
+pub use plan::{Planned, Slip};
 
 const COUNT: i64 = i32::MAX as i64;
 
 keys! {
     MOVES: Vec<(f64, i64)> = other("test.moves", Kind::Moves, Preset::Moves(&[(0.0, 8192), (0.3, 16_384), (1.72, 8192)]), "L(6)", "[time in s, counts], in order of time: setpoints, or commands in open loop.");
     TARGETS: Option<Vec<i64>> = other("test.targets", Kind::Integers { min: -COUNT, max: COUNT, max_entries: 64 }, Preset::Absent("moves hold"), "L(6)", "Setpoints in counts, each for controller.forced_exit_s: the thesis's way, instead of moves.");
+    MOVE: Option<Vec<Fields>> = other("test.move", Kind::Tables(&ENTRIES), Preset::Absent("moves or targets hold"), "", "Moves with a profile, in mm and s, one table [[test.move]] each, in order of time; instead of moves.");
+    PROFILE: Shape = choice("test.profile", "", "How the setpoint goes to each of moves and targets: at once, or within the limits below.");
+    VELOCITY_MM_S: f64 = number("test.velocity_mm_s", 500.0, 1e-3, 1e5, "", "Limit of the setpoint's velocity in a profile; in open loop counts/s.");
+    ACCELERATION_MM_S2: f64 = number("test.acceleration_mm_s2", 5000.0, 1e-3, 1e7, "", "Limit of the setpoint's acceleration in a profile; in open loop counts/s^2.");
+    JERK_MM_S3: f64 = number("test.jerk_mm_s3", 100_000.0, 1e-3, 1e10, "", "Limit of the setpoint's jerk in an S-curve; in open loop counts/s^3.");
     DURATION_S: f64 = number("test.duration_s", 3.1, 1e-4, 3600.0, "", "Length of the test.");
     REPEAT_EVERY_S: Option<f64> = optional_number("test.repeat_every_s", 1e-4, 3600.0, "the moves run once", "", "Period at which the moves repeat, rounded up to whole samples, until the end of the test.");
     IMPULSE: Option<Vec<f64>> = optional_numbers("test.impulse", 3, "no impulse", "8.2.1", "[time in s, duration in s, counts]: raises the setpoint, or the command in open loop, by the counts for the duration.");
@@ -36,22 +51,11 @@ impl Rig {
         period.and_then(NonZeroU32::new).expect("checked to be 100 us at least")
     }
 
-    /// The moves: [time in s, counts]. Targets that wait for the end of the one before have no times of
-    /// their own.
+    /// The moves without their profiles: [time in s, counts]. Targets that wait for the end of the one before have no
+    /// times of their own.
     #[must_use]
     pub fn moves(&self) -> Vec<(f64, i64)> {
-        let moves = match self.get(&keys::TARGETS) {
-            Some(targets) => {
-                let waits = self.get(&controller::keys::EXIT_ON_DEAD_BAND);
-                let each = if waits { 0.0 } else { self.get(&controller::keys::FORCED_EXIT_S) };
-                targets.iter().enumerate().map(|(i, &target)| (i as f64 * each, target)).collect()
-            }
-            None => self.get(&keys::MOVES),
-        };
-        match self.get(&keys::IMPULSE) {
-            Some(impulse) => with_impulse(&moves, &impulse),
-            None => moves,
-        }
+        self.planned().into_iter().map(|one| (one.time_s, one.target)).collect()
     }
 
     /// The last sample number of the test.
@@ -65,12 +69,8 @@ impl Rig {
     #[must_use]
     pub fn sequence(&self) -> Sequence {
         let mut sequence = Sequence::new(self.last_sample());
-        for (time_s, target) in self.moves().into_iter().take(MAX_MOVES) {
-            let time_us = u32::try_from(whole_microseconds(time_s).unwrap_or(0)).unwrap_or(u32::MAX);
-            let target = i32::try_from(target).unwrap_or(i32::MAX);
-            sequence
-                .push(Move::at_time_us(time_us, self.period_us(), target))
-                .expect("checked to be in order and few enough");
+        for planned in self.planned().into_iter().take(MAX_MOVES) {
+            sequence.push(planned.in_force(self.period_us())).expect("checked to be in order and few enough");
         }
         sequence.repeat_every(self.round_samples()).expect("checked to be behind the last move");
         sequence
@@ -84,31 +84,13 @@ impl Rig {
     }
 }
 
-/// Moves with a pulse `[time, duration, counts]` on top of them (thesis 8.2.1).
-fn with_impulse(moves: &[(f64, i64)], impulse: &[f64]) -> Vec<(f64, i64)> {
-    let &[start, duration, counts] = impulse else { return moves.to_vec() };
-    let end = ((start + duration) * 1e6).round() / 1e6;
-    let in_force =
-        |time: f64| moves.iter().rev().find(|(at, _)| *at <= time).map_or(0, |(_, target)| *target);
-    let raised = |time: f64, target: i64| {
-        (time, if (start..end).contains(&time) { target + counts as i64 } else { target })
-    };
-    let edges = [start, end].into_iter().filter(|edge| moves.iter().all(|(at, _)| at != edge));
-    let mut all: Vec<_> = moves.iter().copied().chain(edges.map(|edge| (edge, in_force(edge)))).collect();
-    all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    all.into_iter().map(|(time, target)| raised(time, target)).collect()
-}
-
 /// Rows of a trace, which are kept in memory, 160 bytes each.
 const MAX_ROWS: f64 = 1e7;
 
 /// What a test must hold by itself and with its controller.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     check_clock(rig, findings);
-    check_moves(rig, findings);
-    if rig.get(&controller::keys::LOOP) == Loop::Closed {
-        check_setpoints(rig, findings);
-    }
+    check::check(rig, findings);
     check_impulse(rig, findings);
 }
 
@@ -126,53 +108,6 @@ fn check_clock(rig: &Rig, findings: &mut Findings) {
             "makes {rows:.0} rows in test.duration_s; {MAX_ROWS:.0} at most fit: take a longer period or a shorter test"
         );
         findings.note(&keys::TRACE_PERIOD_S, message);
-    }
-}
-
-fn check_moves(rig: &Rig, findings: &mut Findings) {
-    let moves = rig.moves();
-    if moves.is_empty() || moves.len() > MAX_MOVES {
-        findings.note(&keys::MOVES, format!("must have 1 to {MAX_MOVES} moves, has {}", moves.len()));
-    }
-    if moves.iter().any(|(time, _)| whole_microseconds(*time).is_none_or(|us| us > u64::from(u32::MAX))) {
-        findings.note(&keys::MOVES, "times must be whole microseconds from 0 to 4294 s");
-    }
-    if moves.windows(2).any(|pair| pair[1].0 < pair[0].0) {
-        findings.note(&keys::MOVES, "must be in order of time");
-    }
-    let last = moves.last().map_or(0.0, |(time, _)| *time);
-    // A whole sample between them, so that the last move is in force at one at least.
-    let shortest = last + rig.get(&controller::keys::PERIOD_S);
-    if rig.get(&keys::REPEAT_EVERY_S).is_some_and(|round| round < shortest) {
-        let message = format!("must be a sample period longer than the time of the last move, {last} s");
-        findings.note(&keys::REPEAT_EVERY_S, message);
-    }
-    if moves.iter().any(|(_, target)| i32::try_from(*target).is_err()) {
-        findings.note(&keys::MOVES, "counts must fit 32 bits");
-    }
-    if rig.get(&controller::keys::EXIT_ON_DEAD_BAND) && rig.get(&keys::TARGETS).is_none() {
-        let message = "needs test.targets: timed moves do not wait for the end of the one before";
-        findings.note(&controller::keys::EXIT_ON_DEAD_BAND, message);
-    }
-}
-
-/// A setpoint that the cylinder cannot reach is a slip of units as a rule.
-fn check_setpoints(rig: &Rig, findings: &mut Findings) {
-    let (moves, mm_per_count) = (rig.moves(), rig.get(&encoder::keys::MM_PER_COUNT));
-    for (end, side) in [(&safety::keys::END_MIN_MM, -1.0), (&safety::keys::END_MAX_MM, 1.0)] {
-        let Some(mm) = rig.get(end) else { continue };
-        let beyond = |target: i64| side * (target as f64 * mm_per_count - mm) > 0.0;
-        if let Some((_, target)) = moves.iter().find(|(_, target)| beyond(*target)) {
-            findings.note(end, format!("setpoint {target} lies beyond it"));
-        }
-    }
-    let stroke = (rig.get(&actuator::keys::STROKE_M) * 1e3 / mm_per_count) as i64;
-    for (_, target) in moves.iter().filter(|(_, target)| *target < 0 || *target > stroke) {
-        let message = format!("setpoint {target} is outside the stroke of 0 to {stroke} counts");
-        match rig.get(&keys::TARGETS) {
-            Some(_) => findings.note(&keys::TARGETS, message),
-            None => findings.note(&keys::MOVES, message),
-        }
     }
 }
 

@@ -192,6 +192,11 @@ impl Rig {
     }
 }
 
+/// The value of a field of a table in a list.
+pub(crate) fn field<'a>(table: &'a Fields, name: &str) -> Option<&'a Value> {
+    table.iter().find(|(field, _)| *field == name).map(|(_, value)| value)
+}
+
 /// The instant of a whole number of microseconds, s: rounded once.
 pub(crate) fn seconds(microseconds: u64) -> f64 {
     microseconds as f64 / 1e6

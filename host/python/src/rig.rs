@@ -288,7 +288,7 @@ fn type_of(kind: &Kind, preset: &Preset) -> String {
         Kind::Numbers { .. } => "list[float]",
         Kind::Rows { .. } => "list[list[float]]",
         Kind::Moves => "list[tuple[float, int]]",
-        Kind::Events => "list[dict[str, Any]]",
+        Kind::Tables(_) => "list[dict[str, Any]]",
         Kind::NotBuilt => match preset {
             Preset::Switch(_) => "bool",
             _ => "float",

@@ -39,7 +39,7 @@ fn kind(kind: &Kind) -> Value {
             json!({ "type": "choice", "options": built.collect::<Vec<_>>() })
         }
         Kind::Text => json!({ "type": "text" }),
-        Kind::Integers { .. } | Kind::Numbers { .. } | Kind::Rows { .. } | Kind::Moves | Kind::Events => {
+        Kind::Integers { .. } | Kind::Numbers { .. } | Kind::Rows { .. } | Kind::Moves | Kind::Tables(_) => {
             json!({ "type": "list" })
         }
         Kind::NotBuilt => json!({ "type": "not-built" }),

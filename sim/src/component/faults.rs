@@ -23,17 +23,16 @@ pub(crate) use sensing::SensorFaults;
 use std::f64::consts::PI;
 
 use crate::component::{exhaust, supply};
-use crate::key::{self, Choice, Key, Kind, Preset, integer, keys, number, optional_number, other, words};
-use crate::values::{Fields, Findings, Rig, Value, seconds, whole_microseconds};
+use crate::key::{
+    self, Choice, Key, Kind, Preset, Tables, integer, keys, number, optional_number, other, words,
+};
+use crate::values::{Fields, Findings, Rig, Value, field, seconds, whole_microseconds};
 
 const COUNT: i64 = i32::MAX as i64;
 
-/// The key of the list.
-pub(crate) const PATH: &str = "faults.event";
-
 /// Every kind, and what it does.
 #[rustfmt::skip]
-pub(crate) const KINDS: &[(&str, &str)] = &[
+const KINDS: &[(&str, &str)] = &[
     ("swapped-tubes", "the tubes of chambers 1 and 2 are on each other's port of the valve"),
     ("stuck-spool", "the spool stays where it is"),
     ("supply-dip", "the supply has another pressure for a while"),
@@ -50,12 +49,20 @@ const KIND: Kind = Kind::Choice(&[
 ]);
 
 keys! {
-    EVENT: Option<Vec<Fields>> = other("faults.event", Kind::Events, Preset::Absent("nothing goes wrong"), "", "Faults and their times, one table [[faults.event]] each.");
+    EVENT: Option<Vec<Fields>> = other("faults.event", Kind::Tables(&EVENTS), Preset::Absent("nothing goes wrong"), "", "Faults and their times, one table [[faults.event]] each.");
 }
 
-/// Every field of an event, made and read like a key of the file; `models` of a field are the kinds that have it.
+/// The list of events.
+pub(crate) static EVENTS: Tables = Tables {
+    path: "faults.event",
+    entry: "event",
+    entry_with: "a fault of the kind",
+    words: KINDS,
+    fields: FIELDS,
+};
+
 #[rustfmt::skip]
-pub(crate) static FIELDS: &[Key] = &[
+static FIELDS: &[Key] = &[
     other::<String>("faults.event.kind", KIND, Preset::Absent("must be given"), "", "Kind of fault.").key,
     optional_number("faults.event.at_s", 0.0, 4000.0, "must be given", "", "Time from the start of the test; whole microseconds.").key,
     optional_number("faults.event.pressure_pa", 1e4, 5e6, "midway between exhaust.pressure_pa and supply.pressure_pa", "", "Absolute supply pressure during the dip.").of(&["supply-dip"]).key,
@@ -221,10 +228,6 @@ impl Schedule {
     }
 }
 
-fn value<'a>(event: &'a Fields, name: &str) -> Option<&'a Value> {
-    event.iter().find(|(field, _)| *field == name).map(|(_, value)| value)
-}
-
 impl Rig {
     /// What goes wrong, in the order of the file.
     #[must_use]
@@ -233,15 +236,15 @@ impl Rig {
     }
 
     fn fault_event(&self, event: &Fields) -> FaultEvent {
-        let number = |name: &str| match value(event, name) {
+        let number = |name: &str| match field(event, name) {
             Some(Value::Number(number)) => Some(*number),
             _ => None,
         };
-        let integer = |name: &str| match value(event, name) {
+        let integer = |name: &str| match field(event, name) {
             Some(Value::Integer(integer)) => *integer,
             _ => panic!("an event of its kind has {name}"),
         };
-        let word = |name: &str| match value(event, name) {
+        let word = |name: &str| match field(event, name) {
             Some(Value::Word(word)) => word.as_str(),
             _ => panic!("an event of its kind has {name}"),
         };

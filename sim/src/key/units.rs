@@ -5,6 +5,9 @@ const UNITS: &[(&str, &str)] = &[
     ("_j_per_kg_k", "J/(kg K)"),
     ("_w_per_m2_k", "W/(m2 K)"),
     ("_mm_per_h", "mm/h"),
+    ("_mm_s3", "mm/s3"),
+    ("_mm_s2", "mm/s2"),
+    ("_mm_s", "mm/s"),
     ("_m3_per_s_pa", "m3/(s Pa)"),
     ("_per_mass_per_s2", "1/s2"),
     ("_n_s_per_m", "N s/m"),
@@ -63,5 +66,7 @@ mod tests {
         assert_eq!(unit("law"), ("law", ""));
         assert_eq!(unit("max_speed_m_s"), ("max_speed", "m/s"));
         assert_eq!(unit("null_drift_mm_per_h"), ("null_drift", "mm/h"));
+        assert_eq!(unit("velocity_mm_s"), ("velocity", "mm/s"));
+        assert_eq!(unit("jerk_mm_s3"), ("jerk", "mm/s3"));
     }
 }

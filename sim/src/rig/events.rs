@@ -1,6 +1,6 @@
-//! `[[faults.event]]`: the one list of a rig file whose entries are tables.
-//!
-//! Its fields are declared in [`crate::component::faults`] and read like the keys of the file.
+//! The lists of a rig file whose entries are tables: `[[faults.event]]` ([`crate::component::faults`]) and
+//! `[[test.move]]` ([`crate::schedule`]). Their fields are read like the keys of the file; the first one chooses among
+//! the others.
 
 use toml_edit::{Item, TableLike};
 
@@ -8,59 +8,73 @@ use super::names::did_you_mean;
 use super::reader::Reader;
 use super::table::preset_value;
 use super::value::value_of;
-use crate::component::faults::{FIELDS, PATH};
-use crate::key::{Key, Preset};
+use crate::key::{Key, Preset, Tables};
 use crate::values::{Fields, Value, whole_microseconds};
 
 fn name_of(field: &Key) -> &'static str {
     field.path.rsplit('.').next().unwrap_or(field.path)
 }
 
-/// The fields that a kind has.
-fn fields_of(kind: &str) -> impl Iterator<Item = &'static Key> {
-    FIELDS.iter().filter(move |field| field.models.is_empty() || field.models.contains(&kind))
+/// The fields that an entry with this word has.
+fn fields_of(list: &'static Tables, word: &str) -> impl Iterator<Item = &'static Key> {
+    list.fields.iter().filter(move |field| field.models.is_empty() || field.models.contains(&word))
 }
 
 impl Reader<'_> {
-    /// The list of events: tables, or a list of tables in one line.
-    pub(super) fn events(&mut self, line: Option<usize>, item: &Item) -> Option<Value> {
+    /// A list: tables, or a list of tables in one line.
+    pub(super) fn list(&mut self, list: &'static Tables, line: Option<usize>, item: &Item) -> Option<Value> {
         let Some(tables) = tables(item) else {
-            let message = "write each event as a table: [[faults.event]] with its kind and at_s below it";
-            self.file.problem(line, PATH, message.to_owned());
+            let Tables { path, entry, fields, .. } = list;
+            let message = format!(
+                "write each {entry} as a table: [[{path}]] with its {} and at_s below it",
+                name_of(&fields[0])
+            );
+            self.file.problem(line, path, message);
             return None;
         };
-        let events = tables.into_iter().filter_map(|(table, span)| {
+        let entries = tables.into_iter().filter_map(|(table, span)| {
             let line = self.file.line_of(span).or(line);
-            self.event(line, table)
+            self.list_entry(list, line, table)
         });
-        Some(Value::Events(events.collect()))
+        Some(Value::Events(entries.collect()))
     }
 
-    /// One event, which begins at `line`.
-    fn event(&mut self, line: Option<usize>, table: &dyn TableLike) -> Option<Fields> {
-        let mut event = Fields::new();
-        let kind = self.field(line, table, &FIELDS[0])?;
-        let Value::Word(word) = &kind else { return None };
+    /// One entry, which begins at `line`.
+    fn list_entry(
+        &mut self,
+        list: &'static Tables,
+        line: Option<usize>,
+        table: &dyn TableLike,
+    ) -> Option<Fields> {
+        let mut entry = Fields::new();
+        let chosen = self.field(list, line, table, &list.fields[0])?;
+        let Value::Word(word) = &chosen else { return None };
         for (name, _) in table.iter() {
-            self.refuse_stray(table, word, name);
+            self.refuse_stray(list, table, word, name);
         }
-        for field in fields_of(word).skip(1) {
+        for field in fields_of(list, word).skip(1) {
             if table.contains_key(name_of(field)) || preset_value(&field.preset).is_none() {
-                event.extend(self.field(line, table, field).map(|value| (name_of(field), value)));
+                entry.extend(self.field(list, line, table, field).map(|value| (name_of(field), value)));
             } else {
-                event.extend(preset_value(&field.preset).map(|value| (name_of(field), value)));
+                entry.extend(preset_value(&field.preset).map(|value| (name_of(field), value)));
             }
         }
-        event.insert(0, ("kind", kind));
-        Some(event)
+        entry.insert(0, (name_of(&list.fields[0]), chosen));
+        Some(entry)
     }
 
     /// The value of a field that is there, or must be.
-    fn field(&mut self, line: Option<usize>, table: &dyn TableLike, field: &Key) -> Option<Value> {
+    fn field(
+        &mut self,
+        list: &Tables,
+        line: Option<usize>,
+        table: &dyn TableLike,
+        field: &Key,
+    ) -> Option<Value> {
         let name = name_of(field);
         let Some(item) = table.get(name) else {
             if field.preset == Preset::Absent("must be given") {
-                self.file.problem(line, field.path, format!("every event needs its {name}"));
+                self.file.problem(line, field.path, format!("every {} needs its {name}", list.entry));
             }
             return None;
         };
@@ -76,19 +90,19 @@ impl Reader<'_> {
         read.map_err(|message| self.file.problem(at, field.path, message)).ok()
     }
 
-    /// Notes a field that no event of this kind has.
-    fn refuse_stray(&mut self, table: &dyn TableLike, kind: &str, name: &str) {
-        if fields_of(kind).any(|field| name_of(field) == name) {
+    /// Notes a field that no entry with this word has.
+    fn refuse_stray(&mut self, list: &'static Tables, table: &dyn TableLike, word: &str, name: &str) {
+        if fields_of(list, word).any(|field| name_of(field) == name) {
             return;
         }
-        let message = match FIELDS.iter().find(|field| name_of(field) == name) {
+        let message = match list.fields.iter().find(|field| name_of(field) == name) {
             Some(field) => {
-                format!("does not belong to a fault of the kind {kind}, but to {}", field.models.join(", "))
+                format!("does not belong to {} {word}, but to {}", list.entry_with, field.models.join(", "))
             }
-            None => format!("unknown key{}", did_you_mean(name, fields_of(kind).map(name_of))),
+            None => format!("unknown key{}", did_you_mean(name, fields_of(list, word).map(name_of))),
         };
         let line = self.file.line_of(table.key(name).and_then(toml_edit::Key::span));
-        self.file.problem(line, &format!("{PATH}.{name}"), message);
+        self.file.problem(line, &format!("{}.{name}", list.path), message);
     }
 }
 

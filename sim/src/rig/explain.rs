@@ -4,8 +4,7 @@ use super::names::did_you_mean;
 use super::problem::Problem;
 use super::table::{all_keys, preset_value};
 use super::thesis::{self, Name, THESIS};
-use crate::component::faults::{FIELDS, KINDS};
-use crate::key::{Key, Kind, Preset};
+use crate::key::{Key, Kind, Preset, Tables};
 use crate::values::{Fields, Value};
 
 /// The help text of a key, of all keys of a table, of a number of the thesis, such as C(46), of all its constants (C) or
@@ -14,8 +13,10 @@ use crate::values::{Fields, Value};
 /// # Errors
 /// When there is no such key, table or number.
 pub fn explain(name: &str) -> Result<String, Problem> {
-    let exact: Vec<&Key> =
-        all_keys().chain(FIELDS).filter(|key| key.path == name || key.name() == name).collect();
+    let exact: Vec<&Key> = all_keys()
+        .chain(lists().flat_map(|list| list.fields))
+        .filter(|key| key.path == name || key.name() == name)
+        .collect();
     if !exact.is_empty() {
         return Ok(exact.iter().map(|key| in_full(key)).collect::<Vec<_>>().join("\n"));
     }
@@ -62,17 +63,24 @@ fn in_full(key: &Key) -> String {
     fact("range", range_in_words(&key.kind));
     fact("default", preset_in_words(&key.preset));
     fact("thesis", key.thesis.to_owned());
-    fact(if key.path.starts_with("faults.event.") { "kinds" } else { "models" }, key.models.join(", "));
+    let chooser = lists().find(|list| key.path.starts_with(list.path)).map_or("model", Tables::chooser);
+    fact(&format!("{chooser}s"), key.models.join(", "));
     lines.push(String::new());
     let text = lines.join("\n");
-    if key.kind == Kind::Events { text + &events() } else { text }
+    if let Kind::Tables(list) = key.kind { text + &entries(list) } else { text }
 }
 
-/// The kinds of events and their fields.
-fn events() -> String {
-    let kinds: String = KINDS.iter().map(|(kind, meaning)| format!("    {kind:<14} {meaning}\n")).collect();
-    let fields: Vec<String> = FIELDS.iter().map(in_full).collect();
-    format!("  kinds\n{kinds}\n{}", fields.join("\n"))
+/// The lists of a rig file whose entries are tables.
+fn lists() -> impl Iterator<Item = &'static Tables> {
+    all_keys().filter_map(|key| if let Kind::Tables(list) = key.kind { Some(list) } else { None })
+}
+
+/// The words that an entry of a list may begin with, and its fields.
+fn entries(list: &Tables) -> String {
+    let words: String =
+        list.words.iter().map(|(word, meaning)| format!("    {word:<14} {meaning}\n")).collect();
+    let fields: Vec<String> = list.fields.iter().map(in_full).collect();
+    format!("  {}s\n{words}\n{}", list.chooser(), fields.join("\n"))
 }
 
 /// What a key takes: `0.001 to 1000`, the words of a choice.
@@ -94,7 +102,10 @@ pub fn range_in_words(kind: &Kind) -> String {
         Kind::Numbers { count } => format!("{count} numbers"),
         Kind::Rows { columns, max_rows } => format!("1 to {max_rows} rows of [{}]", columns.join("; ")),
         Kind::Moves => "list of [time in s, counts] in order of time".to_owned(),
-        Kind::Events => "tables [[faults.event]], each with kind, at_s and the fields of its kind".to_owned(),
+        Kind::Tables(list) => {
+            let chooser = list.chooser();
+            format!("tables [[{}]], each with {chooser}, at_s and the fields of its {chooser}", list.path)
+        }
         Kind::Text => "text".to_owned(),
         Kind::NotBuilt => "not built yet".to_owned(),
     }

@@ -115,8 +115,8 @@ impl<'a> Reader<'a> {
             self.file.problem(line, path, message);
             return;
         }
-        if key.kind == Kind::Events {
-            rig.put(key.path, self.events(line, item));
+        if let Kind::Tables(list) = key.kind {
+            rig.put(key.path, self.list(list, line, item));
             rig.set.insert(key.path);
             return;
         }
@@ -162,6 +162,20 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// What is typed last holds: moves in another form replace those of the file.
+    fn replace_moves(&mut self, rig: &mut Rig, path: &str) {
+        let forms = [&keys::test::MOVES.key, &keys::test::TARGETS.key, &keys::test::MOVE.key];
+        if !forms.iter().any(|form| form.path == path) {
+            return;
+        }
+        for other in forms.iter().filter(|form| form.path != path) {
+            rig.set.remove(other.path);
+            if other.path != keys::test::MOVES.path {
+                rig.put(other.path, None);
+            }
+        }
+    }
+
     /// One `key=value` of the command line.
     pub fn setting(&mut self, rig: &mut Rig, setting: &str) {
         let source = std::mem::replace(&mut self.file.source, SETTING);
@@ -172,10 +186,7 @@ impl<'a> Reader<'a> {
         } else {
             self.item(rig, path, None, &item_of(text));
         }
-        // What is typed last holds: targets replace the moves of the file.
-        if path == keys::test::TARGETS.path {
-            rig.set.remove(keys::test::MOVES.path);
-        }
+        self.replace_moves(rig, path);
         self.file.source = source;
     }
 }

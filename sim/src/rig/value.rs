@@ -62,7 +62,7 @@ pub(super) fn value_of(key: &Key, item: &Item) -> Result<Value, String> {
         Kind::Rows { columns, max_rows } => rows(item, columns, max_rows),
         Kind::Moves => moves(item),
         Kind::NotBuilt => not_built(key, item),
-        Kind::Events => Err("must be a list of tables".to_owned()),
+        Kind::Tables(_) => Err("must be a list of tables".to_owned()),
     }
 }
 

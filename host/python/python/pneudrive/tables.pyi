@@ -75,6 +75,12 @@ class Controller(Table):
     def acceleration_gain(self) -> int:
         """Gain on counts per velocity and acceleration window."""
     @property
+    def velocity_feed_forward(self) -> int:
+        """Gain on the setpoint's own counts per velocity window while a profile moves it; as much as velocity_gain takes the damping off that motion."""
+    @property
+    def acceleration_feed_forward(self) -> int:
+        """Gain on the setpoint's own counts per velocity and acceleration window while a profile moves it."""
+    @property
     def velocity_window_samples(self) -> int:
         """Samples over which the velocity is a difference of counts, samples."""
     @property
@@ -526,6 +532,21 @@ class Test(Table):
     @property
     def targets(self) -> list[int] | None:
         """Setpoints in counts, each for controller.forced_exit_s: the thesis's way, instead of moves."""
+    @property
+    def move(self) -> list[dict[str, Any]] | None:
+        """Moves with a profile, in mm and s, one table [[test.move]] each, in order of time; instead of moves."""
+    @property
+    def profile(self) -> str:
+        """How the setpoint goes to each of moves and targets: at once, or within the limits below."""
+    @property
+    def velocity_mm_s(self) -> float:
+        """Limit of the setpoint's velocity in a profile; in open loop counts/s, mm/s."""
+    @property
+    def acceleration_mm_s2(self) -> float:
+        """Limit of the setpoint's acceleration in a profile; in open loop counts/s^2, mm/s2."""
+    @property
+    def jerk_mm_s3(self) -> float:
+        """Limit of the setpoint's jerk in an S-curve; in open loop counts/s^3, mm/s3."""
     @property
     def duration_s(self) -> float:
         """Length of the test, s."""

@@ -1,7 +1,6 @@
 //! Fault events of a rig file: what is accepted, and what every refusal says.
 
-use super::*;
-use crate::component::faults::{FaultEvent, FaultKind, KINDS, OpenSensor};
+use crate::component::faults::{EVENTS, FaultEvent, FaultKind, OpenSensor};
 use crate::key::Kind;
 use crate::rig::{Problems, explain};
 use crate::values::Rig;
@@ -34,8 +33,11 @@ fn every_kind_is_read_with_the_defaults_of_its_fields() {
         EncoderJump { counts: 1000 },
         SensorOpen(OpenSensor::Pressure1),
     ];
-    let text: String =
-        KINDS.iter().map(|(kind, _)| format!("[[faults.event]]\nkind = \"{kind}\"\nat_s = 0.25\n")).collect();
+    let text: String = EVENTS
+        .words
+        .iter()
+        .map(|(kind, _)| format!("[[faults.event]]\nkind = \"{kind}\"\nat_s = 0.25\n"))
+        .collect();
     let expected: Vec<FaultEvent> =
         kinds.into_iter().map(|kind| FaultEvent { at_us: 250_000, kind }).collect();
     assert_eq!(events(&text), expected);
@@ -154,10 +156,10 @@ fn the_positive_gain_bug_is_for_the_laws_that_it_was_in() {
 #[test]
 fn the_list_is_explained_with_all_kinds_and_fields() {
     let text = explain("faults.event").expect("a key");
-    for (kind, meaning) in KINDS {
+    for (kind, meaning) in EVENTS.words {
         assert!(text.contains(kind) && text.contains(meaning), "{text}");
     }
-    for field in FIELDS {
+    for field in EVENTS.fields {
         assert!(text.contains(field.path) && text.contains(field.meaning), "{text}");
         assert!(text.contains(&field.models.join(", ")));
     }
@@ -169,16 +171,16 @@ fn the_list_is_explained_with_all_kinds_and_fields() {
 
 #[test]
 fn kinds_have_the_names_that_the_field_takes() {
-    let Kind::Choice(options) = FIELDS[0].kind else { panic!("a choice") };
+    let Kind::Choice(options) = EVENTS.fields[0].kind else { panic!("a choice") };
     let names: Vec<&str> = options.iter().map(|(name, _)| *name).collect();
-    assert_eq!(names, KINDS.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    assert_eq!(names, EVENTS.words.iter().map(|(name, _)| *name).collect::<Vec<_>>());
 }
 
 #[test]
 fn events_are_written_as_they_are_read() {
     let text = "[[faults.event]]\nkind = \"encoder-jump\"\nat_s = 0.5\ncounts = -7\n";
     let rig = read(text).expect("valid");
-    let written = rig.value(PATH).expect("events").to_string();
+    let written = rig.value(EVENTS.path).expect("events").to_string();
     assert_eq!(written, "[{ kind = \"encoder-jump\", at_s = 0.5, counts = -7 }]");
     assert_eq!(events(&format!("[faults]\nevent = {written}\n")), rig.fault_events());
 }
