@@ -25,6 +25,7 @@ pub mod control;
 pub mod fault_log;
 pub mod flash_bus;
 pub mod lock_step;
+pub mod moves;
 pub mod name;
 pub mod ownership;
 pub mod plant_bus;

@@ -55,7 +55,8 @@ impl Need {
             | Body::Leave
             | Body::Owner
             | Body::Token { .. }
-            | Body::Boot => Need::Nothing,
+            | Body::Boot
+            | Body::TestRead { .. } => Need::Nothing,
             Body::Arm | Body::ArmAs { .. } | Body::TakeOver { .. } | Body::Disarm => Need::NoOtherOwner,
             Body::ConfigSet { .. }
             | Body::Start

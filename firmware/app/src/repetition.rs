@@ -51,5 +51,6 @@ fn only_reads(body: &RequestBody<'_>) -> bool {
             | Body::Token { .. }
             | Body::ChangePart { .. }
             | Body::Boot
+            | Body::TestRead { .. }
     )
 }

@@ -134,6 +134,7 @@ pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Res
         32 => Body::StartTest { crc32 },
         33 => Body::SeekNull,
         34 => Body::AtNull,
+        35 => Body::TestRead { first: u.arbitrary()? },
         _ if u.ratio(1, 2)? => Body::Boot,
         _ => Body::Token { token: text(u)? },
     })

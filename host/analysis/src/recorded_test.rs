@@ -15,11 +15,12 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::law::Loop;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Config, Move, Parameters};
+use pneudrive_controller::{Config, Move, Parameters, Profile, Sequence};
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::parameter_names::Written;
 use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
+use pneudrive_records::test_lines;
 use pneudrive_sim::Rig;
 
 use crate::evaluation::refuse_other_rig;
@@ -63,20 +64,42 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
         Config::new(&header.parameters).map_err(|error| anyhow::anyhow!("its parameters: {error:?}"))?;
     let first = *recorded.first().context("it has no samples")?;
     let period_s = f64::from(header.parameters.get(id::PERIOD_US).unwrap_or(0)) / 1e6;
+    let test = test_lines::sequence(file)?;
+    if let Some(test) = test.filter(|test| test.moves().iter().any(|next| next.profile != Profile::Step)) {
+        refuse_other_moves(&test, rig)?;
+        notes.insert(0, format!("the initial state is that of {name}; its moves are those of the rig"));
+        let start = start_of(file, first)?;
+        return Ok(Taken { rig: with_gains.with_test(&start.settings(Some(rig)))?, notes });
+    }
     let moves = moves_of(&config, &recorded, first)?;
     let all: Vec<(f64, i32)> =
         moves.iter().map(|one| (f64::from(one.at_sample) * period_s, one.target)).collect();
-    let [offset, scale] = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
-    let pressure = |raw: i16| offset + scale * f64::from(raw);
-    let start = Start {
-        position_m: 1e-3 * file.positive("mm_per_count")? * (f64::from(first.position) + 0.5),
-        pressures_pa: [pressure(first.pressure_1), pressure(first.pressure_2)],
-        temperatures_k: None,
-    };
+    let start = start_of(file, first)?;
     let duration_s = period_s * (recorded.len() - 1).max(1) as f64;
     notes.insert(0, format!("{} moves and the initial state are those of {name}", all.len()));
     let test = test_of(&all, duration_s, &start, rig);
     Ok(Taken { rig: with_gains.with_test(&test)?, notes })
+}
+
+/// Refuses a record whose moves have profiles that the test of the rig does not have: a list of moves cannot say them.
+fn refuse_other_moves(test: &Sequence, rig: &Rig) -> Result<()> {
+    if test.moves() != rig.sequence().moves() {
+        bail!(
+            "its moves have profiles and are not those of the rig file: give the [test] that was run, with --test"
+        );
+    }
+    Ok(())
+}
+
+/// The state of a drive at the first sample of its record.
+fn start_of(file: &TargetFile, first: RecordedSample) -> Result<Start> {
+    let [offset, scale] = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
+    let pressure = |raw: i16| offset + scale * f64::from(raw);
+    Ok(Start {
+        position_m: 1e-3 * file.positive("mm_per_count")? * (f64::from(first.position) + 0.5),
+        pressures_pa: [pressure(first.pressure_1), pressure(first.pressure_2)],
+        temperatures_k: None,
+    })
 }
 
 /// The moves of a record that begins with the sample `first`; one at the start of the test, too, where it does not begin
@@ -91,7 +114,7 @@ fn moves_of(config: &Config, recorded: &[RecordedSample], first: RecordedSample)
     };
     let begins = all.first().is_some_and(|one| one.at_sample == 0);
     if !begins && (asked != before || all.is_empty()) {
-        all.insert(0, Move { at_sample: 0, target: asked });
+        all.insert(0, Move::step(0, asked));
     }
     Ok(all)
 }

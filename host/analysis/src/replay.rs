@@ -5,8 +5,9 @@
 //! are compared with the recorded ones, bit for bit. Recorded positions count from the reference, so the
 //! replay runs with the origin 0. Facts that are not in the file are found as follows:
 //!
-//! - **Moves** ([`moves`]). Closed loop: setpoint = position + error. Open loop: the moves are the commands
-//!   themselves, so such a record proves the limits and the stepper, not the law.
+//! - **Moves** ([`moves`]). The header has them with their profiles, and the controller makes the setpoints of them again.
+//!   A file of firmware before version 7 of the protocol has none. Closed loop: setpoint = position + error. Open loop: the
+//!   moves are the commands themselves, so such a record proves the limits and the stepper, not the law.
 //! - **Arrival.** A move begins at its recorded sample and, with `on_arrival`, also waits for the end of the
 //!   one before, as on the board. So arrival and learning are those of the board.
 //! - **The end of the run.** A trip of the controller is reproduced; the recorder stores no sample after it.
@@ -15,9 +16,9 @@
 //! - **Two things are tried both ways**: whether an open loop was referenced, and, where the null offset is
 //!   learned, whether a run that begins with a setpoint that is held anyway began with a move to it.
 //!
-//! Not in the file, and so no part of the replay: a move to the setpoint that holds already (it matters to
-//! what is learned of the null, and where it ends at once: its exit keeps the command), and pressures that were
-//! bad in the last samples before the start.
+//! Not in a file without moves, and so no part of its replay: a move to the setpoint that holds already (it matters to
+//! what is learned of the null, and where it ends at once: its exit keeps the command). Not in any file: pressures that
+//! were bad in the last samples before the start.
 
 pub mod moves;
 mod older;
@@ -32,7 +33,7 @@ use pneudrive_controller::law::Loop;
 use pneudrive_controller::{Config, Fault, Mode, Observation, Refusal, Sample, State, output, sample};
 use pneudrive_protocol::{RecordedSample, Refused};
 use pneudrive_records::target::{IMPORTED, TargetFile};
-use pneudrive_records::words;
+use pneudrive_records::{test_lines, words};
 
 use moves::Plan;
 use parameters::Header;
@@ -185,6 +186,9 @@ pub enum ReplayError {
         "the setpoint changes at sample {0} for the 65th time, but a test has at most 64 moves; repeated moves (test.repeat_every_s) are not marked in a file, so cut it to fewer"
     )]
     TooManyMoves(i32),
+    /// The lines of its moves are none.
+    #[error("{0}")]
+    Test(String),
     /// The controller would not have run this.
     #[error("the controller refuses to run it: {}", words::refusal(&Refused::NotNow(.0.code())))]
     Refused(Refusal),
@@ -204,7 +208,12 @@ pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
     let older = older::has_older_watch(file).then(|| older::Watch::instead(&mut config, &header.parameters));
     let recorded = samples(file)?;
     let mut best: Option<Replay> = None;
-    for plan in moves::plans(&config, &recorded)? {
+    let test = test_lines::sequence(file).map_err(|error| ReplayError::Test(format!("{error:#}")))?;
+    let plans = match test {
+        Some(test) => moves::of_test(&config, &test, recorded.len()),
+        None => moves::plans(&config, &recorded)?,
+    };
+    for plan in plans {
         let replay = Replay { notes: header.notes.clone(), ..run(&config, &plan, &recorded, older.clone())? };
         if best.as_ref().is_none_or(|best| replay.likeness() > best.likeness()) {
             best = Some(replay);

@@ -7,6 +7,7 @@ mod owner;
 mod parameters;
 mod record;
 mod stream;
+mod test;
 mod valve;
 mod version_2;
 

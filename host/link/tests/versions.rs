@@ -42,6 +42,7 @@ fn info(sequence: u16, min_version: u16, version: u16) -> Option<Vec<u8>> {
 /// The version that a request came with.
 fn version_of(body: &RequestBody<'_>) -> u16 {
     match body {
+        RequestBody::TestRead { .. } => 7,
         RequestBody::Boot => 6,
         RequestBody::ArmAs { .. }
         | RequestBody::TakeOver { .. }
@@ -152,6 +153,24 @@ fn a_record_that_changes_while_an_older_rig_sends_it_is_found_out_at_the_end() {
     rig.change(|simulation| simulation.restarts_in(8000, &other));
     let error = rig.connect().expect("an answer").record(|_, _| {}).expect_err("of two runs");
     assert!(error.to_string().contains("the record changed while it was read"), "{error:#}");
+}
+
+fn version_6(message: &[u8]) -> Option<Vec<u8>> {
+    older(message, 6, id::VELOCITY_FEED_FORWARD)
+}
+
+#[test]
+fn a_rig_of_version_6_takes_no_profiles_and_does_not_tell_its_moves() {
+    let mut client = SimulatedRig::with_record(&[]).with_firmware(version_6).connect().expect("an answer");
+    assert_eq!(client.test().expect("nothing is asked"), None);
+    let rig = |test: &str| Rig::read_with("rig.toml", test, &[]).expect("a rig");
+    let curve = rig("[test]\nmoves = [[0.0, 8192], [0.3, 9000]]\nprofile = \"s-curve\"\n");
+    let refused = client.download_test(&curve).expect_err("it would step").to_string();
+    assert!(
+        refused.contains("too old for moves with profiles (test.move, test.profile), which needs version 7"),
+        "{refused}"
+    );
+    client.download_test(&rig("")).expect("steps are taken as ever");
 }
 
 #[test]

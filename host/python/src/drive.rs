@@ -122,7 +122,8 @@ impl Order {
         let Some((path, every)) = &self.stream else { return Ok(None) };
         let info: Info = client.info()?;
         let period_us = parameters.values.get(id::PERIOD_US).unwrap_or(0);
-        let file = StreamFile::create(path, self.rig.name(), *every, &info, parameters)?;
+        let moves = client.test()?;
+        let file = StreamFile::create(path, self.rig.name(), *every, &info, parameters, moves.as_ref())?;
         client.stream_begin(*every, 1e6 / f64::from(period_us.max(1)))?;
         Ok(Some(file))
     }
@@ -319,8 +320,9 @@ impl Drive {
         let bar = progress::of(py, progress, "recording")?;
         let file = self.act(py, bar, |client, meter| {
             let (info, parameters) = (client.info()?, client.parameters()?);
+            let test = client.test()?;
             let record = client.record(|done, all| meter.at(done as u64, all as u64))?;
-            TargetFile::new(&record, &info, &parameters)
+            Ok(TargetFile::new(&record, &info, &parameters)?.with_test(test.as_ref()))
         })?;
         Target::of(py, format!("record of {}", self.port), file)
     }

@@ -31,6 +31,7 @@ pub mod rig_text;
 pub mod run_folder;
 pub mod stream_file;
 pub mod target;
+pub mod test_lines;
 pub mod units;
 pub mod untrusted;
 pub mod whole_file;

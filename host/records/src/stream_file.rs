@@ -11,10 +11,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, anyhow, bail};
+use pneudrive_controller::Sequence;
 use pneudrive_protocol::{RecordCrc, RecordedSample, StreamedSample};
 
 use crate::record_text::{COLUMNS, crc_text, data_line, described, header_text, sample_of};
 use crate::rig_info::{Info, RigParameters};
+use crate::test_lines;
 use crate::whole_file;
 
 /// The value of the first line.
@@ -62,7 +64,7 @@ pub struct StreamFile<W = File> {
 }
 
 impl StreamFile {
-    /// Creates the file for every Nth sample of a run. It must not exist yet.
+    /// Creates the file for every Nth sample of a run, whose test is `sequence` if the rig tells it. It must not exist yet.
     ///
     /// # Errors
     /// When it exists, or cannot be written.
@@ -72,12 +74,14 @@ impl StreamFile {
         every: u16,
         info: &Info,
         parameters: &RigParameters,
+        sequence: Option<&Sequence>,
     ) -> Result<StreamFile> {
         let file = OpenOptions::new().write(true).create_new(true).open(path);
         let file = file.with_context(|| format!("cannot make {}", path.display()))?;
         let mut file = StreamFile::over(file, path, every);
         let mut header = described(FORMAT, test, info, parameters);
         header.insert(2, ("decimation".to_owned(), every.to_string()));
+        header.extend(sequence.map(test_lines::lines).unwrap_or_default());
         header.push((HEADER_CRC.to_owned(), crc_text(&header_text(&header))));
         file.write(&(header_text(&header) + COLUMNS + "\n"))?;
         Ok(file)

@@ -7,12 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_controller::Sequence;
 use pneudrive_protocol::RecordedSample;
 
 use crate::record::Record;
 use crate::record_text::{COLUMNS, crc_text, data_lines, described, header_text};
 use crate::rig_info::{Info, RigParameters};
 use crate::stream_file;
+use crate::test_lines;
 use crate::whole_file::{Staged, sync_folder};
 
 mod reading;
@@ -64,6 +66,16 @@ impl TargetFile {
         let mut file = TargetFile { header, samples };
         file.seal();
         Ok(file)
+    }
+
+    /// The same with the test that was run, if the rig tells it.
+    #[must_use]
+    pub fn with_test(mut self, test: Option<&Sequence>) -> TargetFile {
+        if let Some(test) = test {
+            self.header.extend(test_lines::lines(test));
+            self.seal();
+        }
+        self
     }
 
     /// Writes the CRC of the current content into the last header line.

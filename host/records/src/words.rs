@@ -20,12 +20,13 @@ pub fn protocol(version: u16) -> String {
             )
         }
         Ordering::Less => {
-            let lacks: [(u16, &str); 5] = [
+            let lacks: [(u16, &str); 6] = [
                 (2, "homing, stored parameters, fault log"),
                 (3, "streams"),
                 (4, "tests that repeat or last for hours"),
                 (5, "single commanding host, atomic changes"),
                 (6, "boot numbers"),
+                (7, "moves with profiles"),
             ];
             let lacks: Vec<&str> =
                 lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
@@ -308,14 +309,15 @@ mod tests {
 
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
-        assert_eq!(protocol(6), "version 6");
-        assert!(protocol(5).contains("is older and has no boot numbers;"));
+        assert_eq!(protocol(7), "version 7");
+        assert!(protocol(6).contains("is older and has no moves with profiles;"));
+        assert!(protocol(5).contains("is older and has no boot numbers, moves with profiles;"));
         assert!(
-            protocol(4).contains("is older and has no single commanding host, atomic changes, boot numbers;")
+            protocol(4).contains("is older and has no single commanding host, atomic changes, boot numbers,")
         );
         assert!(protocol(3).contains("has no tests that repeat or last for hours, single"));
         assert!(protocol(2).contains("has no streams, tests that"));
         assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
-        assert!(protocol(7).starts_with("version 7; this program is older and speaks 6:"));
+        assert!(protocol(8).starts_with("version 8; this program is older and speaks 7:"));
     }
 }

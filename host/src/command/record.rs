@@ -31,6 +31,7 @@ pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile
     let parameters = client.parameters()?;
     report_missing(&parameters);
     let head = client.record_head()?;
+    let test = client.test()?;
     let (mut part, pieces) = PartFile::open(folder, &info, &head)?;
     report_parts(folder, &part, pieces.samples(), &head);
     let record = download(client, &head, &mut part, pieces);
@@ -44,7 +45,7 @@ pub fn record(client: &mut Client, folder: &Path) -> Result<(PathBuf, TargetFile
         Err(error) if part.keep_on_disk().is_ok() => return Err(error.context(kept(&part))),
         Err(error) => return Err(error),
     };
-    let file = TargetFile::new(&record, &info, &parameters)?;
+    let file = TargetFile::new(&record, &info, &parameters)?.with_test(test.as_ref());
     let path = file.write_next(folder)?;
     part.remove();
     Ok((path, file))

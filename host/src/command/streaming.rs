@@ -39,7 +39,8 @@ impl Streaming {
         let info = client.info()?;
         let period_us = parameters.values.get(id::PERIOD_US).unwrap_or(0);
         client.needs_streams()?;
-        let file = StreamFile::create(path, test, every, &info, parameters)?;
+        let moves = client.test()?;
+        let file = StreamFile::create(path, test, every, &info, parameters, moves.as_ref())?;
         client.stream_begin(every, 1e6 / f64::from(period_us.max(1)))?;
         Ok(Streaming { file, path: path.to_owned() })
     }

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::record::RecordCrc;
 use crate::{MAX_MESSAGE, Values};
 
-/// The longest change, bytes.
-pub const MAX_CHANGE: usize = 2560;
+/// The longest change, bytes; 2560 before version 7.
+pub const MAX_CHANGE: usize = 4096;
 
 /// The most of it that one message carries, bytes.
 pub const PART_BYTES: usize = MAX_MESSAGE - 64;
@@ -46,6 +46,11 @@ pub enum Entry<'a> {
         /// Setpoint (open loop: command), counts.
         target: i32,
     },
+    /// Version 7. A move with a profile; in order of time.
+    Profile {
+        /// As [`ProfiledMove`](crate::ProfiledMove) writes it.
+        bytes: &'a [u8],
+    },
 }
 
 impl Entry<'_> {
@@ -57,7 +62,7 @@ impl Entry<'_> {
     }
 
     fn is_of_the_test(&self) -> bool {
-        matches!(self, Entry::Test { .. } | Entry::Move { .. })
+        !matches!(self, Entry::Parameters { .. })
     }
 }
 

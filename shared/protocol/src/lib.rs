@@ -42,8 +42,8 @@
 //!   old PC can read.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
 //!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v06.rs` those
-//!   that versions 2 to 6 have added. A new version adds a file of its own.
+//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v07.rs` those
+//!   that versions 2 to 7 have added. A new version adds a file of its own.
 //!
 //! # What is promised
 //!
@@ -59,6 +59,7 @@ pub mod event;
 pub mod frame;
 pub mod message;
 pub mod owner;
+pub mod profiled;
 pub mod recent;
 pub mod record;
 pub mod session;
@@ -74,6 +75,7 @@ pub use message::{
     encode_and_know,
 };
 pub use owner::{Owner, Presence};
+pub use profiled::ProfiledMove;
 pub use recent::Recent;
 pub use record::{RecordCrc, RecordedSample};
 pub use session::InSession;
@@ -84,7 +86,7 @@ pub use values::Values;
 pub const MIN_VERSION: u16 = 1;
 
 /// The version described here.
-pub const CURRENT_VERSION: u16 = 6;
+pub const CURRENT_VERSION: u16 = 7;
 
 /// The longest message, bytes: sequence and body, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;
@@ -100,6 +102,9 @@ pub const CHUNK_SAMPLES: usize = 32;
 
 /// The most events of the fault log that one message carries.
 pub const MAX_EVENTS: usize = 16;
+
+/// The most moves of a test that one message carries.
+pub const MAX_TOLD_MOVES: usize = 12;
 
 /// The most rows of a stream that one message carries.
 pub const MAX_ROWS: usize = 24;
@@ -129,6 +134,8 @@ const _: () = {
     assert!(events <= MAX_MESSAGE, "Events");
     let rows = HEADER_BYTES + U32_BYTES + U16_BYTES + MAX_ROWS * StreamedSample::BYTES;
     assert!(rows <= MAX_MESSAGE, "Rows");
+    let test = HEADER_BYTES + 2 * U32_BYTES + 2 + U16_BYTES + MAX_TOLD_MOVES * ProfiledMove::BYTES;
+    assert!(test <= MAX_MESSAGE, "Test");
     let (session, boot) = (U32_BYTES, U32_BYTES);
     let part = HEADER_BYTES + U32_BYTES + 2 * U16_BYTES + change::PART_BYTES + session + boot;
     assert!(part <= MAX_MESSAGE, "ChangePart");

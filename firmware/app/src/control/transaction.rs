@@ -6,11 +6,12 @@ use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::SequenceError;
 use pneudrive_controller::{Move, Parameters, Refusal};
-use pneudrive_protocol::UNTIL_STOPPED;
 use pneudrive_protocol::change::{Entries, Entry, start_crc32, test_crc32};
+use pneudrive_protocol::{ProfiledMove, UNTIL_STOPPED};
 
 use super::{Control, Test};
 use crate::configuration::Prepared;
+use crate::moves::meant;
 use crate::recorder::Recorder;
 
 /// Why a change was not taken. Nothing was changed.
@@ -33,7 +34,7 @@ pub enum TakeError {
     Sequence(SequenceError),
     /// The test lasts more samples than can be counted.
     TooLong,
-    /// The bytes are no change: moves without a test, two tests, or what this version does not know.
+    /// The bytes are no change: moves without a test, two tests, a profile that is none, or what this version does not know.
     Malformed,
 }
 
@@ -61,11 +62,17 @@ impl Draft {
                 self.test = Some(test);
                 Ok(())
             }
-            Entry::Move { at_sample, target } => {
-                let test = self.test.as_mut().ok_or(TakeError::Malformed)?;
-                test.sequence.push(Move { at_sample, target }).map_err(TakeError::Sequence)
+            Entry::Move { at_sample, target } => self.push(Move::step(at_sample, target)),
+            Entry::Profile { bytes } => {
+                let next = ProfiledMove::from_bytes(bytes).and_then(|told| meant(&told));
+                self.push(next.ok_or(TakeError::Malformed)?)
             }
         }
+    }
+
+    fn push(&mut self, next: Move) -> Result<(), TakeError> {
+        let test = self.test.as_mut().ok_or(TakeError::Malformed)?;
+        test.sequence.push(next).map_err(TakeError::Sequence)
     }
 }
 

@@ -5,14 +5,16 @@ use core::borrow::{Borrow, BorrowMut};
 use pneudrive_controller::sequencer::Arrival;
 use pneudrive_controller::{Mode, Parameters};
 use pneudrive_protocol::{
-    self as protocol, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, Event, MAX_EVENTS, MAX_VALUES,
-    MIN_VERSION, Motion, Owner, RecordInfo, RecordedSample, Refused, ReplyBody, Status, Values,
+    self as protocol, CHUNK_SAMPLES, CURRENT_VERSION, ConfigState, Event, MAX_EVENTS, MAX_TOLD_MOVES,
+    MAX_VALUES, MIN_VERSION, Motion, Owner, ProfiledMove, RecordInfo, RecordedSample, Refused, ReplyBody,
+    Status, Values,
 };
 
 use super::{FIRMWARE, Scratch};
 use crate::board::Board;
 use crate::configuration::{Configuration, Source};
 use crate::control::Control;
+use crate::moves::told;
 use crate::recorder::{CAPACITY, Recorder};
 use crate::shared_drive::SharedDrive;
 use crate::store::Store;
@@ -186,6 +188,29 @@ pub(super) fn record_info<'a>(drive: &mut impl SharedDrive, room: &'a mut Scratc
             crc32: crc.unwrap_or(0),
         })
     })
+}
+
+/// The test, and its moves from `first` on, as many as a message carries.
+pub(super) fn test<'a>(
+    control: &Control<impl BorrowMut<Recorder>>,
+    first: u8,
+    room: &'a mut [u8],
+) -> ReplyBody<'a> {
+    let sequence = control.test().sequence();
+    let moves = sequence.moves();
+    let wanted = moves.get(first.into()..).unwrap_or(&[]).iter().take(MAX_TOLD_MOVES);
+    let mut bytes = 0;
+    for (slot, next) in room.chunks_exact_mut(ProfiledMove::BYTES).zip(wanted) {
+        slot.copy_from_slice(&told(next).to_bytes());
+        bytes += ProfiledMove::BYTES;
+    }
+    ReplyBody::Test {
+        last_sample: sequence.duration_samples,
+        round: sequence.round(),
+        total: moves.len() as u8,
+        first,
+        moves: room.get(..bytes).unwrap_or(&[]),
+    }
 }
 
 pub(super) fn chunk<'a>(

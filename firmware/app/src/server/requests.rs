@@ -10,7 +10,9 @@ use pneudrive_protocol::{
     InBoot, InSession, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED, Values, code,
 };
 
-use super::answers::{chunk, config, config_state, digest, events, info, kept, motion, record_info, status};
+use super::answers::{
+    chunk, config, config_state, digest, events, info, kept, motion, record_info, status, test,
+};
 use super::{Scratch, Talk};
 use crate::board::Board;
 use crate::change::{NotWhole, Parts};
@@ -112,6 +114,7 @@ pub(super) fn carry_out<'a>(
             let [interval, latency] = control.timing();
             ReplyBody::Timing { interval, latency }
         }),
+        RequestBody::TestRead { first } => drive.lock(|control, _| test(control, first, scratch)),
         RequestBody::RecordInfo => record_info(drive, scratch),
         RequestBody::RecordRead { first, count } => chunk(drive, first, count, scratch),
         RequestBody::RecordChunk { crc32, first, count } => {

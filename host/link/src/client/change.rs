@@ -2,8 +2,9 @@
 //! takes them request by request.
 
 use anyhow::{Result, bail};
-use pneudrive_controller::Parameters;
+use pneudrive_app::moves::told;
 use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Parameters, Profile};
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, frame};
 use pneudrive_records::rig_info::RigParameters;
@@ -49,7 +50,10 @@ impl Change {
             pre_trigger: rig.get(&keys::test::PRE_TRIGGER) as u16,
         });
         for next in sequence.moves() {
-            self.add(&Entry::Move { at_sample: next.at_sample, target: next.target });
+            match next.profile {
+                Profile::Step => self.add(&Entry::Move { at_sample: next.at_sample, target: next.target }),
+                _ => self.add(&Entry::Profile { bytes: &told(next).to_bytes() }),
+            }
         }
     }
 }
@@ -76,6 +80,9 @@ impl Client {
         last_sample: u32,
         parameters: Option<&Parameters>,
     ) -> Result<Vec<&'static str>> {
+        if rig.sequence().moves().iter().any(|next| next.profile != Profile::Step) {
+            self.needs_version(7, "moves with profiles (test.move, test.profile)")?;
+        }
         self.last_sample = Some(last_sample);
         // For a test without parameters: those of the rig as this program last read them.
         self.meant = self.known.take().map(|(_, parameters)| parameters);
@@ -202,6 +209,7 @@ fn short(name: &str) -> &str {
 mod tests {
     use super::*;
     use pneudrive_controller::sequencer::MAX_MOVES;
+    use pneudrive_protocol::ProfiledMove;
     use pneudrive_protocol::change::{Entries, MAX_CHANGE};
 
     #[test]
@@ -215,8 +223,9 @@ mod tests {
         let (last_sample, round) = (u32::MAX, u32::MAX);
         let (decimation, pre_trigger) = (u16::MAX, u16::MAX);
         change.add(&Entry::Test { name: &name, last_sample, round, decimation, pre_trigger });
+        let longest = Entry::Profile { bytes: &[0xff; ProfiledMove::BYTES] };
         for _ in 0..MAX_MOVES {
-            change.add(&Entry::Move { at_sample: u32::MAX, target: i32::MIN });
+            change.add(&longest);
         }
         assert!(change.0.len() <= MAX_CHANGE, "{} of {MAX_CHANGE} bytes", change.0.len());
         assert!(Entries::of(&change.0).all(|entry| entry.is_ok()));

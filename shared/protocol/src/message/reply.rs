@@ -93,4 +93,17 @@ pub enum ReplyBody<'a> {
         /// Another one for each boot; [`ANY_BOOT`](crate::ANY_BOOT): the board cannot tell its boots apart.
         number: u32,
     },
+    /// Version 7. The test, and moves of it.
+    Test {
+        /// Number of its last sample.
+        last_sample: u32,
+        /// Its moves come again every so many samples; 0: they come once.
+        round: u32,
+        /// Moves that it has.
+        total: u8,
+        /// Place of the first one here.
+        first: u8,
+        /// [`ProfiledMove::BYTES`](crate::ProfiledMove::BYTES) each.
+        moves: &'a [u8],
+    },
 }

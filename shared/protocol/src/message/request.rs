@@ -178,6 +178,11 @@ pub enum RequestBody<'a> {
     SeekNull,
     /// Version 6. The spool of a stepper valve is at its null. The drive must be disabled.
     AtNull,
+    /// Version 7. The test as the rig has it. Answered by [`ReplyBody::Test`](super::ReplyBody::Test).
+    TestRead {
+        /// Place of the first move.
+        first: u8,
+    },
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
