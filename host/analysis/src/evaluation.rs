@@ -1,7 +1,8 @@
 //! The figures of the moves of a transient (the thesis's EVAL.PR, and those that a machine builder needs).
 //!
 //! A move begins where the setpoint changes, or, in open loop, the command; it ends where the next one
-//! begins, or with the transient. With `x0` the position at its beginning, `r` the setpoint and `h = r - x0`:
+//! begins, or with the transient. Five changes and more, none later than 0.05 s after the one before, are the profile of one
+//! move, whose setpoint is the one that it ends at. With `x0` the position at its beginning, `r` the setpoint and `h = r - x0`:
 //!
 //! | figure | definition | left out |
 //! |---|---|---|
@@ -10,6 +11,7 @@
 //! | settling time | from the beginning until the position stays within the tolerance of `r` | if it is not there throughout the last quarter of the move |
 //! | steady error | mean of `r - x` over the move's last quarter, or over the cycles of a limit cycle | while the drive still moves |
 //! | limit cycle | swing from peak to peak and frequency ([`LimitCycle`]) | says so itself |
+//! | tracking | largest size, and root of the mean square, of the setpoint less the position along a profile | of a step, and in open loop |
 //! | top speed | largest of the velocities, as the controller estimates them | |
 //! | air | what flows into the chambers (`evaluation/air.rs`) | without flows and cylinder |
 
@@ -34,6 +36,15 @@ use pneudrive_sim::{Rig, Run};
 
 use crate::transient::Transient;
 use interval::Interval;
+
+/// How a drive follows a profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tracking {
+    /// Largest size of the setpoint less the position while the setpoint moves, mm.
+    pub most_mm: f64,
+    /// Root of its mean square, mm.
+    pub rms_mm: f64,
+}
 
 /// A move and what was measured of it. What the transient does not show is None.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +74,8 @@ pub struct Move {
     pub mean_error_mm: Option<f64>,
     /// From the lowest to the highest position in the last quarter, mm, whatever the drive does there.
     pub range_mm: f64,
+    /// How the drive follows its profile; None of a step, and in open loop.
+    pub tracking: Option<Tracking>,
     /// Whether it ends in a limit cycle.
     pub limit_cycle: LimitCycle,
     /// Top speed, mm/s.
@@ -74,7 +87,15 @@ pub struct Move {
 impl Move {
     /// Without the figures that are of its beginning.
     fn without_its_beginning(self) -> Move {
-        Move { is_cut: true, rise_s: None, overshoot_mm: None, settling_s: None, air: None, ..self }
+        Move {
+            is_cut: true,
+            rise_s: None,
+            overshoot_mm: None,
+            settling_s: None,
+            tracking: None,
+            air: None,
+            ..self
+        }
     }
 
     /// A figure that takes the beginning of the move; None of one that is cut.
@@ -139,6 +160,7 @@ fn measured(interval: &Interval, motion: &Motion, tolerance_mm: f64) -> Move {
         steady_error_mm: to.and_then(|to| interval.steady_error(to, &limit_cycle)),
         mean_error_mm: to.map(|to| interval.mean_error(to)),
         range_mm: interval.range(),
+        tracking: interval.tracking(),
         limit_cycle,
         top_speed_mm_s: speeds.iter().map(|speed| speed.abs()).fold(0.0, f64::max),
         air: None,

@@ -22,6 +22,10 @@ pub const CHANNELS: [(&str, &str); 7] = [
     ("error", "counts"),
 ];
 
+/// So many changes of the setpoint, none later than this after the one before, are a profile: s.
+const PROFILE_CHANGES: usize = 5;
+const PROFILE_GAP_S: f64 = 0.05;
+
 /// Setpoints closer than this are one, mm or counts: they come from sums of rounded numbers.
 const SAME: f64 = 1e-9;
 
@@ -236,16 +240,30 @@ impl Transient {
     }
 
     /// Indices of the first sample of each move: where the setpoint changes or, in open loop, the command. The first
-    /// move begins at the start of the test, or with the transient if that is later.
+    /// move begins at the start of the test, or with the transient if that is later. Changes that follow each other
+    /// closely are one profile, which begins with the first of them.
     #[must_use]
     pub fn beginnings(&self) -> Vec<usize> {
         let start = self.time.partition_point(|&time| time < 0.0);
+        let changes = self.changes(start + 1..self.time.len());
+        let firsts = changes
+            .chunk_by(|&a, &b| self.time[b] - self.time[a] <= PROFILE_GAP_S)
+            .flat_map(|chain| if chain.len() < PROFILE_CHANGES { chain } else { &chain[..1] });
+        (start < self.time.len()).then_some(start).into_iter().chain(firsts.copied()).collect()
+    }
+
+    /// The samples of a profile within a move: from the first change of the setpoint to the last one; None of a step.
+    #[must_use]
+    pub fn profile(&self, begin: usize, end: usize) -> Option<std::ops::RangeInclusive<usize>> {
+        let changes = self.changes(begin.max(1)..end);
+        (changes.len() >= PROFILE_CHANGES).then(|| changes[0]..=changes[changes.len() - 1])
+    }
+
+    /// Where the setpoint or, in open loop, the command is another one than at the sample before.
+    fn changes(&self, samples: std::ops::Range<usize>) -> Vec<usize> {
         let asked = &self.channels[if self.is_open_loop() { COMMAND } else { SETPOINT }];
-        let changes = (start + 1..asked.len()).filter(|&k| {
-            // A setpoint behind an error at the limit of its 16 bits cannot be known.
-            (asked[k] - asked[k - 1]).abs() > SAME
-        });
-        (start < asked.len()).then_some(start).into_iter().chain(changes).collect()
+        // A setpoint behind an error at the limit of its 16 bits cannot be known.
+        samples.filter(|&k| (asked[k] - asked[k - 1]).abs() > SAME).collect()
     }
 
     /// What the samples from `first` until before `end` lose of the moves of this transient.

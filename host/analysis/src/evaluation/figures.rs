@@ -95,6 +95,10 @@ fn one_to_json(moves: &[Option<&Move>]) -> Value {
         "limit_cycle_runs".to_owned(),
         json!({ "none": at_rest, "sustained": swinging, "undecided": undecided }),
     );
+    if moves.iter().flatten().any(|one| one.tracking.is_some()) {
+        fields.insert("tracking_most_mm".to_owned(), ranged(&|one| Some(one.tracking?.most_mm)));
+        fields.insert("tracking_rms_mm".to_owned(), ranged(&|one| Some(one.tracking?.rms_mm)));
+    }
     fields.insert("air_litres_anr".to_owned(), ranged(&|one| Some(one.air?.litres)));
     fields.insert("air_litres_anr_at_least".to_owned(), ranged(&|one| Some(one.air?.least)));
     fields.insert("air_litres_anr_at_most".to_owned(), ranged(&|one| Some(one.air?.most)));

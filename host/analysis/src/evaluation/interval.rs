@@ -1,7 +1,9 @@
 //! The samples of a move, and its step as they show it. What they do not show is None.
 
+use std::ops::RangeInclusive;
+
 use super::limit_cycle::{rest, still_band};
-use super::{Doubt, LimitCycle};
+use super::{Doubt, LimitCycle, Tracking};
 use crate::transient::{POSITION, PRESSURES, SETPOINT, Transient};
 
 /// A way of fewer counts cannot be distinguished from a drive that rests on the edge of a count.
@@ -29,8 +31,24 @@ impl Interval<'_> {
         &self.transient.channels[POSITION][self.begin..self.end]
     }
 
+    /// Where the move leads, mm.
     pub fn setpoint(&self) -> Option<f64> {
-        Some(self.transient.channels[SETPOINT][self.begin]).filter(|value| value.is_finite())
+        let arrival = self.profile().map_or(self.begin, |samples| *samples.end());
+        Some(self.transient.channels[SETPOINT][arrival]).filter(|value| value.is_finite())
+    }
+
+    fn profile(&self) -> Option<RangeInclusive<usize>> {
+        self.transient.profile(self.begin, self.end)
+    }
+
+    /// How the drive follows a profile; None of a step, and in open loop.
+    pub fn tracking(&self) -> Option<Tracking> {
+        let samples = self.profile()?;
+        let channels = &self.transient.channels;
+        let errors = || samples.clone().map(|k| channels[SETPOINT][k] - channels[POSITION][k]);
+        let most_mm = errors().map(f64::abs).fold(0.0, f64::max);
+        let rms_mm = mean(&errors().map(|error| error * error).collect::<Vec<_>>()).sqrt();
+        (most_mm.is_finite() && rms_mm.is_finite()).then_some(Tracking { most_mm, rms_mm })
     }
 
     pub fn limit_cycle(&self) -> LimitCycle {

@@ -138,9 +138,28 @@ pub fn remarks(runs: &[Vec<Move>]) -> Vec<String> {
         )
     });
     let divided = numbered(runs).filter_map(|(number, moves)| divided(number, &moves));
+    let tracking = numbered(runs).filter_map(|(number, moves)| tracking(number, &moves));
     let commanded = moves.iter().any(|one| one.to_mm.is_none()).then(|| COMMANDED.to_owned());
     let doubts = moves.iter().filter_map(doubt);
-    commanded.into_iter().chain(cut).chain(doubts).chain(none).chain(divided).collect()
+    commanded.into_iter().chain(cut).chain(tracking).chain(doubts).chain(none).chain(divided).collect()
+}
+
+/// How a move follows its profile, with the range over all runs.
+fn tracking(number: usize, moves: &InRuns) -> Option<String> {
+    moves.first().copied().flatten()?.tracking?;
+    let words = |figure: fn(&Move) -> Option<f64>| {
+        let cell = Cell::of_range(range(moves, figure), 3);
+        if cell.least.is_empty() {
+            cell.own
+        } else {
+            format!("{} ({} to {})", cell.own, cell.least, cell.most)
+        }
+    };
+    let most = words(|one| Some(one.tracking?.most_mm));
+    let rms = words(|one| Some(one.tracking?.rms_mm));
+    Some(format!(
+        "Move {number} follows its profile: the error is {most} mm at most, and {rms} mm in the root of its mean square."
+    ))
 }
 
 /// The moves over all runs with their numbers.

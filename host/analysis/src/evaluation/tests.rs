@@ -218,3 +218,27 @@ fn runs_that_do_not_all_end_alike_are_counted() {
     assert!(cycle[2][9].starts_with("4.0") || cycle[2][9].starts_with("3.9"), "{cycle:?}");
     assert!(!remarks(&runs[..1]).join("\n").contains("runs"), "a run alone is not divided");
 }
+
+/// A drive that is half a millimetre behind a setpoint that goes 100 mm in a second, and then comes to it.
+#[test]
+fn a_profile_is_one_move_with_its_largest_and_its_mean_error() {
+    let setpoint = |t: f64| 100.0 * (t - 0.2).clamp(0.0, 1.0);
+    let position = |t: f64| if t < 1.2 { (setpoint(t) - 0.5).max(0.0) } else { 100.0 };
+    let moves = evaluated(&transient(setpoint, position, 2000));
+    assert_eq!(moves.len(), 2, "what was before, and the profile");
+    assert_eq!((moves[0].tracking, moves[1].to_mm), (None, Some(100.0)));
+    let tracking = moves[1].tracking.expect("of a profile");
+    near(Some(tracking.most_mm), 0.5, 0.02);
+    near(Some(tracking.rms_mm), 0.5, 0.02);
+    let remarks = remarks(std::slice::from_ref(&moves));
+    assert!(remarks[0].starts_with("Move 2 follows its profile: the error is 0.5"), "{remarks:?}");
+    assert!(to_json(std::slice::from_ref(&moves))[1]["tracking_most_mm"]["value"].is_number());
+}
+
+#[test]
+fn steps_that_follow_each_other_closely_are_moves_of_their_own() {
+    let staircase = |t: f64| 10.0 * (t / 0.04).floor().min(4.0);
+    let moves = evaluated(&transient(staircase, |_| 0.0, 1000));
+    assert_eq!(moves.len(), 5, "four steps are no profile");
+    assert!(moves.iter().all(|one| one.tracking.is_none()));
+}

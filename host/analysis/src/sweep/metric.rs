@@ -19,7 +19,7 @@ pub struct Figure {
 pub(super) const REVISION: u32 = 3;
 
 /// All of them.
-pub const FIGURES: [Figure; 11] = [
+pub const FIGURES: [Figure; 13] = [
     figure_of_a_way("rise_s", "from 10 % to 90 % of the way", |one| one.rise_s),
     figure_of_a_way("overshoot_mm", "how far it goes beyond the setpoint", |one| one.overshoot_mm),
     figure_of_a_way("overshoot_percent", "the same, relative to the way", |one| {
@@ -56,6 +56,14 @@ pub const FIGURES: [Figure; 11] = [
         "limit_cycle_swing_mm",
         "its peak-to-peak swing; 0 at rest, empty if it cannot be decided",
         |one| one.limit_cycle.swing_mm(),
+    ),
+    figure("tracking_mm", "the largest error while a profile moves the setpoint; empty for a step", |one| {
+        Some(one.tracking?.most_mm)
+    }),
+    figure(
+        "tracking_rms_mm",
+        "root of the mean square of the error while a profile moves the setpoint; empty for a step",
+        |one| Some(one.tracking?.rms_mm),
     ),
 ];
 
@@ -139,6 +147,7 @@ mod tests {
             steady_error_mm: Some(0.01),
             mean_error_mm: Some(0.01),
             range_mm: 0.0,
+            tracking: None,
             limit_cycle: LimitCycle::None { below_mm: 0.03, for_s: 0.5 },
             top_speed_mm_s: 500.0,
             air: air(1.0),

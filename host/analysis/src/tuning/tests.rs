@@ -94,6 +94,7 @@ fn step() -> Move {
         steady_error_mm: Some(0.01),
         mean_error_mm: Some(0.01),
         range_mm: 0.0,
+        tracking: None,
         limit_cycle: LimitCycle::None { below_mm: 0.03, for_s: 0.5 },
         top_speed_mm_s: 500.0,
         air: None,
