@@ -91,9 +91,10 @@ fn read_rig(name: &str) -> Result<Rig> {
 }
 
 fn simulated() -> Vec<Body> {
-    let bodies: [(&str, OnRung); 14] = [
+    let bodies: [(&str, OnRung); 15] = [
         ("closed loops are the simulation", body::closed_loop),
         ("open loops are the simulation", body::open_loop),
+        ("profiles are those of the simulation and replay", body::profiles),
         ("a drive whose first move comes late stays where it is", body::a_late_first_move),
         ("a fault after the moves of a run trips the drive that holds", body::a_fault_after_the_moves),
         ("the other built-in rigs are the simulation", body::other_built_in_rigs),

@@ -37,6 +37,44 @@ pub fn closed_loop(start: Start) {
     }
 }
 
+/// Moves with every profile, with feed-forward: each rung makes the same setpoints, and a replay makes them again from the
+/// header of its file.
+///
+/// # Panics
+/// When a record is not the simulation, or does not replay equal.
+pub fn profiles(start: Start) {
+    let gains = ["controller.velocity_feed_forward=900", "controller.acceleration_feed_forward=700"];
+    let test = [PROFILES, "test.duration_s=4.4"];
+    for name in ["servo-a-tuned", "servo-b-tuned", "servo-c"] {
+        let rig = rig(name, &[&gains[..], &test].concat());
+        let target = start(&rig);
+        assert_equal_in_every_integer(&*target, &rig);
+        let mut client = target.connect().expect("a rig that answers");
+        assert_eq!(client.test().expect("an answer"), Some(rig.sequence()), "{}, {name}", target.name());
+        let replay = replayed(&mut client);
+        assert_eq!((replay.first, replay.notes.as_slice()), (None, &[][..]), "{}, {name}", target.name());
+    }
+    let open = ["controller.loop=open", "test.position_m=0.15", "test.duration_s=0.7", OPEN_PROFILES];
+    let rig = rig("servo-b", &open);
+    assert_equal_in_every_integer(&*start(&rig), &rig);
+}
+
+/// A move of every profile: there within limits, back in a straight line, about where it stands.
+pub const PROFILES: &str = "test.move=[\
+    {profile = \"s-curve\", to_mm = 90, velocity_mm_s = 700, acceleration_mm_s2 = 9000, jerk_mm_s3 = 3e5}, \
+    {profile = \"trapezoid\", to_mm = 160, velocity_mm_s = 250}, \
+    {profile = \"linear\", to_mm = 130, duration_s = 0.3}, \
+    {profile = \"sine\", to_mm = 130, amplitude_mm = 20, frequency_hz = 2, cycles = 2}, \
+    {profile = \"chirp\", to_mm = 130, amplitude_mm = 3, frequency_hz = 1, end_frequency_hz = 9, duration_s = 0.8}, \
+    {profile = \"prbs\", to_mm = 130, amplitude_mm = 1, hold_s = 0.02, order = 4}, \
+    {profile = \"step\", to_mm = 100}]";
+
+/// The same of valve commands.
+const OPEN_PROFILES: &str = "test.move=[\
+    {profile = \"trapezoid\", to_counts = 400, velocity_mm_s = 4000, acceleration_mm_s2 = 1e5}, \
+    {profile = \"sine\", to_counts = 0, amplitude_counts = 700, frequency_hz = 10, cycles = 3}, \
+    {profile = \"step\", to_counts = 0}]";
+
 /// A step of more than 32,767 counts: the recorder limits its error to 16 bits.
 ///
 /// # Panics
@@ -195,7 +233,9 @@ pub fn stepper(start: Start) {
 fn replayed(client: &mut Client) -> Replay {
     let (info, parameters) = (client.info().expect("an answer"), client.parameters().expect("an answer"));
     let record = client.record(|_, _| {}).expect("a record");
-    let text = TargetFile::new(&record, &info, &parameters).expect("samples that files count to").to_text();
+    let test = client.test().expect("an answer");
+    let file = TargetFile::new(&record, &info, &parameters).expect("samples that files count to");
+    let text = file.with_test(test.as_ref()).to_text();
     replay(&TargetFile::from_text(&text).expect("a whole file")).expect("a record that can be replayed")
 }
 

@@ -62,7 +62,29 @@ pub fn traces() -> Result<BTreeMap<String, String>> {
         let run = run(&rig, Accuracy::of(&rig)).with_context(|| name.clone())?;
         Ok((format!("trace {name}"), hash(&to_csv(&run.rows))))
     };
-    rigs.iter().map(hashed).collect()
+    let steps: BTreeMap<String, String> = rigs.iter().map(hashed).collect::<Result<_>>()?;
+    let profiled = PROFILED.iter().map(|name| {
+        let rig = profiled(name);
+        let run = run(&rig, Accuracy::of(&rig)).with_context(|| (*name).to_owned())?;
+        Ok((format!("trace {name} profiles"), hash(&to_csv(&run.rows))))
+    });
+    Ok(steps.into_iter().chain(profiled.collect::<Result<Vec<_>>>()?).collect())
+}
+
+/// The rigs whose moves with profiles are hashed, too.
+const PROFILED: [&str; 2] = ["servo-a-tuned", "servo-b-tuned"];
+
+/// A rig on moves of every profile, with feed-forward.
+fn profiled(name: &str) -> Rig {
+    body::rig(
+        name,
+        &[
+            "controller.velocity_feed_forward=900",
+            "controller.acceleration_feed_forward=700",
+            "test.duration_s=4.4",
+            body::PROFILES,
+        ],
+    )
 }
 
 /// The hashes of the samples of TARGET files of a rung.
@@ -73,8 +95,7 @@ pub fn traces() -> Result<BTreeMap<String, String>> {
 /// # Panics
 /// When a run does not come to its end.
 pub fn records(start: impl Fn(&Rig) -> Result<Box<dyn Target>>) -> Result<BTreeMap<String, String>> {
-    let hashed = |name: &&str| {
-        let rig = body::rig(name, &["test.duration_s=0.6"]);
+    let hashed = |(name, rig): (String, Rig)| {
         let target = start(&rig)?;
         let record = run_and_record(&*target, &rig);
         let mut client = target.connect()?;
@@ -85,7 +106,9 @@ pub fn records(start: impl Fn(&Rig) -> Result<Box<dyn Target>>) -> Result<BTreeM
             text.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");
         Ok((format!("target {name}"), hash(&samples)))
     };
-    RECORDED.iter().map(hashed).collect()
+    let steps = RECORDED.map(|name| (name.to_owned(), body::rig(name, &["test.duration_s=0.6"])));
+    let profiles = PROFILED.map(|name| (format!("{name} profiles"), profiled(name)));
+    steps.into_iter().chain(profiles).map(hashed).collect()
 }
 
 /// The virtual rig, as a rung of [`records`].

@@ -53,6 +53,11 @@ fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_emulated_board()
 }
 
 #[test]
+fn profiles_of_the_emulated_board_are_those_of_the_simulation_and_replay() {
+    body::profiles(emulated_board);
+}
+
+#[test]
 fn an_error_beyond_16_bits_is_limited_in_the_record_of_the_emulated_board() {
     body::an_error_beyond_16_bits(emulated_board);
 }

@@ -51,6 +51,11 @@ fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_a_board_of_chips() {
 }
 
 #[test]
+fn profiles_of_a_board_of_chips_are_those_of_the_simulation_and_replay() {
+    body::profiles(wired);
+}
+
+#[test]
 fn a_fault_after_the_moves_of_a_run_trips_a_board_of_chips() {
     body::a_fault_after_the_moves(wired);
 }

@@ -69,6 +69,11 @@ fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_flashed_image() 
 }
 
 #[test]
+fn profiles_of_the_flashed_image_are_those_of_the_simulation_and_replay() {
+    body::profiles(fast);
+}
+
+#[test]
 fn a_fault_after_the_moves_of_a_run_trips_the_drive_that_holds() {
     body::a_fault_after_the_moves(slow);
 }
