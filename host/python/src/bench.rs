@@ -57,7 +57,8 @@ impl Bench for AtDrive<'_> {
     fn record(&mut self, name: &str) -> Result<(String, TargetFile)> {
         let (info, parameters) = (self.client.info()?, self.client.parameters()?);
         let test = self.client.test()?;
-        let file = TargetFile::new(&self.client.record(|_, _| {})?, &info, &parameters)?.with_test(test.as_ref());
+        let file =
+            TargetFile::new(&self.client.record(|_, _| {})?, &info, &parameters)?.with_test(test.as_ref());
         self.client.disarm()?;
         log::info!("{name} is recorded: {} samples", file.samples.len());
         self.files.push((name.to_owned(), file.clone()));

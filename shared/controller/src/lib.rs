@@ -200,9 +200,7 @@ impl State {
         Ok(())
     }
 
-    /// Works out the next setpoint of a profile between two samples, if nobody has. [`sample`] does so itself otherwise,
-    /// and takes longer then; what comes out is the same.
-    #[inline]
+    /// Works out the next setpoint of a profile between two samples. Otherwise [`sample`] does so itself, and takes longer.
     pub fn prepare(&mut self, config: &Config, sequence: &Sequence) {
         self.sequencer.prepare(&config.motion, sequence);
     }
