@@ -101,7 +101,7 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     .expect("written");
     let printed = device("config import cut.txt");
     assert!(
-        printed.contains("cut.txt: its first line announces 57 parameters, and 6 are there"),
+        printed.contains("cut.txt: its first line announces 59 parameters, and 6 are there"),
         "{printed}"
     );
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
