@@ -4,6 +4,8 @@
 //! begins, or with the transient. Five changes and more, none later than 0.05 s after the one before, are the profile of one
 //! move, whose setpoint is the one that it ends at. With `x0` the position at its beginning, `r` the setpoint and `h = r - x0`:
 //!
+//! Rise, overshoot and settling are left out of a profile whose setpoint leaves the way to `r`, as a sine does.
+//!
 //! | figure | definition | left out |
 //! |---|---|---|
 //! | rise time | from 10 % to 90 % of `h`, each for the first time | for a way of less than 10 counts |
@@ -144,7 +146,7 @@ pub const TOLERANCE_MM: f64 = 0.05;
 
 fn measured(interval: &Interval, motion: &Motion, tolerance_mm: f64) -> Move {
     let position = interval.position();
-    let to = interval.setpoint();
+    let (to, straight_to) = (interval.setpoint(), interval.straight_to());
     let limit_cycle = interval.limit_cycle();
     let speeds = &motion.velocity_mm_s[interval.begin..interval.end];
     Move {
@@ -154,9 +156,9 @@ fn measured(interval: &Interval, motion: &Motion, tolerance_mm: f64) -> Move {
         from_mm: position[0],
         to_mm: to,
         end_mm: position[position.len() - 1],
-        rise_s: to.and_then(|to| interval.rise(to)),
-        overshoot_mm: to.and_then(|to| interval.overshoot(to, &limit_cycle)),
-        settling_s: to.and_then(|to| interval.settling(to, tolerance_mm)),
+        rise_s: straight_to.and_then(|to| interval.rise(to)),
+        overshoot_mm: straight_to.and_then(|to| interval.overshoot(to, &limit_cycle)),
+        settling_s: straight_to.and_then(|to| interval.settling(to, tolerance_mm)),
         steady_error_mm: to.and_then(|to| interval.steady_error(to, &limit_cycle)),
         mean_error_mm: to.map(|to| interval.mean_error(to)),
         range_mm: interval.range(),

@@ -41,6 +41,18 @@ impl Interval<'_> {
         self.transient.profile(self.begin, self.end)
     }
 
+    /// Where the move leads, mm, if its setpoint never leaves the way there: a sine and a random sequence do, and what they
+    /// would have as rise or overshoot says nothing of the drive.
+    pub fn straight_to(&self) -> Option<f64> {
+        let to = self.setpoint()?;
+        let Some(samples) = self.profile() else { return Some(to) };
+        let setpoints = &self.transient.channels[SETPOINT][samples];
+        let from = setpoints[0];
+        let count = self.transient.mm_per_count;
+        let way = from.min(to) - count..=from.max(to) + count;
+        setpoints.iter().all(|setpoint| way.contains(setpoint)).then_some(to)
+    }
+
     /// How the drive follows a profile; None of a step, and in open loop.
     pub fn tracking(&self) -> Option<Tracking> {
         let samples = self.profile()?;

@@ -242,3 +242,16 @@ fn steps_that_follow_each_other_closely_are_moves_of_their_own() {
     assert_eq!(moves.len(), 5, "four steps are no profile");
     assert!(moves.iter().all(|one| one.tracking.is_none()));
 }
+
+/// A drive that follows a sine about its setpoint half a millimetre off, and stands there afterwards.
+#[test]
+fn a_profile_that_leaves_its_way_has_no_rise_and_no_overshoot() {
+    let setpoint = |t: f64| {
+        let swing = (std::f64::consts::TAU * (t - 0.2)).sin();
+        50.0 + if (0.2..1.2).contains(&t) { 20.0 * swing } else { 0.0 }
+    };
+    let moves = evaluated(&transient(setpoint, |t| setpoint(t) + 0.5, 2000));
+    let last = moves.last().expect("a move");
+    near(Some(last.tracking.expect("of a profile").most_mm), 0.5, 0.02);
+    assert_eq!((last.rise_s, last.overshoot_mm, last.settling_s), (None, None, None));
+}
