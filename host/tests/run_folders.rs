@@ -114,3 +114,25 @@ fn the_page_and_run_json_tell_of_one_run_and_a_changed_trace_is_refused() {
     }
     ok(folder.path(), "eval run");
 }
+
+/// The neighbours of a run are simulated again from what run.json says; so is a continued one.
+#[test]
+fn a_run_is_reproduced_from_its_values_whatever_its_moves_are() {
+    let folder = folder();
+    let settings = [
+        "--set test.targets=[8192,9000]",
+        "--set test.profile=s-curve --set test.moves=[[0,8192],[1.5,9000]]",
+        "--test profiles.toml",
+    ];
+    let profiles = "[[test.move]]\nprofile = \"step\"\nto_mm = 100\n[[test.move]]\nat_s = 0.2\nprofile = \"sine\"\nto_mm = 100\namplitude_mm = 5\nfrequency_hz = 4\ncycles = 1\n";
+    fs::write(folder.path().join("profiles.toml"), profiles).expect("written");
+    for settings in settings {
+        let run = format!(
+            "simulate servo-a-tuned {settings} --set test.duration_s=0.6 --ensemble 2 --no-report --out run"
+        );
+        ok(folder.path(), &run);
+        let printed = ok(folder.path(), "eval run");
+        assert!(!printed.contains("does not reproduce"), "{settings}: {printed}");
+        assert!(printed.contains("Least and most are over 2 runs"), "{settings}: {printed}");
+    }
+}

@@ -64,7 +64,7 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
         Config::new(&header.parameters).map_err(|error| anyhow::anyhow!("its parameters: {error:?}"))?;
     let first = *recorded.first().context("it has no samples")?;
     let period_s = f64::from(header.parameters.get(id::PERIOD_US).unwrap_or(0)) / 1e6;
-    let test = test_lines::sequence(file)?;
+    let test = test_lines::sequence(&file.header)?;
     if let Some(test) = test.filter(|test| test.moves().iter().any(|next| next.profile != Profile::Step)) {
         refuse_other_moves(&test, rig)?;
         notes.insert(0, format!("the initial state is that of {name}; its moves are those of the rig"));

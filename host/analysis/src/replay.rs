@@ -208,7 +208,7 @@ pub fn replay(file: &TargetFile) -> Result<Replay, ReplayError> {
     let older = older::has_older_watch(file).then(|| older::Watch::instead(&mut config, &header.parameters));
     let recorded = samples(file)?;
     let mut best: Option<Replay> = None;
-    let test = test_lines::sequence(file).map_err(|error| ReplayError::Test(format!("{error:#}")))?;
+    let test = test_lines::sequence(&file.header).map_err(|error| ReplayError::Test(format!("{error:#}")))?;
     let plans = match test {
         Some(test) => moves::of_test(&config, &test, recorded.len()),
         None => moves::plans(&config, &recorded)?,

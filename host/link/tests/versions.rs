@@ -164,7 +164,7 @@ fn a_rig_of_version_6_takes_no_profiles_and_does_not_tell_its_moves() {
     let mut client = SimulatedRig::with_record(&[]).with_firmware(version_6).connect().expect("an answer");
     assert_eq!(client.test().expect("nothing is asked"), None);
     let rig = |test: &str| Rig::read_with("rig.toml", test, &[]).expect("a rig");
-    let curve = rig("[test]\nmoves = [[0.0, 8192], [0.3, 9000]]\nprofile = \"s-curve\"\n");
+    let curve = rig("[test]\nmoves = [[0.0, 8192], [3.0, 9000]]\nduration_s = 4.0\nprofile = \"s-curve\"\n");
     let refused = client.download_test(&curve).expect_err("it would step").to_string();
     assert!(
         refused.contains("too old for moves with profiles (test.move, test.profile), which needs version 7"),
@@ -276,7 +276,7 @@ fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_9);
     let error = rig.connect().err().expect("no common version").to_string();
     assert!(
-        error.contains("speaks protocol versions 9 to 9, this program 1 to 6; update the older"),
+        error.contains("speaks protocol versions 9 to 9, this program 1 to 7; update the older"),
         "{error}"
     );
 }

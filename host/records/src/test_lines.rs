@@ -18,8 +18,6 @@ use anyhow::{Context, Result, anyhow};
 use pneudrive_controller::profile::{Noise, Profile, Ramp, Wave};
 use pneudrive_controller::{Move, Sequence};
 
-use crate::target::TargetFile;
-
 const LAST_SAMPLE: &str = "last_sample";
 const ROUND: &str = "round";
 
@@ -54,18 +52,17 @@ fn text_of(next: &Move) -> String {
 ///
 /// # Errors
 /// With the line that is no move, or does not go with those before it.
-pub fn sequence(file: &TargetFile) -> Result<Option<Sequence>> {
-    let Some(last_sample) = file.get(LAST_SAMPLE) else { return Ok(None) };
+pub fn sequence(header: &[(String, String)]) -> Result<Option<Sequence>> {
+    let get = |key: &str| header.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str());
+    let Some(last_sample) = get(LAST_SAMPLE) else { return Ok(None) };
     let whole = |key: &str, text: &str| {
         text.parse::<u32>().map_err(|_| anyhow!("the header's {key} is {text:?}, not a number of samples"))
     };
     let mut sequence = Sequence::new(whole(LAST_SAMPLE, last_sample)?);
-    sequence
-        .repeat_every(whole(ROUND, file.get(ROUND).unwrap_or("0"))?)
-        .map_err(|error| anyhow!("{error:?}"))?;
+    sequence.repeat_every(whole(ROUND, get(ROUND).unwrap_or("0"))?).map_err(|error| anyhow!("{error:?}"))?;
     for number in 1.. {
         let key = format!("move.{number}");
-        let Some(text) = file.get(&key) else { break };
+        let Some(text) = get(&key) else { break };
         let next =
             move_of(text).with_context(|| format!("the header's {key} is {text:?}, which is no move"))?;
         let pushed = sequence.push(next);
@@ -104,10 +101,6 @@ fn move_of(text: &str) -> Option<Move> {
 mod tests {
     use super::*;
 
-    fn file(header: Vec<(String, String)>) -> TargetFile {
-        TargetFile { header, samples: Vec::new() }
-    }
-
     fn every_profile() -> Sequence {
         let mut sequence = Sequence::new(9999);
         sequence.repeat_every(500).expect("no moves yet");
@@ -124,12 +117,12 @@ mod tests {
 
     #[test]
     fn a_test_is_read_as_it_was_written() {
-        assert_eq!(sequence(&file(lines(&every_profile()))).expect("whole"), Some(every_profile()));
+        assert_eq!(sequence(&lines(&every_profile())).expect("whole"), Some(every_profile()));
     }
 
     #[test]
     fn a_file_of_older_firmware_tells_no_test() {
-        assert_eq!(sequence(&file(Vec::new())).expect("whole"), None);
+        assert_eq!(sequence(&[]).expect("whole"), None);
     }
 
     #[test]
@@ -139,7 +132,7 @@ mod tests {
         {
             let mut header = lines(&Sequence::new(9));
             header.push(("move.1".to_owned(), text.to_owned()));
-            let error = format!("{:#}", sequence(&file(header)).expect_err("no move"));
+            let error = format!("{:#}", sequence(&header).expect_err("no move"));
             assert!(error.contains("move.1") && error.contains(&format!("{text:?}")), "{error}");
         }
     }
@@ -150,7 +143,7 @@ mod tests {
         header.extend(
             [("move.1", "5 1"), ("move.2", "4 1")].map(|(key, text)| (key.to_owned(), text.to_owned())),
         );
-        let error = sequence(&file(header)).expect_err("out of order").to_string();
+        let error = sequence(&header).expect_err("out of order").to_string();
         assert!(error.contains("move.2 does not go with the moves before it"), "{error}");
     }
 }

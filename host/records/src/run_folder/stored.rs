@@ -8,6 +8,7 @@ use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
 use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
 use pneudrive_sim::{Accuracy, Method, Rig, Run};
+use serde_json::Map;
 
 use crate::judged::{Judged, Spacing};
 
@@ -155,7 +156,16 @@ pub fn rig_of(folder: &Path) -> Result<Rig> {
     let description = read_json(&path)?;
     let keys = description["keys"].as_object().with_context(|| format!("{} has no keys", path.display()))?;
     let name = description["rig"].as_str().unwrap_or("run");
-    Ok(Rig::read(name, &rig_text::of_keys(keys)?)?)
+    Ok(Rig::read(name, &rig_text::of_keys(&with_one_form_of_moves(keys.clone()))?)?)
+}
+
+/// run.json has the default of test.moves beside the moves that hold; a rig file may not have both.
+fn with_one_form_of_moves(mut keys: Map<String, serde_json::Value>) -> Map<String, serde_json::Value> {
+    let others = [&keys::test::TARGETS.key, &keys::test::MOVE.key];
+    if others.iter().any(|form| keys.contains_key(form.path)) {
+        keys.remove(keys::test::MOVES.path);
+    }
+    keys
 }
 
 /// Whether the trace of a run folder equals that of a run, to the last digit, in the columns that every trace has.
