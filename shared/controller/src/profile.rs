@@ -21,7 +21,7 @@
 //! and the sums are exact. The unit is rounded down to a multiple of 2^-63, so s falls short by less than V A J / 2^63
 //! before the last sample, which has the target itself.
 //!
-//! **Wave.** The phase p counts in turns, p[k + 1] = p[k] + rate + k sweep, modulo 1 in steps of 2^-64: a sine with
+//! **Wave.** The phase p counts in turns, `p[k + 1] = p[k] + rate + k sweep`, modulo 1 in steps of 2^-64: a sine with
 //! sweep 0, else a chirp. The sine is a polynomial that is off by 1e-8 of the amplitude at most.
 //!
 //! **Noise.** A pseudo-random binary sequence: each `hold` samples a shift register moves on, whose last bit is the sign.

@@ -19,7 +19,7 @@
 //! Before the first move a closed loop holds the count of sample k = 0, and an open loop is at null.
 //!
 //! A move may have a [`Profile`]: the way of its setpoint from the beginning of the move on. Its next setpoint can be
-//! worked out ahead, between two samples ([`Sequencer::prepare`]); a sample that finds none does so itself. A move whose
+//! worked out ahead, between two samples ([`crate::State::prepare`]); a sample that finds none does so itself. A move whose
 //! profile is under way has not arrived. A profile is cut short where the next move begins or the run ends.
 
 use crate::profile::{Profile, Progress, Waypoint};
