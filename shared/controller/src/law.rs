@@ -27,9 +27,10 @@
 //! so that Fv = Kv and Fa = Ka feed back the deviation from the setpoint's motion. It is 0 while the setpoint stands and
 //! where it jumps; the on-off law has none.
 //!
-//! Inside the position dead band the demand is the null offset alone, unless something is fed forward; inside the velocity dead band n_v
-//! counts as 0. What was learned of the null ([`crate::learning`]) is added to the null offset. For the on-off law the position dead band is the relay's dead zone, and there is no null
-//! offset: a closed valve has none. Open loop: the demand is the setpoint.
+//! Inside the position dead band the demand is the null offset alone, unless something is fed forward; inside the velocity
+//! dead band n_v counts as 0. What was learned of the null ([`crate::learning`]) is added to the null offset. For the on-off
+//! law the position dead band is the relay's dead zone, and there is no null offset: a closed valve has none. Open loop: the
+//! demand is the setpoint.
 
 use core::num::NonZeroU32;
 
