@@ -3,7 +3,7 @@
 use arbitrary::{Result, Unstructured};
 use pneudrive_controller::parameters::TABLE;
 use pneudrive_protocol::change::{Entry, PART_BYTES};
-use pneudrive_protocol::{MAX_VALUES, RequestBody, Values};
+use pneudrive_protocol::{MAX_VALUES, ProfiledMove, RequestBody, Values};
 
 /// Names of tests and hosts, some of them too long.
 fn text<'a>(u: &mut Unstructured<'a>) -> Result<&'a str> {
@@ -66,7 +66,8 @@ pub fn change(u: &mut Unstructured<'_>) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     for _ in 0..u.int_in_range(0..=5u8)? {
         let (mut room, mut out) = (Room::default(), [0; PART_BYTES]);
-        let entry = match u.int_in_range(0..=3u8)? {
+        let told_bytes;
+        let entry = match u.int_in_range(0..=4u8)? {
             0 => {
                 let first_id = id(u)?;
                 Entry::Parameters { first_id, values: values(first_id, u, &mut room)? }
@@ -78,6 +79,16 @@ pub fn change(u: &mut Unstructured<'_>) -> Result<Vec<u8>> {
                 decimation: short(u)?,
                 pre_trigger: short(u)?,
             },
+            2 => {
+                let told = ProfiledMove {
+                    at_sample: count(u)?,
+                    target: counts(u)?,
+                    kind: u.arbitrary()?,
+                    numbers: u.arbitrary()?,
+                };
+                told_bytes = told.to_bytes();
+                Entry::MoveRecord { number: u.int_in_range(0..=16)?, bytes: &told_bytes }
+            }
             _ => Entry::Move { at_sample: count(u)?, target: counts(u)? },
         };
         bytes.extend_from_slice(entry.write(&mut out).expect("short entries have room"));
@@ -92,7 +103,7 @@ pub fn change(u: &mut Unstructured<'_>) -> Result<Vec<u8>> {
 pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Result<RequestBody<'a>> {
     use RequestBody as Body;
     let crc32 = if u.ratio(7, 8)? { named } else { u.arbitrary()? };
-    Ok(match u.int_in_range(0..=35u8)? {
+    Ok(match u.int_in_range(0..=38u8)? {
         0 => Body::Info,
         1 => Body::Status,
         2 => Body::ConfigGet { first_id: id(u)?, count: u.arbitrary()? },
@@ -135,6 +146,9 @@ pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Res
         33 => Body::SeekNull,
         34 => Body::AtNull,
         35 => Body::TestRead { first: u.arbitrary()? },
+        36 => Body::MoveRecordsRead { first: u.arbitrary()? },
+        37 => Body::Io,
+        38 => Body::IoSet { inputs: u.arbitrary()? },
         _ if u.ratio(1, 2)? => Body::Boot,
         _ => Body::Token { token: text(u)? },
     })

@@ -189,6 +189,33 @@ impl State {
         Ok(())
     }
 
+    /// The moves are over before the end of the run: a closed loop holds the last setpoint.
+    pub fn finish(&mut self) {
+        self.supervisor.finish();
+        self.sequencer.stand();
+        self.sequencer.close();
+    }
+
+    /// While a run is on: from the next sample on its setpoint is `target`, as if a step of its sequence began there.
+    /// Moves of the sequence that become due later still hold. It is for loops whose setpoints are not known
+    /// beforehand: counts in closed loop, valve counts in open loop.
+    ///
+    /// # Errors
+    /// When no run is on, or the setpoint of a closed loop lies beyond a software end position.
+    pub fn redirect(&mut self, config: &Config, target: i32) -> Result<(), Refusal> {
+        if self.supervisor.mode() != Mode::Running {
+            return Err(Refusal::NoMoves);
+        }
+        if config.law.control_loop == Loop::Closed && !config.limits.allows(target) {
+            return Err(Refusal::BeyondEnd);
+        }
+        if self.sequencer.redirect(target) {
+            let LawConfig { learning_gain, scale, .. } = config.law;
+            self.law.null_offset.learn(learning_gain, self.observation.error, scale);
+        }
+        Ok(())
+    }
+
     /// Homes the axis from the next sample on, or says why not.
     ///
     /// # Errors
@@ -217,6 +244,15 @@ impl State {
     pub fn reference(&mut self, position: i32) {
         self.set_origin(position);
         self.supervisor.set_referenced();
+    }
+
+    /// The encoder is absolute, and reads 0 at this position: counts mean positions from here on, wherever the axis
+    /// stands. A homing run ends before its first sample.
+    pub fn locate(&mut self, zero: i32) {
+        self.reference(self.encoder.wrapping_add(zero));
+        if self.supervisor.mode() == Mode::Homing {
+            self.supervisor.homed();
+        }
     }
 
     fn set_origin(&mut self, position: i32) {

@@ -90,7 +90,8 @@ impl NoMotion {
 
 impl Limits {
     /// Whether a setpoint lies between the software end positions.
-    pub(crate) fn allows(&self, setpoint: i32) -> bool {
+    #[must_use]
+    pub fn allows(&self, setpoint: i32) -> bool {
         self.end_min <= setpoint && setpoint <= self.end_max
     }
 

@@ -79,6 +79,15 @@ impl Sequence {
         Sequence { duration_samples, ..Sequence::default() }
     }
 
+    /// Makes it a sequence of one move, without a copy of the whole.
+    pub fn become_one(&mut self, only: Move, duration_samples: u32) {
+        (self.len, self.round, self.held_first) = (1, 0, None);
+        self.duration_samples = duration_samples;
+        if let Some(first) = self.moves.first_mut() {
+            *first = only;
+        }
+    }
+
     /// The moves, in order of time.
     #[must_use]
     pub fn moves(&self) -> &[Move] {

@@ -244,6 +244,18 @@ impl Sequencer {
         self.next_move += 1;
     }
 
+    /// A step to `target` begins with the next sample. Whether the move before it rests.
+    pub(crate) fn redirect(&mut self, target: i32) -> bool {
+        let rested = self.close();
+        self.stand();
+        self.setpoint = target;
+        self.arrival = Arrival::Moving;
+        self.begun_at = self.taken;
+        self.outside_at = self.taken;
+        self.ended = false;
+        rested
+    }
+
     #[cold]
     #[inline(never)]
     fn begin_profile(&mut self, sequence: &Sequence, before: i32) {

@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::message::{Message, MessageError, Request, decode};
-use crate::session::{InSession, OLD_HOSTS};
+use crate::session::{INPUTS, InSession, OLD_HOSTS};
 
 /// Stands for no boot: a drive that cannot tell its boots apart answers it, and a request that names it counts in any.
 pub const ANY_BOOT: u32 = 0;
@@ -28,12 +28,16 @@ impl<'a> InBoot<'a> {
     /// The request in a message, its session and its boot.
     ///
     /// # Errors
-    /// For a message that is no request of this version, and for one whose session or boot is 0 or no number. No host sends
-    /// such a message, but a reply that the line brings back can read as one.
+    /// For a message that is no request of this version, and for one whose session or boot is 0 or no number, or the
+    /// session that of the [digital inputs](INPUTS). No host sends such a message, but a reply that the line brings back can read as one.
+    #[inline(never)] // One copy of it, which an image may have for size.
     pub fn decode(message: &'a [u8]) -> Result<InBoot<'a>, MessageError> {
         let (sequence, body, behind) = decode(message)?;
         let no_request = MessageError { sequence: Some(sequence) };
         let (session, behind) = number(behind).ok_or(no_request)?;
+        if session == Some(INPUTS) {
+            return Err(no_request);
+        }
         let (boot, _later) = number(behind).ok_or(no_request)?;
         let asked = InSession { request: Request { sequence, body }, session: session.unwrap_or(OLD_HOSTS) };
         Ok(InBoot { asked, boot: boot.unwrap_or(ANY_BOOT) })
@@ -101,8 +105,15 @@ mod tests {
         let home = message(&HOME);
         let behind = |bytes: &[u8]| InBoot::decode(&[&home, bytes].concat()).map(|meant| meant.boot);
         let none = Err(MessageError { sequence: Some(HOME.sequence) });
-        for bytes in [&[0][..], &[0, 3], &[7, 0], &[0xff], &[7, 0xff], &[7, 0xff, 0xff, 0xff, 0xff, 0xff, 1]]
-        {
+        for bytes in [
+            &[0][..],
+            &[0, 3],
+            &[7, 0],
+            &[0xff],
+            &[7, 0xff],
+            &[7, 0xff, 0xff, 0xff, 0xff, 0xff, 1],
+            &[0xff, 0xff, 0xff, 0xff, 0x0f, 3],
+        ] {
             assert_eq!(behind(bytes), none, "{bytes:?}");
         }
         assert_eq!(behind(&[7, 3, 0, 0xff]), Ok(3), "a later version may send more behind the boot");

@@ -1,4 +1,4 @@
-//! A change: parameters and a test that a drive takes together or not at all.
+//! A change: parameters, a test and move records that a drive takes together or not at all.
 //!
 //! It is a run of [`Entry`]s, each as postcard writes it, and travels in parts under the CRC-32 of all its bytes.
 //! A test has a CRC-32 of its own, over its entries alone: a start names test and parameters by [`start_crc32`], so
@@ -51,6 +51,14 @@ pub enum Entry<'a> {
         /// As [`ProfiledMove`](crate::ProfiledMove) writes it.
         bytes: &'a [u8],
     },
+    /// Version 8. A move record: a move that is begun by its number, without a PC.
+    MoveRecord {
+        /// 1 to [`MOVE_RECORDS`](crate::MOVE_RECORDS).
+        number: u8,
+        /// As [`ProfiledMove`](crate::ProfiledMove) writes it, the dwell (samples) in place of the first sample; kind
+        /// [`NO_MOVE`](crate::profiled::NO_MOVE): there is none of this number any more.
+        bytes: &'a [u8],
+    },
 }
 
 impl Entry<'_> {
@@ -62,7 +70,7 @@ impl Entry<'_> {
     }
 
     fn is_of_the_test(&self) -> bool {
-        !matches!(self, Entry::Parameters { .. })
+        !matches!(self, Entry::Parameters { .. } | Entry::MoveRecord { .. })
     }
 }
 

@@ -42,8 +42,8 @@
 //!   old PC can read.
 //! - A request that firmware does not know still tells its sequence number ([`MessageError`]), so
 //!   that it can be answered with [`Refused::Unknown`].
-//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v07.rs` those
-//!   that versions 2 to 7 have added. A new version adds a file of its own.
+//! - `tests/wire_v01.rs` holds the bytes of version 1, `tests/wire_v02.rs` to `tests/wire_v08.rs` those
+//!   that versions 2 to 8 have added. A new version adds a file of its own.
 //!
 //! # What is promised
 //!
@@ -57,6 +57,7 @@ pub mod boot;
 pub mod change;
 pub mod event;
 pub mod frame;
+pub mod io;
 pub mod message;
 pub mod owner;
 pub mod profiled;
@@ -72,7 +73,7 @@ pub use frame::{Accumulator, FrameError};
 pub use message::{
     ConfigState, HISTOGRAM_BINS, Message, MessageError, Mode, Motion, RecordInfo, Refused, Reply, ReplyBody,
     Request, RequestBody, Spread, Status, UNTIL_STOPPED, code, decode_reply, decode_request, encode,
-    encode_and_know,
+    encode_and_know, encode_reply,
 };
 pub use owner::{Owner, Presence};
 pub use profiled::ProfiledMove;
@@ -86,7 +87,7 @@ pub use values::Values;
 pub const MIN_VERSION: u16 = 1;
 
 /// The version described here.
-pub const CURRENT_VERSION: u16 = 7;
+pub const CURRENT_VERSION: u16 = 8;
 
 /// The longest message, bytes: sequence and body, without CRC and framing.
 pub const MAX_MESSAGE: usize = 512;
@@ -105,6 +106,9 @@ pub const MAX_EVENTS: usize = 16;
 
 /// The most moves of a test that one message carries.
 pub const MAX_TOLD_MOVES: usize = 12;
+
+/// The numbers of move records: 1 to this one.
+pub const MOVE_RECORDS: u8 = 15;
 
 /// The most rows of a stream that one message carries.
 pub const MAX_ROWS: usize = 24;
@@ -136,6 +140,8 @@ const _: () = {
     assert!(rows <= MAX_MESSAGE, "Rows");
     let test = HEADER_BYTES + 2 * U32_BYTES + 2 + U16_BYTES + MAX_TOLD_MOVES * ProfiledMove::BYTES;
     assert!(test <= MAX_MESSAGE, "Test");
+    let records = HEADER_BYTES + 1 + U16_BYTES + MAX_TOLD_MOVES * ProfiledMove::BYTES;
+    assert!(records <= MAX_MESSAGE, "MoveRecords");
     let (session, boot) = (U32_BYTES, U32_BYTES);
     let part = HEADER_BYTES + U32_BYTES + 2 * U16_BYTES + change::PART_BYTES + session + boot;
     assert!(part <= MAX_MESSAGE, "ChangePart");

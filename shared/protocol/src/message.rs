@@ -46,6 +46,13 @@ pub fn encode_and_know<'out>(message: &impl Message, out: &'out mut [u8]) -> Opt
     Some((frame::encode_with(crc32, bytes, out)?, crc32))
 }
 
+/// The same of a reply: one copy of it, which an image may have for size.
+#[must_use]
+#[inline(never)]
+pub fn encode_reply<'out>(reply: &Reply<'_>, out: &'out mut [u8]) -> Option<(&'out [u8], u32)> {
+    encode_and_know(reply, out)
+}
+
 /// The request in a message. What follows a known body is skipped.
 ///
 /// # Errors

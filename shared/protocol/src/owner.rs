@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 /// The session of all hosts of version 4 and older.
 pub const OLD_HOSTS: u32 = 0;
 
+/// The owner of a drive that its digital inputs have enabled. No host has this session.
+pub const INPUTS: u32 = u32::MAX;
+
 /// Bytes of the name that a host gives itself. A longer one is cut.
 pub const HOST_BYTES: usize = 32;
 

@@ -10,6 +10,9 @@
 /// The most numbers of a profile.
 pub const NUMBERS: usize = 6;
 
+/// The kind of a move record that there is not.
+pub const NO_MOVE: u8 = 255;
+
 /// A move; which numbers there are depends on its kind, the others are 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProfiledMove {

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::message::{Message, MessageError, Request, decode};
 
-pub use crate::owner::{HOST_BYTES, OLD_HOSTS};
+pub use crate::owner::{HOST_BYTES, INPUTS, OLD_HOSTS};
 
 /// A request with the session that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

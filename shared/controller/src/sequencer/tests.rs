@@ -213,3 +213,48 @@ fn a_sequence_tells_after_how_many_samples_its_moves_come_again() {
     sequence.repeat_every(7).expect("both are");
     assert_eq!(sequence.round(), 7);
 }
+
+#[test]
+fn a_setpoint_from_outside_is_the_step_that_a_sequence_with_it_would_have() {
+    for config in [TIMED, FAST] {
+        let whole = sequence(&[(0, 10), (3, 20), (5, 30)], 100);
+        let errors = [9, 1, 0, 9, 1, 9, 9, 0];
+        let (expected, as_moves) = setpoints(&TIMED, &whole, &errors);
+        let outside = sequence(&[(0, 10)], 100);
+        let mut sequencer = Sequencer::new(&outside, true);
+        for (k, (&error, &setpoint)) in errors.iter().zip(&expected).enumerate() {
+            // At sample 3 the axis rests inside its tolerance, at sample 5 as well.
+            if k == 3 || k == 5 {
+                assert!(sequencer.redirect(setpoint), "sample {k}");
+            }
+            sequencer.advance(&config, &outside, STANDS);
+            sequencer.judge(&config, error);
+            assert_eq!(sequencer.setpoint(), setpoint, "sample {k}");
+        }
+        assert_eq!(
+            (sequencer.arrival(), sequencer.not_reached()),
+            (as_moves.arrival(), as_moves.not_reached())
+        );
+    }
+}
+
+#[test]
+fn a_setpoint_from_outside_ends_a_profile_and_a_move_on_its_way_is_not_reached() {
+    let mut ramp = Sequence::new(100);
+    let profile = Profile::Ramp(crate::profile::Ramp::new(20, 1, 1).expect("short"));
+    ramp.push(Move { at_sample: 0, target: 1000, profile }).expect("the first");
+    let feeds = MotionConfig { feed_forward: FeedForward { velocity: 4096, acceleration: 0 }, ..TIMED };
+    let mut sequencer = Sequencer::new(&ramp, true);
+    for _ in 0..5 {
+        sequencer.advance(&feeds, &ramp, STANDS);
+        sequencer.judge(&feeds, 500);
+    }
+    assert_ne!(sequencer.feed_forward(), 0, "it is on its way");
+    assert!(!sequencer.redirect(42));
+    for _ in 0..5 {
+        sequencer.advance(&feeds, &ramp, STANDS);
+        assert_eq!((sequencer.setpoint(), sequencer.feed_forward()), (42, 0));
+        sequencer.judge(&feeds, 0);
+    }
+    assert_eq!((sequencer.arrival(), sequencer.not_reached()), (Arrival::Arrived, 1));
+}

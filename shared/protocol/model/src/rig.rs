@@ -8,6 +8,7 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use pneudrive_app::fault_log::Event;
+use pneudrive_app::move_records::MoveRecords;
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::recorder::recorded;
 use pneudrive_app::storage::{ConfigStore, Load};
@@ -78,14 +79,14 @@ impl Store for Kept {
         self.boot
     }
 
-    fn save(&mut self, parameters: &Parameters) -> Result<u32, NotStored> {
+    fn save(&mut self, parameters: &Parameters, records: &MoveRecords) -> Result<u32, NotStored> {
         if self.in_parts {
             let mut first_part = self.load().parameters;
             let [first, _] = pair(parameters);
             first_part.set(id::VELOCITY_GAIN, first).expect("in range");
-            self.slots.save(&mut self.flash, &first_part).map_err(|_| NotStored)?;
+            self.slots.save(&mut self.flash, &first_part, records).map_err(|_| NotStored)?;
         }
-        self.slots.save(&mut self.flash, parameters).map_err(|_| NotStored)
+        self.slots.save(&mut self.flash, parameters, records).map_err(|_| NotStored)
     }
 
     fn log(&mut self, _: u8, _: u32, _: i32, _: u64) {}

@@ -70,4 +70,6 @@ pub mod code {
     /// Version 6. Since the owner has armed the drive or taken it over, it was silent for too long to move it: it does
     /// so again before.
     pub const HOST_WAS_SILENT: u8 = 131;
+    /// Version 8. The inputs of this board are pins.
+    pub const INPUTS_ARE_PINS: u8 = 132;
 }

@@ -106,4 +106,25 @@ pub enum ReplyBody<'a> {
         /// [`ProfiledMove::BYTES`](crate::ProfiledMove::BYTES) each.
         moves: &'a [u8],
     },
+    /// Version 8. Move records of consecutive numbers.
+    MoveRecords {
+        /// Number of the first one.
+        first: u8,
+        /// [`ProfiledMove::BYTES`](crate::ProfiledMove::BYTES) each, as [`Entry::MoveRecord`](crate::change::Entry::MoveRecord)
+        /// has them; kind [`NO_MOVE`](crate::profiled::NO_MOVE): there is none of this number.
+        records: &'a [u8],
+    },
+    /// Version 8. The digital inputs and outputs, and what the inputs have begun.
+    Io {
+        /// As they are read, as [`input`](crate::io::input) has their bits.
+        inputs: u8,
+        /// As they count: once they have been the same for a few samples.
+        settled: u8,
+        /// As [`output`](crate::io::output) has their bits.
+        outputs: u8,
+        /// The number that was begun last.
+        number: u8,
+        /// Why the last start was not carried out; 0: it was, or there was none.
+        refused: u8,
+    },
 }

@@ -183,6 +183,18 @@ pub enum RequestBody<'a> {
         /// Place of the first move.
         first: u8,
     },
+    /// Version 8. The table of move records. Answered by [`ReplyBody::MoveRecords`](super::ReplyBody::MoveRecords).
+    MoveRecordsRead {
+        /// Number of the first one, from 1 on.
+        first: u8,
+    },
+    /// Version 8. The digital inputs and outputs. Answered by [`ReplyBody::Io`](super::ReplyBody::Io).
+    Io,
+    /// Version 8. Sets the digital inputs of a rig that emulates them. Those of a board are pins.
+    IoSet {
+        /// As [`input`](crate::io::input) has their bits.
+        inputs: u8,
+    },
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.

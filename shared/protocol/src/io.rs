@@ -1,0 +1,41 @@
+//! The digital inputs and outputs of a drive that is commanded without a PC: a bit each (version 8).
+//!
+//! A positioning controller has such terminals: a number selects a record of a table, an edge begins it, and the drive
+//! answers by ready, in position and fault.
+
+/// Inputs.
+pub mod input {
+    /// The number of a move record; 0 homes the axis.
+    pub const NUMBER: u8 = 0x0f;
+    /// From off to on: begins the record of the number.
+    pub const START: u8 = 0x10;
+    /// From off to on: acknowledges a fault.
+    pub const ACKNOWLEDGE: u8 = 0x20;
+    /// Off: stops the drive. So an open wire stops, as a contact that opens does.
+    pub const RUN: u8 = 0x40;
+    /// Off: nothing begins, and what these inputs have begun is disabled.
+    pub const ENABLE: u8 = 0x80;
+}
+
+/// Outputs.
+pub mod output {
+    /// A start is listened to.
+    pub const READY: u8 = 0x01;
+    /// What was begun last is done: the axis has arrived, has stayed for its dwell, and is there now.
+    pub const IN_POSITION: u8 = 0x02;
+    /// The drive has tripped, and nobody has acknowledged it.
+    pub const FAULT: u8 = 0x04;
+    /// The lamp of the board.
+    pub const LAMP: u8 = 0x08;
+}
+
+/// Codes of why the last start of the inputs was not carried out, beside those of the controller (below 128) and of
+/// [`Refused::NotNow`](crate::Refused::NotNow); 0: it was.
+pub mod refused {
+    /// There is no record of this number.
+    pub const NO_RECORD: u8 = 160;
+    /// Records are positions: the controller must be in closed loop.
+    pub const OPEN_LOOP: u8 = 161;
+    /// The fault was not acknowledged.
+    pub const FAULT: u8 = 162;
+}
