@@ -203,8 +203,9 @@ impl Plant {
         self.due = Some(Request { counts: command.counts, step: command.step });
     }
 
-    /// From the present sample on the supply has another pressure, Pa.
-    pub(crate) fn set_supply_pressure(&mut self, pressure: f64) {
+    /// From the present sample on the supply has another pressure, Pa absolute; within the range of
+    /// `supply.pressure_pa`.
+    pub fn set_supply_pressure(&mut self, pressure: f64) {
         let at = self.sample_time_of(self.k);
         let set =
             |assembly: &mut Assembly, x: &mut StateVector| assembly.set_supply_pressure(at, x, pressure);

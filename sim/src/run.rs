@@ -27,6 +27,22 @@ pub struct Run<R = Row> {
     pub work: PlantWork,
 }
 
+impl Run {
+    /// A hash (FNV-1a, words of 64 bits) over every bit of the rows, the readings and the commands. Two runs with the same
+    /// hash are the same run, whichever program and processor made them.
+    #[must_use]
+    pub fn bits(&self) -> u64 {
+        let rows = self.rows.iter().flat_map(|row| row.values().map(f64::to_bits));
+        let readings = self.readings.iter().flat_map(|reading| {
+            let [one, two] = reading.pressures;
+            [reading.position, one, two, reading.spool].map(f64::to_bits)
+        });
+        let commands = self.commands.iter().map(|command| command.counts as u64);
+        let words = rows.chain(readings).chain(commands);
+        words.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))
+    }
+}
+
 /// What rows hold besides what every trace has. It does not change the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Recording {
@@ -244,10 +260,11 @@ struct Drive {
 impl Drive {
     /// The drive of a rig at the start of its test, referenced, armed and at rest.
     fn of(rig: &Rig, accuracy: Accuracy) -> Drive {
-        let config = Config::new(&rig.parameters()).expect("a checked rig has a consistent controller");
+        let parameters = rig.parameters();
+        let config = Config::new(&parameters).expect("a checked rig has a consistent controller");
         let sequence = rig.sequence();
         let mut state = State::default();
-        state.supervisor.set_referenced();
+        state.locate(parameters.absolute_zero().unwrap_or(0));
         state.supervisor.arm().expect("a new drive does not run");
         state.start(&config, &sequence).expect("a checked rig has moves that may be run");
         let (plant, bug) = (Plant::new(rig, accuracy, 0), PositiveGain::of(rig, &config));

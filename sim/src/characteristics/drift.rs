@@ -5,6 +5,7 @@
 //! during a test, so a shift of eight hours is represented by the rig's own test once every half an hour.
 
 use crate::component::controller;
+use crate::component::encoder::mm_per_count;
 use crate::keys;
 use std::cmp::Ordering;
 
@@ -78,7 +79,7 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         ],
         across: "time, h",
         graphs: vec![Graph { title: "error at rest, mm", series: series(&hours, &at_rest) }],
-        figures: moved.into_iter().chain(figures(&at_rest, rig.get(&keys::encoder::MM_PER_COUNT))).collect(),
+        figures: moved.into_iter().chain(figures(&at_rest, mm_per_count(&rig))).collect(),
         ..Characteristic::default()
     })
 }
@@ -121,7 +122,7 @@ fn at_rest(rig: &Rig, run: &Run, way: Ordering) -> ErrorAtRest {
     let length = hold.iter().take_while(|seen| seen.setpoint == hold[0].setpoint).count();
     let look = (LOOK_S / rig.get(&keys::controller::PERIOD_S)) as usize;
     let last = look.min(length / 4).max(1);
-    let mm = rig.get(&keys::encoder::MM_PER_COUNT);
+    let mm = mm_per_count(rig);
     let errors = hold[length - last..length].iter().map(|seen| mm * f64::from(seen.error));
     ErrorAtRest {
         mean: errors.clone().sum::<f64>() / last as f64,

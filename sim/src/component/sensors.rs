@@ -6,16 +6,14 @@
 //!
 //! as in DESIGN section 4; the noise, in counts, is normal and drawn from a seeded generator.
 
-use std::f64::consts::PI;
-
 use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use crate::component::controller;
-use crate::component::encoder::{count, distance_to_count, pulse};
+use crate::component::encoder::Encoder;
 use crate::key::keys;
-use crate::random::unit_interval;
+use crate::random::normal;
 use crate::values::{Findings, Rig, whole_microseconds};
 
 keys! {
@@ -107,7 +105,7 @@ impl Converter {
 /// The sensors of a rig.
 #[derive(Clone, Debug)]
 pub struct Sensors {
-    pulse: f64,
+    encoder: Encoder,
     pressure: Converter,
     spool: Converter,
     /// The homing switch is closed below this position, m; without a switch below none.
@@ -122,7 +120,7 @@ impl Sensors {
     pub fn new(rig: &Rig, seed: u64) -> Sensors {
         let bits = rig.get(&keys::BITS) as u32;
         Sensors {
-            pulse: pulse(rig),
+            encoder: Encoder::new(rig, seed),
             pressure: Converter {
                 min: rig.get(&keys::PRESSURE_MIN_PA),
                 max: rig.get(&keys::PRESSURE_MAX_PA),
@@ -143,7 +141,7 @@ impl Sensors {
     pub fn read(&mut self, position: f64, pressures: [f64; 2], spool: f64) -> Sample {
         let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
         Sample {
-            position: count(position, self.pulse),
+            position: self.encoder.read(position),
             pressure_1: self.pressure.raw(pressures[0], noise[0]),
             pressure_2: self.pressure.raw(pressures[1], noise[1]),
             spool: self.spool.raw(spool, noise[2]),
@@ -156,33 +154,20 @@ impl Sensors {
     pub(crate) fn distances(&mut self, of: &Reading) -> [f64; 3] {
         let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
         [
-            distance_to_count(of.position, self.pulse),
+            self.encoder.distance(of.position),
             self.pressure.distance(of.pressures[0], noise[0]),
             self.pressure.distance(of.pressures[1], noise[1]),
         ]
     }
 
-    /// A normal draw (Box and Muller) of the noise's size; nothing is drawn without noise.
     fn noise(&mut self) -> f64 {
-        if self.noise_counts == 0.0 {
-            return 0.0;
-        }
-        let (radius, angle) = (1.0 - unit_interval(&mut self.random), unit_interval(&mut self.random));
-        self.noise_counts * (-2.0 * libm::log(radius)).sqrt() * libm::cos(2.0 * PI * angle)
+        normal(&mut self.random, self.noise_counts)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn counts_are_whole_pulses_below_the_position() {
-        let pulse = 0.01205e-3;
-        assert_eq!(count(98.719625e-3, pulse), 8192);
-        assert_eq!(count(8193.0 * pulse, pulse), 8193, "an exact pulse counts");
-        assert_eq!(count(-0.1 * pulse, pulse), -1);
-    }
 
     #[test]
     fn converters_round_to_the_nearest_and_stop_at_their_ends() {

@@ -4,7 +4,7 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 
 use crate::component::controller::{Homing, Law, Loop};
-use crate::component::encoder::pulse;
+use crate::component::encoder::{self, Model as Encoder, pulse};
 use crate::component::operator::Model;
 use crate::key::Typed;
 use crate::keys;
@@ -12,6 +12,9 @@ use crate::values::Rig;
 
 /// A reading closer to an end of the converter than this part of its range is not a pressure.
 const OPEN_SENSOR: i32 = 64;
+
+/// An axis has moved that is so far from where it stood, m: 40 counts of the thesis's encoder.
+const NO_MOTION_M: f64 = 0.482e-3;
 
 impl Rig {
     /// The controller's parameters for this rig.
@@ -80,7 +83,7 @@ impl Rig {
         let mut values = vec![
             (id::POSITION_MIN_COUNTS, counts(-margin)),
             (id::POSITION_MAX_COUNTS, counts(self.get(&keys::actuator::STROKE_M) + margin)),
-            (id::ENCODER_STEP_COUNTS, (step / pulse_m).ceil() as i32),
+            (id::ENCODER_STEP_COUNTS, (step / pulse_m + encoder::noise_band(self)).ceil() as i32),
             (id::LATE_SAMPLE_US, self.whole(&key::LATE_SAMPLE_US)),
             (id::LATE_OUTPUT_US, self.whole(&key::LATE_OUTPUT_US)),
             (id::HOST_SILENCE_MS, self.scaled(&key::HOST_SILENCE_S, 1e3)),
@@ -90,7 +93,16 @@ impl Rig {
             (id::SENSOR_HIGH_RAW, high),
         ];
         values.extend(self.end_positions(counts));
+        values.extend(self.no_motion_counts());
         values
+    }
+
+    /// The controller's own distance is for counts of a quadrature encoder; the same length in counts of another one, and
+    /// what its noise shifts.
+    fn no_motion_counts(&self) -> Option<(u16, i32)> {
+        let counts = (NO_MOTION_M / pulse(self)).max(1.0) + encoder::noise_band(self);
+        let absolute = self.get(&keys::encoder::MODEL).is_absolute();
+        absolute.then_some((id::NO_MOTION_COUNTS, counts.round() as i32))
     }
 
     /// The software end positions, with `counts` of a length in metres. A setpoint of a closed loop outside the stroke
@@ -110,7 +122,9 @@ impl Rig {
         use keys::{sensors, stepper};
         vec![
             (id::ENCODER_INVERTED, i32::from(self.get(&keys::encoder::POLARITY) < 0)),
-            (id::ENCODER_PM_PER_COUNT, self.scaled(&keys::encoder::MM_PER_COUNT, 1e9)),
+            (id::ENCODER_PM_PER_COUNT, (encoder::mm_per_count(self) * 1e9).round() as i32),
+            (id::ENCODER_MODEL, number_of_encoder(self.get(&keys::encoder::MODEL))),
+            (id::ENCODER_ZERO_COUNTS, encoder::zero_counts(self)),
             (id::SENSOR_BITS, self.whole(&sensors::BITS)),
             (id::PRESSURE_MIN_PA, self.scaled(&sensors::PRESSURE_MIN_PA, 1.0)),
             (id::PRESSURE_MAX_PA, self.scaled(&sensors::PRESSURE_MAX_PA, 1.0)),
@@ -190,6 +204,15 @@ impl Rig {
         let last = given.last().copied().unwrap_or(0);
         let entries = given.iter().copied().chain(std::iter::repeat(last));
         entries.take(256).map(|gain| gain as i32).collect()
+    }
+}
+
+/// The encoder as the controller's parameter has it.
+fn number_of_encoder(encoder: Encoder) -> i32 {
+    match encoder {
+        Encoder::Quadrature => 0,
+        Encoder::Potentiometer => 1,
+        Encoder::Ssi => 2,
     }
 }
 

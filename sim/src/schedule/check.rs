@@ -115,7 +115,7 @@ fn check_moves(rig: &Rig, planned: &[Planned], findings: &mut Findings) {
 
 /// A setpoint that the cylinder cannot reach is a slip of units as a rule.
 fn check_setpoints(rig: &Rig, planned: &[Planned], findings: &mut Findings) {
-    let mm_per_count = rig.get(&encoder::keys::MM_PER_COUNT);
+    let mm_per_count = encoder::mm_per_count(rig);
     for (end, side) in [(&safety::keys::END_MIN_MM, -1.0), (&safety::keys::END_MAX_MM, 1.0)] {
         let Some(mm) = rig.get(end) else { continue };
         let beyond = |target: &i64| side * (*target as f64 * mm_per_count - mm) > 0.0;

@@ -121,7 +121,7 @@ impl Rig {
     fn points(&self, time_s: f64, points: &[Vec<f64>]) -> Vec<Planned> {
         let period_s = self.get(&controller::keys::PERIOD_S);
         let scale = match self.get(&controller::keys::LOOP) {
-            Loop::Closed => self.get(&encoder::keys::MM_PER_COUNT),
+            Loop::Closed => encoder::mm_per_count(self),
             Loop::Open => 1.0,
         };
         let sample = |point: &[f64]| up((time_s + point[0]) / period_s);
@@ -151,7 +151,7 @@ impl Rig {
         let closed = self.get(&controller::keys::LOOP) == Loop::Closed;
         let mm = number(entry, &format!("{name}_mm")).filter(|_| closed);
         match (mm, field(entry, &format!("{name}_counts"))) {
-            (Some(mm), None) => Some((mm / self.get(&encoder::keys::MM_PER_COUNT)).round() as i64),
+            (Some(mm), None) => Some((mm / encoder::mm_per_count(self)).round() as i64),
             (None, Some(Value::Integer(counts))) if number(entry, &format!("{name}_mm")).is_none() => {
                 Some(*counts)
             }
@@ -196,7 +196,7 @@ impl Rig {
     fn limits(&self, shape: Shape, given: impl Fn(&str) -> Option<f64>) -> Limits {
         let period_s = self.get(&controller::keys::PERIOD_S);
         let scale = match self.get(&controller::keys::LOOP) {
-            Loop::Closed => self.get(&encoder::keys::MM_PER_COUNT),
+            Loop::Closed => encoder::mm_per_count(self),
             Loop::Open => 1.0,
         };
         let limit =
@@ -214,7 +214,7 @@ impl Rig {
             (Some(before), _) => (target - before).abs() as f64,
             (None, Loop::Open) => target.abs() as f64,
             (None, Loop::Closed) => {
-                let pulse_mm = self.get(&encoder::keys::MM_PER_COUNT);
+                let pulse_mm = encoder::mm_per_count(self);
                 let low = self.get(&safety::keys::END_MIN_MM).unwrap_or(0.0);
                 let stroke_mm = self.get(&actuator::keys::STROKE_M) * 1e3;
                 let high = self.get(&safety::keys::END_MAX_MM).unwrap_or(stroke_mm);
