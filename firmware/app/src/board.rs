@@ -34,6 +34,19 @@ pub trait Board {
     /// means nothing: in runs that prove two rungs equal, and in rigs faster than the clock.
     fn host_clock_ms(&self) -> Option<u64>;
 
+    /// The digital inputs, as [`pneudrive_protocol::io::input`] has their bits; all off on a board without any.
+    fn inputs(&mut self) -> u8 {
+        0
+    }
+
+    /// Drives the digital outputs and the lamp, as [`pneudrive_protocol::io::output`] has their bits.
+    fn show(&mut self, _: u8) {}
+
+    /// Sets the inputs of a board that emulates them. False where they are pins.
+    fn emulate_inputs(&mut self, _: u8) -> bool {
+        false
+    }
+
     /// A run begins with the next sample. A simulated plant goes back to its initial state and takes
     /// over the timing; a real board does nothing.
     fn run_begins(&mut self, _: &Config) {}
@@ -41,6 +54,12 @@ pub trait Board {
     /// Whether the axis is referenced after a reset: a simulated one is.
     fn starts_referenced(&self) -> bool {
         false
+    }
+
+    /// Whether its encoder may be absolute, as `encoder_model` of the configuration says. Where edges are counted, no
+    /// configuration makes the axis known.
+    fn may_know_position(&self) -> bool {
+        self.starts_referenced()
     }
 
     /// Keeps where the spool of a stepper valve is, in memory that a reset leaves as it is. Called in the control

@@ -1,9 +1,10 @@
-//! The parameters in force, what the law runs on, and where both come from.
+//! The parameters in force, what the law runs on, the move records, and where they come from.
 
 use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Config, Parameters};
 
+use crate::move_records::MoveRecords;
 use crate::storage::{Load, Outcome, configuration_hash};
 use crate::store::{NotStored, Store};
 
@@ -66,6 +67,9 @@ impl Default for Prepared {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Configuration {
     in_force: Prepared,
+    records: MoveRecords,
+    /// The records are not those that were saved last.
+    records_changed: bool,
     source: Source,
     /// Saves so far, and the fingerprint of what was saved last.
     saves: u32,
@@ -79,7 +83,7 @@ impl Configuration {
     /// Takes up what is stored, after a reset. False when it is lost: the thesis's parameters are in force
     /// then, and the drive must not run on them.
     pub fn take_up(&mut self, store: &mut impl Store) -> bool {
-        let Load { parameters, outcome } = store.load();
+        let Load { parameters, records, outcome } = store.load();
         let report = match outcome {
             Outcome::NeverSaved => return true,
             Outcome::Damaged | Outcome::UnknownFormat(_) => None,
@@ -95,6 +99,7 @@ impl Configuration {
         self.saves = report.generation;
         self.saved_hash = as_stored.then_some(prepared.hash);
         self.in_force = prepared;
+        self.records = records;
         true
     }
 
@@ -102,6 +107,12 @@ impl Configuration {
     pub fn replace(&mut self, prepared: Prepared) {
         self.in_force = prepared;
         self.learned = false;
+    }
+
+    /// Puts other move records in force.
+    pub fn replace_records(&mut self, records: MoveRecords) {
+        self.records_changed |= records != self.records;
+        self.records = records;
     }
 
     /// Puts the null offset in force that the drive has learned: that of these parameters, which otherwise are those in
@@ -126,13 +137,14 @@ impl Configuration {
         if core::mem::take(&mut self.learned) { self.save(store) } else { Ok(()) }
     }
 
-    /// Stores the parameters for the next reset.
+    /// Stores parameters and move records for the next reset.
     ///
     /// # Errors
     /// When they are not stored; what was stored before is whole then.
     pub fn save(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
-        self.saves = store.save(self.parameters())?;
+        self.saves = store.save(self.parameters(), &self.records)?;
         self.saved_hash = Some(self.hash());
+        self.records_changed = false;
         self.learned = false;
         self.source = Source::Stored;
         self.ignored = 0;
@@ -145,10 +157,16 @@ impl Configuration {
         self.source == Source::Damaged
     }
 
-    /// Whether the parameters are those that the next reset will take up.
+    /// Whether parameters and move records are those that the next reset will take up.
     #[must_use]
     pub fn is_saved(&self) -> bool {
-        self.saved_hash == Some(self.hash())
+        self.saved_hash == Some(self.hash()) && !self.records_changed
+    }
+
+    /// The move records.
+    #[must_use]
+    pub fn records(&self) -> &MoveRecords {
+        &self.records
     }
 
     /// The parameters, by id.

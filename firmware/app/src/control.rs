@@ -3,6 +3,7 @@
 mod changes;
 mod commands;
 mod host;
+mod records;
 mod test;
 mod transaction;
 mod valve;
@@ -20,6 +21,7 @@ use crate::board::Board;
 use crate::configuration::Configuration;
 use crate::ownership::Ownership;
 use crate::recorder::Recorder;
+use crate::selector::Selector;
 use crate::store::{NotStored, Store};
 use crate::timing::Clock;
 
@@ -38,11 +40,14 @@ pub struct Control<R = Recorder> {
     sampled: Option<Mode>,
     /// Whether the fault that the drive is in stands in the log.
     logged: bool,
+    /// Whether the board's encoder may be absolute.
+    may_know_position: bool,
     ownership: Ownership,
     configuration: Configuration,
     test: Test,
     /// The transient buffer.
     pub recorder: R,
+    selector: Selector,
 }
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -58,16 +63,33 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             sampled: None,
             ownership: Ownership::default(),
             logged: false,
+            may_know_position: false,
+            selector: Selector::default(),
         }
     }
 
     /// Takes up what the board has kept, after a reset. A configuration that is lost is a fault: the drive
-    /// is not armed before one is stored again. A stepper's spool that was not at mid-travel has to be sought.
+    /// is not armed before one is stored again. A stepper's spool that was not at mid-travel has to be sought; with an
+    /// absolute encoder the axis is homed.
     pub fn take_up(&mut self, board: &mut impl Board) {
         self.state.take_up_spool(board.kept_spool());
         if !self.configuration.take_up(board.store()) {
             self.state.supervisor.trip(Fault::BadConfiguration);
         }
+        self.may_know_position = board.may_know_position();
+        self.locate();
+    }
+
+    /// Counts mean positions from here on, if the encoder is absolute.
+    fn locate(&mut self) {
+        if let Some(zero) = self.absolute_zero() {
+            self.state.locate(zero);
+        }
+    }
+
+    /// The position at count 0 of the encoder, if that is absolute.
+    fn absolute_zero(&self) -> Option<i32> {
+        self.parameters().absolute_zero().filter(|_| self.may_know_position)
     }
 
     /// What waits for idle time: settles the timing, and stores what was logged and learned once the drive rests.
@@ -196,6 +218,12 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     #[must_use]
     pub fn configuration(&self) -> &Configuration {
         &self.configuration
+    }
+
+    /// The digital inputs and outputs, and what the inputs have begun.
+    #[must_use]
+    pub fn selector(&self) -> &Selector {
+        &self.selector
     }
 
     /// The parameters, by id.

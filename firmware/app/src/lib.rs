@@ -7,6 +7,7 @@
 //! | [`Control::on_sample`] | timer, at k * period | highest | before the output |
 //! | [`Control::on_output`] | timer, `delay` later | highest | before the next sample |
 //! | [`Server::receive_beside`] | serial port | below | none; a request locks the two above out for short pieces of its work ([`SharedDrive`]) |
+//! | [`inputs::attend`] | idle task, once a sample | below | none; a stop by an input waits for it |
 //! | [`Server::attend`], [`Server::speak`] | idle task | below | none; streams miss samples that it is late for |
 //!
 //! A sample that comes later than the configuration allows trips the supervisor; it is never made up
@@ -24,7 +25,10 @@ pub mod configuration;
 pub mod control;
 pub mod fault_log;
 pub mod flash_bus;
+pub mod inputs;
+pub mod lamp;
 pub mod lock_step;
+pub mod move_records;
 pub mod moves;
 pub mod name;
 pub mod ownership;
@@ -34,6 +38,7 @@ pub mod ram_flash;
 pub mod recorder;
 mod repetition;
 pub mod runtime;
+pub mod selector;
 pub mod server;
 pub mod shared_drive;
 pub mod storage;

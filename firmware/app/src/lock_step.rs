@@ -45,6 +45,8 @@ pub struct LockStep<S> {
     sample: Sample,
     tempo: Tempo,
     command: Command,
+    /// The digital inputs, which a request sets.
+    inputs: u8,
     begin: Option<Next>,
     /// Microseconds since the reset; with the lateness of a sample, until its outputs go.
     now_us: u64,
@@ -62,6 +64,7 @@ impl<S: Store> LockStep<S> {
             sample: Sample::default(),
             tempo: Tempo::default(),
             command: Command::OFF,
+            inputs: 0,
             begin: None,
             now_us: 0,
             now_ms: 0,
@@ -146,6 +149,15 @@ impl<S: Store> Board for LockStep<S> {
     /// Silence means nothing where time stands still between two samples.
     fn host_clock_ms(&self) -> Option<u64> {
         self.tempo.in_step.then_some(self.now_ms)
+    }
+
+    fn inputs(&mut self) -> u8 {
+        self.inputs
+    }
+
+    fn emulate_inputs(&mut self, inputs: u8) -> bool {
+        self.inputs = inputs;
+        true
     }
 
     fn run_begins(&mut self, config: &Config) {

@@ -27,6 +27,7 @@ pub fn told(next: &Move) -> ProfiledMove {
 
 /// The move that has travelled; None for a kind that this version does not know, and for a ramp that is none.
 #[must_use]
+#[inline(never)] // One copy of it.
 pub fn meant(told: &ProfiledMove) -> Option<Move> {
     let ProfiledMove { at_sample, target, kind, numbers: [a, b, c, d, e, f] } = *told;
     let wide = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);

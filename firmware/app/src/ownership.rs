@@ -10,6 +10,9 @@
 //! | [`Presence::There`] | everything | read, stop |
 //! | [`Presence::Gone`] | come back, if it was only silent, but not to move the drive | read, stop, disarm, arm, take over |
 //!
+//! The digital inputs of a drive are an owner as well ([`session::INPUTS`]): what they have begun is theirs until it is
+//! disabled, and they begin nothing that a host has enabled.
+//!
 //! What an owner has said before it fell silent may still be on the line, and come once nobody watches the drive any
 //! more. So an owner that was gone arms or takes over again before it starts or homes. Hosts of version 4 and older are one
 //! session, of which each is as good as the other; they are obeyed as ever.
@@ -56,7 +59,10 @@ impl Need {
             | Body::Owner
             | Body::Token { .. }
             | Body::Boot
-            | Body::TestRead { .. } => Need::Nothing,
+            | Body::TestRead { .. }
+            | Body::MoveRecordsRead { .. }
+            | Body::Io
+            | Body::IoSet { .. } => Need::Nothing,
             Body::Arm | Body::ArmAs { .. } | Body::TakeOver { .. } | Body::Disarm => Need::NoOtherOwner,
             Body::ConfigSet { .. }
             | Body::Start
@@ -155,6 +161,12 @@ impl Ownership {
             Need::NoOtherOwner => owns || presence != Presence::There,
             Need::Command => owns || presence == Presence::Nobody,
         }
+    }
+
+    /// Whether the digital inputs have enabled the drive.
+    #[must_use]
+    pub fn is_of_inputs(&self) -> bool {
+        self.session == session::INPUTS
     }
 
     /// The owner's session; [`session::OLD_HOSTS`] for hosts of version 4 or older.

@@ -52,5 +52,7 @@ fn only_reads(body: &RequestBody<'_>) -> bool {
             | Body::ChangePart { .. }
             | Body::Boot
             | Body::TestRead { .. }
+            | Body::MoveRecordsRead { .. }
+            | Body::Io
     )
 }

@@ -14,7 +14,7 @@ use embedded_io::Write;
 use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
     Accumulator, CHUNK_SAMPLES, Event, InBoot, MAX_EVENTS, MAX_FRAME, MAX_ROWS, MAX_VALUES, MessageError,
-    Recent, RecordedSample, Refused, Reply, ReplyBody, StreamedSample, encode_and_know, frame,
+    Recent, RecordedSample, Refused, Reply, ReplyBody, StreamedSample, encode_reply, frame,
 };
 
 use answers::{DIGEST_BETWEEN, digest};
@@ -170,7 +170,7 @@ impl Server {
         let mut scratch = SCRATCH;
         let Some((sequence, body)) = self.talk.stream.due(&mut scratch) else { return Ok(()) };
         let mut frame = [0; MAX_FRAME];
-        let framed = encode_and_know(&Reply { sequence, body }, &mut frame);
+        let framed = encode_reply(&Reply { sequence, body }, &mut frame);
         let Some((frame, crc32)) = framed else { return Ok(()) };
         self.said.add(crc32);
         port.write_all(frame)
@@ -209,5 +209,5 @@ fn answer(
             None => return None,
         },
     };
-    encode_and_know(&reply, frame).map(|(frame, crc32)| (frame.len(), crc32))
+    encode_reply(&reply, frame).map(|(frame, crc32)| (frame.len(), crc32))
 }

@@ -2,7 +2,8 @@
 //!
 //! Parameters are stored as (id `u16`, value `i32`) pairs, never as structs. So an older set is
 //! migrated, never dropped: an id that it lacks keeps its default, an id that today's table does not
-//! know is left out and counted, and so is a value outside today's range.
+//! know is left out and counted, and so is a value outside today's range. The table of move records is part of it
+//! ([`move_records`](crate::move_records)).
 //!
 //! Two slots hold the configuration. A power cut at any operation of a save leaves the old one or the
 //! new one whole. Flash is written only while the drive is disarmed: an erase stalls the processor.
@@ -18,6 +19,7 @@ use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::SetError;
 use pneudrive_protocol::RecordCrc;
 
+use crate::move_records::{MOST_PAIRS, MoveRecords};
 pub(crate) use slots::{Found, Record, Slots};
 pub use slots::{LayoutError, SaveError};
 
@@ -63,7 +65,8 @@ pub struct Report {
     pub unknown: u16,
     /// Ids of today's table that it lacks: they keep their defaults.
     pub missing: u16,
-    /// Pairs whose value is outside today's range: the ids keep their defaults.
+    /// Pairs whose value is outside today's range: the ids keep their defaults. And move records with a profile that today's
+    /// firmware does not know: they are left out.
     pub out_of_range: u16,
     /// The first id whose value is outside today's range.
     pub first_out_of_range: Option<u16>,
@@ -77,6 +80,8 @@ pub struct Load {
     /// Those of the flash over the defaults; the defaults alone unless the outcome is `Loaded`. Each is in
     /// its range; whether they go together, [`Config::new`](pneudrive_controller::Config::new) tells.
     pub parameters: Parameters,
+    /// The move records of the flash; none unless the outcome is `Loaded`.
+    pub records: MoveRecords,
     /// What was found.
     pub outcome: Outcome,
 }
@@ -98,7 +103,7 @@ impl ConfigStore {
     /// When the ranges can't hold two copies of today's configuration.
     pub fn new<F: NorFlash>(flash: &F, slots: [Range<u32>; 2]) -> Result<ConfigStore, LayoutError> {
         let pairs = Parameters::default().iter().count();
-        Ok(ConfigStore { slots: Slots::new(flash, MAGIC, slots, pairs * PAIR_BYTES)? })
+        Ok(ConfigStore { slots: Slots::new(flash, MAGIC, slots, (pairs + MOST_PAIRS) * PAIR_BYTES)? })
     }
 
     /// Loads the newest whole configuration. What can't be read counts as damaged.
@@ -119,10 +124,10 @@ impl ConfigStore {
         let whole = self.slots.read(flash, record, |[i0, i1, v0, v1, v2, v3]| {
             taken.pair(u16::from_le_bytes([i0, i1]), i32::from_le_bytes([v0, v1, v2, v3]));
         });
-        if whole { taken.load() } else { Load::defaults(Outcome::Damaged) }
+        if whole { taken.loaded() } else { Load::defaults(Outcome::Damaged) }
     }
 
-    /// Saves the parameters, and tells how many saves there were, wrapping. Only while disarmed: it erases
+    /// Saves parameters and move records, and tells how many saves there were, wrapping. Only while disarmed: it erases
     /// a slot, and takes as long as that takes.
     ///
     /// # Errors
@@ -132,12 +137,13 @@ impl ConfigStore {
         &self,
         flash: &mut F,
         parameters: &Parameters,
+        records: &MoveRecords,
     ) -> Result<u32, SaveError<F::Error>> {
-        self.slots.save(flash, FORMAT, || parameters.iter().map(pair_bytes))
+        self.slots.save(flash, FORMAT, || parameters.iter().chain(records.pairs()).map(pair_bytes))
     }
 }
 
-/// The fingerprint of a configuration: CRC-32 (ISO-HDLC) of its pairs in the order of the table, as they
+/// The fingerprint of parameters: CRC-32 (ISO-HDLC) of their pairs in the order of the table, as they
 /// are stored. Equal on every rung for equal parameters of equal tables.
 #[must_use]
 pub fn configuration_hash(parameters: &Parameters) -> u32 {
@@ -153,14 +159,16 @@ fn pair_bytes((id, value): (u16, i32)) -> [u8; PAIR_BYTES] {
 }
 
 impl Load {
-    fn defaults(outcome: Outcome) -> Load {
-        Load { parameters: Parameters::default(), outcome }
+    /// What a drive without a stored configuration starts with.
+    pub(crate) fn defaults(outcome: Outcome) -> Load {
+        Load { parameters: Parameters::default(), records: MoveRecords::default(), outcome }
     }
 }
 
 /// Pairs taken over so far.
 struct Taken {
     parameters: Parameters,
+    records: MoveRecords,
     report: Report,
 }
 
@@ -174,10 +182,13 @@ impl Taken {
             other_damaged: record.other_damaged,
             ..Report::default()
         };
-        Taken { parameters, report }
+        Taken { parameters, records: MoveRecords::default(), report }
     }
 
     fn pair(&mut self, id: u16, value: i32) {
+        if self.records.take(id, value) {
+            return;
+        }
         let set = self.parameters.set(id, value);
         let report = &mut self.report;
         if set == Err(SetError::UnknownId) {
@@ -191,7 +202,9 @@ impl Taken {
         }
     }
 
-    fn load(self) -> Load {
-        Load { parameters: self.parameters, outcome: Outcome::Loaded(self.report) }
+    fn loaded(self) -> Load {
+        let Taken { parameters, mut records, mut report } = self;
+        report.out_of_range = report.out_of_range.saturating_add(records.sift());
+        Load { parameters, records, outcome: Outcome::Loaded(report) }
     }
 }

@@ -8,6 +8,7 @@ use pneudrive_controller::Parameters;
 use pneudrive_protocol::ANY_BOOT;
 
 use crate::fault_log::{Event, FaultLog, FaultStore, Memory, Recovery, Restored};
+use crate::move_records::MoveRecords;
 use crate::storage::{ConfigStore, LayoutError, Load, Outcome};
 
 /// The flash could not be written, or did not keep what was.
@@ -27,7 +28,7 @@ pub trait Store {
     ///
     /// # Errors
     /// When it is not stored; the one before is whole then.
-    fn save(&mut self, parameters: &Parameters) -> Result<u32, NotStored>;
+    fn save(&mut self, parameters: &Parameters, records: &MoveRecords) -> Result<u32, NotStored>;
 
     /// Logs a fault: its code, sample, position (counts) and time since the reset (us). Takes the time of
     /// one event, in memory.
@@ -55,14 +56,14 @@ pub struct NoStore {
 
 impl Store for NoStore {
     fn load(&mut self) -> Load {
-        Load { parameters: Parameters::default(), outcome: Outcome::NeverSaved }
+        Load::defaults(Outcome::NeverSaved)
     }
 
     fn boot(&self) -> u32 {
         self.boot
     }
 
-    fn save(&mut self, _: &Parameters) -> Result<u32, NotStored> {
+    fn save(&mut self, _: &Parameters, _: &MoveRecords) -> Result<u32, NotStored> {
         Err(NotStored)
     }
 
@@ -134,8 +135,8 @@ impl<F: NorFlash, M: BorrowMut<Memory>> Store for FlashStore<F, M> {
         self.boot
     }
 
-    fn save(&mut self, parameters: &Parameters) -> Result<u32, NotStored> {
-        self.config.save(&mut self.flash, parameters).map_err(|_| NotStored)
+    fn save(&mut self, parameters: &Parameters, records: &MoveRecords) -> Result<u32, NotStored> {
+        self.config.save(&mut self.flash, parameters, records).map_err(|_| NotStored)
     }
 
     fn log(&mut self, code: u8, index: u32, position: i32, time_us: u64) {

@@ -8,6 +8,8 @@ use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::Store;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Move, Refusal};
+use pneudrive_protocol::ProfiledMove;
+use pneudrive_protocol::change::{Entry, PART_BYTES};
 
 /// Flash in which both slots hold something else.
 fn damaged_flash() -> RamFlash {
@@ -33,6 +35,25 @@ fn a_configuration_is_taken_up_after_a_reset_once_it_was_saved() {
     assert_eq!(again.control.configuration().source(), Source::Stored);
     assert!(again.control.configuration().is_saved());
     assert_eq!(again.control.config().law.velocity_gain, 2000, "the law runs on it");
+}
+
+#[test]
+fn move_records_are_taken_up_after_a_reset_once_they_were_saved() {
+    let told = ProfiledMove { at_sample: 9, target: -7, ..ProfiledMove::default() };
+    let entry = Entry::MoveRecord { number: 4, bytes: &told.to_bytes() };
+    let mut room = [0; PART_BYTES];
+    let change = entry.write(&mut room).expect("room");
+    let mut drive = Drive::on(RamFlash::default());
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    drive.control.take_change(change).expect("disarmed");
+    assert!(!drive.control.configuration().is_saved(), "the records are not");
+    let mut drive = drive.power_cycle();
+    assert_eq!(drive.control.configuration().records().get(4), None, "not saved");
+    drive.control.take_change(change).expect("disarmed");
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    let again = drive.power_cycle();
+    assert_eq!(again.control.configuration().records().get(4).map(|record| record.next.target), Some(-7));
+    assert!(again.control.configuration().is_saved());
 }
 
 #[test]

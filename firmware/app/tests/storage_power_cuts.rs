@@ -5,12 +5,13 @@ mod nor_flash;
 use std::ops::Range;
 
 use nor_flash::{Flash, SECTOR, TEARS, Tear, record};
+use pneudrive_app::move_records::MoveRecords;
 use pneudrive_app::storage::{ConfigStore, Outcome};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 use proptest::prelude::*;
 
-const SLOT: u32 = 5 * SECTOR as u32;
+const SLOT: u32 = 6 * SECTOR as u32;
 const SLOTS: [Range<u32>; 2] = [0..SLOT, SLOT..2 * SLOT];
 
 /// What a drive starts with: the saved velocity gain, or why there is none.
@@ -24,7 +25,7 @@ struct Drive<const WRITE: usize> {
 
 impl<const WRITE: usize> Drive<WRITE> {
     fn new() -> Self {
-        let flash = Flash::new(10);
+        let flash = Flash::new(12);
         let store = ConfigStore::new(&flash, SLOTS).expect("room for two");
         Drive { flash, store }
     }
@@ -39,7 +40,7 @@ impl<const WRITE: usize> Drive<WRITE> {
     }
 
     fn saved(mut self, gain: i32) -> Self {
-        self.store.save(&mut self.flash, &with_gain(gain)).expect("saved");
+        self.store.save(&mut self.flash, &with_gain(gain), &MoveRecords::default()).expect("saved");
         self
     }
 
@@ -51,7 +52,7 @@ impl<const WRITE: usize> Drive<WRITE> {
     /// A save whose power goes after so many operations, and the reset that follows.
     fn cut(mut self, gain: i32, operations: usize, tear: Tear) -> Self {
         self.flash.cut_after(operations, tear);
-        let saved = self.store.save(&mut self.flash, &with_gain(gain));
+        let saved = self.store.save(&mut self.flash, &with_gain(gain), &MoveRecords::default());
         assert_eq!(saved.is_err(), self.flash.is_powered_off(), "a save that was cut is not called saved");
         self.flash.reboot();
         self

@@ -6,7 +6,8 @@ use bench::Bench;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Mode, Refusal};
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
-use pneudrive_protocol::{RequestBody, UNTIL_STOPPED, Values, code, frame};
+use pneudrive_protocol::profiled::NO_MOVE;
+use pneudrive_protocol::{ProfiledMove, RequestBody, UNTIL_STOPPED, Values, code, frame};
 
 const ONE: u32 = 11;
 const OTHER: u32 = 22;
@@ -192,4 +193,45 @@ fn a_change_of_parameters_alone_leaves_a_test_that_still_means_the_same() {
     assert_eq!(bench.test_is(), ("whole", 100, 2));
     assert_eq!(bench.take(&parameters(id::PERIOD_US, &[1400])), "Done");
     assert_eq!(bench.test_is(), ("", 0, 0), "its samples would mean other times");
+}
+
+/// A move record as it travels.
+fn record(target: i32, kind: u8) -> [u8; ProfiledMove::BYTES] {
+    ProfiledMove { at_sample: 9, target, kind, numbers: [3, 2, 1, 0, 0, 0] }.to_bytes()
+}
+
+#[test]
+fn a_table_of_records_is_taken_whole_or_not_at_all_and_leaves_the_test_alone() {
+    let mut bench = Bench::of(ONE);
+    bench.take(&change(&[TEST, FIRST]));
+    let [one, two, none, of_no_kind] = [record(100, 0), record(200, 1), record(0, NO_MOVE), record(1, 9)];
+    let put = |number, bytes| Entry::MoveRecord { number, bytes };
+    assert_eq!(bench.take(&change(&[put(1, &one), put(15, &two)])), "Done");
+    let target = |bench: &Bench, number| {
+        let records = bench.app.control.configuration().records();
+        records.get(number).map(|record| (record.next.target, record.dwell))
+    };
+    assert_eq!([1, 2, 15].map(|number| target(&bench, number)), [Some((100, 9)), None, Some((200, 9))]);
+    assert_eq!(bench.test_is(), ("whole", 100, 1));
+    for wrong in [put(0, &one), put(16, &one), put(2, &of_no_kind), put(2, &one[1..])] {
+        assert!(bench.take(&change(&[put(1, &two), wrong])).starts_with("Refused"), "{wrong:?}");
+        assert_eq!(target(&bench, 1), Some((100, 9)), "nothing of it was taken");
+    }
+    assert_eq!(bench.take(&change(&[put(1, &none)])), "Done");
+    assert_eq!(target(&bench, 1), None);
+    bench.done(RequestBody::ArmAs { host: "one" });
+    assert_eq!(bench.take(&change(&[put(2, &one)])), "Refused(NotNow(4))", "the drive is enabled");
+}
+
+#[test]
+fn the_table_is_read_from_any_number_on() {
+    let mut bench = Bench::of(ONE);
+    bench.take(&change(&[Entry::MoveRecord { number: 14, bytes: &record(7, 1) }]));
+    let from = |first: u8, bench: &mut Bench| bench.ask(RequestBody::MoveRecordsRead { first });
+    assert_eq!(from(1, &mut bench).matches("255").count(), 12, "as many as a message carries, all empty");
+    let told = from(14, &mut bench);
+    assert!(told.starts_with("MoveRecords { first: 14, records: [9, 0, 0, 0, 7, 0, 0, 0, 3, "), "{told}");
+    for beyond in [0, 16, 255] {
+        assert_eq!(from(beyond, &mut bench), format!("MoveRecords {{ first: {beyond}, records: [] }}"));
+    }
 }

@@ -9,6 +9,7 @@ pub mod ls7366r;
 pub mod mcp3208;
 pub mod mcp4922;
 pub mod ssi;
+pub mod wiper;
 
 /// Why a chip gave no figure. `E` is the error of the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,10 +3,11 @@
 //!
 //! | interface | drivers |
 //! |---|---|
-//! | [`EncoderCounter`] | [`chip::ls7366r`]: quadrature counter on SPI; [`chip::ssi`]: absolute encoder |
+//! | [`EncoderCounter`] | [`chip::ls7366r`]: quadrature counter on SPI; [`chip::ssi`]: absolute encoder; [`chip::wiper`]: potentiometer |
 //! | [`PressureInput`] | [`chip::mcp3208`]: converter of eight channels on SPI |
 //! | [`ValveOutput`] | [`chip::mcp4922`]: two converters on SPI |
 //! | [`StepDirection`] | [`step_pins`]: two output pins |
+//! | [`Terminals`] | [`digital_pins`]: eight input pins, four output pins |
 //!
 //! [`wired_board`] makes the application's [`pneudrive_app::Board`] of any of them, and [`spi_board`] of the three
 //! chips on SPI.
@@ -17,6 +18,7 @@
 #![forbid(unsafe_code)]
 
 pub mod chip;
+pub mod digital_pins;
 pub mod spi_board;
 pub mod step_pins;
 pub mod wired_board;
@@ -27,6 +29,9 @@ use pneudrive_controller::drive::Translator;
 pub trait EncoderCounter {
     /// Why there is no count.
     type Error;
+
+    /// Whether the count tells the position after a reset, too.
+    const IS_ABSOLUTE: bool = false;
 
     /// The position at this instant, counts. An incremental counter starts at 0 and wraps through 32 bits, as the
     /// differences of the controller do.
@@ -95,4 +100,13 @@ pub trait StepDirection {
     /// # Errors
     /// When a line cannot be driven.
     fn step(&mut self, translator: &Translator, direction: Direction) -> Result<(), Self::Error>;
+}
+
+/// The digital inputs and outputs of a drive without a PC.
+pub trait Terminals {
+    /// The inputs, as [`input`](pneudrive_app::selector::input) has their bits. One that cannot be read is off.
+    fn read(&mut self) -> u8;
+
+    /// Drives the outputs, as [`output`](pneudrive_app::selector::output) has their bits.
+    fn write(&mut self, outputs: u8);
 }

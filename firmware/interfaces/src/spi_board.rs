@@ -10,6 +10,7 @@ use pneudrive_app::Store;
 use pneudrive_app::runtime::clock::Timer;
 use pneudrive_app::runtime::spool::SpoolMemory;
 
+use crate::Terminals;
 use crate::chip::ls7366r::Ls7366r;
 use crate::chip::mcp3208::Mcp3208;
 use crate::chip::mcp4922::Mcp4922;
@@ -34,6 +35,8 @@ pub trait Lines {
     type Enable: OutputPin;
     /// The homing switch.
     type HomeSwitch: InputPin;
+    /// The digital inputs and outputs.
+    type Terminals: Terminals;
     /// The timer of the control.
     type Timer: Timer;
     /// Where the spool of a stepper valve is kept.
@@ -53,6 +56,7 @@ impl<L: Lines> Parts for Chips<L> {
     type Steps = StepPins<L::Step, L::Direction, L::Delay>;
     type Enable = L::Enable;
     type HomeSwitch = L::HomeSwitch;
+    type Terminals = L::Terminals;
     type Timer = L::Timer;
     type SpoolMemory = L::SpoolMemory;
     type Store = L::Store;

@@ -16,7 +16,7 @@ use pneudrive_app::{Board, Store};
 use pneudrive_controller::drive::{DriveConfig, SpoolLocation};
 use pneudrive_controller::{Command, Config, Sample};
 
-use crate::{Conversions, Direction, EncoderCounter, PressureInput, StepDirection, ValveOutput};
+use crate::{Conversions, Direction, EncoderCounter, PressureInput, StepDirection, Terminals, ValveOutput};
 
 /// What stands for a conversion that did not come: below every range, so it trips as an open sensor does.
 pub const NO_CONVERSION: i16 = -1;
@@ -38,6 +38,8 @@ pub trait Parts {
     type Enable: OutputPin;
     /// The homing switch: closed to ground.
     type HomeSwitch: InputPin;
+    /// The digital inputs and outputs.
+    type Terminals: Terminals;
     /// The timer of the control.
     type Timer: Timer;
     /// Where the spool of a stepper valve is kept.
@@ -45,6 +47,9 @@ pub trait Parts {
     /// Configuration and fault log.
     type Store: Store;
 }
+
+/// A count that no axis reaches.
+const FAR: i32 = 1 << 30;
 
 /// A board.
 pub struct WiredBoard<P: Parts> {
@@ -56,6 +61,8 @@ pub struct WiredBoard<P: Parts> {
     pub pressures: P::Pressures,
     /// The homing switch; a pull-up makes an open one high.
     pub home_switch: P::HomeSwitch,
+    /// The digital inputs and outputs.
+    pub terminals: P::Terminals,
     /// The drive stages.
     pub stages: Stages<P>,
     /// When samples and outputs are due.
@@ -131,13 +138,15 @@ fn direction(step: i8) -> Option<Direction> {
 }
 
 impl<P: Parts> WiredBoard<P> {
-    /// The count, positive toward extension.
+    /// The count, positive toward extension. Without one it is by turns far to either side: a jump at once, and no place to
+    /// be armed at.
     #[inline]
     fn latch(&mut self, inverted: bool) -> i32 {
         self.position = match self.encoder.count() {
             Ok(count) if inverted => count.wrapping_neg(),
             Ok(count) => count,
-            Err(_) => self.position.wrapping_add(i32::MIN),
+            Err(_) if self.position == FAR => -FAR,
+            Err(_) => FAR,
         };
         self.position
     }
@@ -193,6 +202,18 @@ impl<P: Parts> Board for WiredBoard<P> {
     #[inline]
     fn host_clock_ms(&self) -> Option<u64> {
         Some(self.clock.sampled_ms())
+    }
+
+    fn inputs(&mut self) -> u8 {
+        self.terminals.read()
+    }
+
+    fn show(&mut self, outputs: u8) {
+        self.terminals.write(outputs);
+    }
+
+    fn may_know_position(&self) -> bool {
+        P::Encoder::IS_ABSOLUTE
     }
 
     #[inline]

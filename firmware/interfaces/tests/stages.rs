@@ -12,7 +12,7 @@ use pneudrive_controller::Command;
 use pneudrive_controller::drive::{DacConfig, DriveConfig, Translator};
 use pneudrive_interfaces::wired_board::{Parts, Stages};
 use pneudrive_interfaces::{
-    Conversions, Direction, EncoderCounter, PressureInput, StepDirection, ValveOutput,
+    Conversions, Direction, EncoderCounter, PressureInput, StepDirection, Terminals, ValveOutput,
 };
 
 const SOLENOID: DriveConfig = DriveConfig::Dac(DacConfig { null_code: 2000, inverted: false });
@@ -127,6 +127,15 @@ impl Timer for Unused {
     }
 }
 
+impl Terminals for Unused {
+    fn read(&mut self) -> u8 {
+        match *self {}
+    }
+    fn write(&mut self, _: u8) {
+        match *self {}
+    }
+}
+
 impl SpoolMemory for Unused {
     fn keep(&mut self, _: [u32; 2]) {
         match *self {}
@@ -145,6 +154,7 @@ impl Parts for TestParts {
     type Steps = Lines;
     type Enable = Enable;
     type HomeSwitch = Unused;
+    type Terminals = Unused;
     type Timer = Unused;
     type SpoolMemory = Unused;
     type Store = NoStore;

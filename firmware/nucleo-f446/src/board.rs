@@ -8,6 +8,7 @@ use crate::converter::Converter;
 use crate::encoder::Encoder;
 use crate::spool::KeptSpool;
 use crate::start::Store;
+use crate::terminals::Terminals;
 use crate::valve::{self, Steps};
 
 /// The parts of a Nucleo-F446RE.
@@ -20,6 +21,7 @@ impl Parts for Nucleo {
     type Steps = Steps;
     type Enable = PB10<Output>;
     type HomeSwitch = PA9<Input>;
+    type Terminals = Terminals;
     type Timer = ControlTimer;
     type SpoolMemory = KeptSpool;
     type Store = Store;

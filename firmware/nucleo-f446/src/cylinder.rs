@@ -16,7 +16,7 @@ use crate::spool::KeptSpool;
 use crate::start::{clocks, store, take_up};
 use crate::valve::{self, Steps};
 use crate::watchdog::Watchdog;
-use crate::{Control, Talk, reset};
+use crate::{Control, Talk, reset, terminals};
 
 /// The longest piece of a request to an enabled drive, microseconds at six cycles an instruction: docs/firmware-figures.md
 /// tells what they take.
@@ -47,9 +47,14 @@ pub fn start(_: CorePeripherals, device: Peripherals, recorder: &'static mut Rec
         encoder: Encoder::start(device.TIM2, tracks, &mut rcc),
         pressures: Converter::start(device.ADC1, device.ADC_COMMON, device.DMA2, sensors, &mut rcc),
         home_switch: a.pa9.into_pull_up_input(),
+        terminals: terminals::start(
+            (c.pc2, c.pc3, c.pc4, c.pc5, c.pc6, c.pc8, c.pc9, c.pc12),
+            (b.pb12, b.pb13, b.pb14, a.pa5),
+        ),
         stages: Stages::new(valve, steps, enable),
         spool: KeptSpool,
-        store: store(device.FLASH, watchdog).expect("the plan's layout is that of this flash"),
+        store: store(device.FLASH, watchdog)
+            .unwrap_or_else(|_| panic!("the plan's layout is that of this flash")),
         position: 0,
         enabled_us: 0,
     };
@@ -57,7 +62,7 @@ pub fn start(_: CorePeripherals, device: Peripherals, recorder: &'static mut Rec
     board.clock.keep(control.config().timing);
     let (.., received, sent) = streams(device.DMA1, &mut rcc);
     let port = Port::open(device.USART2, (received, sent), (a.pa2, a.pa3), &mut rcc);
-    let port = port.expect("APB1 runs at 45 MHz");
+    let port = port.unwrap_or_else(|_| panic!("APB1 runs at 45 MHz"));
     watchdog.start();
     (Drive::new(control, board, PIECE_US), Talk::new(port, watchdog))
 }

@@ -17,6 +17,7 @@
 //! | [`encoder`] | TIM2: the encoder |
 //! | [`converter`] | ADC1: pressures and spool |
 //! | [`valve`] | the DAC; step and direction; how they are switched off |
+//! | [`terminals`] | the digital inputs and outputs |
 //! | [`port`] | USART2: the protocol |
 //! | [`dma`] | the streams of the serial ports |
 //! | [`flash`] | configuration and fault log |
@@ -52,6 +53,8 @@ mod reset;
 #[cfg(not(feature = "plant-bus"))]
 mod spool;
 mod start;
+#[cfg(not(feature = "plant-bus"))]
+mod terminals;
 #[cfg(not(feature = "plant-bus"))]
 mod valve;
 mod watchdog;

@@ -94,14 +94,15 @@ pub fn start(core: CorePeripherals, device: Peripherals, recorder: &'static mut 
     // First of all the line that must be low.
     let drive_enable = b.pb10.into_push_pull_output_in_state(PinState::Low);
     let mut control = Control::with_recorder(recorder);
-    let store = store(device.FLASH, watchdog).expect("the plan's layout is that of this flash");
+    let store =
+        store(device.FLASH, watchdog).unwrap_or_else(|_| panic!("the plan's layout is that of this flash"));
     let mut board = LockStep::new("Nucleo-F446RE, plant bus", store);
     take_up(&mut control, &mut board, &reset);
     let (inputs, outputs, received, sent) = streams(device.DMA1, &mut rcc);
     let port = Port::open(device.USART2, (received, sent), (a.pa2, a.pa3), &mut rcc);
-    let port = port.expect("APB1 runs at 45 MHz");
+    let port = port.unwrap_or_else(|_| panic!("APB1 runs at 45 MHz"));
     let line = PlantLine::open(device.USART3, (inputs, outputs), (c.pc10, c.pc11), &mut rcc);
-    let line = line.expect("APB1 runs at 45 MHz");
+    let line = line.unwrap_or_else(|_| panic!("APB1 runs at 45 MHz"));
     let cycles = Cycles::start(core.DCB, core.DWT);
     let link = PlantLink::new(line, PROCESSOR_MHZ * 1000, &cycles);
     watchdog.start();

@@ -55,7 +55,7 @@ pub fn store(flash: FLASH, watchdog: Watchdog) -> Result<Store, LayoutError> {
 /// The reason of the reset, if it is a fault, and what was stored before it.
 pub fn take_up(control: &mut Control, board: &mut impl Board, reset: &Reset) {
     if board.starts_referenced() {
-        control.set_referenced().expect("a new drive is disarmed");
+        control.set_referenced().unwrap_or_else(|_| panic!("a new drive is disarmed"));
     }
     if let Some(fault) = reset.fault() {
         defmt::error!("reset by fault {=u8}", fault.code());

@@ -5,6 +5,7 @@ use pneudrive_app::runtime::clock::Clock;
 use pneudrive_app::store::FlashStore;
 use pneudrive_interfaces::chip::mcp3208::Mcp3208;
 use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922};
+use pneudrive_interfaces::digital_pins::DigitalPins;
 use pneudrive_interfaces::step_pins::StepPins;
 use pneudrive_interfaces::wired_board::Stages;
 use pneudrive_pico2_plan::flash::layout;
@@ -78,6 +79,36 @@ pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive
         encoder: encoder.unwrap_or_else(|_| panic!("the program fits its state machine")),
         pressures: Mcp3208::new(sensors, [0, 1, 2]),
         home_switch: pins.gpio4.into_pull_up_input(),
+        terminals: DigitalPins::new(
+            [
+                pins.gpio12.into_pull_down_input().into_dyn_pin(),
+                pins.gpio14.into_pull_down_input().into_dyn_pin(),
+                pins.gpio15.into_pull_down_input().into_dyn_pin(),
+                pins.gpio20.into_pull_down_input().into_dyn_pin(),
+                pins.gpio21.into_pull_down_input().into_dyn_pin(),
+                pins.gpio22.into_pull_down_input().into_dyn_pin(),
+                pins.gpio26.into_pull_down_input().into_dyn_pin(),
+                pins.gpio27.into_pull_down_input().into_dyn_pin(),
+            ],
+            [
+                pins.gpio5
+                    .into_pull_type::<PullNone>()
+                    .into_push_pull_output_in_state(PinState::Low)
+                    .into_dyn_pin(),
+                pins.gpio9
+                    .into_pull_type::<PullNone>()
+                    .into_push_pull_output_in_state(PinState::Low)
+                    .into_dyn_pin(),
+                pins.gpio28
+                    .into_pull_type::<PullNone>()
+                    .into_push_pull_output_in_state(PinState::Low)
+                    .into_dyn_pin(),
+                pins.gpio25
+                    .into_pull_type::<PullNone>()
+                    .into_push_pull_output_in_state(PinState::Low)
+                    .into_dyn_pin(),
+            ],
+        ),
         stages: Stages::new(Mcp4922::new(valve, Channel::A), steps, enable),
         clock: Clock::start(timer, control.config().timing),
         spool: KeptSpool,

@@ -36,7 +36,7 @@ use core::panic::PanicInfo;
 
 use pneudrive_app::lock_step::{Stopwatch, run_control};
 use pneudrive_app::plant_bus::{Next, Outputs};
-use pneudrive_app::{Board, Recorder, Server, SharedDrive};
+use pneudrive_app::{Board, Recorder, Server, SharedDrive, inputs};
 use semihosting::{eprintln, process};
 
 use board::EmulatedBoard;
@@ -87,6 +87,7 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
         request = listen(&mut server, control, &mut board, &mut uart, &clock);
         server.attend(control);
         let Ok(()) = server.speak(&mut uart);
+        inputs::attend(&mut (&mut *control, &mut board));
         let _ = control.tidy_up(&mut board);
         outputs = board.outputs(control, next, ticks);
         let stands = inputs.frozen && outputs.next == Next::Stay;

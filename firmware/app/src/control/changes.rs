@@ -70,6 +70,10 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.stage_may_become(changed.config())?;
         self.forget_what_depends(changed.parameters(), changed.config());
         self.configuration.replace(changed);
+        // A reference that somebody has set stays as long as counts mean the same.
+        if !self.state.supervisor.is_referenced() {
+            self.locate();
+        }
         self.clock = Clock::default();
         Ok(())
     }
@@ -77,7 +81,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// A new meaning of counts takes the reference with it, a new timing, loop or drive stage the moves,
     /// and a record is not to be read with parameters that it was not taken with.
     fn forget_what_depends(&mut self, changed: &Parameters, config: &Config) {
-        let encoder = |p: &Parameters| (p.get(id::ENCODER_PM_PER_COUNT), p.get(id::ENCODER_INVERTED));
+        let encoder = |p: &Parameters| {
+            (p.get(id::ENCODER_PM_PER_COUNT), p.get(id::ENCODER_INVERTED), p.absolute_zero())
+        };
         if encoder(changed) != encoder(self.parameters()) {
             self.state.supervisor.clear_referenced();
         }
@@ -99,7 +105,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         Ok(())
     }
 
-    /// Stores the parameters for the next reset.
+    /// Stores parameters and move records for the next reset.
     ///
     /// # Errors
     /// When the drive is enabled, or the flash does not take them.

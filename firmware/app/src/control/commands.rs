@@ -54,6 +54,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             self.learn(learned, board);
         }
         self.state.arm(self.configuration.config())?;
+        if !self.state.supervisor.is_referenced() {
+            self.locate();
+        }
         self.ownership = Ownership::of(session, host, board.host_clock_ms());
         self.logged = false;
         // Storing has stalled the processor: what was late while disarmed is no fault.
@@ -98,12 +101,18 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// # Errors
     /// The controller's refusal.
     pub fn start(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
+        self.set_off(board)?;
+        board.run_begins(self.configuration.config());
+        Ok(())
+    }
+
+    /// The same from where the axis stands, on a simulated plant, too.
+    pub(super) fn set_off(&mut self, board: &impl Board) -> Result<(), Refusal> {
         self.record();
         self.state.start(self.configuration.config(), &self.test.sequence)?;
         self.recorder.borrow_mut().start();
         self.clock = Clock::default();
         self.ownership.refresh(board.host_clock_ms());
-        board.run_begins(self.configuration.config());
         Ok(())
     }
 
@@ -127,13 +136,14 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         Ok(())
     }
 
-    /// Homes the axis from the next sample on.
+    /// Homes the axis from the next sample on; with an absolute encoder at once.
     ///
     /// # Errors
     /// The controller's refusal.
     pub fn home(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
         self.record();
         self.state.home(self.configuration.config())?;
+        self.locate();
         self.ownership.refresh(board.host_clock_ms());
         // What is kept from before has positions of another origin.
         self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);

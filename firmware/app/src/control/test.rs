@@ -1,8 +1,9 @@
 //! What was downloaded to be run.
 
 use heapless::String;
-use pneudrive_controller::Sequence;
-use pneudrive_protocol::session::OLD_HOSTS;
+use pneudrive_controller::{Move, Sequence};
+use pneudrive_protocol::UNTIL_STOPPED;
+use pneudrive_protocol::session::{INPUTS, OLD_HOSTS};
 
 use crate::name::cut;
 
@@ -40,6 +41,16 @@ impl Test {
     pub fn new(name: &str, duration_samples: u32, decimation: u16, pre_trigger: u16) -> Test {
         let sequence = Sequence::new(duration_samples);
         Test { name: cut(name), decimation, pre_trigger, sequence, origin: Origin::default() }
+    }
+
+    /// Makes it the test of a move record: this move alone, until it is over.
+    pub(super) fn become_record(&mut self, number: u8, only: Move) {
+        let digits = [b'0' + number / 10, b'0' + number % 10];
+        self.name = cut("record ");
+        let _ = self.name.push_str(core::str::from_utf8(&digits).unwrap_or(""));
+        (self.decimation, self.pre_trigger) = (1, 0);
+        self.sequence.become_one(only, UNTIL_STOPPED);
+        self.origin = Origin::Session(INPUTS);
     }
 
     /// The same, by the host of this session.

@@ -1,4 +1,4 @@
-//! Parameters and a test that are taken together, or not at all: while the drive is disarmed.
+//! Parameters, a test and move records that are taken together, or not at all: while the drive is disarmed.
 
 use core::borrow::BorrowMut;
 
@@ -11,6 +11,7 @@ use pneudrive_protocol::{ProfiledMove, UNTIL_STOPPED};
 
 use super::{Control, Test};
 use crate::configuration::Prepared;
+use crate::move_records::{MoveRecords, NoRecord};
 use crate::moves::meant;
 use crate::recorder::Recorder;
 
@@ -34,13 +35,14 @@ pub enum TakeError {
     Sequence(SequenceError),
     /// The test lasts more samples than can be counted.
     TooLong,
-    /// The bytes are no change: moves without a test, two tests, a profile that is none, or what this version does not know.
+    /// The bytes are no change: moves without a test, two tests, a profile that is none, a record of no number, or what this version does not know.
     Malformed,
 }
 
 /// What the drive will have once the whole change has been read.
 struct Draft {
     parameters: Parameters,
+    records: MoveRecords,
     test: Option<Test>,
 }
 
@@ -67,6 +69,10 @@ impl Draft {
                 let next = ProfiledMove::from_bytes(bytes).and_then(|told| meant(&told));
                 self.push(next.ok_or(TakeError::Malformed)?)
             }
+            Entry::MoveRecord { number, bytes } => {
+                let told = ProfiledMove::from_bytes(bytes).ok_or(TakeError::Malformed)?;
+                self.records.put(number, told).map_err(|NoRecord| TakeError::Malformed)
+            }
         }
     }
 
@@ -83,12 +89,14 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// When the drive is not disarmed, or with what is wrong first.
     pub fn take_change(&mut self, change: &[u8]) -> Result<(), TakeError> {
         self.must_be_disarmed().map_err(TakeError::Refused)?;
-        let mut draft = Draft { parameters: self.parameters().clone(), test: None };
+        let records = self.configuration.records().clone();
+        let mut draft = Draft { parameters: self.parameters().clone(), records, test: None };
         for entry in Entries::of(change) {
             draft.add(entry.map_err(|_| TakeError::Malformed)?)?;
         }
         let changed = Prepared::of(draft.parameters).map_err(TakeError::Inconsistent)?;
         self.put_in_force(changed).map_err(TakeError::Refused)?;
+        self.configuration.replace_records(draft.records);
         if let Some(test) = draft.test {
             self.put_test(test.named(test_crc32(change)));
         }

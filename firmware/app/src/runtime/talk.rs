@@ -1,4 +1,4 @@
-//! The idle task: serves the port and the stream, stores what waits for a disabled drive, feeds the watchdog.
+//! The idle task: serves the port and the stream, heeds the digital inputs, stores what waits for a disabled drive, feeds the watchdog.
 //!
 //! The control is locked out for short pieces of a request, each of them begun when there is time for it before the
 //! control is due ([`Served::has_time`]).
@@ -12,6 +12,7 @@ use rtic_core::Mutex;
 use super::drive::{ClockedBoard, Drive};
 use crate::board::Board;
 use crate::control::Control;
+use crate::inputs;
 use crate::recorder::Recorder;
 use crate::server::Server;
 use crate::shared_drive::SharedDrive;
@@ -120,6 +121,7 @@ impl<P: Port, W: Watchdog> Talk<P, W> {
         if !drive.lock(D::has_run) {
             return Ok(());
         }
+        inputs::attend(&mut InPieces(drive));
         self.watchdog.feed();
         self.tidy_up(drive)
     }

@@ -198,19 +198,34 @@ pub(super) fn test<'a>(
 ) -> ReplyBody<'a> {
     let sequence = control.test().sequence();
     let moves = sequence.moves();
-    let wanted = moves.get(first.into()..).unwrap_or(&[]).iter().take(MAX_TOLD_MOVES);
-    let mut bytes = 0;
-    for (slot, next) in room.chunks_exact_mut(ProfiledMove::BYTES).zip(wanted) {
-        slot.copy_from_slice(&told(next).to_bytes());
-        bytes += ProfiledMove::BYTES;
-    }
+    let wanted = moves.get(first.into()..).unwrap_or(&[]);
     ReplyBody::Test {
         last_sample: sequence.duration_samples,
         round: sequence.round(),
         total: moves.len() as u8,
         first,
-        moves: room.get(..bytes).unwrap_or(&[]),
+        moves: written(wanted.iter().map(told), room),
     }
+}
+
+/// The move records from a number on, as many as a message carries.
+pub(super) fn move_records<'a>(
+    control: &Control<impl BorrowMut<Recorder>>,
+    first: u8,
+    room: &'a mut [u8],
+) -> ReplyBody<'a> {
+    let records = control.configuration().records().from(first);
+    ReplyBody::MoveRecords { first, records: written(records.iter().copied(), room) }
+}
+
+/// Moves as they travel, as many as a message carries.
+fn written(moves: impl Iterator<Item = ProfiledMove>, room: &mut [u8]) -> &[u8] {
+    let mut bytes = 0;
+    for (slot, next) in room.chunks_exact_mut(ProfiledMove::BYTES).zip(moves.take(MAX_TOLD_MOVES)) {
+        slot.copy_from_slice(&next.to_bytes());
+        bytes += ProfiledMove::BYTES;
+    }
+    room.get(..bytes).unwrap_or(&[])
 }
 
 pub(super) fn chunk<'a>(

@@ -11,7 +11,7 @@ use pneudrive_protocol::{
 };
 
 use super::answers::{
-    chunk, config, config_state, digest, events, info, kept, motion, record_info, status, test,
+    chunk, config, config_state, digest, events, info, kept, motion, move_records, record_info, status, test,
 };
 use super::{Scratch, Talk};
 use crate::board::Board;
@@ -115,6 +115,19 @@ pub(super) fn carry_out<'a>(
             ReplyBody::Timing { interval, latency }
         }),
         RequestBody::TestRead { first } => drive.lock(|control, _| test(control, first, scratch)),
+        RequestBody::MoveRecordsRead { first } => {
+            drive.lock(|control, _| move_records(control, first, scratch))
+        }
+        RequestBody::Io => drive.lock(|control, _| {
+            let seen = control.selector();
+            let [inputs, settled] = [seen.inputs(), seen.settled()];
+            let [outputs, number, refused] = [seen.outputs(), seen.number(), seen.refused()];
+            ReplyBody::Io { inputs, settled, outputs, number, refused }
+        }),
+        RequestBody::IoSet { inputs } => drive.lock(|_, board| match board.emulate_inputs(inputs) {
+            true => ReplyBody::Done,
+            false => ReplyBody::Refused(Refused::NotNow(code::INPUTS_ARE_PINS)),
+        }),
         RequestBody::RecordInfo => record_info(drive, scratch),
         RequestBody::RecordRead { first, count } => chunk(drive, first, count, scratch),
         RequestBody::RecordChunk { crc32, first, count } => {

@@ -165,6 +165,7 @@ impl Slots {
     }
 
     /// Looks for the newest whole record. What can't be read counts as damaged.
+    #[inline(never)] // For every kind of record.
     pub fn find<F: ReadNorFlash>(&self, flash: &mut F) -> Found {
         let [a, b] = self.survey(flash);
         let [first, second] = self.spans;
@@ -207,20 +208,41 @@ impl Slots {
         format: u16,
         entries: impl Fn() -> I,
     ) -> Result<u32, SaveError<F::Error>> {
+        let entry_bytes = u16::try_from(N).map_err(|_| SaveError::TooLong)?;
+        let count = u16::try_from(entries().count()).map_err(|_| SaveError::TooLong)?;
+        let (span, header) = self.make_room(flash, format, entry_bytes, count)?;
+        self.write(flash, span, &header, entries())?;
+        self.seal(flash, span, &header)
+    }
+
+    /// Clears the slot that a record is to be written into.
+    #[inline(never)] // For every kind of record.
+    fn make_room<F: NorFlash>(
+        &self,
+        flash: &mut F,
+        format: u16,
+        entry_bytes: u16,
+        entries: u16,
+    ) -> Result<(Span, Header), SaveError<F::Error>> {
         let found = self.find(flash);
-        let header = Header {
-            format,
-            entry_bytes: u16::try_from(N).map_err(|_| SaveError::TooLong)?,
-            generation: found.next_generation(),
-            entries: u16::try_from(entries().count()).map_err(|_| SaveError::TooLong)?,
-        };
+        let header = Header { format, entry_bytes, generation: found.next_generation(), entries };
         let span = self.span_to_write(flash, &found);
         if header.record_bytes() > record_part(span).len() {
             return Err(SaveError::TooLong);
         }
         clear(flash, span, &found)?;
-        self.write(flash, span, &header, entries())?;
-        if self.look(flash, span) != Slot::Whole(header) {
+        Ok((span, header))
+    }
+
+    /// Seals a record that reads as it was written.
+    #[inline(never)] // For every kind of record.
+    fn seal<F: NorFlash>(
+        &self,
+        flash: &mut F,
+        span: Span,
+        header: &Header,
+    ) -> Result<u32, SaveError<F::Error>> {
+        if self.look(flash, span) != Slot::Whole(*header) {
             return Err(SaveError::NotAsWritten);
         }
         flash.write(seal_part(span).start, &SEAL)?;
@@ -268,6 +290,7 @@ impl Slots {
         self.spans.map(|span| self.look(flash, span))
     }
 
+    #[inline(never)] // For every kind of record.
     fn look<F: ReadNorFlash>(&self, flash: &mut F, span: Span) -> Slot {
         match self.whole_record(flash, span) {
             Some(header) => Slot::Whole(header),

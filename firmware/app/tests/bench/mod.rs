@@ -21,6 +21,9 @@ pub struct FakeBoard {
     pub now_us: u64,
     pub host_clock_ms: Option<u64>,
     pub runs: u32,
+    /// The digital inputs, and the outputs that were driven last.
+    pub inputs: u8,
+    pub shown: u8,
     pub store: NoStore,
 }
 
@@ -53,6 +56,12 @@ impl Board for FakeBoard {
     }
     fn host_clock_ms(&self) -> Option<u64> {
         self.host_clock_ms
+    }
+    fn inputs(&mut self) -> u8 {
+        self.inputs
+    }
+    fn show(&mut self, outputs: u8) {
+        self.shown = outputs;
     }
     fn run_begins(&mut self, _: &Config) {
         self.runs += 1;

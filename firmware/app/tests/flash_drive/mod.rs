@@ -19,6 +19,8 @@ pub struct FlashBoard {
     pub store: Kept,
     /// Where the spool was, in memory that a reset leaves as it is.
     pub spool: Option<SpoolLocation>,
+    /// Whether its encoder may be absolute.
+    pub absolute: bool,
 }
 
 fn store_on(flash: RamFlash, memory: Memory) -> Kept {
@@ -47,6 +49,9 @@ impl Board for FlashBoard {
     fn host_clock_ms(&self) -> Option<u64> {
         None
     }
+    fn may_know_position(&self) -> bool {
+        self.absolute
+    }
     fn keep_spool(&mut self, location: SpoolLocation) {
         self.spool = Some(location);
     }
@@ -68,8 +73,13 @@ impl Drive {
 
     /// A drive after a reset that has left this of its spool.
     pub fn after(flash: RamFlash, spool: Option<SpoolLocation>) -> Drive {
+        Drive::with_encoder(flash, spool, false)
+    }
+
+    /// The same of a board whose encoder may be absolute, or not.
+    pub fn with_encoder(flash: RamFlash, spool: Option<SpoolLocation>, absolute: bool) -> Drive {
         let store = store_on(flash, [0; MEMORY_BYTES]);
-        let board = FlashBoard { position: 100, now_us: 0, store, spool };
+        let board = FlashBoard { position: 100, now_us: 0, store, spool, absolute };
         let mut drive = Drive { control: Box::default(), board };
         drive.control.take_up(&mut drive.board);
         drive
@@ -77,7 +87,7 @@ impl Drive {
 
     /// Reset, with its memory kept.
     pub fn reset(&self) -> Drive {
-        Drive::after(self.board.store.flash().clone(), self.board.spool)
+        Drive::with_encoder(self.board.store.flash().clone(), self.board.spool, self.board.absolute)
     }
 
     /// Switched off and on again.

@@ -52,7 +52,7 @@ impl<SPI: SpiDevice> Mcp3208<SPI> {
     ///
     /// # Errors
     /// When the bus fails, or the null bit is not 0.
-    fn convert_channel(&mut self, channel: u8) -> Result<u16, ChipError<SPI::Error>> {
+    pub(super) fn convert_channel(&mut self, channel: u8) -> Result<u16, ChipError<SPI::Error>> {
         let [high, low] = request(channel);
         let mut bytes = [high, low, 0];
         self.spi.transfer_in_place(&mut bytes).map_err(ChipError::Bus)?;

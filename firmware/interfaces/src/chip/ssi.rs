@@ -80,6 +80,8 @@ fn from_gray(mut code: u32) -> u32 {
 impl<SPI: SpiDevice> EncoderCounter for SsiEncoder<SPI> {
     type Error = ChipError<SPI::Error>;
 
+    const IS_ABSOLUTE: bool = true;
+
     /// 0 to 2^bits - 1.
     fn count(&mut self) -> Result<i32, Self::Error> {
         let mut bytes = [0; 4];

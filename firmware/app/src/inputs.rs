@@ -1,0 +1,15 @@
+//! The digital inputs beside the control: what they want is done in pieces, as a request is ([`crate::selector`]).
+
+use crate::configuration::Prepared;
+use crate::shared_drive::SharedDrive;
+
+/// Looks at the inputs, does what they want and drives the outputs: once a sample, from the idle task. In pieces, as a
+/// request: what the last run has learned is prepared in between.
+pub fn attend(drive: &mut impl SharedDrive) {
+    if !drive.lock(|control, board| control.heed_inputs(board)) {
+        return;
+    }
+    let learned = drive.lock(|control, _| control.learned_parameters());
+    let learned = learned.and_then(|learned| Prepared::of(learned).ok());
+    drive.lock(|control, board| control.begin_selected(learned.as_ref(), board));
+}

@@ -1,0 +1,42 @@
+//! A potentiometer as an absolute encoder: its wiper at a channel of an MCP3208 (`mcp3208`) of its own, whose reference is the
+//! potentiometer's supply, so that the count is the ratio of the resistances.
+//!
+//! A wire to the wiper that is broken leaves a reading which jumps; a resistor of some hundred kilohms from the channel
+//! to ground makes that 0, and a potentiometer that is longer than the stroke keeps 0 outside of what positions read
+//! (`encoder.zero_mm`).
+
+use embedded_hal::spi::SpiDevice;
+
+use super::ChipError;
+use super::mcp3208::Mcp3208;
+use crate::EncoderCounter;
+
+/// The potentiometer.
+#[derive(Debug)]
+pub struct Wiper<SPI> {
+    converter: Mcp3208<SPI>,
+    channel: u8,
+}
+
+impl<SPI: SpiDevice> Wiper<SPI> {
+    /// One at this channel, 0 to 7; of a larger number the lowest three bits count.
+    pub fn new(spi: SPI, channel: u8) -> Wiper<SPI> {
+        Wiper { converter: Mcp3208::new(spi, [channel; 3]), channel }
+    }
+
+    /// Gives the bus back.
+    pub fn release(self) -> SPI {
+        self.converter.release()
+    }
+}
+
+impl<SPI: SpiDevice> EncoderCounter for Wiper<SPI> {
+    type Error = ChipError<SPI::Error>;
+
+    const IS_ABSOLUTE: bool = true;
+
+    /// 0 to 4095.
+    fn count(&mut self) -> Result<i32, Self::Error> {
+        self.converter.convert_channel(self.channel).map(i32::from)
+    }
+}
