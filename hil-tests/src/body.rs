@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod jitter;
 pub mod keeping;
+pub mod records;
 mod run;
 pub mod soak;
 pub mod stream;
@@ -10,17 +11,15 @@ pub mod stream;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use pneudrive_analysis::replay::{Replay, replay};
 use pneudrive_controller::Fault;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
-use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig};
 
 pub use run::{assert_equal_in_every_integer, rig, run_and_record, start_run};
 
 use crate::Target;
-use run::{assert_is_the_simulation, run_on};
+use run::{assert_is_the_simulation, replayed, run_on};
 
 /// Starts a rung whose plant has the true parameters of a rig, and its controller the nominal ones.
 pub type Start = fn(&Rig) -> Box<dyn Target>;
@@ -230,15 +229,6 @@ pub fn stepper(start: Start) {
 }
 
 /// The inputs of a rung's record, as `pneudrive record` leaves it, through the controller on the PC.
-fn replayed(client: &mut Client) -> Replay {
-    let (info, parameters) = (client.info().expect("an answer"), client.parameters().expect("an answer"));
-    let record = client.record(|_, _| {}).expect("a record");
-    let test = client.test().expect("an answer");
-    let file = TargetFile::new(&record, &info, &parameters).expect("samples that files count to");
-    let text = file.with_test(test.as_ref()).to_text();
-    replay(&TargetFile::from_text(&text).expect("a whole file")).expect("a record that can be replayed")
-}
-
 /// The recorded inputs make the recorded outputs on the PC: what is done with a record from a real cylinder.
 ///
 /// # Panics

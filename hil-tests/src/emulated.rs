@@ -104,7 +104,7 @@ pub fn image() -> Result<&'static Path> {
 /// # Errors
 /// When it cannot be built.
 pub fn program() -> Result<PathBuf> {
-    Ok(built(&["--bin", "pneudrive"])?.join("pneudrive"))
+    Ok(built(&["--test", "shell"])?.join("pneudrive"))
 }
 
 /// The program that runs the test bodies on a board, built as [`program`].
@@ -115,12 +115,12 @@ pub fn board_runner() -> Result<PathBuf> {
     Ok(built(&["--example", "board"])?.join("examples").join("board"))
 }
 
-/// Builds a program and tells the folder of its profile.
+/// Builds a program, by itself or as one that a test runs, and tells the folder of its profile.
 fn built(what: &[&str]) -> Result<PathBuf> {
     let test = std::env::current_exe()?;
     let profile = test.ancestors().nth(2).context("a test lies in a folder of its profile")?;
-    // With the features of the whole workspace, as for all tests: then it is there already.
-    let mut arguments = vec!["build", "--quiet", "--workspace"];
+    // With the features of all tests of the workspace: then it is there already.
+    let mut arguments = vec!["test", "--no-run", "--quiet", "--workspace"];
     arguments.extend(what);
     if profile.ends_with("release") {
         arguments.push("--release");

@@ -13,7 +13,7 @@ use pneudrive_app::lock_step::Stopwatch;
 use pneudrive_app::plant_link::{Line, PlantLink};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
-use pneudrive_app::{Control, LockStep};
+use pneudrive_app::{Control, LockStep, inputs};
 use pneudrive_rigs::board_plant::BoardPlant;
 use pneudrive_sim::Rig;
 
@@ -104,6 +104,7 @@ impl NativeBoard {
             self.callers.listen(&mut self.control, &mut self.board);
             self.link.attend(&mut self.control, &mut self.board, &self.microseconds);
             self.link.watch(&mut self.control, &mut self.board, &self.microseconds);
+            inputs::attend(&mut (&mut *self.control, &mut self.board));
             // This flash takes everything.
             let _ = self.control.tidy_up(&mut self.board);
             std::thread::sleep(Duration::from_micros(20));

@@ -21,7 +21,7 @@ use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::runtime::clock::{Clock, Mark};
 use pneudrive_app::runtime::drive::{ClockedBoard, Drive};
 use pneudrive_app::store::FlashStore;
-use pneudrive_app::{Board, Control};
+use pneudrive_app::{Board, Control, inputs};
 use pneudrive_controller::drive::SpoolLocation;
 use pneudrive_controller::{Command, Config, Sample};
 use pneudrive_interfaces::chip::ls7366r;
@@ -38,7 +38,7 @@ use crate::service::commission;
 use crate::{Delayed, Target};
 use bench::Bench;
 use chips::{Bus, Ls7366r, Mcp3208, Mcp4922};
-use wires::{KeptWords, Microseconds, NoSwitch, Output, OutputLine, Wires};
+use wires::{KeptWords, Microseconds, NoSwitch, Output, OutputLine, Terminals, Wires};
 
 /// The chips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,6 +136,7 @@ impl Lines for Modelled {
     type Delay = Microseconds;
     type Enable = OutputLine;
     type HomeSwitch = NoSwitch;
+    type Terminals = Terminals;
     type Timer = Microseconds;
     type SpoolMemory = KeptWords;
     type Store = FlashStore<RamFlash, Memory>;
@@ -162,6 +163,7 @@ impl TestBoard {
                 .expect("a counter that answers"),
             pressures: mcp3208::Mcp3208::new(bus(Mcp3208::new(Rc::clone(wires)), wires), [0, 1, 2]),
             home_switch: NoSwitch,
+            terminals: Terminals::default(),
             stages: Stages::new(mcp4922::Mcp4922::new(valve, Channel::A), steps, pin(Output::Enable)),
             clock: Clock::start(Microseconds(Rc::clone(wires)), Config::default().timing),
             spool: KeptWords::default(),
@@ -208,6 +210,19 @@ impl Board for TestBoard {
     /// The board's time is not that of the wall.
     fn host_clock_ms(&self) -> Option<u64> {
         None
+    }
+
+    fn inputs(&mut self) -> u8 {
+        self.board.inputs()
+    }
+
+    fn show(&mut self, outputs: u8) {
+        self.board.show(outputs);
+    }
+
+    fn emulate_inputs(&mut self, inputs: u8) -> bool {
+        self.board.terminals.inputs = inputs;
+        true
     }
 
     fn run_begins(&mut self, config: &Config) {
@@ -286,6 +301,8 @@ impl Rung {
         self.interrupt(Mark::Sample, late_us);
         self.interrupt(Mark::Output, 0);
         self.callers.attend(&mut self.drive.control);
+        let Drive { control, board, .. } = &mut self.drive;
+        inputs::attend(&mut (control, board));
         let mode = self.drive.control.state().supervisor.mode();
         self.drive.board.bench.output(mode)
     }

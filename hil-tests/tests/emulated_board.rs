@@ -211,3 +211,23 @@ fn a_file_that_is_no_image_is_refused_with_the_reason_of_the_emulator() {
     assert!(error.contains("no-such-image") && error.contains("ended with"), "{error}");
     assert_eq!(error.lines().count(), 1);
 }
+
+#[test]
+fn move_records_begin_by_their_numbers_on_the_emulated_board() {
+    body::records::records_begin_by_their_numbers(emulated_board);
+}
+
+#[test]
+fn a_stop_by_an_input_always_wins_on_the_emulated_board() {
+    body::records::a_stop_by_an_input_always_wins(emulated_board);
+}
+
+#[test]
+fn inputs_or_a_host_own_the_emulated_board_and_never_both() {
+    body::records::a_drive_has_one_owner(emulated_board);
+}
+
+#[test]
+fn a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new_on_the_emulated_board() {
+    body::records::a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new(supplied);
+}

@@ -35,6 +35,11 @@ fn a_fault_after_the_moves_of_a_run_trips_the_drive_that_holds() {
 }
 
 #[test]
+fn absolute_encoders_need_no_homing() {
+    body::axis::absolute_encoders_need_no_homing(linked);
+}
+
+#[test]
 fn each_start_begins_from_the_same_state_though_inputs_are_on_their_way() {
     body::each_start_begins_from_the_same_state(linked);
 }
@@ -73,4 +78,19 @@ fn a_plant_that_goes_trips_the_run_by_name_and_one_that_comes_back_is_taken_up()
     client.disarm().expect("an answer");
     drop(client);
     body::assert_equal_in_every_integer(&target, &short);
+}
+
+#[test]
+fn move_records_begin_by_their_numbers_on_a_board_whose_plant_is_at_a_port() {
+    body::records::records_begin_by_their_numbers(linked);
+}
+
+#[test]
+fn a_stop_by_an_input_always_wins_on_a_board_whose_plant_is_at_a_port() {
+    body::records::a_stop_by_an_input_always_wins(linked);
+}
+
+#[test]
+fn inputs_or_a_host_own_a_board_whose_plant_is_at_a_port_and_never_both() {
+    body::records::a_drive_has_one_owner(linked);
 }

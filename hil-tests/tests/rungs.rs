@@ -173,6 +173,11 @@ fn a_dead_encoder_is_not_homed() {
 }
 
 #[test]
+fn absolute_encoders_need_no_homing() {
+    body::axis::absolute_encoders_need_no_homing(virtual_rig);
+}
+
+#[test]
 fn moves_of_the_virtual_rig_wait_for_the_arrival() {
     body::axis::moves_on_arrival(virtual_rig);
 }
@@ -223,4 +228,24 @@ fn runs_again_and_again_on_the_virtual_rig_are_the_simulation() {
     let target = VirtualTarget::start(&drive(), "tcp:127.0.0.1:0").expect("a virtual rig");
     let soaked = soak(&target, 11.0);
     println!("{soaked:?}");
+}
+
+#[test]
+fn move_records_begin_by_their_numbers_on_the_virtual_rig() {
+    body::records::records_begin_by_their_numbers(virtual_rig);
+}
+
+#[test]
+fn a_stop_by_an_input_always_wins_on_the_virtual_rig() {
+    body::records::a_stop_by_an_input_always_wins(virtual_rig);
+}
+
+#[test]
+fn inputs_or_a_host_own_the_virtual_rig_and_never_both() {
+    body::records::a_drive_has_one_owner(virtual_rig);
+}
+
+#[test]
+fn a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new_on_the_virtual_rig() {
+    body::records::a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new(supplied);
 }

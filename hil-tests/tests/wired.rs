@@ -161,3 +161,18 @@ fn a_converter_that_is_gone_trips_as_an_open_sensor_does() {
     // sensor_samples = 4: the fourth sample without a pressure trips.
     assert_eq!(trip_after(Loss::Off(Chip::Mcp3208)), (203, Some(Fault::SensorRange), true));
 }
+
+#[test]
+fn move_records_begin_by_their_numbers_on_a_board_of_chips() {
+    body::records::records_begin_by_their_numbers(wired);
+}
+
+#[test]
+fn a_stop_by_an_input_always_wins_on_a_board_of_chips() {
+    body::records::a_stop_by_an_input_always_wins(wired);
+}
+
+#[test]
+fn inputs_or_a_host_own_a_board_of_chips_and_never_both() {
+    body::records::a_drive_has_one_owner(wired);
+}

@@ -7,7 +7,7 @@ use pneudrive_protocol::Mode;
 use pneudrive_sim::{Accuracy, Rig, run};
 
 use super::Start;
-use super::run::{assert_equal_in_every_integer, rig, run_and_record, run_on};
+use super::run::{assert_equal_in_every_integer, replayed, rig, run_and_record, run_on};
 
 /// The tuned drive B with a fault of its plant.
 fn faulty(event: &str) -> Rig {
@@ -149,4 +149,44 @@ pub fn parameters_are_saved(start: Start) {
     client.import_parameters(&rig.parameters()).expect("disarmed");
     drop(client);
     assert_equal_in_every_integer(&*target, &rig);
+}
+
+/// Absolute encoders, wherever they read 0, on the tuned drive B: its gains are as large a millimetre.
+pub const ABSOLUTE_ENCODERS: [&[&str]; 2] = [
+    &["encoder.model=ssi", "encoder.zero_mm=-7.3", "encoder.bits=16"],
+    &[
+        "encoder.model=potentiometer",
+        "encoder.zero_mm=-5",
+        "encoder.range_mm=310",
+        "encoder.linearity_percent=0.2",
+        "controller.gain_profile=[11000, 8500, 6700, 4900, 3600, 2500, 1750, 1610]",
+        "controller.profile_span_counts=1",
+        "controller.velocity_gain=12500",
+        "controller.acceleration_gain=25000",
+        "test.moves=[[0.0, 1304], [0.3, 2608], [1.72, 1304]]",
+    ],
+];
+
+/// An axis with an absolute encoder is homed when the drive starts, at the position where it stands, and a homing run
+/// moves nothing.
+///
+/// # Panics
+/// When it is not, a record is not the simulation, or does not replay equal.
+pub fn absolute_encoders_need_no_homing(start: Start) {
+    for settings in ABSOLUTE_ENCODERS {
+        let rig = rig("servo-b-tuned", settings);
+        let target = start(&rig);
+        let mut client = target.connect().expect("a rig that answers");
+        assert!(client.status().expect("an answer").referenced, "{}, {settings:?}", target.name());
+        assert_equal_in_every_integer(&*target, &rig);
+        run_on(&mut client, &rig);
+        let replay = replayed(&mut client);
+        assert_eq!((replay.first, replay.notes.as_slice()), (None, &[][..]), "{}", target.name());
+        client.arm().expect("not running");
+        let before = client.status().expect("an answer").position;
+        client.home().expect("armed");
+        let status = client.status().expect("an answer");
+        assert_eq!((status.mode, status.referenced), (Mode::Armed, true), "{}", target.name());
+        assert!((status.position - before).abs() <= 60, "{}: {before} before", target.name());
+    }
 }

@@ -2,11 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pneudrive_analysis::replay::{Replay, replay};
 use pneudrive_app::recorder::recorded;
 use pneudrive_controller::Observation;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use pneudrive_records::record::Record;
+use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig, run};
 
 use crate::Target;
@@ -69,4 +71,14 @@ pub(super) fn assert_is_the_simulation(what: &str, record: &Record, simulated: &
         assert_eq!(*on_rig, recorded(seen), "{what}: sample {k} (left: recorded, right: simulated)");
     }
     assert!(simulated.iter().any(|seen| seen.command != 0), "a test that moves nothing proves nothing");
+}
+
+/// What a replay of the rig's record gives, by way of a file.
+pub(super) fn replayed(client: &mut Client) -> Replay {
+    let (info, parameters) = (client.info().expect("an answer"), client.parameters().expect("an answer"));
+    let record = client.record(|_, _| {}).expect("a record");
+    let test = client.test().expect("an answer");
+    let file = TargetFile::new(&record, &info, &parameters).expect("samples that files count to");
+    let text = file.with_test(test.as_ref()).to_text();
+    replay(&TargetFile::from_text(&text).expect("a whole file")).expect("a record that can be replayed")
 }

@@ -96,6 +96,20 @@ impl OutputPin for OutputLine {
 /// A homing switch that is not there: its pull-up holds the line high.
 pub struct NoSwitch;
 
+/// Digital inputs, which a request sets, and outputs at which nobody looks but by requests.
+#[derive(Default)]
+pub struct Terminals {
+    pub inputs: u8,
+}
+
+impl pneudrive_interfaces::Terminals for Terminals {
+    fn read(&mut self) -> u8 {
+        self.inputs
+    }
+
+    fn write(&mut self, _: u8) {}
+}
+
 impl ErrorType for NoSwitch {
     type Error = Infallible;
 }
