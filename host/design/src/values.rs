@@ -81,7 +81,9 @@ fn entry_to_json(entry: &Entry) -> Json {
     Json::Object(fields)
 }
 
-fn value_to_json(value: &Value) -> Json {
+/// A value of a key.
+#[must_use]
+pub fn value_to_json(value: &Value) -> Json {
     match value {
         Value::Number(number) => json!(number),
         Value::Integer(number) => json!(number),

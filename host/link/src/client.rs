@@ -3,6 +3,8 @@
 mod advance;
 mod answer;
 mod change;
+mod io;
+mod move_records;
 mod owner;
 mod parameters;
 mod record;
@@ -23,6 +25,7 @@ use pneudrive_records::rig_info::{Info, RigParameters};
 use pneudrive_records::untrusted::{NAME, sanitised};
 use pneudrive_records::words;
 
+pub use io::Io;
 pub use owner::Commander;
 pub use record::{Pieces, RecordChanged};
 

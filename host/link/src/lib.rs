@@ -7,12 +7,14 @@
 //! | [`download`], [`part_file`] | which chunks of a record are there, and the file of an interrupted download |
 //! | [`stream`] | which rows of a stream are there |
 //! | [`failure`] | why a request failed |
+//! | [`bring_up`] | the checks of a new board, one after the other |
 //! | [`test_run`], [`firmware_notes`] | a test made ready and started; notes on firmware that lacks something |
 //!
 //! Nothing is printed: notes go to the log.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod bring_up;
 pub mod client;
 pub mod download;
 pub mod failure;

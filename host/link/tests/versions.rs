@@ -42,6 +42,7 @@ fn info(sequence: u16, min_version: u16, version: u16) -> Option<Vec<u8>> {
 /// The version that a request came with.
 fn version_of(body: &RequestBody<'_>) -> u16 {
     match body {
+        RequestBody::MoveRecordsRead { .. } | RequestBody::Io | RequestBody::IoSet { .. } => 8,
         RequestBody::TestRead { .. } => 7,
         RequestBody::Boot => 6,
         RequestBody::ArmAs { .. }
@@ -173,6 +174,19 @@ fn a_rig_of_version_6_takes_no_profiles_and_does_not_tell_its_moves() {
     client.download_test(&rig("")).expect("steps are taken as ever");
 }
 
+fn version_7(message: &[u8]) -> Option<Vec<u8>> {
+    older(message, 7, id::ACCELERATION_FEED_FORWARD)
+}
+
+#[test]
+fn a_rig_of_version_7_has_no_move_records_and_is_told_nothing_of_them() {
+    let mut client = SimulatedRig::with_record(&[]).with_firmware(version_7).connect().expect("an answer");
+    for refused in [client.move_records().map(drop), client.replace_move_records(&[])] {
+        let refused = refused.expect_err("too old").to_string();
+        assert!(refused.contains("too old for move records, which needs version 8"), "{refused}");
+    }
+}
+
 #[test]
 fn what_an_older_rig_cannot_do_is_refused_by_name() {
     let rig = SimulatedRig::with_record(&[]).with_firmware(version_1);
@@ -228,6 +242,23 @@ fn an_older_rig_takes_the_parameters_that_it_has_unless_one_that_it_lacks_would_
 }
 
 #[test]
+fn parameters_are_changed_all_or_none_and_by_older_firmware_not_at_all() {
+    let rig = SimulatedRig::with_record(&[]);
+    let mut client = rig.connect().expect("an answer");
+    client
+        .change_parameters(&[(id::VELOCITY_GAIN, 77), (id::ACCELERATION_GAIN, 3), (id::HOLD_MS, 900)])
+        .expect("disarmed");
+    let error = client.change_parameters(&[(id::VELOCITY_GAIN, 78), (id::SCALE, 0)]).expect_err("no scale");
+    assert!(error.to_string().contains("controller.scale = 0 is out of range"), "{error}");
+    let values = client.parameters().expect("an answer").values;
+    let read = [id::VELOCITY_GAIN, id::ACCELERATION_GAIN, id::HOLD_MS, id::SCALE].map(|id| values.get(id));
+    assert_eq!(read, [Some(77), Some(3), Some(900), Parameters::default().get(id::SCALE)]);
+    let mut client = SimulatedRig::with_record(&[]).with_firmware(version_4).connect().expect("an answer");
+    let error = client.change_parameters(&[(id::VELOCITY_GAIN, 7)]).expect_err("too old").to_string();
+    assert!(error.contains("too old for parameters that are changed as a whole"), "{error}");
+}
+
+#[test]
 fn a_rig_that_knows_no_owner_is_armed_and_disarmed_by_whoever_asks() {
     for older in [version_2, version_3, version_4] {
         let rig = SimulatedRig::with_record(&[]).with_firmware(older);
@@ -276,7 +307,7 @@ fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_9);
     let error = rig.connect().err().expect("no common version").to_string();
     assert!(
-        error.contains("speaks protocol versions 9 to 9, this program 1 to 7; update the older"),
+        error.contains("speaks protocol versions 9 to 9, this program 1 to 8; update the older"),
         "{error}"
     );
 }
@@ -290,7 +321,7 @@ fn an_older_program_is_answered_in_its_own_version() {
         (RequestBody::Info, 0),
         (RequestBody::Status, 1),
         (RequestBody::ConfigGet { first_id: 1, count: 30 }, 2),
-        (RequestBody::ConfigGet { first_id: 1, count: 60 }, 6),
+        (RequestBody::ConfigGet { first_id: 1, count: 200 }, 6),
         (RequestBody::Disarm, 3),
         (RequestBody::RecordInfo, 4),
         (RequestBody::RecordRead { first: 0, count: 32 }, 5),

@@ -48,6 +48,7 @@ const KEYS: &[(u16, &str, Form)] = &[
     (id::HOST_SILENCE_MS, "safety.host_silence_s", Scaled(3)),
     (id::ENCODER_INVERTED, "encoder.polarity", Words(&["1", "-1"])),
     (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count", Scaled(9)),
+    (id::ENCODER_MODEL, "encoder.model", Words(&["quadrature", "potentiometer", "ssi"])),
     (id::SENSOR_BITS, "sensors.bits", Whole),
     (id::PRESSURE_MIN_PA, "sensors.pressure_min_pa", Whole),
     (id::PRESSURE_MAX_PA, "sensors.pressure_max_pa", Whole),
@@ -75,11 +76,15 @@ const KEYS: &[(u16, &str, Form)] = &[
 ];
 
 /// Keys of a rig file that determine a parameter together with others.
-pub const OF_SEVERAL: [&str; 12] = [
+pub const OF_SEVERAL: [&str; 16] = [
     "actuator.stroke_m",
     "controller.learn_null_offset",
     "controller.learning_gain",
     "controller.pressure_feedback_gain",
+    "encoder.bits",
+    "encoder.noise_counts",
+    "encoder.range_mm",
+    "encoder.zero_mm",
     "exhaust.pressure_pa",
     "operator.model",
     "safety.end_max_mm",
@@ -160,6 +165,36 @@ impl Written {
             }
         };
         value.with_context(|| self.name)
+    }
+
+    /// Sets a parameter to the value of a text; a list to values between commas, the last of which repeats.
+    ///
+    /// # Errors
+    /// When it is no such value, out of range, or the list is longer than that of the device; nothing is changed then.
+    pub fn put(&self, text: &str, parameters: &mut Parameters) -> Result<()> {
+        let Parameter { id, len, .. } = *self.parameter;
+        let entries = text.trim().trim_start_matches('[').trim_end_matches(']').split(',');
+        let values: Vec<i32> = entries.map(|entry| self.value(entry.trim())).collect::<Result<_>>()?;
+        if values.len() > usize::from(len) {
+            bail!("{} has {len} entries, not {}", self.name, values.len());
+        }
+        let mut changed = parameters.clone();
+        let last = values.last().copied().unwrap_or(0);
+        for (id, value) in (id..id + len).zip(values.into_iter().chain(std::iter::repeat(last))) {
+            changed.set(id, value).map_err(|_| {
+                anyhow!("{} = {} is out of range: {}", self.name, self.text(value), self.range())
+            })?;
+        }
+        *parameters = changed;
+        Ok(())
+    }
+
+    /// The words that it is written as, in the order of their values; none of a number.
+    pub fn words(&self) -> &'static [&'static str] {
+        match self.form {
+            Words(words) => words,
+            _ => &[],
+        }
     }
 
     fn device_unit(&self) -> String {
@@ -285,6 +320,23 @@ mod tests {
                 assert_eq!(written.value(&written.text(value)).ok(), Some(value), "{name}");
             }
         }
+    }
+
+    #[test]
+    fn a_list_is_put_whole_with_its_last_value_repeated_or_not_at_all() {
+        let mut parameters = Parameters::default();
+        let list = Written::of(id::GAIN_PROFILE).expect("there is");
+        list.put("900, 800,7", &mut parameters).expect("right");
+        assert_eq!(list.all_text(&parameters), "900,800,7");
+        let before = parameters.clone();
+        let long = vec!["1"; 257].join(",");
+        for (text, message) in [("1,x", "not a whole number"), ("1,-1", "out of range"), (&long, "not 257")] {
+            let error = format!("{:#}", list.put(text, &mut parameters).expect_err(text));
+            assert!(error.contains(message) && error.starts_with("controller.gain_profile"), "{error}");
+        }
+        assert_eq!(parameters, before);
+        let period = Written::of(id::PERIOD_US).expect("there is");
+        assert!(period.put("0.001,0.002", &mut parameters).is_err(), "one value, not two");
     }
 
     #[test]

@@ -13,7 +13,6 @@ mod stored;
 pub use numbering::{Existing, Numbered, refuse_other_rig};
 pub use stored::{StoredRun, is_trace, rig_of};
 
-use std::borrow::Cow;
 use std::path::Path;
 
 use anyhow::{Result, bail};
@@ -33,8 +32,8 @@ use description::describe;
 use json_file::read_json;
 use replacement::Replacement;
 
-/// Makes a run's page with the given mark in its head: the pieces of the file in their order.
-pub type PageOf<'a> = &'a dyn Fn(&str) -> Result<[Cow<'static, str>; 3]>;
+/// Makes a run's page with the given mark in its head.
+pub type PageOf<'a> = &'a dyn Fn(&str) -> Result<String>;
 
 /// The mark of a page that identifies its run; run.json has the same under `identity`.
 pub const IDENTITY: &str = "pneudrive-run";
@@ -48,7 +47,7 @@ const PAGE: &str = "report.html";
 const CHECKSUMS: &str = "checksums";
 
 /// `format` of run.json.
-const FORMAT: &str = "pneudrive-run 1";
+pub const FORMAT: &str = "pneudrive-run 1";
 
 /// `controller.loop` of a run whose moves are commands.
 const OPEN: &str = "open";
@@ -87,8 +86,7 @@ pub fn write(
     }
     if let Some(page) = page {
         let mark = format!("<meta name=\"{IDENTITY}\" content=\"{identity}\">");
-        let pieces = page(&mark)?;
-        set.add(PAGE, &pieces.each_ref().map(|piece| piece.as_bytes()))?;
+        set.add(PAGE, &[page(&mark)?.as_bytes()])?;
     }
     set.add(RUN, &[(serde_json::to_string_pretty(&description)? + "\n").as_bytes()])?;
     set.commit()?;

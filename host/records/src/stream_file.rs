@@ -20,7 +20,7 @@ use crate::test_lines;
 use crate::whole_file;
 
 /// The value of the first line.
-pub(crate) const FORMAT: &str = "pneudrive-stream 2";
+pub const FORMAT: &str = "pneudrive-stream 2";
 
 /// The same for files without a CRC.
 pub(crate) const FORMAT_1: &str = "pneudrive-stream 1";

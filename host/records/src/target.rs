@@ -20,7 +20,7 @@ use crate::whole_file::{Staged, sync_folder};
 mod reading;
 
 /// The value of the first line.
-const FORMAT: &str = "pneudrive-target 2";
+pub const FORMAT: &str = "pneudrive-target 2";
 
 /// The same for files whose CRC covers only the samples.
 const FORMAT_1: &str = "pneudrive-target 1";

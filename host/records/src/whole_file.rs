@@ -17,19 +17,12 @@ use anyhow::{Context, Result};
 /// The end of the name of a staged file.
 const ENDING: &str = ".partial";
 
-/// Writes a file whole or not at all.
+/// Writes a file whole or not at all. A device or a pipe is written to, not replaced.
 ///
 /// # Errors
 /// When it cannot be written.
 pub fn put(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
-    put_pieces(path, &[content.as_ref()])
-}
-
-/// The same for a file made of several pieces. A device or a pipe is written to, not replaced.
-///
-/// # Errors
-/// When it cannot be written.
-pub fn put_pieces(path: &Path, pieces: &[&[u8]]) -> Result<()> {
+    let pieces: &[&[u8]] = &[content.as_ref()];
     let written = match is_device(path) {
         true => File::options().write(true).open(path).and_then(|mut device| write(&mut device, pieces)),
         false => replace(path, pieces),

@@ -20,13 +20,14 @@ pub fn protocol(version: u16) -> String {
             )
         }
         Ordering::Less => {
-            let lacks: [(u16, &str); 6] = [
+            let lacks: [(u16, &str); 7] = [
                 (2, "homing, stored parameters, fault log"),
                 (3, "streams"),
                 (4, "tests that repeat or last for hours"),
                 (5, "single commanding host, atomic changes"),
                 (6, "boot numbers"),
                 (7, "moves with profiles"),
+                (8, "move records, digital inputs"),
             ];
             let lacks: Vec<&str> =
                 lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
@@ -217,6 +218,9 @@ fn not_now(of: u8) -> String {
         None if of == code::HOST_WAS_SILENT => {
             "the drive had not heard from this program for longer than safety.host_silence_s, so it does not move; run again".to_owned()
         }
+        None if of == code::INPUTS_ARE_PINS => {
+            "the digital inputs of this board are pins; only a rig without pins takes them from a program".to_owned()
+        }
         None if of == code::OTHER_TEST => "the test is from another program; run again".to_owned(),
         None if of == code::OWNED => "another host commands the drive".to_owned(),
         None => format!("refused for a reason unknown to this version (code {of})"),
@@ -309,15 +313,20 @@ mod tests {
 
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
-        assert_eq!(protocol(7), "version 7");
-        assert!(protocol(6).contains("is older and has no moves with profiles;"));
-        assert!(protocol(5).contains("is older and has no boot numbers, moves with profiles;"));
+        assert_eq!(protocol(8), "version 8");
+        assert!(protocol(7).contains("is older and has no move records, digital inputs;"));
+        assert!(
+            protocol(6).contains("is older and has no moves with profiles, move records, digital inputs;")
+        );
+        assert!(protocol(5).contains(
+            "is older and has no boot numbers, moves with profiles, move records, digital inputs;"
+        ));
         assert!(
             protocol(4).contains("is older and has no single commanding host, atomic changes, boot numbers,")
         );
         assert!(protocol(3).contains("has no tests that repeat or last for hours, single"));
         assert!(protocol(2).contains("has no streams, tests that"));
         assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
-        assert!(protocol(8).starts_with("version 8; this program is older and speaks 7:"));
+        assert!(protocol(9).starts_with("version 9; this program is older and speaks 8:"));
     }
 }

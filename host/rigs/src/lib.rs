@@ -7,6 +7,7 @@
 //! | [`board_plant`] | the simulated plant of a real board, over its second serial port |
 //! | [`persistent_flash`] | their flash, which outlives them |
 //! | [`timing`] | their timing faults |
+//! | [`wiring`] | wires that are not where they belong, and the hand that pushes a slide |
 //!
 //! Nothing is printed: notes go to the log.
 
@@ -24,3 +25,4 @@ mod plant_server;
 mod sample_cost;
 pub mod timing;
 pub mod virtual_rig;
+pub mod wiring;

@@ -17,7 +17,7 @@ use anyhow::{Context, Result, bail};
 use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
 use pneudrive_app::ram_flash::RamFlash;
 use pneudrive_app::store::FlashStore;
-use pneudrive_app::{Board, Control};
+use pneudrive_app::{Board, Control, inputs};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::component::controller;
 use pneudrive_sim::keys;
@@ -27,6 +27,7 @@ use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 use crate::noise::RunSeeds;
 use crate::persistent_flash::PersistentFlash;
 use crate::timing::LateSample;
+use crate::wiring::{Signals, Wiring, WiringFault};
 
 use caller::Caller;
 pub use caller::Token;
@@ -50,6 +51,9 @@ const MAX_BEHIND: u64 = 1000;
 /// Kind of board.
 const NAME: &str = "virtual rig";
 
+/// The fault of the plant that swaps the tubes for good.
+const SWAPPED_TUBES: &str = "{ kind = \"swapped-tubes\", at_s = 0.0 }";
+
 /// The longest name of a board, bytes.
 const LONGEST_NAME: usize = 32;
 
@@ -70,6 +74,10 @@ struct VirtualBoard {
     /// Samples of the run so far.
     k: u64,
     late: LateSample,
+    /// The wires between board and drive.
+    signals: Signals,
+    /// The digital inputs, which a request sets.
+    inputs: u8,
     since: Instant,
     failed: Option<IntegrationError>,
     /// Its non-volatile memory.
@@ -82,6 +90,7 @@ impl VirtualBoard {
         VirtualBoard {
             period_us: u64::from(rig.period_us().get()),
             name: name_of(&rig, seed),
+            signals: Signals::of(&rig),
             rig,
             seeds: RunSeeds::new(seed),
             on_run: Box::new(|_| {}),
@@ -92,6 +101,7 @@ impl VirtualBoard {
             since_sample_us: 0,
             k: 0,
             late: LateSample::default(),
+            inputs: 0,
             since: Instant::now(),
             failed: None,
             store: store_in(flash),
@@ -130,6 +140,16 @@ fn name_of(rig: &Rig, seed: u64) -> String {
     if name_with_seed { with_seed } else { NAME.to_owned() }
 }
 
+/// The rig with its tubes on each other's port of the valve.
+fn with_swapped_tubes(rig: &Rig) -> Result<Rig> {
+    if !rig.fault_events().is_empty() {
+        bail!(
+            "tubes-swapped: the rig has faults of its own; add {SWAPPED_TUBES} to its faults.event instead"
+        );
+    }
+    Ok(rig.with_settings(&[format!("faults.event=[{SWAPPED_TUBES}]")])?)
+}
+
 /// The store in this flash, with memory that has lost its power.
 fn store_in(flash: PersistentFlash) -> FlashStore<PersistentFlash, Box<Memory>> {
     let memory = Box::new([0; MEMORY_BYTES]);
@@ -152,18 +172,20 @@ impl Board for VirtualBoard {
         pneudrive_app::BUILD
     }
 
-    fn read_sensors(&mut self, _: &Config) -> Sample {
+    fn read_sensors(&mut self, config: &Config) -> Sample {
         // If the sensors cannot be read, the rig stops at the end of this sample.
-        self.plant.sample().unwrap_or_else(|error| {
+        let sample = self.plant.sample().unwrap_or_else(|error| {
             self.failed = Some(error);
             Sample::default()
-        })
+        });
+        let disabled = matches!(self.mode, Mode::Disarmed | Mode::Fault(_));
+        self.signals.sensed(config, sample, self.time_us, disabled)
     }
 
     /// The amplifier of a disabled drive holds the valve at its null.
-    fn drive(&mut self, _: &Config, command: Command) {
+    fn drive(&mut self, config: &Config, command: Command) {
         if self.moves() {
-            self.plant.command(command);
+            self.plant.command(self.signals.driven(config, command));
         }
     }
 
@@ -173,6 +195,15 @@ impl Board for VirtualBoard {
 
     fn host_clock_ms(&self) -> Option<u64> {
         (!self.pace.fast).then(|| self.since.elapsed().as_millis() as u64)
+    }
+
+    fn inputs(&mut self) -> u8 {
+        self.inputs
+    }
+
+    fn emulate_inputs(&mut self, inputs: u8) -> bool {
+        self.inputs = inputs;
+        true
     }
 
     /// The plant takes the timing of the configuration, which may differ from the rig file by now; a live plant keeps its
@@ -211,6 +242,21 @@ impl VirtualRig {
         VirtualRig::with_flash(rig, seed, pace, PersistentFlash::default())
     }
 
+    /// The same with wires that are not where they belong.
+    ///
+    /// # Errors
+    /// As for [`VirtualRig::new`]; also when tubes are swapped on a rig that has other faults of its own
+    /// (`[[faults.event]]`).
+    pub fn wired(rig: Rig, seed: u64, pace: Pace, faults: &[WiringFault]) -> Result<VirtualRig> {
+        let rig = match faults.contains(&WiringFault::TubesSwapped) {
+            true => with_swapped_tubes(&rig)?,
+            false => rig,
+        };
+        let virtual_rig = VirtualRig::new(rig, seed, pace)?;
+        faults.iter().for_each(|&fault| virtual_rig.board.signals.wiring.spoil(fault));
+        Ok(virtual_rig)
+    }
+
     /// The same with a flash that was used before: the stored configuration is in force.
     ///
     /// # Errors
@@ -239,6 +285,12 @@ impl VirtualRig {
     /// Calls `tell` with the number of each run as it begins, from 1 on.
     pub fn on_run(&mut self, tell: impl FnMut(u64) + Send + 'static) {
         self.board.on_run = Box::new(tell);
+    }
+
+    /// The wires between its board and its drive, and the hand that pushes its slide.
+    #[must_use]
+    pub fn wiring(&self) -> &Wiring {
+        &self.board.signals.wiring
     }
 
     /// The sample of each run that comes late.
@@ -323,6 +375,7 @@ impl VirtualRig {
         for caller in callers {
             caller.server.attend(&mut self.control);
         }
+        inputs::attend(&mut (&mut *self.control, &mut self.board));
         self.board.mode = self.control.state().supervisor.mode();
         self.board.next_sample();
         self.board.failed.map_or(Ok(()), |error| Err(error).context("the virtual rig stopped"))

@@ -4,7 +4,7 @@
 use anyhow::{Result, bail};
 use pneudrive_app::moves::told;
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Parameters, Profile};
+use pneudrive_controller::{Parameters, Profile, Sequence};
 use pneudrive_protocol::change::{Entry, PART_BYTES, start_crc32, test_crc32};
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values, frame};
 use pneudrive_records::rig_info::RigParameters;
@@ -23,7 +23,8 @@ const TRIES: u32 = 3;
 pub(super) struct Change(Vec<u8>);
 
 impl Change {
-    fn add(&mut self, entry: &Entry<'_>) {
+    /// Adds an entry.
+    pub(super) fn add(&mut self, entry: &Entry<'_>) {
         let mut room = [0; PART_BYTES];
         let bytes =
             entry.write(&mut room).expect("names are short, and values no more than a message carries");
@@ -49,6 +50,10 @@ impl Change {
             decimation: rig.get(&keys::test::DECIMATION) as u16,
             pre_trigger: rig.get(&keys::test::PRE_TRIGGER) as u16,
         });
+        self.add_moves(&sequence);
+    }
+
+    fn add_moves(&mut self, sequence: &Sequence) {
         for next in sequence.moves() {
             match next.profile {
                 Profile::Step => self.add(&Entry::Move { at_sample: next.at_sample, target: next.target }),
@@ -103,6 +108,24 @@ impl Client {
         }
         self.test_crc32 = Some(test_crc32(&change.0));
         Ok(lacking)
+    }
+
+    /// Downloads a test that belongs to no rig file: its moves, every Nth sample of which is recorded from the start on.
+    ///
+    /// # Errors
+    /// When it is refused, the drive is not disarmed, or the firmware has no atomic changes (protocol before version 5).
+    pub fn prepare_moves(&mut self, name: &str, sequence: &Sequence, decimation: u16) -> Result<()> {
+        self.needs_version(5, "a test of single moves")?;
+        let last_sample = sequence.duration_samples;
+        let mut change = Change::default();
+        let (round, pre_trigger) = (sequence.round(), 0);
+        change.add(&Entry::Test { name: short(name), last_sample, round, decimation, pre_trigger });
+        change.add_moves(sequence);
+        self.last_sample = Some(last_sample);
+        self.meant = self.known.take().map(|(_, parameters)| parameters);
+        self.take(&change)?;
+        self.test_crc32 = Some(test_crc32(&change.0));
+        Ok(())
     }
 
     /// Makes the rig apply a change as a whole.

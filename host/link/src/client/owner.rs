@@ -35,7 +35,7 @@ impl From<&Owner<'_>> for Commander {
 /// A random session number, unlikely to be that of another host.
 pub(super) fn any_session() -> u32 {
     let drawn = RandomState::new().hash_one(std::process::id()) as u32;
-    if drawn == session::OLD_HOSTS { 1 } else { drawn }
+    if matches!(drawn, session::OLD_HOSTS | session::INPUTS) { 1 } else { drawn }
 }
 
 /// What this program calls itself.

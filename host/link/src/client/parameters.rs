@@ -98,6 +98,24 @@ impl Client {
         self.ask_done(RequestBody::ConfigSet { first_id, values })
     }
 
+    /// Changes these parameters, ids and values, and no others: all of them or none. Without any the rig is not asked.
+    ///
+    /// # Errors
+    /// When a value is refused, the drive is not disarmed, or the firmware has no atomic changes (protocol before version 5).
+    pub fn change_parameters(&mut self, values: &[(u16, i32)]) -> Result<()> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        self.needs_version(5, "parameters that are changed as a whole")?;
+        let mut change = Change::default();
+        for run in values.chunk_by(|(before, _), (next, _)| before + 1 == *next) {
+            let values: Vec<i32> = run.iter().map(|(_, value)| *value).collect();
+            change.add_parameters(run[0].0, &values);
+        }
+        self.meant = None;
+        self.take(&change)
+    }
+
     /// Downloads all parameters that the firmware has, and returns the names of the others, which have their defaults
     /// there. All of them are applied or none; firmware before version 5 takes them block by block.
     ///

@@ -147,6 +147,27 @@ impl Client {
         followed.and_then(|status| rest.map(|()| (status, arrivals.lost())))
     }
 
+    /// What has come of a stream since the last call, in order, for a program that does other things meanwhile. Lost rows
+    /// are requested again; those that the rig no longer holds are missing in the indices. Once the run is over, the rows
+    /// that remain are asked for, a message at a time: no rows then means that there are no more.
+    ///
+    /// # Errors
+    /// When the rig does not answer, or sends rows that it was not granted, or whose samples go back.
+    pub fn stream_take(&mut self, arrivals: &mut Arrivals, is_over: bool) -> Result<Vec<StreamedSample>> {
+        let never = AtomicBool::new(false);
+        if is_over {
+            self.stream_listen(arrivals, &never)?;
+            let end = arrivals.end();
+            let again = self.stream_read(end, MAX_ROWS as u8)?;
+            let gone = again.first;
+            arrivals.came(again.first, again.rows);
+            arrivals.gone(gone);
+        } else {
+            self.stream_on(arrivals, &never)?;
+        }
+        std::iter::from_fn(|| arrivals.take(u32::MAX).transpose()).collect()
+    }
+
     /// Listens for a moment, requests lost rows again, and grants further rows.
     fn stream_on(&mut self, arrivals: &mut Arrivals, interrupted: &AtomicBool) -> Result<()> {
         self.stream_listen(arrivals, interrupted)?;

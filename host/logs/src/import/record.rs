@@ -7,6 +7,7 @@ use pneudrive_protocol::RecordedSample;
 use pneudrive_records::record::{Record, RecordHead};
 use pneudrive_records::rig_info::{Info, RigParameters};
 use pneudrive_records::target::{IMPORTED, TargetFile, UNKNOWN};
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::{Rig, keys};
 
 use super::{Imported, Table};
@@ -95,7 +96,7 @@ impl Converters {
         let get = |id: u16| f64::from(parameters.get(id).unwrap_or(0));
         let codes = f64::from((1u32 << parameters.get(id::SENSOR_BITS).unwrap_or(12)) - 1);
         Converters {
-            mm_per_count: rig.get(&keys::encoder::MM_PER_COUNT),
+            mm_per_count: mm_per_count(rig),
             pressure: Converter { least: get(id::PRESSURE_MIN_PA), most: get(id::PRESSURE_MAX_PA), codes },
             spool: Converter {
                 least: get(id::SPOOL_MIN_NM) * 1e-6,

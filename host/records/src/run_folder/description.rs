@@ -1,6 +1,7 @@
 //! run.json: the description of a run.
 
 use pneudrive_controller::parameters::TABLE;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::rig::{Fields, Value};
 use pneudrive_sim::{Decision, Rig, Run};
 use serde_json::{Map, json};
@@ -36,6 +37,7 @@ pub(super) fn describe(
         "work": work(run),
         "controller": controller(rig),
         "keys": keys(rig),
+        "mm_per_count": mm_per_count(rig),
         "run": numbered.run,
         "date": numbered.date,
     })

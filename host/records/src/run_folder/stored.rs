@@ -5,6 +5,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::component::encoder::{Model, mm_per_count};
+use pneudrive_sim::key::Choice;
 use pneudrive_sim::keys;
 use pneudrive_sim::trace::{COLUMNS, Extra, to_csv};
 use pneudrive_sim::{Accuracy, Method, Rig, Run};
@@ -63,7 +65,7 @@ impl StoredRun {
         StoredRun {
             rig: rig.name().to_owned(),
             numbered: None,
-            mm_per_count: rig.get(&keys::encoder::MM_PER_COUNT),
+            mm_per_count: mm_per_count(rig),
             open_loop: rig.get(&keys::controller::LOOP) == Loop::Open,
             windows: WINDOWS.map(|key| rig.get(key) as u8),
             band: None,
@@ -104,8 +106,7 @@ impl StoredRun {
             bail!("{} is not a run folder: it has no run.json", folder.display());
         }
         let description = read_json(&json_path)?;
-        let mm_per_count =
-            of_key(&json_path, &description, SCALE, |mm| (mm > 0.0).then_some(mm), MORE_THAN_0)?;
+        let mm_per_count = scale_of(&json_path, &description)?;
         let text = read_text(&folder.join(TRACE))?;
         let (extras, columns) =
             columns_of(&text).with_context(|| folder.join(TRACE).display().to_string())?;
@@ -226,6 +227,17 @@ fn check_rows(folder: &Path, description: &serde_json::Value, rows: usize) -> Re
         }
         _ => Ok(()),
     }
+}
+
+/// mm per count: the key, but of a potentiometer, which has none, what was made of its range and converter.
+fn scale_of(json_path: &Path, description: &serde_json::Value) -> Result<f64> {
+    let above_0 = |mm: f64| (mm > 0.0).then_some(mm);
+    if description["keys"]["encoder.model"] != Model::Potentiometer.word() {
+        return of_key(json_path, description, SCALE, above_0, MORE_THAN_0);
+    }
+    let value = &description["mm_per_count"];
+    let wrong = || anyhow!("{}: mm_per_count is {value}; {MORE_THAN_0}", json_path.display());
+    value.as_f64().and_then(above_0).ok_or_else(wrong)
 }
 
 /// The value of a key, if `read` accepts it; otherwise, an error with the requirement.

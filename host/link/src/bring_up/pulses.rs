@@ -1,0 +1,357 @@
+//! Short commands, each a test of its own that the board ends by itself, and what answers them.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+use pneudrive_controller::drive::MAX_COUNTS;
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Fault, Move, Sequence};
+use pneudrive_protocol::Mode;
+use pneudrive_records::words;
+
+use super::response::{Pair, Response, Window};
+use super::signs::Signs;
+use super::{BringUp, Check};
+
+/// How long a pulse lasts, s.
+pub(super) const PULSE_S: f64 = 0.1;
+
+/// `law` of a drive whose valve is shut or open, with nothing in between.
+const ON_OFF: i32 = 3;
+
+/// What is recorded before a pulse and after it, s.
+const BEFORE_S: f64 = 0.05;
+const AFTER_S: f64 = 0.35;
+
+/// Commands of the pulses, percent of the valve.
+const LEVELS: [u8; 9] = [3, 5, 8, 12, 17, 23, 30, 40, 50];
+
+/// A slide that went so far has answered, mm.
+const ANSWER_MM: f64 = 0.5;
+
+/// Further than this no larger pulse is needed to see the pressures, mm.
+const PLENTY_MM: f64 = 3.0;
+
+/// Changes of a pressure and of the spool that are an answer, part of the range of the converter.
+const ANSWER_RAW: f64 = 0.002;
+
+/// A channel that changes by less than this part of the other one does not answer.
+const SILENT: f64 = 0.03;
+
+/// The longest wait for the end of a pulse: an emulated rig is slower than the clock.
+const END_WAIT: Duration = Duration::from_secs(20);
+
+/// How long a stepper's spool may take to its null.
+const WALK_TO_NULL: Duration = Duration::from_secs(2);
+
+/// Between two looks at a moving slide.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// An end that a pulse must not have.
+pub(super) enum Surprise {
+    /// With this fault.
+    Tripped(u8),
+    /// Stopped by this program: the slide went too far.
+    TooFar,
+}
+
+/// What a pulse gives, unless something surprises.
+pub(super) type Pulsed<T> = Result<Result<T, Surprise>>;
+
+/// The smallest changes that are an answer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Thresholds {
+    pub counts: f64,
+    pub pressure: f64,
+    pub spool: f64,
+}
+
+impl Thresholds {
+    /// Whether slide or pressures have answered.
+    pub fn heard(&self, pair: &Pair) -> bool {
+        pair.counts().abs() >= self.counts
+            || pair.pressures().iter().any(|change| change.abs() >= self.pressure)
+    }
+
+    /// Whether the slide went the same way whichever the command, and no further with the one than with the other.
+    fn creeps(&self, pair: &Pair) -> bool {
+        let [out, back] = [pair.out.moved, pair.back.moved];
+        let both = [out, back].iter().all(|way| f64::from(*way).abs() >= self.counts);
+        both && out.signum() == back.signum() && pair.counts().abs() < self.counts
+    }
+}
+
+impl BringUp<'_> {
+    pub(super) fn is_stepper(&self) -> bool {
+        self.parameter(id::STEPPER) == Some(1)
+    }
+
+    /// The largest command, counts of a converter or steps.
+    pub(super) fn largest(&self) -> i32 {
+        let steps = self.parameter(id::MAX_STEPS).filter(|_| self.is_stepper());
+        steps.unwrap_or(i32::from(MAX_COUNTS))
+    }
+
+    /// A command of so many percent of the valve, from its null.
+    pub(super) fn command(&self, percent: i32) -> i32 {
+        let (largest, null) = (self.largest(), self.parameter(id::NULL_OFFSET_COUNTS).unwrap_or(0));
+        let size = (largest * percent.abs() / 100).max(1) * percent.signum();
+        (null + size).clamp(-largest, largest)
+    }
+
+    pub(super) fn thresholds(&self) -> Thresholds {
+        let full_scale = f64::from(1u32 << self.parameter(id::SENSOR_BITS).unwrap_or(12).clamp(1, 15));
+        let spool = if self.is_stepper() { 0.5 } else { ANSWER_RAW * full_scale };
+        Thresholds {
+            counts: f64::from(self.counts(ANSWER_MM).max(4)),
+            pressure: ANSWER_RAW * full_scale,
+            spool,
+        }
+    }
+
+    pub(super) fn samples(&self, seconds: f64) -> u32 {
+        let period_us = f64::from(self.parameter(id::PERIOD_US).unwrap_or(1300).max(1));
+        (seconds * 1e6 / period_us).ceil().max(1.0) as u32
+    }
+
+    /// The commands up to the largest that is allowed, percent.
+    pub(super) fn levels(&self) -> impl Iterator<Item = i32> + use<> {
+        let most = self.options.most_percent;
+        LEVELS.into_iter().filter(move |level| *level <= most).map(i32::from)
+    }
+
+    fn is_on_off(&self) -> bool {
+        self.parameter(id::LAW) == Some(ON_OFF)
+    }
+
+    /// How long a pulse lasts, s. A valve that is shut or open is open for a little.
+    fn pulse_s(&self, percent: i32) -> f64 {
+        if self.is_on_off() { PULSE_S * f64::from(percent.abs()) / 100.0 } else { PULSE_S }
+    }
+
+    /// A pulse of so many percent, in words.
+    pub(super) fn pulse_in_words(&self, percent: i32) -> String {
+        match self.is_on_off() {
+            true => format!("{:.3} s with the valve open", self.pulse_s(percent)),
+            false => format!("{PULSE_S} s with {percent} % of the valve"),
+        }
+    }
+
+    /// The command of a pulse: as the law gives it, an on-off valve is commanded as far as it goes.
+    fn pulse_command(&self, percent: i32) -> i32 {
+        self.command(if self.is_on_off() { 100 * percent.signum() } else { percent })
+    }
+
+    /// Gives a command for a pulse. The drive is disarmed then.
+    fn pulse(&mut self, percent: i32) -> Pulsed<Response> {
+        let null = self.parameter(id::NULL_OFFSET_COUNTS).unwrap_or(0);
+        let from = self.samples(BEFORE_S);
+        let until = from + self.samples(self.pulse_s(percent));
+        let moves = [(0, null), (from, self.pulse_command(percent)), (until, null)];
+        if let Err(surprise) = self.run(&moves, until + self.samples(AFTER_S))? {
+            return Ok(Err(surprise));
+        }
+        let record = self.client.record(|_, _| {})?;
+        // The air takes a little of the pulse to answer.
+        let later = i64::from((until - from) / 4);
+        let window = Window { from: i64::from(from) + later, until: i64::from(until) };
+        Ok(Ok(Response::of(&record, window)))
+    }
+
+    /// A pulse out and one back.
+    pub(super) fn pulses(&mut self, percent: i32) -> Pulsed<Pair> {
+        let out = match self.pulse(percent)? {
+            Ok(out) => out,
+            Err(surprise) => return Ok(Err(surprise)),
+        };
+        Ok(self.pulse(-percent)?.map(|back| Pair { out, back }))
+    }
+
+    /// Runs commands from their samples on; the drive is disarmed then, whatever becomes of it.
+    pub(super) fn run(&mut self, commands: &[(u32, i32)], last_sample: u32) -> Pulsed<()> {
+        self.operator.goes_on()?;
+        let mut sequence = Sequence::new(last_sample);
+        for &(at_sample, command) in commands {
+            if sequence.push(Move::step(at_sample, command)).is_err() {
+                bail!("too many commands in one test");
+            }
+        }
+        let decimation = last_sample.div_ceil(1000).clamp(1, u32::from(u16::MAX)) as u16;
+        self.client.prepare_moves("bring-up", &sequence, decimation)?;
+        // Read before the start, which forgets the sample.
+        let from = self.client.status()?.position;
+        self.client.arm()?;
+        let followed =
+            self.wait_for_null().and_then(|()| self.client.start()).and_then(|()| self.follow(from));
+        self.client.disarm()?;
+        followed
+    }
+
+    /// The spool of a stepper walks to mid-travel after arming.
+    fn wait_for_null(&mut self) -> Result<()> {
+        let begun = Instant::now();
+        while self.is_stepper() && self.look()?.spool != 0 && begun.elapsed() < WALK_TO_NULL {
+            std::thread::sleep(LOOK);
+        }
+        Ok(())
+    }
+
+    /// Follows a test to its end. A slide that goes too far from here is stopped.
+    fn follow(&mut self, from: i32) -> Pulsed<()> {
+        let reach = self.counts(self.options.reach_mm).unsigned_abs();
+        let begun = Instant::now();
+        while begun.elapsed() < END_WAIT {
+            let status = self.look()?;
+            match status.mode {
+                Mode::Done => return Ok(Ok(())),
+                Mode::Fault => return Ok(Err(Surprise::Tripped(status.fault))),
+                Mode::Running if status.index > 0 && status.position.abs_diff(from) > reach => {
+                    self.client.stop()?;
+                    return Ok(Err(Surprise::TooFar));
+                }
+                Mode::Running => std::thread::sleep(LOOK),
+                Mode::Disarmed | Mode::Armed => {
+                    bail!("the pulse ended early; the rig was reset, or another program disarmed it")
+                }
+            }
+        }
+        bail!("the pulse did not end within {} s", END_WAIT.as_secs())
+    }
+
+    /// Pulses out and back, larger and larger, until the slide has moved, and what their signs say.
+    pub(super) fn check_pulses(&mut self, pushed: Option<i32>) -> Result<()> {
+        const NAME: &str = "pulses";
+        let thresholds = self.thresholds();
+        let plenty = f64::from(self.counts(PLENTY_MM));
+        let (mut pair, mut reached) = (Pair::default(), 0);
+        for level in self.levels() {
+            self.operator.tell(&format!("pulse out and back: {}", self.pulse_in_words(level)));
+            reached = level;
+            pair = match self.pulses(level)? {
+                Ok(pair) => pair,
+                Err(surprise) => {
+                    let did = format!("a pulse of {}", self.pulse_in_words(level));
+                    self.note(surprised(NAME, &did, &surprise));
+                    return Ok(());
+                }
+            };
+            let moved = pair.counts().abs();
+            let heard = pair.pressures().iter().all(|change| change.abs() >= thresholds.pressure);
+            if moved >= thresholds.counts && (heard || moved >= plenty) {
+                break;
+            }
+        }
+        let did = format!("pulses out and back, the largest of {}", self.pulse_in_words(reached));
+        let judged = self.judge(&pair, pushed, &thresholds);
+        let must = "positive command: counts go up, pressure 1 rises against pressure 2, spool goes to plus";
+        self.note(Check::of(NAME, &did, self.words(&pair, &thresholds), must, judged));
+        Ok(())
+    }
+
+    /// What a pair of answers is, in words.
+    fn words(&self, pair: &Pair, thresholds: &Thresholds) -> String {
+        let moved = pair.counts().round() as i32;
+        let [one, two] = pair.pressures();
+        let spool = match pair.spool() {
+            _ if self.is_stepper() => "spool counted, not measured".to_owned(),
+            change if change.abs() < thresholds.spool => "spool: no transducer seen".to_owned(),
+            change => format!("spool {change:+.0} raw"),
+        };
+        format!(
+            "{moved:+} counts ({}), pressures {one:+.0} and {two:+.0} raw, {spool}",
+            self.units.length(moved)
+        )
+    }
+
+    /// What is wrong with a pair of answers.
+    fn judge(&self, pair: &Pair, pushed: Option<i32>, thresholds: &Thresholds) -> Vec<String> {
+        let counts = sign_of(pair.counts(), thresholds.counts);
+        let [one, two] = pair.pressures();
+        let pressures = sign_of(one - two, thresholds.pressure);
+        let spool = sign_of(pair.spool(), thresholds.spool).filter(|_| !self.is_stepper());
+        if (pressures.is_some() || spool.is_some()) && thresholds.creeps(pair) {
+            return vec![
+                "the slide goes the same way whichever the command: a load that hangs, a valve far from its null (null_code, amplifier's zero), or a stuck spool"
+                    .to_owned(),
+            ];
+        }
+        if let Some(silence) = silence(counts, pressures, spool, pushed) {
+            return vec![silence.to_owned()];
+        }
+        let mut advice = Vec::new();
+        for (name, change, other) in [("pressure 1", one, two), ("pressure 2", two, one)] {
+            if change.abs() < (SILENT * other.abs()).min(thresholds.pressure) {
+                advice.push(format!(
+                    "{name} does not change: its transmitter is not at its chamber, or its wire is stuck"
+                ));
+            }
+        }
+        if advice.is_empty() {
+            advice = swaps(&Signs { pushed, counts, pressures, spool });
+        }
+        advice
+    }
+}
+
+/// The sign of a change that is an answer.
+fn sign_of(change: f64, threshold: f64) -> Option<i32> {
+    (change.abs() >= threshold).then(|| change.signum() as i32)
+}
+
+/// What it means that something does not answer at all.
+fn silence(
+    counts: Option<i32>,
+    pressures: Option<i32>,
+    spool: Option<i32>,
+    pushed: Option<i32>,
+) -> Option<&'static str> {
+    match (counts, pressures, spool) {
+        (Some(_), Some(_), _) => None,
+        (Some(_), None, _) => Some(
+            "the slide moves, but the pressures do not change: the transmitters are not at the chambers, or their wires are off",
+        ),
+        (None, Some(_), _) if pushed.is_some() => Some(
+            "the pressures change, but the slide stands, and the encoder counted by hand: the slide is blocked, or at its stop, or the pulses are too small (--most)",
+        ),
+        (None, Some(_), _) => Some(
+            "the pressures change, but the encoder does not count: check its supply, its line receiver, the wires of tracks A and B and the pull-up of each (a track that does not switch counts to and fro by one)",
+        ),
+        (None, None, Some(_)) => {
+            Some("the spool moves, but neither pressures nor slide: the air is off, or the tubes are blocked")
+        }
+        (None, None, None) => Some(
+            "nothing answers the command: drive_enable does not reach the amplifier, the amplifier has no supply, the wire of the valve command is off, or the air is off",
+        ),
+    }
+}
+
+/// The swaps that explain the signs, in words.
+fn swaps(signs: &Signs) -> Vec<String> {
+    let found = signs.explanations();
+    match &found[..] {
+        [only] => only.iter().map(|swap| swap.advice().to_owned()).collect(),
+        several => {
+            let sets = several.iter().map(|set| {
+                let each: Vec<&str> = set.iter().map(|swap| swap.advice()).collect();
+                each.join(", and ")
+            });
+            vec![format!("one of these: {}", sets.collect::<Vec<_>>().join("; OR "))]
+        }
+    }
+}
+
+/// What did not end by itself.
+pub(super) fn surprised(name: &'static str, did: &str, surprise: &Surprise) -> Check {
+    let (saw, advice) = match surprise {
+        Surprise::TooFar => (
+            format!("the slide went too far and was stopped (fault {})", words::fault_code_name(Fault::Stop.code())),
+            "a larger command than the drive needs: lower --most, throttle the air, or check the stage of the converter"
+                .to_owned(),
+        ),
+        Surprise::Tripped(code) => (
+            format!("the drive tripped: {} ({})", words::fault_code_name(*code), words::fault_meaning(*code)),
+            "find the reason of the fault; `pneudrive device arm` clears it".to_owned(),
+        ),
+    };
+    Check::of(name, did, saw, "it ends by itself, without a fault", vec![advice])
+}
