@@ -1,10 +1,42 @@
 //! Two transients on one time: by the start of their tests, by their first move, or by the shift at which
 //! their positions agree best.
 
+use anyhow::{Context, Result};
+
 use crate::transient::{COMMAND, POSITION, SETPOINT, Transient};
 
 /// The largest shift that is tried, s.
 const MAX_SHIFT_S: f64 = 1.0;
+
+/// How transients are laid over each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Align {
+    /// By the start of their tests.
+    #[default]
+    Start,
+    /// By the beginning of their first move.
+    Move,
+    /// By the shift at which their positions agree best.
+    Correlation,
+}
+
+impl Align {
+    /// How far `other` has to be shifted to lie over the reference, s.
+    ///
+    /// # Errors
+    /// When one of them has no move to align by, or when they have too little time in common.
+    pub fn shift(self, reference: &Transient, other: &Transient) -> Result<f64> {
+        let move_of =
+            |of: &Transient| first_move(of).with_context(|| format!("{} has no move to align by", of.name));
+        match self {
+            Align::Start => Ok(0.0),
+            Align::Move => Ok(move_of(reference)? - move_of(other)?),
+            Align::Correlation => best_shift(reference, other).with_context(|| {
+                format!("{} and {} have too little time in common to align", reference.name, other.name)
+            }),
+        }
+    }
+}
 
 /// When the first move of a transient begins, s: where the setpoint, or in open loop the command, changes for
 /// the first time, or where the position leaves the counts that it begins on.
@@ -74,6 +106,23 @@ mod tests {
     fn correlation_finds_a_shift_between_samples() {
         let shift = best_shift(&smooth(0.8, 0.001), &smooth(0.5503, 0.0013)).expect("in common");
         assert!((shift - 0.2497).abs() < 2e-5, "{shift}");
+    }
+
+    #[test]
+    fn each_way_of_aligning_finds_its_shift_or_says_why_there_is_none() {
+        let [late, early] = [smooth(0.8, 0.001), smooth(0.5, 0.001)];
+        assert_eq!(Align::Start.shift(&late, &early).expect("always"), 0.0);
+        for align in [Align::Move, Align::Correlation] {
+            let shift = align.shift(&late, &early).expect("both move");
+            assert!((shift - 0.3).abs() < 2e-5, "{align:?}: {shift}");
+        }
+        let mut still = smooth(0.5, 0.001);
+        for channel in [SETPOINT, POSITION] {
+            still.channels[channel].fill(60.0);
+        }
+        still.name = "still".to_owned();
+        let error = Align::Move.shift(&late, &still).expect_err("no move");
+        assert_eq!(error.to_string(), "still has no move to align by");
     }
 
     #[test]

@@ -15,7 +15,9 @@
 //!   found with the parameters. The drive must be at rest then, its air as warm as the test says.
 //! - **The encoder** rounds down: the model is position / pulse - 1/2, and sigma that of an even error of one
 //!   count, 1 / sqrt(12). While the drive stands that error repeats in every sample, so a sample counts where
-//!   the drive has moved on by one to two counts, and one in each rest ([`recording`]).
+//!   the drive has moved on by one to two counts, and one in each rest ([`recording`]). A potentiometer rounds to the
+//!   nearest; where an absolute encoder has noise, every sample counts, and sigma is found as that of a converter. The
+//!   deviation from its straight line (`encoder.linearity_percent`) is not in the model.
 //! - **sigma** of the converters is first what scatters in the rests before the first move, then what the highest
 //!   frequencies of the residuals show. What remains at lower ones tells whether the model explains the data
 //!   ([`spectrum`]).
@@ -60,6 +62,8 @@ use parameter::Parameter;
 use recording::{CHANNELS, Recording, STARTS};
 use search::Termination;
 use spectrum::Spectrum;
+
+use crate::wanted::Wanted;
 
 /// A parameter whose standard error is a larger part of that of its prior cannot be seen in the data.
 pub const UNSEEN: f64 = 0.5;
@@ -205,10 +209,32 @@ pub fn identify(
     accuracy: Accuracy,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
-    if parameters.is_empty() || recordings.is_empty() {
+    let model = Model::new(rig, recordings, parameters, accuracy);
+    fitted(model, progress)
+}
+
+/// The same, as long as it is `wanted`: None once it is not.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_while(
+    rig: &Rig,
+    recordings: &[Recording],
+    parameters: Vec<Parameter>,
+    accuracy: Accuracy,
+    progress: &mut dyn FnMut(&str),
+    wanted: Wanted<'_>,
+) -> Result<Option<Identification>> {
+    let mut model = Model::new(rig, recordings, parameters, accuracy);
+    model.wanted = wanted;
+    let found = fitted(model, progress);
+    if wanted.now() { found.map(Some) } else { Ok(None) }
+}
+
+fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identification> {
+    if model.parameters.is_empty() || model.recordings.is_empty() {
         bail!("a fit needs a parameter and a transient");
     }
-    let mut model = Model::new(rig, recordings, parameters, accuracy);
     let start = vec![0.0; model.unknowns()];
     let residuals = model.residuals_at(&start).ok_or_else(|| search::cannot_follow(&model, &start))?;
     let before = model.channel_fits(&residuals).map(|fit| fit.map(|fit| fit.after));

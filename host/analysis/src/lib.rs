@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`transient`], [`deviation`] | channels in engineering units, and how far two of them are apart |
+//! | [`channel`] | a channel by its name, with its unit and its samples |
 //! | [`alignment`] | two transients on one time |
 //! | [`evaluation`] | the figures of a transient's moves |
 //! | [`ensemble`], [`range`] | a run with its neighbours, and figures as ranges over them |
@@ -18,11 +19,13 @@
 //! | [`study`] | the thesis's application studies: what it says, and what the model shows |
 //! | [`thesis`] | the numbers of the thesis that the model can be held against, on one page |
 //! | [`parallel`], [`runners`] | the same for each of many, on several threads; runs in the memory of those before |
+//! | [`wanted`] | whether somebody still waits for long work |
 //! | [`page`], [`report`] | notes, tables and graphs in one file; the page of transients |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod alignment;
+pub mod channel;
 pub mod deviation;
 pub mod ensemble;
 pub mod evaluation;
@@ -43,3 +46,4 @@ pub mod sweep;
 pub mod thesis;
 pub mod transient;
 pub mod tuning;
+pub mod wanted;

@@ -1,19 +1,20 @@
-//! A page of this program: notes, tables and graphs in one file that opens without a network.
+//! A page of this program: notes, tables and graphs, to be read in a browser without a network, or printed.
 //!
-//! The plotting library in the page draws the graphs: they zoom, and each can be saved as SVG or PNG.
+//! A plotting library beside the page draws the graphs: they zoom, and each can be saved as SVG or PNG.
 
 mod figure;
+mod library;
+mod plot;
 
-use std::borrow::Cow;
 use std::path::Path;
-use std::sync::LazyLock;
 
-use anyhow::{Context, Result};
-use plotly::Plot;
+use anyhow::Result;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
-use pneudrive_records::whole_file::put_pieces;
+use pneudrive_records::whole_file::{folder_of, is_device, put};
 
 pub use figure::{COLOURS, Curve, Figure, Look, Panel, Shade};
+pub use library::Library;
+use library::packed;
 
 /// A page in the making.
 #[derive(Clone, Debug, Default)]
@@ -41,13 +42,12 @@ pub struct Table {
 }
 
 impl Page {
-    /// Writes the page.
+    /// Writes the page, and its library where it needs one beside it.
     ///
     /// # Errors
-    /// When the file cannot be written or is not of this program, or the plotting library has no script
-    /// to put into it.
-    pub fn write(&self, path: &Path) -> Result<()> {
-        self.write_with(path, None)
+    /// When a file cannot be written or is not of this program, or the plotting library has no script.
+    pub fn write(&self, path: &Path, library: Library) -> Result<()> {
+        self.write_with(path, None, library)
     }
 
     /// Writes the page with a figure behind its first note, before everything else: the one that answers what the
@@ -55,38 +55,62 @@ impl Page {
     ///
     /// # Errors
     /// As [`Page::write`].
-    pub fn write_led_by(&self, path: &Path, lead: &Figure) -> Result<()> {
-        self.write_with(path, Some(lead))
+    pub fn write_led_by(&self, path: &Path, lead: &Figure, library: Library) -> Result<()> {
+        self.write_with(path, Some(lead), library)
     }
 
-    fn write_with(&self, path: &Path, lead: Option<&Figure>) -> Result<()> {
+    fn write_with(&self, path: &Path, lead: Option<&Figure>, library: Library) -> Result<()> {
         refuse_to_replace(path, GENERATOR)?;
-        let [head, script, body] = self.pieces("", lead)?;
-        put_pieces(path, &[head.as_bytes(), script.as_bytes(), body.as_bytes()])
+        let page = self.text("", lead, library)?;
+        if self.has_graphs(lead) && !is_device(path) {
+            library.put_beside(folder_of(path))?;
+        }
+        put(path, &page)
     }
 
-    /// What stands before the script, the script, and the rest; `mark` goes into the head, and `lead` before the tables.
+    /// The page for a file in `folder`, where its library is put if it needs one; `mark` goes into its head.
     ///
     /// # Errors
-    /// When the plotting library has no script to put into it.
-    pub fn pieces(&self, mark: &str, lead: Option<&Figure>) -> Result<[Cow<'static, str>; 3]> {
-        let script = if self.figures.is_empty() && lead.is_none() { "" } else { plotly_script()? };
+    /// As [`Page::write`].
+    pub fn text_in(&self, folder: &Path, mark: &str, library: Library) -> Result<String> {
+        if self.has_graphs(None) {
+            library.put_beside(folder)?;
+        }
+        self.text(mark, None, library)
+    }
+
+    fn has_graphs(&self, lead: Option<&Figure>) -> bool {
+        !self.figures.is_empty() || lead.is_some()
+    }
+
+    /// The page; `lead` stands before the tables.
+    fn text(&self, mark: &str, lead: Option<&Figure>, library: Library) -> Result<String> {
         let title = escaped(&self.title);
-        let head = format!(
+        let (scripts, without) = match self.has_graphs(lead) {
+            true => self.scripts(lead, library)?,
+            false => Default::default(),
+        };
+        let content = self.content(lead, &without);
+        Ok(format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{GENERATOR}{mark}\n<title>{title}</title>\n\
-             <style>{STYLE}</style>\n"
-        );
-        let body = format!("\n</head>\n<body>\n<h1>{title}</h1>\n{}</body>\n</html>\n", self.content(lead));
-        Ok([head.into(), script.into(), body.into()])
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{content}{scripts}</body>\n</html>\n"
+        ))
+    }
+
+    /// The library, the data of the graphs, and what draws them; and what stands in place of graphs without a library.
+    fn scripts(&self, lead: Option<&Figure>, library: Library) -> Result<(String, String)> {
+        let (element, without) = library.element()?;
+        let graphs = packed("graphs", &plot::plots(lead.into_iter().chain(&self.figures)).to_string())?;
+        Ok((format!("{element}{graphs}<script>\n{DRAW}</script>\n"), without))
     }
 
     /// The first note, the lead, the other notes, tables and figures.
-    fn content(&self, lead: Option<&Figure>) -> String {
+    fn content(&self, lead: Option<&Figure>, without: &str) -> String {
         let note = |note: &String| format!("<p>{}</p>\n", escaped(note));
         let (first, others) = self.notes.split_at(self.notes.len().min(1));
-        let lead = lead.map(|figure| section(0, figure));
+        let lead = lead.map(|figure| section(figure, without));
         let tables = self.tables.iter().map(Table::to_html);
-        let figures = (1..).zip(&self.figures).map(|(n, figure)| section(n, figure));
+        let figures = self.figures.iter().map(|figure| section(figure, without));
         first
             .iter()
             .map(note)
@@ -138,46 +162,23 @@ impl Table {
     }
 }
 
-/// A figure with its heading and what saves it.
-fn section(number: usize, figure: &Figure) -> String {
-    let id = format!("figure-{number}");
-    let heading = if figure.heading.is_empty() {
-        String::new()
-    } else {
-        format!("<h2>{}</h2>\n", escaped(&figure.heading))
+/// The place of a figure, with its heading and what saves it; `without` is what it says if there is no library.
+fn section(figure: &Figure, without: &str) -> String {
+    let heading = match figure.heading.as_str() {
+        "" => String::new(),
+        heading => format!("<h2>{}</h2>\n", escaped(heading)),
     };
-    let graph = figure.plot().to_inline_html(Some(&id));
-    let button = |format: &str| {
-        format!(
-            "<button type=\"button\" onclick=\"Plotly.downloadImage('{id}',{{format:'{format}',width:900,height:{}}})\">\
-             {}</button>",
-            figure.height(),
-            format.to_uppercase()
-        )
-    };
+    let axes: Vec<String> = figure.panels.iter().map(|panel| quoted(&panel.title)).collect();
+    let axes = axes.join("; ");
     format!(
-        "{heading}<div>{graph}</div>\n<p class=\"save\">save as {} {}</p>\n",
-        button("svg"),
-        button("png")
+        "<section>\n{heading}<figure aria-label=\"{axes}\" data-without=\"{without}\"><div></div><figcaption>save as </figcaption></figure>\n</section>\n"
     )
-}
-
-/// The script of the plotting library, without the formula renderer that comes with it: megabytes, looked up once.
-fn plotly_script() -> Result<&'static str> {
-    static SCRIPT: LazyLock<Option<String>> = LazyLock::new(|| {
-        let scripts = Plot::offline_js_sources();
-        let script = scripts.split_inclusive("</script>").find(|script| script.contains("plotly.js v"));
-        script.map(|script| script.trim().to_owned())
-    });
-    SCRIPT.as_deref().context("the plotting library has no script")
 }
 
 /// A page beside this one as a link, other text as it is.
 fn linked(text: &str) -> String {
     match text.strip_suffix(".html") {
-        Some(name) if !name.contains([' ', '/']) => {
-            format!("<a href=\"{0}.html\">{0}</a>", escaped(name).replace('"', "&quot;"))
-        }
+        Some(name) if !name.contains([' ', '/']) => format!("<a href=\"{0}.html\">{0}</a>", quoted(name)),
         _ => escaped(text),
     }
 }
@@ -186,12 +187,14 @@ pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-pub(crate) const STYLE: &str = "body{font-family:system-ui,sans-serif;margin:2rem auto;max-width:72rem;padding:0 1rem;color:#222}\
-h1{font-size:1.5rem}h2{font-size:1.1rem}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}\
-th,td{padding:.25rem .6rem;border-bottom:1px solid #ddd;text-align:right}\
-th:first-child,td:first-child,.words{text-align:left}\
-.save{color:#777;font-size:.8rem;text-align:right}";
+/// The same between quotation marks.
+fn quoted(text: &str) -> String {
+    escaped(text).replace('"', "&quot;")
+}
+
+pub(crate) const STYLE: &str = include_str!("page/style.css");
+
+const DRAW: &str = include_str!("page/draw.js");
 
 #[cfg(test)]
 mod tests {
@@ -212,17 +215,46 @@ mod tests {
     }
 
     fn html(page: &Page) -> String {
-        page.pieces("", None).expect("a page").concat()
+        page.text("", None, Library::Beside).expect("a page")
     }
 
     #[test]
-    fn the_page_needs_no_network_and_holds_its_data() {
+    fn a_page_asks_for_nothing_but_the_library_beside_it() {
         let html = html(&page());
-        let own = &html[..html.find("<script").expect("a script")];
-        assert!(own.contains("<title>step &amp; hold</title>"));
-        assert!(!html.contains("<script src") && !own.contains("http"));
-        assert!(html.contains("4.125") && html.contains("Plotly.newPlot"));
-        assert!(html.contains("<td>60.00</td>"));
+        assert!(html.contains("<title>step &amp; hold</title>") && html.contains("<td>60.00</td>"));
+        assert_eq!(html.matches("src=\"").count(), 1);
+        assert!(html.contains("<script src=\"plotly-") && !html.contains("http"));
+    }
+
+    #[test]
+    fn a_single_file_asks_for_nothing_and_is_no_longer_than_two_megabytes() {
+        let html = page().text("", None, Library::Within).expect("a page");
+        assert!(!html.contains("src=\"") && html.contains("id=\"library\""));
+        assert!(html.len() < 2_000_000, "{}", html.len());
+    }
+
+    #[test]
+    fn the_library_is_put_beside_a_page_once_and_replaces_no_file_of_others() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.html");
+        page().write(&path, Library::Beside).expect("written");
+        let names = |folder: &Path| {
+            let entries = std::fs::read_dir(folder).expect("a folder");
+            let names =
+                entries.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"));
+            names.filter(|name| name.ends_with(".js")).collect::<Vec<_>>()
+        };
+        let [library] = &names(folder.path())[..] else { panic!("one library") };
+        let library = folder.path().join(library);
+        let written = std::fs::metadata(&library).expect("there").modified().expect("a time");
+        page().write(&folder.path().join("b.html"), Library::Beside).expect("written");
+        assert_eq!(std::fs::metadata(&library).expect("there").modified().expect("a time"), written);
+        std::fs::write(&library, "theirs").expect("written");
+        let error = page().write(&path, Library::Beside).expect_err("theirs").to_string();
+        assert!(error.contains("plotly-") && error.contains("not written by this program"), "{error}");
+        let alone = tempfile::tempdir().expect("a folder");
+        page().write(&alone.path().join("a.html"), Library::Within).expect("written");
+        assert!(names(alone.path()).is_empty());
     }
 
     #[test]
@@ -260,22 +292,9 @@ mod tests {
     fn a_lead_stands_between_the_first_note_and_all_else() {
         let lead = Figure { heading: "the lead".to_owned(), ..page().figures[0].clone() };
         let led = Page { notes: vec!["first".to_owned(), "second".to_owned()], ..page() };
-        let html = led.pieces("", Some(&lead)).expect("a page")[2].to_string();
-        let places =
-            ["<p>first", "<h2>the lead", "<p>second", "<h2>moves", "figure-1"].map(|part| html.find(part));
+        let html = led.text("", Some(&lead), Library::Beside).expect("a page");
+        let places = ["<p>first", "<h2>the lead", "<p>second", "<h2>moves"].map(|part| html.find(part));
         assert!(places.is_sorted() && places.iter().all(Option::is_some), "{places:?}");
-    }
-
-    #[test]
-    fn curves_of_one_name_and_colour_stand_in_the_legend_once() {
-        let curve =
-            |colour: Option<&'static str>| Curve { colour, ..Curve::new("same", vec![0.0], vec![0.0]) };
-        let told = |colour: Option<&'static str>| {
-            let panels = [(); 3].map(|()| Panel::new("", vec![curve(colour)]));
-            let page = Page { figures: vec![Figure::over_time(panels.to_vec())], ..page() };
-            html(&page).matches("\"showlegend\":true,").count()
-        };
-        assert_eq!(told(None) - told(Some("#1f4e9c")), 2);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! | of the rig | from a record | from a simulated run |
 //! |---|---|---|
-//! | moves, length | where the setpoint changes, or in open loop the command | its own |
+//! | moves, length | where the setpoint changes, or in open loop the command; with profiles the rig's own, if they are the recorded ones | its own |
 //! | gains, `controller.*` | the parameters in the header | its own |
 //! | position | the middle of the first sample's count | that of the last row |
 //! | pressures | those of the first sample | those of the last row |
@@ -22,6 +22,7 @@ use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::test_lines;
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::encoder;
 
 use crate::evaluation::refuse_other_rig;
 use crate::replay::parameters::Header;
@@ -68,13 +69,13 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
     if let Some(test) = test.filter(|test| test.moves().iter().any(|next| next.profile != Profile::Step)) {
         refuse_other_moves(&test, rig)?;
         notes.insert(0, format!("the initial state is that of {name}; its moves are those of the rig"));
-        let start = start_of(file, first)?;
-        return Ok(Taken { rig: with_gains.with_test(&start.settings(Some(rig)))?, notes });
+        let start = start_of(file, first, rig)?;
+        return Ok(Taken { rig: with_gains.with_settings(&start.settings(Some(rig)))?, notes });
     }
     let moves = moves_of(&config, &recorded, first)?;
     let all: Vec<(f64, i32)> =
         moves.iter().map(|one| (f64::from(one.at_sample) * period_s, one.target)).collect();
-    let start = start_of(file, first)?;
+    let start = start_of(file, first, rig)?;
     let duration_s = period_s * (recorded.len() - 1).max(1) as f64;
     notes.insert(0, format!("{} moves and the initial state are those of {name}", all.len()));
     let test = test_of(&all, duration_s, &start, rig);
@@ -83,20 +84,28 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
 
 /// Refuses a record whose moves have profiles that the test of the rig does not have: a list of moves cannot say them.
 fn refuse_other_moves(test: &Sequence, rig: &Rig) -> Result<()> {
-    if test.moves() != rig.sequence().moves() {
+    let own = rig.sequence();
+    if test.moves() != own.moves() {
         bail!(
-            "its moves have profiles and are not those of the rig file: give the [test] that was run, with --test"
+            "its moves have profiles and are not those of the rig file: give the [test] that was run, with --test or --set"
+        );
+    }
+    if test.round() != own.round() {
+        bail!(
+            "its moves repeat every {} samples, those of the rig file every {} (0: never): set test.repeat_every_s as it was run",
+            test.round(),
+            own.round()
         );
     }
     Ok(())
 }
 
-/// The state of a drive at the first sample of its record.
-fn start_of(file: &TargetFile, first: RecordedSample) -> Result<Start> {
+/// The state of a drive at the first sample of its record: in the middle of its count.
+fn start_of(file: &TargetFile, first: RecordedSample, rig: &Rig) -> Result<Start> {
     let [offset, scale] = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
     let pressure = |raw: i16| offset + scale * f64::from(raw);
     Ok(Start {
-        position_m: 1e-3 * file.positive("mm_per_count")? * (f64::from(first.position) + 0.5),
+        position_m: 1e-3 * file.positive("mm_per_count")? * encoder::middle(rig, f64::from(first.position)),
         pressures_pa: [pressure(first.pressure_1), pressure(first.pressure_2)],
         temperatures_k: None,
     })

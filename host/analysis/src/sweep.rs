@@ -14,7 +14,7 @@
 //! | [`execution`] | the points on all cores |
 //! | [`choice`] | which points are allowed and which is best |
 //! | `parquet` | the result with types, if it was built with that |
-//! | [`report`] | the page |
+//! | [`report`], [`numbers`] | the page, and the figures for other programs |
 
 pub mod axis;
 pub mod choice;
@@ -22,6 +22,7 @@ pub mod execution;
 pub mod file;
 pub mod journal;
 pub mod metric;
+pub mod numbers;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod point;

@@ -8,11 +8,13 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`behaviour`] | what the gains do beside the goal: the step along the stroke, sines |
 //! | [`gains`] | the design variables, in units that suit every rig, and the keys that they set |
 //! | [`fixed`] | which keys a user may fix |
 //! | [`goal`] | the goal of a step, and the cost of a run |
 //! | [`spread`] | the rigs that the drive may turn out to be, and the positions and directions of its steps |
 //! | [`stroke`] | the step at five positions of the stroke |
+//! | [`tracking`] | sines with the gains that were found, and what limits how they are followed |
 //! | [`trial`] | the step on a rig |
 //! | [`mod@search`] | differential evolution |
 //! | [`drive`] | candidates on many rigs, and how far that is |
@@ -22,6 +24,7 @@
 //!
 //! The same seed finds the same gains, whatever the number of threads.
 
+pub mod behaviour;
 mod design_variable;
 pub mod drive;
 pub mod fixed;
@@ -33,10 +36,12 @@ pub mod report;
 pub mod search;
 pub mod spread;
 pub mod stroke;
+pub mod tracking;
 pub mod trial;
 
 use anyhow::Result;
 
+pub use behaviour::Behaviour;
 pub use drive::{Progress, Stage};
 pub use gains::{Optimum, Space};
 pub use goal::{Goal, Performance};
@@ -44,6 +49,7 @@ pub use limiting_imperfection::LimitingImperfection;
 pub use proportion::Proportion;
 pub use spread::{Relative, Variant};
 
+use crate::wanted::Wanted;
 use drive::{Drive, Meter};
 use search::Budget;
 
@@ -69,12 +75,18 @@ pub struct Task {
 }
 
 impl Task {
+    /// The same without a search, judged on one draw: how long its runs take tells how long those of all take at most.
+    #[must_use]
+    pub fn taste(&self) -> Task {
+        Task { draws: 1, budget: Budget { generations: 0, ..self.budget }, ..self.clone() }
+    }
+
     /// Runs that it takes at most: no candidate is given up early, and every suspect is looked at.
     ///
     /// # Errors
     /// When the rig has no gains to look for.
     pub fn max_runs(&self) -> Result<usize> {
-        let drive = Drive::of(self, &[])?;
+        let drive = Drive::of(self, &[], Wanted::ALWAYS)?;
         let each = spread::tuned_on(&self.spread, self.budget.seed).len();
         let finalists = (FINALISTS + 1) * (each + trial::NEIGHBOURS);
         let of_suspect = limiting_imperfection::budget(&self.budget).runs(each) + each + self.draws;
@@ -151,9 +163,26 @@ const FINALISTS: usize = 3;
 ///
 /// # Errors
 /// When the rig has no gains to look for, a key cannot be held, or the step does not fit into its stroke.
-pub fn tune(task: &Task, mut progress: impl FnMut(Progress) + Send) -> Result<Tuned> {
+pub fn tune(task: &Task, progress: impl FnMut(Progress) + Send) -> Result<Tuned> {
+    tuned(task, progress, Wanted::ALWAYS)
+}
+
+/// The same, as long as it is `wanted`: None once it is not.
+///
+/// # Errors
+/// As [`tune`].
+pub fn tune_while(
+    task: &Task,
+    progress: impl FnMut(Progress) + Send,
+    wanted: Wanted<'_>,
+) -> Result<Option<Tuned>> {
+    let tuned = tuned(task, progress, wanted)?;
+    Ok(wanted.now().then_some(tuned))
+}
+
+fn tuned(task: &Task, mut progress: impl FnMut(Progress) + Send, wanted: Wanted<'_>) -> Result<Tuned> {
     fixed::check(task)?;
-    let drive = Drive::of(task, &[])?;
+    let drive = Drive::of(task, &[], wanted)?;
     let (tuned_on, fresh) = (
         spread::tuned_on(&task.spread, task.budget.seed),
         spread::fresh(&task.spread, task.budget.seed, task.draws),

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 
 use crate::transient::{POSITION, Transient};
@@ -14,7 +15,7 @@ const STOP_GIVES_MM: f64 = 3.0;
 /// # Errors
 /// When its encoder counts otherwise, or the drive was where the rig has no stroke.
 pub fn refuse_other_rig(transient: &Transient, rig: &Rig) -> Result<()> {
-    let [counted, counts] = [transient.mm_per_count, rig.get(&keys::encoder::MM_PER_COUNT)];
+    let [counted, counts] = [transient.mm_per_count, mm_per_count(rig)];
     let (name, test) = (rig.name(), &transient.name);
     if (counted / counts - 1.0).abs() > 1e-6 {
         bail!("{test} does not belong to {name}: its encoder has {counted} mm per count, not {counts}");

@@ -17,6 +17,7 @@ use super::limits::Limit;
 use super::parameter::Parameter;
 use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
 use crate::parallel;
+use crate::wanted::{CALLED_OFF, Wanted};
 
 /// What u = 1 is of a quantity of an initial state, counts; its prior standard deviation.
 const COUNTS: f64 = 10.0;
@@ -51,6 +52,8 @@ pub(super) struct Model<'a> {
     pub share: f64,
     /// Whether the search is fine: derivatives from differences to both sides.
     pub fine: bool,
+    /// Whether somebody waits for the fit.
+    pub wanted: Wanted<'a>,
     /// Runs of a recording so far, counted together with those of its copies.
     runs: Arc<AtomicUsize>,
 }
@@ -86,6 +89,7 @@ impl<'a> Model<'a> {
             noise: first_noise(recordings),
             share: 1.0,
             fine: false,
+            wanted: Wanted::ALWAYS,
             runs: Arc::default(),
         }
     }
@@ -143,6 +147,7 @@ impl<'a> Model<'a> {
     }
 
     fn try_to_follow(&self, job: &Job<'_>) -> Result<DVector<f64>> {
+        ensure!(self.wanted.now(), CALLED_OFF);
         let recording = &self.recordings[job.recording];
         self.runs.fetch_add(1, Ordering::Relaxed);
         let start = self.start_at(job.u, job.recording);

@@ -17,6 +17,7 @@
 
 use anyhow::{Result, bail};
 use pneudrive_controller::{Command, drive};
+use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::component::operator;
 use pneudrive_sim::follow::Timing;
 use pneudrive_sim::keys;
@@ -115,8 +116,8 @@ pub fn test(rig: &Rig, position: f64, (_, rest, strokes): Test) -> Result<Rig> {
 
 /// A start on the edge of a count is ill-defined.
 fn middle_of_count(rig: &Rig, position: f64) -> f64 {
-    let pulse = 1e-3 * rig.get(&keys::encoder::MM_PER_COUNT);
-    ((position / pulse).floor() + 0.5) * pulse
+    let pulse = 1e-3 * mm_per_count(rig);
+    encoder::middle(rig, encoder::count_at(rig, position / pulse)) * pulse
 }
 
 /// Counts of a converter as those of the rig's drive stage.

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::Rig;
-use pneudrive_sim::keys;
+use pneudrive_sim::component::encoder::{self, mm_per_count};
 
 use super::moves;
 use super::recording::Recording;
@@ -77,7 +77,8 @@ struct Plan<'a, B> {
 
 impl<B: Bench> Plan<'_, B> {
     fn run(mut self) -> Result<Recorded> {
-        let position = (f64::from(self.count) + 0.5) * 1e-3 * self.open.get(&keys::encoder::MM_PER_COUNT);
+        let middle = encoder::middle(self.open, f64::from(self.count));
+        let position = middle * 1e-3 * mm_per_count(self.open);
         let open = self.open;
         let test = |test: moves::Test| Ok((test.0, moves::test(open, position, test)?));
         let movement = test(moves::MOVEMENT)?;
@@ -143,7 +144,7 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
             Ok(())
         }
         (..=UNMOVED, 0) => bail!(
-            "the drive retracts by {} counts on a command to extend, and the pressures vary too much beforehand to show why: swap the tubes of the valve's ports, or change encoder.polarity, and start again",
+            "the drive retracts by {} counts on a command to extend, and the pressures vary too much beforehand to show why: swap the tubes of the valve's ports, or turn the encoder (encoder.polarity, or the wiring of one that is absolute), and start again",
             -way
         ),
         (..=UNMOVED, ..=-1) => bail!(
@@ -151,7 +152,7 @@ fn check_movement(samples: &[(i32, RecordedSample)]) -> Result<()> {
             -way
         ),
         (..=UNMOVED, 1..) => bail!(
-            "the encoder counts down by {} while chamber 1 pushes the piston out; change encoder.polarity and start again",
+            "the encoder counts down by {} while chamber 1 pushes the piston out; change encoder.polarity, or the wiring of one that is absolute, and start again",
             -way
         ),
         (MOVED.., ..=-1) => bail!(

@@ -1,5 +1,7 @@
 //! A TARGET file as a fit takes it: the commands, and what counts of each channel.
 
+mod encoder;
+
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::Command;
 use pneudrive_controller::parameters::id;
@@ -13,6 +15,8 @@ use pneudrive_sim::{Accuracy, Rig};
 
 use crate::replay::parameters::Header;
 use crate::replay::samples;
+
+use encoder::independent;
 
 /// What is compared, and in what unit it is shown.
 pub const CHANNELS: [(&str, &str); 4] =
@@ -155,14 +159,14 @@ impl Recording {
         if recorded.len() < FEWEST_OF_A_RECORD {
             bail!("it has {} samples; a fit needs at least {FEWEST_OF_A_RECORD}", recorded.len());
         }
-        let rest = samples_at_rest(&recorded, counts_of_yield(rig))?;
+        let rest = samples_at_rest(&recorded, counts_of_yield(rig) + encoder::noise(rig))?;
         let converters = Converters {
             full_scale: f64::from((1u32 << parameter(id::SENSOR_BITS)) - 1),
             rest,
             dithered: rig.get(&keys::operator::MODEL).is_solenoid()
                 && rig.get(&keys::dither::DITHER_MM) > 0.0,
         };
-        let mut channels = converters.channels(file, &recorded)?;
+        let mut channels = converters.channels(file, &recorded, rig)?;
         if let Some(missing) = ["pressure_1", "pressure_2"].iter().find(|name| file.is_unknown(name)) {
             bail!("the log that it was imported from has no {missing}; a fit needs both pressures");
         }
@@ -232,14 +236,24 @@ struct Converters {
 }
 
 impl Converters {
-    fn channels(&self, file: &TargetFile, recorded: &[RecordedSample]) -> Result<[Channel; CHANNELS.len()]> {
+    fn channels(
+        &self,
+        file: &TargetFile,
+        recorded: &[RecordedSample],
+        rig: &Rig,
+    ) -> Result<[Channel; CHANNELS.len()]> {
         let pressure = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
         let spool = [1e-3 * file.number("spool_offset_mm")?, 1e-3 * file.positive("spool_scale_mm")?];
         let counts = |of: fn(&RecordedSample) -> i32| -> Vec<f64> {
             recorded.iter().map(|sample| f64::from(of(sample))).collect()
         };
         Ok([
-            encoder(counts(|sample| sample.position), 1e-3 * file.positive("mm_per_count")?),
+            encoder::channel(
+                counts(|sample| sample.position),
+                1e-3 * file.positive("mm_per_count")?,
+                |readings| Rest::of(&readings[..self.rest], self.dithered),
+                rig,
+            ),
             self.channel(counts(|sample| sample.pressure_1.into()), pressure),
             self.channel(counts(|sample| sample.pressure_2.into()), pressure),
             self.channel(counts(|sample| sample.spool.into()), spool),
@@ -260,66 +274,6 @@ impl Converters {
 fn command(sample: &RecordedSample, stepper: bool) -> Command {
     let step = if stepper { (sample.command - sample.spool).signum() as i8 } else { 0 };
     Command { counts: sample.command, step, drive_enable: true }
-}
-
-fn encoder(measured: Vec<f64>, pulse: f64) -> Channel {
-    Channel {
-        taken: independent(&measured, HALF_WIDTH),
-        rest: Rest::default(),
-        measured,
-        // The middle of what a count stands for.
-        offset: 0.5 * pulse,
-        scale: pulse,
-    }
-}
-
-/// Samples whose rounding has nothing to do with one another: the drive has moved on by one to two counts
-/// since the last one. How far it moved is told by a mean speed, and the distance differs from sample to
-/// sample; if a change of the count itself chose the sample, a slow drive would always stand just behind an
-/// edge. A rest gives one sample, in its middle; a drive that is about to break away, and has a speed by what comes
-/// next, is still at that rest.
-fn independent(counts: &[f64], reach: usize) -> Vec<usize> {
-    let speed = |k: usize| {
-        let (from, to) = (k.saturating_sub(reach), (k + reach).min(counts.len() - 1));
-        (counts[to] - counts[from]).abs() / (to - from).max(1) as f64
-    };
-    let (mut moved, mut distance, mut rest) = (0.0, first_distance(counts), 0);
-    let mut taken: Vec<usize> = Vec::new();
-    let take = |taken: &mut Vec<usize>, k: usize| {
-        let stands = |last: &usize| counts[*last..=k].iter().all(|count| *count == counts[k]);
-        if !taken.last().is_some_and(stands) {
-            taken.push(k);
-        }
-    };
-    for k in 0..counts.len() {
-        let speed = speed(k);
-        if speed > 0.0 {
-            if rest > 2 * reach {
-                take(&mut taken, k - rest / 2);
-            }
-            rest = 0;
-            moved += speed;
-        } else {
-            rest += 1;
-        }
-        if moved >= distance {
-            take(&mut taken, k);
-            moved = 0.0;
-            // The fractions of the golden ratio's multiples fill the range from 1 to 2 evenly.
-            distance = 1.0 + (distance + GOLDEN) % 1.0;
-        }
-    }
-    if rest > 2 * reach {
-        take(&mut taken, counts.len() - rest / 2 - 1);
-    }
-    taken
-}
-
-/// Where records of the same start begin with other distances: else the rounding of their first samples is the same, and
-/// no number of records averages it away.
-fn first_distance(counts: &[f64]) -> f64 {
-    let way: f64 = counts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
-    1.0 + (GOLDEN * (way + counts.len() as f64)) % 1.0
 }
 
 #[cfg(test)]

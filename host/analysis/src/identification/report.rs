@@ -6,17 +6,18 @@ mod numbers;
 use anyhow::Result;
 use pneudrive_records::rig_text;
 use pneudrive_sim::follow::Reading;
+use pneudrive_sim::{Accuracy, Rig};
 use toml_edit::{DocumentMut, value};
 
 use super::causes::Explanation;
 use super::parameter::Parameter;
 use super::posterior::NORMAL_95;
-use super::recording::{CHANNELS, Channel, Recording, reading};
+use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
-use crate::page::{Curve, Figure, Look, Panel, Table};
+use crate::page::{Curve, Figure, Look, Page, Panel, Table};
 use judged::{Intervals, not_testable, rounded, suspicious};
 
-pub use numbers::to_json;
+pub use numbers::{read_off, to_json, with_error};
 
 /// First line of a fitted rig file: a file with it may be replaced.
 pub const FITTED_MARK: &str = "# Fitted by pneudrive identify";
@@ -219,6 +220,41 @@ pub fn notes(found: &Identification) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// The page; `read_off` is what the records show without a model of the air.
+#[must_use]
+pub fn page(
+    rig: &Rig,
+    recordings: &[Recording],
+    accuracy: Accuracy,
+    found: &Identification,
+    read_off: Table,
+) -> Page {
+    let overlay = |(recording, start): (&Recording, &[f64; STARTS])| {
+        let follow = |rig: &Rig| -> Result<_> {
+            let started = rig.with_numbers(&recording.start(*start))?;
+            recording.follow(&started, accuracy, recording.commands.len())
+        };
+        Some(figure(recording, &follow(rig).ok()?, &follow(&found.rig).ok()?))
+    };
+    Page {
+        title: format!("{}, identified", rig.name()),
+        notes: notes(found),
+        tables: tables(found).into_iter().chain([read_off]).collect(),
+        figures: recordings.iter().zip(&found.starts).filter_map(overlay).collect(),
+    }
+}
+
+/// Why a fit is refused, if it is.
+#[must_use]
+pub fn refusal(found: &Identification) -> Option<String> {
+    let rig = found.rig.name();
+    match (found.fits, found.spectrum.is_testable()) {
+        (true, _) => None,
+        (false, true) => Some(format!("the model of {rig} does not explain the transients")),
+        (false, false) => Some(format!("the transients have too few samples to judge the model of {rig}")),
+    }
 }
 
 /// A record with the model before and after the fit, and the residuals.

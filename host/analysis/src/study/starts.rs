@@ -13,6 +13,7 @@
 
 use anyhow::{Context, Result};
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Value, builtin};
 
@@ -41,7 +42,7 @@ pub fn at_start(variant: &Variant, start: usize) -> Result<Rig> {
 
 /// The settings that move the test of a rig.
 fn moved(rig: &Rig, start: usize) -> Vec<String> {
-    let pulse_mm = rig.get(&keys::encoder::MM_PER_COUNT);
+    let pulse_mm = mm_per_count(rig);
     // Whole counts: the drive keeps its place between two of them.
     let counts = (MAX_OFFSET_MM * (2.0 * reversed(start, 2) - 1.0) / pulse_mm).round();
     let position_m = rig.get(&keys::test::POSITION_M) + 1e-3 * pulse_mm * counts;

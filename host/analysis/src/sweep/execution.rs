@@ -74,6 +74,14 @@ pub fn run_points(
         progress(finished);
         Ok(())
     };
+    each_point(sweep, todo, keep)
+}
+
+/// Runs these points, and gives the row of each to `keep` when it comes. After an error no point is begun.
+///
+/// # Errors
+/// The first one of `keep`.
+pub fn each_point(sweep: &Sweep, todo: &[usize], keep: impl FnMut(Row) -> Result<()> + Send) -> Result<()> {
     let points = Points::of(sweep);
     parallel::each(todo, |point| points.run(*point), keep)
 }

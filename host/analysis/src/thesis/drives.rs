@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use anyhow::{Context, Result};
 use pneudrive_sim::component::controller;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::builtin;
 use pneudrive_sim::trace::Row;
@@ -64,7 +65,7 @@ pub(super) fn median(values: &[f64]) -> f64 {
 /// Position with its setpoint, and the chamber pressures of a run.
 pub(super) fn step_charts(title: &str, rig: &Rig, run: &Run) -> [Chart; 2] {
     let time = column(run, |row| row.time);
-    let pulse_mm = rig.get(&keys::encoder::MM_PER_COUNT);
+    let pulse_mm = mm_per_count(rig);
     let line = |name: &str, of: &dyn Fn(&Row) -> f64| Line::new(name, &time, &column(run, of));
     let mut position = vec![line("position", &|row| 1e3 * row.plant.position)];
     if rig.get(&keys::controller::LOOP) == controller::Loop::Closed {

@@ -1,7 +1,8 @@
 //! The transient of a run that has not been written.
 
 use pneudrive_sim::component::controller::Loop;
-use pneudrive_sim::keys::{controller, encoder};
+use pneudrive_sim::component::encoder::mm_per_count;
+use pneudrive_sim::keys::controller;
 use pneudrive_sim::trace::Row;
 use pneudrive_sim::{Rig, Run};
 
@@ -12,7 +13,7 @@ impl Transient {
     #[must_use]
     pub fn of_simulation(name: &str, rig: &Rig, run: &Run) -> Transient {
         let column = |of: &dyn Fn(&Row) -> f64| run.rows.iter().map(of).collect::<Vec<f64>>();
-        let mm_per_count = rig.get(&encoder::MM_PER_COUNT);
+        let mm_per_count = mm_per_count(rig);
         let asked = if rig.get(&controller::LOOP) == Loop::Open { f64::NAN } else { mm_per_count };
         let [v, a] = [&controller::VELOCITY_WINDOW_SAMPLES, &controller::ACCELERATION_WINDOW_SAMPLES];
         Transient {

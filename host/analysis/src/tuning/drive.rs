@@ -1,11 +1,12 @@
 //! Candidates on many rigs, with their progress.
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 
 use super::search::{Budget, Outcome, search};
 use super::trial::{NEIGHBOURS, Trial};
 use super::{Found, Performance, Space, Task, Variant, fixed};
 use crate::parallel;
+use crate::wanted::{CALLED_OFF, Wanted};
 
 /// What a tuning is at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,10 +19,12 @@ pub enum Stage {
     Draws,
     /// Looks for what is in the way.
     Obstacles,
+    /// Follows sines with what was found.
+    Sines,
 }
 
 impl Stage {
-    /// All of them, in their order.
+    /// Those of the search, in their order.
     pub const ALL: [Stage; 4] = [Stage::Search, Stage::Finalists, Stage::Draws, Stage::Obstacles];
 }
 
@@ -56,7 +59,7 @@ impl<'a> Meter<'a> {
     }
 
     /// So many more runs of the stage need not be made any more.
-    fn done(&mut self, runs: usize) {
+    pub fn done(&mut self, runs: usize) {
         self.at.done += runs;
         (self.tell)(self.at);
     }
@@ -71,14 +74,25 @@ pub(super) struct Drive<'a> {
     pub task: &'a Task,
     pub trial: Trial,
     pub space: Space,
+    /// Whether it is still to be tuned.
+    pub wanted: Wanted<'a>,
 }
 
 impl Drive<'_> {
     /// The rig of a task; `more` keys are set.
-    pub fn of<'a>(task: &'a Task, more: &[String]) -> Result<Drive<'a>> {
+    pub fn of<'a>(task: &'a Task, more: &[String], wanted: Wanted<'a>) -> Result<Drive<'a>> {
         let trial = Trial::of(task, more)?;
         let space = Space::of(&trial.rig, task.goal.settled_mm, &fixed::keys(task))?;
-        Ok(Drive { task, trial, space })
+        Ok(Drive { task, trial, space, wanted })
+    }
+
+    /// The step with these gains on a variant of the rig, if that is still wanted.
+    fn run(&self, settings: &[String], variant: &Variant) -> Performance {
+        if self.wanted.now() {
+            self.trial.run(settings, variant)
+        } else {
+            Performance::failed(CALLED_OFF.to_owned())
+        }
     }
 
     /// The last generation of a search; of none, nothing.
@@ -121,7 +135,7 @@ impl Drive<'_> {
             let mut cost = Cost { mean: 0.0, given_up_at: None, runs: 0 };
             for (place, variant) in variants.iter().enumerate() {
                 cost.runs += 1;
-                let of_one = self.trial.run(&settings, variant).cost(&self.task.goal);
+                let of_one = self.run(&settings, variant).cost(&self.task.goal);
                 cost.mean += of_one / variants.len() as f64;
                 if cost.mean > *limit + ROUNDING {
                     cost.given_up_at = Some(place);
@@ -142,7 +156,8 @@ impl Drive<'_> {
         let settings = shares.map_or_else(Vec::new, |shares| self.space.settings(shares));
         let places = shares.map_or_else(Vec::new, |shares| self.space.places(shares));
         let performances = self.judged(&settings, tuned_on, meter);
-        let neighbours = self.trial.neighbours(&settings);
+        let neighbours =
+            if self.wanted.now() { self.trial.neighbours(&settings) } else { Err(anyhow!(CALLED_OFF)) };
         meter.runs += NEIGHBOURS;
         meter.done(NEIGHBOURS);
         let neighbours = neighbours.unwrap_or_else(|error| vec![Performance::failed(format!("{error:#}"))]);
@@ -151,7 +166,7 @@ impl Drive<'_> {
 
     /// Gains on every variant.
     pub fn judged(&self, settings: &[String], variants: &[Variant], meter: &mut Meter) -> Vec<Performance> {
-        let run = |variant: &Variant| self.trial.run(settings, variant);
+        let run = |variant: &Variant| self.run(settings, variant);
         let performances = parallel::map(variants, run, |_| meter.done(1));
         meter.runs += variants.len();
         performances

@@ -15,6 +15,7 @@
 
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::component::{controller, operator};
 use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys;
@@ -193,7 +194,7 @@ impl Space {
     }
 
     fn mm(&self) -> f64 {
-        self.rig.get(&keys::encoder::MM_PER_COUNT)
+        mm_per_count(&self.rig)
     }
 
     /// The command that opens the valve fully, counts.

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::operator;
+use pneudrive_sim::component::{encoder, operator};
 use pneudrive_sim::keys;
 
 use super::drive::{Drive, Meter, Stage};
@@ -26,7 +26,7 @@ pub fn budget(of_search: &Budget) -> Budget {
 /// When there is no such rig.
 pub(super) fn search(
     task: &Task,
-    drive: &Drive,
+    drive: &Drive<'_>,
     start: &[Vec<f64>],
     [tuned_on, fresh]: [&[Variant]; 2],
     meter: &mut Meter,
@@ -35,7 +35,7 @@ pub(super) fn search(
     let each = budget.runs(tuned_on.len()) + tuned_on.len() + fresh.len();
     meter.begin(Stage::Obstacles, suspects.len() * each);
     let found = |suspect: Suspect| {
-        let without = Drive::of(task, &suspect.settings)?;
+        let without = Drive::of(task, &suspect.settings, drive.wanted)?;
         let outcome = without.search(&budget, start, tuned_on, meter);
         let settings = without.space.settings(&outcome.population[0]);
         let places = without.space.places(&outcome.population[0]);
@@ -131,8 +131,18 @@ fn of_load(rig: &Rig) -> Vec<Suspect> {
 
 fn of_sampling(rig: &Rig) -> Vec<Suspect> {
     let periods = ["controller.delay_s", "controller.period_s"].map(|key| times(rig, key, 0.25));
-    vec![
-        suspect("an encoder four times as fine", vec![times(rig, "encoder.mm_per_count", 0.25)]),
-        suspect("four times as many samples", periods.to_vec()),
-    ]
+    let finer = finer_encoder(rig).map(|settings| suspect("an encoder four times as fine", settings));
+    finer.into_iter().chain([suspect("four times as many samples", periods.to_vec())]).collect()
+}
+
+/// The keys of an encoder four times as fine; None where its word would have more bits than there are.
+fn finer_encoder(rig: &Rig) -> Option<Vec<String>> {
+    let bits = encoder::bits(rig) + 2;
+    let wider = (bits <= encoder::MOST_BITS).then(|| format!("encoder.bits={bits}"));
+    let shorter = times(rig, "encoder.mm_per_count", 0.25);
+    match rig.get(&keys::encoder::MODEL) {
+        encoder::Model::Quadrature => Some(vec![shorter]),
+        encoder::Model::Potentiometer => Some(vec![wider?]),
+        encoder::Model::Ssi => Some(vec![shorter, wider?]),
+    }
 }

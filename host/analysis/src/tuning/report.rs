@@ -1,6 +1,8 @@
 //! The results of a tuning: the page, its notes, and the rig file.
 
 pub mod figures;
+mod numbers;
+pub mod sines;
 pub mod tables;
 
 use std::path::Path;
@@ -8,26 +10,35 @@ use std::path::Path;
 use anyhow::Result;
 use pneudrive_records::rig_text;
 
-use super::stroke::AtPlace;
 use super::trial::Trial;
-use super::{Found, Goal, Proportion, Space, Task, Tuned};
-use crate::page::Page;
+use super::{Behaviour, Found, Goal, Proportion, Space, Task, Tuned};
+use crate::page::{Figure, Library, Page, Table};
+
+pub use numbers::to_json;
 
 /// Writes the page: the fresh draws first.
 ///
 /// # Errors
 /// When the step cannot be simulated, or the page cannot be written.
-pub fn write_page(task: &Task, tuned: &Tuned, steps: &[AtPlace], path: &Path) -> Result<()> {
+pub fn write_page(
+    task: &Task,
+    tuned: &Tuned,
+    behaviour: &Behaviour,
+    path: &Path,
+    library: Library,
+) -> Result<()> {
+    let (page, draws) = page(task, tuned, behaviour)?;
+    page.write_led_by(path, &draws, library)
+}
+
+/// The page, and the figure that leads it: the fresh draws.
+///
+/// # Errors
+/// When the step cannot be simulated.
+pub fn page(task: &Task, tuned: &Tuned, behaviour: &Behaviour) -> Result<(Page, Figure)> {
     let trial = Trial::of(task, &[])?;
     let goal = &task.goal;
-    let mut tables = vec![
-        tables::judged(tuned, goal),
-        tables::neighbours(tuned, goal),
-        tables::along_the_stroke(steps, goal),
-    ];
-    if !tuned.obstacles.is_empty() {
-        tables.push(tables::obstacles(&tuned.obstacles, goal));
-    }
+    let mut tables = shown(tuned, behaviour, goal);
     if tuned.is_changed() {
         tables.extend([tables::gains(&trial, tuned), tables::places(tuned)]);
     }
@@ -36,19 +47,33 @@ pub fn write_page(task: &Task, tuned: &Tuned, steps: &[AtPlace], path: &Path) ->
     let search = (!tuned.progress.is_empty()).then(|| figures::search(tuned));
     let page = Page {
         title: format!("{}: gains for a step of {} mm", trial.rig.name(), goal.step_mm),
-        notes: notes(task, tuned).into_iter().chain([asked(task, &trial, tuned)]).collect(),
+        notes: [notes(task, tuned), sines::notes(&trial, behaviour), vec![asked(task, &trial, tuned)]]
+            .concat(),
         tables,
-        figures: [
-            Some(figures::places(&trial, tuned, goal)),
-            profile,
-            Some(figures::step(&trial, tuned)),
-            search,
-        ]
-        .into_iter()
-        .flatten()
-        .collect(),
+        figures: [Some(figures::places(&trial, tuned, goal)), profile, Some(figures::step(&trial, tuned))]
+            .into_iter()
+            .flatten()
+            .chain(sines::figures(&trial, behaviour))
+            .chain(search)
+            .collect(),
     };
-    page.write_led_by(path, &figures::draws(task, &trial, tuned))
+    Ok((page, figures::draws(task, &trial, tuned)))
+}
+
+/// The tables of the results: the fresh draws first.
+#[must_use]
+pub fn shown(tuned: &Tuned, behaviour: &Behaviour, goal: &Goal) -> Vec<Table> {
+    let mut tables = vec![
+        tables::judged(tuned, goal),
+        tables::neighbours(tuned, goal),
+        tables::along_the_stroke(&behaviour.steps, goal),
+        sines::errors(&behaviour.sines),
+        sines::shares(&behaviour.sines),
+    ];
+    if !tuned.obstacles.is_empty() {
+        tables.push(tables::obstacles(&tuned.obstacles, goal));
+    }
+    tables
 }
 
 /// The verdict and its qualifications, a few sentences each.

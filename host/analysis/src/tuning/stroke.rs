@@ -2,11 +2,14 @@
 
 use anyhow::Result;
 
-use super::trial::Trial;
+use super::trial::{NEIGHBOURS, Trial};
 use super::{Performance, Task, Tuned, Variant};
 
 /// Parts of the way that the drive has besides the step.
 const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Runs that it takes at most.
+pub(super) const RUNS: usize = PLACES.len() * NEIGHBOURS;
 
 /// The step at a place.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,14 +1,17 @@
 mod holding;
 mod message;
 mod places;
+mod tracking;
 
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::encoder;
 use pneudrive_sim::rig::{BUILTIN, builtin};
 
 use super::gains::Space;
 use super::trial::Trial;
 use super::*;
 use crate::evaluation::{Doubt, LimitCycle, Move, Oscillation};
+use crate::wanted::Wanted;
 
 const GOAL: Goal = Goal { step_mm: 60.0, settled_mm: 0.05, overshoot_percent: 1.0, time_s: 1.5 };
 
@@ -173,13 +176,42 @@ fn a_rig_without_one_of_its_imperfections_is_a_rig() {
     }
 }
 
+/// Whatever encoder it has.
+#[test]
+fn an_encoder_four_times_as_fine_has_counts_a_quarter_as_long() {
+    let quadrature: &[&str] = &[];
+    let models = [
+        quadrature,
+        &["encoder.model=ssi", "encoder.bits=16"],
+        &[
+            "encoder.model=potentiometer",
+            "encoder.bits=12",
+            "encoder.zero_mm=-5",
+            "encoder.range_mm=400",
+            "test.moves=[[0.0, 1000]]",
+        ],
+    ];
+    for settings in models {
+        let settings: Vec<String> = settings.iter().map(|&one| one.to_owned()).collect();
+        let rig_b = rig("servo-b", &settings);
+        let suspects = limiting_imperfection::suspects(&rig_b);
+        let finer = suspects.iter().find(|one| one.what.contains("encoder")).expect("a finer encoder");
+        let finer = rig("servo-b", &[settings.clone(), finer.settings.clone()].concat());
+        let ratio = encoder::mm_per_count(&finer) / encoder::mm_per_count(&rig_b);
+        assert!((ratio - 0.25).abs() < 1e-4, "{settings:?}: {ratio}");
+    }
+    let widest = ["encoder.model=ssi", "encoder.bits=30"].map(str::to_owned);
+    let suspects = limiting_imperfection::suspects(&rig("servo-b", &widest));
+    assert!(suspects.iter().all(|one| !one.what.contains("encoder")), "there is no finer one");
+}
+
 /// Else a rig without one of its imperfections is judged with gains for another one.
 #[test]
 fn genes_of_a_rig_with_another_encoder_or_period_are_in_its_own_counts_and_samples() {
     let task = task("servo-b", &[]);
     let gain = |more: &[&str], key: &str| {
         let more: Vec<String> = more.iter().map(|&one| one.to_owned()).collect();
-        let drive = Drive::of(&task, &more).expect("a drive");
+        let drive = Drive::of(&task, &more, Wanted::ALWAYS).expect("a drive");
         let settings = drive.space.settings(&vec![0.4; drive.space.len()]);
         let value = settings.iter().find_map(|one| one.strip_prefix(&format!("{key}="))).expect("a gain");
         value.parse::<f64>().expect("a number")

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use pneudrive_records::judged::Spacing;
 use pneudrive_records::rig_text;
 use pneudrive_records::words::fault_name;
+use pneudrive_sim::component::encoder::{self, mm_per_count};
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::{Problems, RigFile};
 use pneudrive_sim::{Accuracy, Rig, Run};
@@ -20,12 +21,21 @@ use crate::transient::Transient;
 /// Runs of the file's rig and its neighbours.
 pub(super) const NEIGHBOURS: usize = 8;
 
-/// Before the step the drive holds for so long, s.
-const DWELL_S: f64 = 0.1;
+/// Before it moves the drive holds for so long, s.
+pub(super) const DWELL_S: f64 = 0.1;
 
 /// What a rig's own test says of moves, rows and records: the step has its own.
-const SCHEDULE: [&str; 7] =
-    ["moves", "targets", "repeat_every_s", "impulse", "trace_period_s", "decimation", "pre_trigger"];
+const SCHEDULE: [&str; 9] = [
+    "move",
+    "moves",
+    "targets",
+    "profile",
+    "repeat_every_s",
+    "impulse",
+    "trace_period_s",
+    "decimation",
+    "pre_trigger",
+];
 
 /// The neighbours that a finalist is checked with.
 fn spacing() -> Spacing {
@@ -54,6 +64,16 @@ struct Way {
     mm_per_count: f64,
     /// How long the drive has, there as well as back.
     time_s: f64,
+}
+
+/// What a drive is asked to do on a rig.
+pub(super) struct Course {
+    /// As `key=value`.
+    pub moves: String,
+    /// How long it takes, s.
+    pub duration_s: f64,
+    /// The first setpoint, counts. It starts half a count beside it, since a start on the edge of a count is ill-defined.
+    pub from: i64,
 }
 
 impl Trial {
@@ -93,8 +113,28 @@ impl Trial {
     /// Why it did not come to its end.
     pub fn transient(&self, gains: &[String], variant: &Variant) -> Result<(Transient, Vec<Move>), String> {
         let rig = self.rig_of(gains, variant).map_err(|problems| problems.to_string())?;
-        let measured = self.runners.run(&rig, Accuracy::of_draw(&rig), |run| self.measured(&rig, run));
+        self.measure(&rig, |run| self.measured(&rig, run))
+    }
+
+    /// What is measured of the run of a rig, as a draw.
+    pub(super) fn measure<T>(
+        &self,
+        rig: &Rig,
+        measure: impl FnOnce(&Run) -> Result<T, String>,
+    ) -> Result<T, String> {
+        let measured = self.runners.run(rig, Accuracy::of_draw(rig), |run| to_its_end(run, measure));
         measured.unwrap_or_else(|error| Err(error.to_string()))
+    }
+
+    /// What is measured of the runs of a rig and its neighbours, the rig first.
+    pub(super) fn measure_neighbours<T: Send>(
+        rig: &Rig,
+        measure: impl Fn(&Rig, &Run) -> Result<T, String> + Sync,
+    ) -> Result<Vec<Result<T, String>>> {
+        let measure = |rig: &Rig, run: &Run| to_its_end(run, |run| measure(rig, run));
+        let ensemble = run_ensemble(rig, Accuracy::of(rig), spacing(), measure, |_, _| {})?;
+        let failed = ensemble.nominal.lost.failed.into_iter().map(Err);
+        Ok(ensemble.measured.into_iter().chain(failed).collect())
     }
 
     /// The step on the rig of the file and on its neighbours, the rig of the file first.
@@ -111,12 +151,9 @@ impl Trial {
     /// When it cannot be simulated.
     pub fn neighbours_of(&self, gains: &[String], variant: &Variant) -> Result<Vec<Performance>> {
         let rig = self.rig_of(gains, variant)?;
-        let measure = |rig: &Rig, run: &Run| {
-            self.measured(rig, run).map_or_else(Performance::failed, |(_, moves)| self.performance(&moves))
-        };
-        let ensemble = run_ensemble(&rig, Accuracy::of(&rig), spacing(), measure, |_, _| {})?;
-        let failed = ensemble.nominal.lost.failed.into_iter().map(Performance::failed);
-        Ok(ensemble.measured.into_iter().chain(failed).collect())
+        let runs = Trial::measure_neighbours(&rig, |rig, run| self.measured(rig, run))?;
+        let performance = |(_, moves): (Transient, Vec<Move>)| self.performance(&moves);
+        Ok(runs.into_iter().map(|run| run.map_or_else(Performance::failed, performance)).collect())
     }
 
     /// The rig of the file with these gains.
@@ -140,6 +177,11 @@ impl Trial {
         self.way.setpoints(variant).map(|counts| counts as f64 * self.way.mm_per_count)
     }
 
+    /// Between which setpoints every step lies, counts.
+    pub(super) fn way_counts(&self) -> [i64; 2] {
+        [self.way.low, self.way.high]
+    }
+
     /// Between which positions every step lies, mm.
     #[must_use]
     pub fn way_mm(&self) -> [f64; 2] {
@@ -147,18 +189,37 @@ impl Trial {
     }
 
     fn measured(&self, rig: &Rig, run: &Run) -> Result<(Transient, Vec<Move>), String> {
-        if let Some((fault, k)) = run.fault {
-            return Err(format!("{} at sample {k}", fault_name(fault)));
-        }
         let transient = Transient::of_simulation("", rig, run);
         let moves = moves(&transient, &Motion::of(&transient), None, self.goal.settled_mm);
         Ok((transient, moves))
     }
 
     fn rig_of(&self, gains: &[String], variant: &Variant) -> Result<Rig, Problems> {
-        let own = variant.settings(&self.rig).into_iter().chain(self.way.step(variant));
+        self.rig_on(&self.way.step(variant), gains, variant)
+    }
+
+    /// A variant of the rig with these gains, whose test is this course.
+    pub(super) fn rig_on(
+        &self,
+        course: &Course,
+        gains: &[String],
+        variant: &Variant,
+    ) -> Result<Rig, Problems> {
+        let middle = encoder::middle(&self.rig, course.from as f64);
+        let own = variant.settings(&self.rig).into_iter().chain([
+            format!("test.duration_s={:?}", course.duration_s),
+            format!("test.position_m={:?}", middle * self.way.mm_per_count / 1e3),
+        ]);
         let settings: Vec<String> = self.settings.iter().chain(gains).cloned().chain(own).collect();
-        with_moves(&self.file, &settings, &self.way.moves(variant))
+        with_moves(&self.file, &settings, &course.moves)
+    }
+}
+
+/// What is measured of a run that comes to its end; of another one, its fault.
+fn to_its_end<T>(run: &Run, measure: impl FnOnce(&Run) -> Result<T, String>) -> Result<T, String> {
+    match run.fault {
+        Some((fault, k)) => Err(format!("{} at sample {k}", fault_name(fault))),
+        None => measure(run),
     }
 }
 
@@ -178,7 +239,7 @@ impl Way {
     /// Between the positions that are typed and the software ends; from the ends of the stroke a step keeps the
     /// distance that it may overshoot by, or settle within.
     fn of(rig: &Rig, task: &Task) -> Result<Way> {
-        let (mm, goal) = (rig.get(&keys::encoder::MM_PER_COUNT), &task.goal);
+        let (mm, goal) = (mm_per_count(rig), &task.goal);
         let clear_mm = goal.settled_mm.max(goal.step_mm * goal.overshoot_percent / 100.0);
         let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
         let [lowest, highest] = task.between_mm;
@@ -210,19 +271,13 @@ impl Way {
         if variant.extends { ends } else { [ends[1], ends[0]] }
     }
 
-    fn moves(&self, variant: &Variant) -> String {
+    fn step(&self, variant: &Variant) -> Course {
         let [from, to] = self.setpoints(variant);
         let (there, back) = (DWELL_S, DWELL_S + self.time_s);
-        format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]")
-    }
-
-    /// The rest of the test, as `key=value`: it starts half a count beside its first setpoint, since a start on the
-    /// edge of a count is ill-defined.
-    fn step(&self, variant: &Variant) -> [String; 2] {
-        let [from, _] = self.setpoints(variant);
-        [
-            format!("test.duration_s={:?}", DWELL_S + 2.0 * self.time_s),
-            format!("test.position_m={:?}", (from as f64 + 0.5) * self.mm_per_count / 1e3),
-        ]
+        Course {
+            moves: format!("test.moves=[[0.0, {from}], [{there:?}, {to}], [{back:?}, {from}]]"),
+            duration_s: DWELL_S + 2.0 * self.time_s,
+            from,
+        }
     }
 }

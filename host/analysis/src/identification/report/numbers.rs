@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::FORMAT;
 use super::judged::{Intervals, channels_not_testable, rounded_channels};
 use crate::identification::causes::Explanation;
+use crate::identification::figures::{Figure, Figures};
 use crate::identification::parameter::Parameter;
 use crate::identification::recording::{CHANNELS, Recording};
 use crate::identification::{ChannelFit, Estimate, Given, Identification, Share, Unseen};
@@ -89,4 +90,25 @@ fn channel(name: &str, fit: &ChannelFit) -> Value {
         "rms_after_counts": fit.after, "noise_counts": fit.noise,
         "correlation_of_neighbours": fit.correlation,
     })
+}
+
+/// What records show without a model of the air.
+#[must_use]
+pub fn read_off(figures: &Figures) -> Value {
+    let one = |figure: Option<Figure>| figure.map(with_error);
+    json!({
+        "stiction_n": figures.stiction.map(one),
+        "coulomb_n": figures.coulomb.map(one),
+        "viscous_n_s_per_m": one(figures.viscous),
+        "mass_kg": one(figures.mass),
+        "top_speed_m_s": figures.top_speed,
+        "top_acceleration_m_s2": figures.top_acceleration,
+        "hysteresis_mm": figures.hysteresis_mm,
+    })
+}
+
+/// A value with its standard error.
+#[must_use]
+pub fn with_error(figure: Figure) -> Value {
+    json!({ "value": figure.value, "standard_error": figure.error })
 }

@@ -4,6 +4,7 @@
 //! lie within 10 % of the file are compared with it: that part of the table is explained by unknown values.
 
 use anyhow::Result;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 use pneudrive_sim::{Rig, Run};
 
@@ -117,7 +118,7 @@ fn deviations() -> Result<Measured> {
 }
 
 fn of_drive(key: &str, rig: &Rig, own: &Run, draws: &[Run]) -> Vec<Reading> {
-    let pulse_m = 1e-3 * rig.get(&keys::encoder::MM_PER_COUNT);
+    let pulse_m = 1e-3 * mm_per_count(rig);
     let beside = |what: &str, decimals: usize, of: &dyn Fn(&pneudrive_sim::trace::Row) -> f64| {
         let values: Vec<f64> = draws.iter().map(|draw| apart(own, draw, of)).collect();
         let found = Found::Beside { value: median(&values), range: ends(&values), decimals };
@@ -223,8 +224,7 @@ fn drawn(key: &str, own: &Run, draws: &[Run]) -> Chart {
 
 fn part_of_stroke() -> Result<Measured> {
     let rig = rig("servo-b-thesis", &[])?;
-    let percent =
-        100.0 * 1523.0 * 1e-3 * rig.get(&keys::encoder::MM_PER_COUNT) / rig.get(&keys::actuator::STROKE_M);
+    let percent = 100.0 * 1523.0 * 1e-3 * mm_per_count(&rig) / rig.get(&keys::actuator::STROKE_M);
     Ok(Measured {
         readings: vec![Reading::exact("stroke", percent, 1, "C(42), C(14)")],
         ..Measured::default()

@@ -2,6 +2,7 @@
 
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 use pneudrive_sim::rig::Value;
 
@@ -15,14 +16,14 @@ use crate::tuning::{Goal, Task, Tuned, Variant};
 /// What is drawn of the file's rig, from top to bottom.
 const DRAWN: [usize; 3] = [POSITION, COMMAND, SPOOL];
 
-const BEFORE: &str = "#7f7f7f";
-const AFTER: &str = "#1f4e9c";
-const REQUIRED: &str = "#c0392b";
+pub(super) const BEFORE: &str = "#7f7f7f";
+pub(super) const AFTER: &str = "#1f4e9c";
+pub(super) const REQUIRED: &str = "#c0392b";
 const MET: &str = "#1f4e9c";
-const MISSED: &str = "#e08214";
+pub(super) const MISSED: &str = "#e08214";
 
 /// Of the samples of many runs every so manieth is drawn.
-const EVERY: usize = 3;
+pub(super) const EVERY: usize = 3;
 
 /// The steps of all fresh draws from their beginnings on: how far they have gone, and how close they come.
 #[must_use]
@@ -81,7 +82,7 @@ fn shown(curves: Vec<Curve>) -> Vec<Curve> {
 }
 
 /// A page holds many of them.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     (1e4 * value).round() / 1e4
 }
 
@@ -119,7 +120,7 @@ pub fn profile(trial: &Trial, tuned: &Tuned) -> Option<Figure> {
         found.push(("found", AFTER, zones(&rig)?));
     }
     let widest = found.iter().filter_map(|(_, _, zones)| zones.last()).map(|zone| zone.0).fold(0.0, f64::max);
-    let mm = trial.rig.get(&keys::encoder::MM_PER_COUNT);
+    let mm = mm_per_count(&trial.rig);
     let curve = |(name, colour, zones): &(&str, &'static str, Vec<(f64, f64)>)| {
         let shown = zones.iter().copied().chain(zones.last().map(|last| (2.0 * widest, last.1)));
         let (x, y): (Vec<f64>, Vec<f64>) = shown.map(|(from, gain)| (from.max(mm), gain)).unzip();
@@ -141,7 +142,7 @@ pub fn profile(trial: &Trial, tuned: &Tuned) -> Option<Figure> {
 /// Where each zone of a profile begins, mm, and its gain; None of a law without one.
 fn zones(rig: &Rig) -> Option<Vec<(f64, f64)>> {
     let Some(Value::Integers(entries)) = rig.value("controller.gain_profile") else { return None };
-    let span = rig.get(&keys::controller::PROFILE_SPAN_COUNTS) as f64 * rig.get(&keys::encoder::MM_PER_COUNT);
+    let span = rig.get(&keys::controller::PROFILE_SPAN_COUNTS) as f64 * mm_per_count(rig);
     let zones = entries.iter().enumerate().map(|(i, gain)| (i as f64 * span, *gain as f64));
     (rig.get(&keys::controller::LAW) == controller::Law::GainProfile).then(|| zones.collect())
 }
