@@ -1,0 +1,365 @@
+//! A model in the states of the standard (FMI 3.0, 4.2): what may be asked of it when.
+//!
+//! ```text
+//! instantiated --enter--> initialising --exit--> stepping --terminate--> terminated
+//!       ^_________________________reset, from any state________________________|
+//! ```
+//!
+//! Parameters may be set until the initialisation ends; the model is built when something is asked of it, or then. A step
+//! that fails leaves the instance in a state in which it can only be reset, or set back to a state that was kept.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::{Context, Result, bail};
+use pneudrive_sim::Rig;
+
+use crate::model::{Choices, Model};
+use crate::part::Part;
+use crate::signal::{Kind, Value};
+use crate::variable::{Role, Variable, variables};
+
+/// Where the rig file of an FMU is, below its resources.
+pub const RIG_FILE: &str = "rig.toml";
+
+/// One drive, or a part of one, as an importer has it.
+#[derive(Debug)]
+pub struct Instance {
+    fixed: Arc<Fixed>,
+    now: Now,
+    /// States that the importer keeps, by number.
+    kept: BTreeMap<usize, Now>,
+}
+
+/// What does not change.
+#[derive(Debug)]
+struct Fixed {
+    part: Part,
+    rig: Rig,
+    /// In the order of their references.
+    variables: Vec<Variable>,
+    period_s: f64,
+}
+
+/// What an FMU state is.
+#[derive(Clone, Debug)]
+struct Now {
+    phase: Phase,
+    /// Of each parameter that was set, by its reference.
+    parameters: BTreeMap<u32, Value>,
+    inputs: Vec<Value>,
+    model: Option<Model>,
+    /// Of the model, once they were asked for.
+    outputs: Option<Vec<Value>>,
+    start_time: f64,
+    /// Samples since then.
+    k: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Instantiated,
+    Initialising,
+    Stepping,
+    Terminated,
+    Failed,
+}
+
+impl Phase {
+    fn word(self) -> &'static str {
+        match self {
+            Phase::Instantiated => "instantiated, and not initialised yet",
+            Phase::Initialising => "being initialised",
+            Phase::Stepping => "running",
+            Phase::Terminated => "terminated",
+            Phase::Failed => "stopped by a failure: reset it, or set a state that was kept before",
+        }
+    }
+}
+
+/// The number of the next state that is kept. No two instances have one of the same number.
+static NEXT_STATE: AtomicUsize = AtomicUsize::new(1);
+
+impl Instance {
+    /// The part of the rig file that a token names, with the resources of its FMU in `folder`.
+    ///
+    /// # Errors
+    /// When the rig file cannot be read, or is not the token's.
+    pub fn of_resources(token: &str, folder: &Path) -> Result<Instance> {
+        let path = folder.join(RIG_FILE);
+        let text =
+            std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        Instance::new(Part::of_token(token, &text)?, Rig::read(RIG_FILE, &text)?)
+    }
+
+    /// A part of a rig.
+    ///
+    /// # Errors
+    /// When there is no such part of this rig.
+    pub fn new(part: Part, rig: Rig) -> Result<Instance> {
+        part.check(&rig)?;
+        let period_s = f64::from(rig.period_us().get()) / 1e6;
+        let fixed = Fixed { part, variables: variables(part, &rig), rig, period_s };
+        Ok(Instance { now: Now::of(&fixed), fixed: Arc::new(fixed), kept: BTreeMap::new() })
+    }
+
+    /// The initialisation begins; the first sample is at `start_time`, s.
+    ///
+    /// # Errors
+    /// In another state than right behind the instantiation.
+    pub fn enter_initialisation(&mut self, start_time: f64) -> Result<()> {
+        self.require(&[Phase::Instantiated], "initialised")?;
+        if !start_time.is_finite() {
+            bail!("the start time must be a finite number of seconds, is {start_time}");
+        }
+        (self.now.phase, self.now.start_time) = (Phase::Initialising, start_time);
+        Ok(())
+    }
+
+    /// The initialisation ends; the next step is the first one.
+    ///
+    /// # Errors
+    /// When no initialisation is on, or no valid rig comes of the parameters.
+    pub fn exit_initialisation(&mut self) -> Result<()> {
+        self.require(&[Phase::Initialising], "taken out of its initialisation")?;
+        self.now.build(&self.fixed)?;
+        self.now.phase = Phase::Stepping;
+        Ok(())
+    }
+
+    /// The simulation is over.
+    ///
+    /// # Errors
+    /// When none is on.
+    pub fn terminate(&mut self) -> Result<()> {
+        self.require(&[Phase::Stepping], "terminated")?;
+        self.now.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// As it was right behind the instantiation. States that were kept are kept.
+    pub fn reset(&mut self) {
+        self.now = Now::of(&self.fixed);
+    }
+
+    /// Something has gone wrong in a way that leaves the state in doubt.
+    pub fn fail(&mut self) {
+        self.now.phase = Phase::Failed;
+    }
+
+    /// The present time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.now.start_time + self.now.k as f64 * self.fixed.period_s
+    }
+
+    /// From `time` (s), which is the present one, on by `step` (s): a whole number of samples.
+    ///
+    /// # Errors
+    /// When it is not, or the model fails.
+    pub fn step(&mut self, time: f64, step: f64) -> Result<()> {
+        self.require(&[Phase::Stepping], "stepped")?;
+        let period_s = self.fixed.period_s;
+        // A sum of steps is not exact.
+        let is_present = (time - self.time()).abs() <= 1e-3 * period_s;
+        if !is_present {
+            bail!("the step begins at {time} s, but the FMU is at {} s", self.time());
+        }
+        let samples = (step / period_s).round();
+        let fits = (1.0..=f64::from(u32::MAX)).contains(&samples)
+            && (step / period_s - samples).abs() <= 1e-6 * samples;
+        if !fits {
+            bail!(
+                "a step of {step} s is no whole number of samples: the sample period is {period_s} s (controller.period_s)"
+            );
+        }
+        self.now.run(samples as u64)
+    }
+
+    /// The value of a variable.
+    ///
+    /// # Errors
+    /// For a reference that is none, another type, and before the initialisation.
+    pub fn get(&mut self, reference: u32, kind: Kind) -> Result<Value> {
+        let fixed = Arc::clone(&self.fixed);
+        let variable = fixed.variable(reference, kind)?;
+        self.require(
+            &[Phase::Initialising, Phase::Stepping, Phase::Terminated],
+            &format!("asked for {}", variable.name),
+        )?;
+        match variable.role {
+            Role::Time => Ok(Value::Float(self.time())),
+            Role::Input(place) => Ok(self.now.inputs[place]),
+            Role::Output(place) => Ok(self.now.outputs(&fixed)?[place]),
+            Role::RunTest | Role::Seed | Role::Key(_) => {
+                self.now.parameter(variable).context("it has no value")
+            }
+        }
+    }
+
+    /// Sets a variable.
+    ///
+    /// # Errors
+    /// For a reference that is none, another type, a value out of range, and what may not be set now.
+    pub fn set(&mut self, reference: u32, kind: Kind, value: Value) -> Result<()> {
+        let fixed = Arc::clone(&self.fixed);
+        let variable = fixed.variable(reference, kind)?;
+        self.require(
+            &[Phase::Instantiated, Phase::Initialising, Phase::Stepping],
+            &format!("given a value of {}", variable.name),
+        )?;
+        let runs = self.now.phase == Phase::Stepping;
+        match variable.role {
+            Role::Time | Role::Output(_) => bail!("{} cannot be set", variable.name),
+            _ if runs && variable.is_parameter() && !variable.is_tunable() => {
+                bail!("{} is fixed: set it before the initialisation ends", variable.name)
+            }
+            _ => variable.check(value)?,
+        }
+        self.now.put(variable, value);
+        Ok(())
+    }
+
+    /// Keeps the present state, and tells its number.
+    #[must_use]
+    pub fn keep(&mut self) -> usize {
+        let number = NEXT_STATE.fetch_add(1, Ordering::Relaxed);
+        self.kept.insert(number, self.now.clone());
+        number
+    }
+
+    /// Keeps the present state under the number of one that is kept.
+    ///
+    /// # Errors
+    /// When this instance keeps no state of that number.
+    pub fn keep_as(&mut self, number: usize) -> Result<()> {
+        *self.kept.get_mut(&number).context(NOT_KEPT)? = self.now.clone();
+        Ok(())
+    }
+
+    /// Goes back to a state that was kept.
+    ///
+    /// # Errors
+    /// When this instance keeps no state of that number.
+    pub fn restore(&mut self, number: usize) -> Result<()> {
+        self.now = self.kept.get(&number).context(NOT_KEPT)?.clone();
+        Ok(())
+    }
+
+    /// Keeps a state no longer.
+    ///
+    /// # Errors
+    /// When this instance keeps no state of that number.
+    pub fn forget(&mut self, number: usize) -> Result<()> {
+        self.kept.remove(&number).context(NOT_KEPT).map(drop)
+    }
+
+    fn require(&self, phases: &[Phase], asked: &str) -> Result<()> {
+        if !phases.contains(&self.now.phase) {
+            bail!("the FMU cannot be {asked} now: it is {}", self.now.phase.word());
+        }
+        Ok(())
+    }
+}
+
+const NOT_KEPT: &str = "this state is not one that this instance keeps";
+
+impl Fixed {
+    fn variable(&self, reference: u32, kind: Kind) -> Result<&Variable> {
+        let place = self.variables.binary_search_by_key(&reference, |variable| variable.reference).ok();
+        let variable = place.map(|place| &self.variables[place]);
+        let variable =
+            variable.with_context(|| format!("there is no variable with the value reference {reference}"))?;
+        if variable.kind != kind {
+            bail!("{} is a {}, not a {}", variable.name, variable.kind.word(), kind.word());
+        }
+        Ok(variable)
+    }
+}
+
+impl Now {
+    fn of(fixed: &Fixed) -> Now {
+        let starts = fixed.variables.iter().filter(|variable| matches!(variable.role, Role::Input(_)));
+        Now {
+            phase: Phase::Instantiated,
+            parameters: BTreeMap::new(),
+            inputs: starts.filter_map(|variable| variable.start).collect(),
+            model: None,
+            outputs: None,
+            start_time: 0.0,
+            k: 0,
+        }
+    }
+
+    /// What a parameter is now.
+    fn parameter(&self, variable: &Variable) -> Option<Value> {
+        self.parameters.get(&variable.reference).copied().or(variable.start)
+    }
+
+    fn put(&mut self, variable: &Variable, value: Value) {
+        if let Role::Input(place) = variable.role {
+            self.inputs[place] = value;
+            return;
+        }
+        self.parameters.insert(variable.reference, value);
+        self.outputs = None;
+        match (&mut self.model, value) {
+            (Some(model), Value::Float(pressure)) if self.phase == Phase::Stepping => {
+                model.set_supply_pressure(pressure);
+            }
+            _ => self.model = None,
+        }
+    }
+
+    /// The model of the parameters, built unless it is there.
+    fn build(&mut self, fixed: &Fixed) -> Result<&mut Model> {
+        let model = match self.model.take() {
+            Some(model) => model,
+            None => self.model_of(fixed)?,
+        };
+        Ok(self.model.insert(model))
+    }
+
+    fn model_of(&self, fixed: &Fixed) -> Result<Model> {
+        let mut choices = Choices::default();
+        let mut settings = Vec::new();
+        for variable in fixed.variables.iter().filter(|variable| variable.is_parameter()) {
+            let value = self.parameter(variable);
+            match (variable.role, value) {
+                (Role::RunTest, Some(Value::Switch(on))) => choices.run_test = on,
+                (Role::Seed, Some(Value::Integer(seed))) => choices.seed = seed.unsigned_abs(),
+                (Role::Key(key), Some(value)) if Some(value) != variable.start => {
+                    settings.push(format!("{}={value}", key.path));
+                }
+                _ => {}
+            }
+        }
+        if settings.is_empty() {
+            return Model::new(fixed.part, &fixed.rig, choices);
+        }
+        Model::new(fixed.part, &fixed.rig.with_settings(&settings)?, choices)
+    }
+
+    fn outputs(&mut self, fixed: &Fixed) -> Result<&[Value]> {
+        let outputs = match self.outputs.take() {
+            Some(outputs) => outputs,
+            None => self.build(fixed)?.outputs()?,
+        };
+        Ok(self.outputs.insert(outputs))
+    }
+
+    fn run(&mut self, samples: u64) -> Result<()> {
+        let model = self.model.as_mut().context("it was not initialised")?;
+        self.outputs = None;
+        for _ in 0..samples {
+            if let Err(error) = model.step(&self.inputs) {
+                self.phase = Phase::Failed;
+                return Err(error.context(format!("sample {}", self.k)));
+            }
+            self.k += 1;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,37 @@
+//! Servo-pneumatic drives as FMUs: models that other simulators load, under FMI 3.0 co-simulation (Functional Mock-up
+//! Interface Specification 3.0, chapters 2 and 4).
+//!
+//! An FMU holds one shared library, which is this crate, and the rig file that makes it one drive. There are three parts:
+//!
+//! ```text
+//! plant       command at sample k -> sample k + 1, and the state in SI units
+//! controller  sample k -> command at sample k
+//! drive       setpoint at sample k -> both of them, joined as in `pneudrive simulate`
+//! ```
+//!
+//! A step is one sample, or a whole number of them. The controller goes first: `command = controller(sample)`, then
+//! `sample = plant(command)`; both take the step from k to k + 1. The plant has the command take effect
+//! `controller.delay_s` after the sample, so that the loop of the two repeats `pneudrive simulate` bit for bit.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`part`] | which part an FMU is, and the token by which library and rig know each other |
+//! | [`signal`] | types and values of what goes into a model and comes out of it |
+//! | [`model`] | plant, controller and drive, a sample at a time |
+//! | [`variable`] | the variables of an FMU: names, numbers, units, what may be set |
+//! | [`instance`] | a model in the states of the standard: what may be asked of it when |
+//! | [`description`] | modelDescription.xml |
+//! | [`archive`] | the FMU as a file |
+//! | [`c_api`] | the functions of the standard: the only unsafe code of the project on the PC |
+
+pub mod archive;
+pub mod c_api;
+pub mod description;
+pub mod instance;
+pub mod model;
+pub mod part;
+pub mod signal;
+pub mod variable;
+
+pub use instance::Instance;
+pub use part::Part;

@@ -1,0 +1,129 @@
+//! Valve, tubes, cylinder, load and sensors.
+
+use anyhow::Result;
+use pneudrive_controller::{Command, Sample};
+use pneudrive_sim::component::operator::Model;
+use pneudrive_sim::plant::Snapshot;
+use pneudrive_sim::{Accuracy, Rig, keys};
+
+use super::taken::integer;
+use crate::signal::{Kind, Signal, Value};
+
+/// The plant at a sample.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    plant: pneudrive_sim::Plant,
+    period_us: u64,
+    /// Number of the sample.
+    k: u64,
+    sample: Sample,
+}
+
+/// Its inputs, in their order.
+pub fn inputs(rig: &Rig) -> Vec<Signal> {
+    let command = Signal {
+        name: "command_counts",
+        kind: Kind::Int32,
+        meaning: "Valve command of this sample, driven controller.delay_s later; positive means extension, 0 is the null. DAC: counts; stepper: the spool location asked for.",
+        range: Some([-2048, 2048]),
+    };
+    let step = Signal {
+        name: "step",
+        kind: Kind::Int32,
+        meaning: "The pulse that the stepper is given at this sample's output.",
+        range: Some([-1, 1]),
+    };
+    let of_stepper = (rig.get(&keys::operator::MODEL) == Model::Stepper).then_some(step);
+    [command].into_iter().chain(of_stepper).collect()
+}
+
+const fn real(name: &'static str, meaning: &'static str) -> Signal {
+    Signal { name, kind: Kind::Float64, meaning, range: None }
+}
+
+const fn whole(name: &'static str, meaning: &'static str) -> Signal {
+    Signal { name, kind: Kind::Int32, meaning, range: None }
+}
+
+/// Its outputs, in their order.
+pub const OUTPUTS: [Signal; 18] = [
+    real("position_m", "Position of the load from the retracted end."),
+    real("velocity_m_s", "Velocity of the load."),
+    real("acceleration_m_s2", "Acceleration of the load."),
+    real("pressure_1_pa", "Absolute pressure in chamber 1, the blind side."),
+    real("pressure_2_pa", "Absolute pressure in chamber 2, the rod side."),
+    real("temperature_1_k", "Temperature in chamber 1."),
+    real("temperature_2_k", "Temperature in chamber 2."),
+    real("spool_mm", "Spool displacement."),
+    real("spool_command_mm", "Spool displacement that the command in force asks for."),
+    real("mass_flow_1_kg_s", "Mass flow into chamber 1."),
+    real("mass_flow_2_kg_s", "Mass flow into chamber 2."),
+    real("actuator_force_n", "Force of the cylinder."),
+    real("friction_n", "Dry friction, positive against extension."),
+    whole("position_counts", "What the encoder counts."),
+    whole("pressure_1_raw", "Pressure in chamber 1 as converted."),
+    whole("pressure_2_raw", "Pressure in chamber 2 as converted."),
+    whole("spool_raw", "Spool displacement as converted."),
+    Signal {
+        name: "home_switch",
+        kind: Kind::Boolean,
+        meaning: "Whether the homing switch is closed; false without one.",
+        range: None,
+    },
+];
+
+impl Plant {
+    /// In the initial state of the rig's test.
+    pub fn new(rig: &Rig, seed: u64) -> Result<Plant> {
+        let mut plant = pneudrive_sim::Plant::new(rig, Accuracy::of(rig), seed);
+        let sample = plant.sample()?;
+        Ok(Plant { plant, period_us: rig.period_us().get().into(), k: 0, sample })
+    }
+
+    /// What the sensors read at the present sample.
+    pub fn sample(&self) -> Sample {
+        self.sample
+    }
+
+    /// To the next sample, with this command in force from the output in between.
+    pub fn advance(&mut self, command: Command) -> Result<()> {
+        self.sample = self.plant.advance(command)?;
+        self.k += 1;
+        Ok(())
+    }
+
+    /// From the present sample on the supply has another pressure, Pa.
+    pub fn set_supply_pressure(&mut self, pressure: f64) {
+        self.plant.set_supply_pressure(pressure);
+    }
+
+    /// To the next sample with the command at its inputs.
+    pub fn step(&mut self, inputs: &[Value]) -> Result<()> {
+        let (counts, step) = (integer(inputs, 0), integer(inputs, 1));
+        self.advance(Command { counts, step, drive_enable: true })
+    }
+
+    /// In the order of [`OUTPUTS`].
+    pub fn outputs(&mut self) -> Result<Vec<Value>> {
+        let seen: Snapshot = self.plant.look((self.k * self.period_us) as f64 / 1e6)?;
+        let Sample { position, pressure_1, pressure_2, spool, home_switch } = self.sample;
+        let real = [
+            seen.position,
+            seen.velocity,
+            seen.acceleration,
+            seen.pressures[0],
+            seen.pressures[1],
+            seen.temperatures[0],
+            seen.temperatures[1],
+            1e3 * seen.spool,
+            1e3 * seen.spool_command,
+            seen.mass_flows[0],
+            seen.mass_flows[1],
+            seen.actuator_force,
+            seen.friction,
+        ];
+        let whole = [position, pressure_1.into(), pressure_2.into(), spool.into()];
+        let whole = whole.map(|value| Value::Integer(value.into()));
+        Ok(real.map(Value::Float).into_iter().chain(whole).chain([Value::Switch(home_switch)]).collect())
+    }
+}

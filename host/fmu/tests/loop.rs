@@ -1,0 +1,363 @@
+//! The parts of a drive as an importer runs them: step by step, and what must not be.
+
+use pneudrive_fmu::signal::{Kind, Value};
+use pneudrive_fmu::variable::variables;
+use pneudrive_fmu::{Instance, Part};
+use pneudrive_sim::{Accuracy, Rig, Run, run};
+
+/// An instance with the names of its variables.
+struct Fmu {
+    instance: Instance,
+    names: Vec<(&'static str, u32, Kind)>,
+}
+
+impl Fmu {
+    fn new(part: Part, rig: &Rig, parameters: &[(&str, Value)]) -> Fmu {
+        let mut fmu = Fmu::instantiated(part, rig);
+        parameters.iter().for_each(|(name, value)| fmu.set(name, *value).expect("a parameter"));
+        fmu.instance.enter_initialisation(0.0).expect("instantiated");
+        fmu.instance.exit_initialisation().expect("initialised");
+        fmu
+    }
+
+    fn instantiated(part: Part, rig: &Rig) -> Fmu {
+        let all = variables(part, rig);
+        let names = all.iter().map(|variable| (variable.name, variable.reference, variable.kind)).collect();
+        Fmu { instance: Instance::new(part, rig.clone()).expect("such a part"), names }
+    }
+
+    fn of(&self, name: &str) -> (u32, Kind) {
+        let found = self.names.iter().find(|(of, ..)| *of == name);
+        let (_, reference, kind) = found.unwrap_or_else(|| panic!("there is no {name}"));
+        (*reference, *kind)
+    }
+
+    fn set(&mut self, name: &str, value: Value) -> anyhow::Result<()> {
+        let (reference, kind) = self.of(name);
+        self.instance.set(reference, kind, value)
+    }
+
+    fn get(&mut self, name: &str) -> Value {
+        let (reference, kind) = self.of(name);
+        self.instance.get(reference, kind).expect("a value")
+    }
+
+    fn integer(&mut self, name: &str) -> i64 {
+        match self.get(name) {
+            Value::Integer(value) => value,
+            other => panic!("{name} is {other:?}"),
+        }
+    }
+
+    fn step(&mut self, step: f64) {
+        self.instance.step(self.instance.time(), step).expect("a step");
+    }
+}
+
+fn rig(name: &str, settings: &[&str]) -> Rig {
+    let text = pneudrive_sim::rig::builtin(name).expect("built in");
+    let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();
+    Rig::read_with(name, text, &settings).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+fn period(rig: &Rig) -> f64 {
+    f64::from(rig.period_us().get()) / 1e6
+}
+
+fn simulated(rig: &Rig) -> Run {
+    run(rig, Accuracy::of(rig)).expect("simulated")
+}
+
+/// Rigs that differ in what is between controller and plant: DAC, stepper, open loop, channels in turn, noise, profiles,
+/// waiting for the end of a move, learning, an air supply that is let in first.
+fn rigs() -> Vec<Rig> {
+    let mut rigs: Vec<Rig> = pneudrive_sim::rig::BUILTIN
+        .iter()
+        .map(|(name, _)| rig(name, &["test.duration_s=0.4"]))
+        .filter(|rig| Part::Drive.check(rig).is_ok())
+        .collect();
+    for settings in [
+        &["sensors.noise_counts=2.0", "sensors.channel_skew_s=1e-4"][..],
+        &["test.profile=s-curve", "test.moves=[[0.0, 9000]]"],
+        &["controller.start_s=0.05"],
+        &["controller.learn_null_offset=true", "controller.tolerance_counts=400"],
+    ] {
+        rigs.push(rig("servo-b-tuned", &[&["test.duration_s=0.4"], settings].concat()));
+    }
+    rigs
+}
+
+const WIRES: [&str; 4] = ["position_counts", "pressure_1_raw", "pressure_2_raw", "spool_raw"];
+
+/// What the controller made of a sample, as an FMU shows it.
+fn shown(fmu: &mut Fmu) -> [i64; 6] {
+    [
+        "index",
+        "setpoint_in_force_counts",
+        "error_counts",
+        "velocity_estimate",
+        "acceleration_estimate",
+        "command_counts",
+    ]
+    .map(|name| fmu.integer(name))
+}
+
+fn expected(run: &Run, k: usize) -> [i64; 6] {
+    let seen = &run.observations[k];
+    let (setpoint, error) = (i64::from(seen.setpoint), i64::from(seen.error));
+    let command = i64::from(run.commands[k].counts);
+    [i64::from(seen.index), setpoint, error, seen.velocity, seen.acceleration, command]
+}
+
+#[test]
+fn controller_and_plant_in_a_loop_repeat_the_simulation_in_every_integer() {
+    for rig in rigs() {
+        let run = simulated(&rig);
+        let step = period(&rig);
+        let mut plant = Fmu::new(Part::Plant, &rig, &[]);
+        let mut controller = Fmu::new(Part::Controller, &rig, &[("run_test", Value::Switch(true))]);
+        let pulses = plant.names.iter().any(|(name, ..)| *name == "step");
+        for k in 0..run.observations.len() {
+            assert_eq!(
+                plant.integer("position_counts"),
+                i64::from(run.observations[k].position),
+                "{} {k}",
+                rig.name()
+            );
+            for name in WIRES {
+                controller.set(name, plant.get(name)).expect("a reading");
+            }
+            controller.set("home_switch", plant.get("home_switch")).expect("a reading");
+            controller.step(step);
+            assert_eq!(shown(&mut controller), expected(&run, k), "{} at sample {k}", rig.name());
+            plant.set("command_counts", controller.get("command_counts")).expect("a command");
+            if pulses {
+                plant.set("step", controller.get("step")).expect("a pulse");
+            }
+            plant.step(step);
+        }
+    }
+}
+
+#[test]
+fn the_drive_repeats_the_simulation_in_integers_and_in_physical_values() {
+    for rig in rigs() {
+        let run = simulated(&rig);
+        let mut drive = Fmu::new(Part::Drive, &rig, &[("run_test", Value::Switch(true))]);
+        for k in 0..run.observations.len() {
+            let (row, name) = (&run.rows[k], rig.name());
+            for (value, is) in [
+                ("position_m", row.plant.position),
+                ("velocity_m_s", row.plant.velocity),
+                ("pressure_1_pa", row.plant.pressures[0]),
+                ("mass_flow_2_kg_s", row.plant.mass_flows[1]),
+            ] {
+                assert_eq!(drive.get(value), Value::Float(is), "{name}: {value} at sample {k}");
+            }
+            drive.step(period(&rig));
+            assert_eq!(shown(&mut drive), expected(&run, k), "{name} at sample {k}");
+        }
+    }
+}
+
+#[test]
+fn a_setpoint_at_the_input_is_a_step_that_begins_with_its_sample() {
+    for settings in [&[][..], &["controller.learn_null_offset=true", "controller.tolerance_counts=400"]] {
+        let moves = "test.moves=[[0.0, 9000], [0.13, 8100], [0.26, 8700]]";
+        let rig = rig("servo-b-tuned", &[&["test.duration_s=0.4", moves], settings].concat());
+        let run = simulated(&rig);
+        let mut drive = Fmu::new(Part::Drive, &rig, &[]);
+        for k in 0..run.observations.len() {
+            let metres = f64::from(run.observations[k].setpoint)
+                * rig.number_at("encoder.mm_per_count").expect("a pulse")
+                / 1e3;
+            drive.set("setpoint_m", Value::Float(metres)).expect("a setpoint");
+            drive.step(period(&rig));
+            assert_eq!(shown(&mut drive), expected(&run, k), "sample {k}");
+        }
+    }
+}
+
+#[test]
+fn without_a_setpoint_the_drive_stays_where_it_is() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut drive = Fmu::new(Part::Drive, &rig, &[]);
+    let before = drive.integer("position_counts");
+    drive.step(100.0 * period(&rig));
+    assert_eq!(drive.integer("setpoint_in_force_counts"), before);
+    assert!(drive.integer("position_counts").abs_diff(before) <= 40, "it is held");
+}
+
+#[test]
+fn stopping_trips_the_controller_for_good() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut drive = Fmu::new(Part::Drive, &rig, &[("run_test", Value::Switch(true))]);
+    drive.step(50.0 * period(&rig));
+    assert_eq!((drive.integer("mode"), drive.integer("fault")), (2, 0));
+    for stop in [true, false] {
+        drive.set("stop", Value::Switch(stop)).expect("an input");
+        drive.step(period(&rig));
+        assert_eq!(
+            (drive.integer("mode"), drive.integer("fault"), drive.integer("command_counts")),
+            (5, 1, 0)
+        );
+        assert_eq!(drive.get("drive_enable"), Value::Switch(false));
+    }
+}
+
+#[test]
+fn a_state_that_was_kept_comes_back_with_everything_that_follows() {
+    let rig = rig("servo-b-tuned", &["sensors.noise_counts=2.0"]);
+    let mut drive =
+        Fmu::new(Part::Drive, &rig, &[("run_test", Value::Switch(true)), ("seed", Value::Integer(7))]);
+    let follow = |drive: &mut Fmu| {
+        (0..60)
+            .map(|_| {
+                drive.step(period(&rig));
+                (shown(drive), drive.get("pressure_1_pa"))
+            })
+            .collect::<Vec<_>>()
+    };
+    drive.step(250.0 * period(&rig));
+    let (state, time) = (drive.instance.keep(), drive.instance.time());
+    let first = follow(&mut drive);
+    drive.instance.restore(state).expect("kept");
+    assert_eq!(drive.instance.time(), time);
+    assert_eq!(follow(&mut drive), first);
+    drive.instance.forget(state).expect("kept");
+    let mut other = Fmu::new(Part::Drive, &rig, &[]);
+    let foreign = other.instance.keep();
+    for gone in [state, foreign] {
+        assert!(drive.instance.restore(gone).is_err() && drive.instance.keep_as(gone).is_err());
+    }
+}
+
+#[test]
+fn a_parameter_makes_the_rig_that_the_key_makes() {
+    let mut heavy = Fmu::new(
+        Part::Drive,
+        &rig("servo-b-tuned", &[]),
+        &[
+            ("load.mass_kg", Value::Float(8.0)),
+            ("controller.velocity_gain", Value::Integer(900)),
+            ("run_test", Value::Switch(true)),
+        ],
+    );
+    let run = simulated(&rig("servo-b-tuned", &["load.mass_kg=8.0", "controller.velocity_gain=900"]));
+    for k in 0..400 {
+        heavy.step(period(&rig("servo-b-tuned", &[])));
+        assert_eq!(shown(&mut heavy), expected(&run, k), "sample {k}");
+    }
+}
+
+#[test]
+fn the_supply_pressure_may_change_while_the_drive_runs_and_no_other_parameter() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut plant = Fmu::new(Part::Plant, &rig, &[]);
+    plant.set("command_counts", Value::Integer(600)).expect("a command");
+    plant.step(20.0 * period(&rig));
+    let state = plant.instance.keep();
+    plant.step(40.0 * period(&rig));
+    let usual = plant.get("pressure_1_pa");
+    plant.instance.restore(state).expect("kept");
+    plant.set("supply.pressure_pa", Value::Float(480e3)).expect("tunable");
+    plant.step(40.0 * period(&rig));
+    let (Value::Float(usual), Value::Float(lower)) = (usual, plant.get("pressure_1_pa")) else {
+        panic!("pressures")
+    };
+    assert!(lower < usual - 1e3, "{lower} after {usual}");
+    let refused = plant.set("load.mass_kg", Value::Float(2.0)).expect_err("fixed");
+    assert!(refused.to_string().contains("load.mass_kg is fixed"), "{refused}");
+}
+
+#[test]
+fn a_step_that_is_no_multiple_of_the_sample_is_refused_with_the_period() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut plant = Fmu::new(Part::Plant, &rig, &[]);
+    for step in [0.0, -0.0013, 0.001, 0.0013 * 1.5, f64::NAN, f64::INFINITY, 1e300] {
+        let refused = plant.instance.step(0.0, step).expect_err("no whole number").to_string();
+        assert!(refused.contains("no whole number of samples") && refused.contains("0.0013 s"), "{refused}");
+    }
+    for time in [0.0013, f64::NAN, -1.0] {
+        let refused = plant.instance.step(time, 0.0013).expect_err("another time").to_string();
+        assert!(refused.contains("the FMU is at 0 s"), "{refused}");
+    }
+    plant.instance.step(0.0, 0.0026).expect("two samples, after all of these");
+    assert_eq!(plant.instance.time(), 0.0026);
+}
+
+#[test]
+fn values_that_cannot_be_are_refused_by_name() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut drive = Fmu::instantiated(Part::Drive, &rig);
+    for (name, value, says) in [
+        ("setpoint_m", Value::Float(f64::NAN), "setpoint_m must be a finite number"),
+        ("load.mass_kg", Value::Float(f64::INFINITY), "load.mass_kg must be a finite number"),
+        ("load.mass_kg", Value::Float(-1.0), "load.mass_kg must be between"),
+        ("controller.velocity_gain", Value::Integer(70_000), "controller.velocity_gain must be between"),
+        ("seed", Value::Integer(-1), "seed must be between"),
+    ] {
+        let refused = drive.set(name, value).expect_err("no such value").to_string();
+        assert!(refused.contains(says), "{refused}");
+    }
+    assert!(drive.instance.set(99_999, Kind::Float64, Value::Float(1.0)).is_err(), "unknown reference");
+    assert!(drive.instance.set(drive.of("load.mass_kg").0, Kind::Int32, Value::Integer(1)).is_err());
+    assert!(drive.instance.set(0, Kind::Float64, Value::Float(1.0)).is_err(), "time");
+}
+
+#[test]
+fn what_does_not_go_together_is_said_when_the_initialisation_ends() {
+    let mut plant = Fmu::instantiated(Part::Plant, &rig("servo-b-tuned", &[]));
+    plant.set("test.position_m", Value::Float(15.0)).expect("within the range of the key");
+    plant.instance.enter_initialisation(0.0).expect("instantiated");
+    let refused = format!("{:#}", plant.instance.exit_initialisation().expect_err("beyond the stroke"));
+    assert!(refused.contains("test.position_m") && refused.contains("stroke"), "{refused}");
+}
+
+#[test]
+fn a_setpoint_beyond_the_stroke_fails_the_step_and_says_where_the_end_is_given() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut drive = Fmu::new(Part::Drive, &rig, &[]);
+    drive.step(period(&rig));
+    let state = drive.instance.keep();
+    for metres in [-0.01, 5.0, 1e300] {
+        drive.set("setpoint_m", Value::Float(metres)).expect("a number");
+        let failed = drive.instance.step(drive.instance.time(), period(&rig)).expect_err("beyond");
+        assert!(format!("{failed:#}").contains("beyond a software end position"), "{failed:#}");
+        assert!(drive.instance.step(drive.instance.time(), period(&rig)).is_err(), "it has failed");
+        drive.instance.restore(state).expect("kept");
+    }
+    drive.step(period(&rig));
+}
+
+#[test]
+fn nothing_is_told_before_the_initialisation_and_nothing_runs_after_the_end() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut plant = Fmu::instantiated(Part::Plant, &rig);
+    let (reference, kind) = plant.of("position_m");
+    assert!(plant.instance.get(reference, kind).is_err());
+    assert!(plant.instance.step(0.0, 0.0013).is_err());
+    assert!(plant.instance.exit_initialisation().is_err() && plant.instance.terminate().is_err());
+    assert!(plant.instance.enter_initialisation(f64::NAN).is_err());
+    plant.instance.enter_initialisation(2.0).expect("instantiated");
+    assert!(plant.instance.enter_initialisation(2.0).is_err(), "twice");
+    assert_eq!(plant.get("position_m"), Value::Float(rig.number_at("test.position_m").expect("given")));
+    plant.instance.exit_initialisation().expect("initialised");
+    plant.instance.step(2.0, 0.0013).expect("from the start time on");
+    plant.instance.terminate().expect("running");
+    assert!(plant.instance.step(2.0013, 0.0013).is_err());
+    plant.get("position_m");
+    plant.instance.reset();
+    plant.instance.enter_initialisation(0.0).expect("as new");
+}
+
+#[test]
+fn there_is_no_fmu_of_what_no_firmware_has() {
+    let continuous = rig("servo-b", &["controller.model=continuous", "controller.law=proportional"]);
+    let refused = Instance::new(Part::Plant, continuous).expect_err("no samples").to_string();
+    assert!(refused.contains("controller.model = \"sampled\""), "{refused}");
+    let bug = rig("servo-b", &["faults.positive_gain_only=true"]);
+    let refused = Instance::new(Part::Drive, bug.clone()).expect_err("the simulator's bug").to_string();
+    assert!(refused.contains("faults.positive_gain_only"), "{refused}");
+    Instance::new(Part::Plant, bug).expect("it is no matter to the plant");
+}
