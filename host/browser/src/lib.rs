@@ -1,0 +1,19 @@
+//! The designer in the reader's browser: the answers of `host/page` behind functions that a worker calls.
+//!
+//! ```text
+//! worker:  room(n) -> write the request there -> answer() -> read answer_length() bytes at answer_at()
+//! request: JSON { "request": "run", "body": { … } }
+//! answer:  a status as HTTP has it; JSON, or columns of numbers; of a study, `hear` is called before with how far it is
+//! ```
+//!
+//! The functions take and give numbers only, so no tool has to generate code around them and none of them needs an unsafe
+//! block: they tell where in the module's own memory the bytes are. A panic ends the module; what it said is at
+//! `failure_at()`.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`reply`](mod@reply) | a request answered |
+//! | [`exported`] | the functions that the worker calls |
+
+pub mod exported;
+pub mod reply;

@@ -1,0 +1,94 @@
+//! A TARGET file laid over the run of the page, aligned if that is asked for, with their deviation: what `overlay` does.
+
+use pneudrive_analysis::alignment::Align;
+use pneudrive_analysis::deviation::{deviations, table};
+use pneudrive_analysis::transient::{CHANNELS, Transient};
+use pneudrive_records::run_folder::StoredRun;
+use pneudrive_records::target::TargetFile;
+use pneudrive_sim::{Accuracy, run};
+use serde::Deserialize;
+use serde_json::json;
+
+use crate::asked::Asked;
+use crate::columns::{Column, Columns};
+use crate::refusal::Refusal;
+use crate::simulation::{rig_of, to_json};
+
+/// A record, and the rig of the page.
+#[derive(Debug, Deserialize)]
+pub struct Compared {
+    #[serde(flatten)]
+    asked: Asked,
+    record: Record,
+    #[serde(default, with = "AlignName")]
+    align: Align,
+}
+
+/// How a page names the ways of aligning.
+#[derive(Deserialize)]
+#[serde(remote = "Align", rename_all = "lowercase")]
+enum AlignName {
+    Start,
+    Move,
+    Correlation,
+}
+
+/// A TARGET file or a streamed run.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Record {
+    /// The name of the file.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+}
+
+impl Record {
+    /// Its transient.
+    ///
+    /// # Errors
+    /// When the file is damaged or is none.
+    pub(crate) fn transient(&self) -> Result<Transient, Refusal> {
+        let read = || Transient::of_target(&self.name, &TargetFile::from_text(&self.text)?);
+        read().map_err(|error| Refusal::wrong(format!("{}: {error:#}", self.name)))
+    }
+}
+
+/// The curves of the record, shifted to lie over the simulation, and how far the simulation is from them.
+///
+/// # Errors
+/// When the file is damaged or is none, when the two cannot be aligned, or when the rig cannot be simulated.
+pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, Refusal> {
+    let mut recorded = record.transient()?;
+    let simulated = simulated(asked)?;
+    let shift = align.shift(&simulated, &recorded).map_err(|error| Refusal::wrong(format!("{error:#}")))?;
+    recorded.shift(shift);
+    let found = deviations(&recorded, &simulated);
+    if found.is_empty() {
+        return Err(Refusal::wrong(format!("{} and the simulation have no time in common", record.name)));
+    }
+    let shifted = if shift == 0.0 { String::new() } else { format!(", shifted by {:.3} ms", 1e3 * shift) };
+    let heading = format!("deviation of the simulation, one run, from {}{shifted}", record.name);
+    let head =
+        json!({ "name": record.name, "shift_s": shift, "deviation": to_json(&table(&heading, &found)) });
+    Ok(curves(&recorded).to_bytes(head))
+}
+
+/// The transient of a rig's run.
+///
+/// # Errors
+/// When the rig is not valid, too long for a page, or cannot be integrated.
+pub(crate) fn simulated(asked: &Asked) -> Result<Transient, Refusal> {
+    let rig = rig_of(asked)?;
+    let run = run(&rig, Accuracy::of(&rig)).map_err(|error| Refusal::of(&error.into()))?;
+    Ok(Transient::of_run(rig.name(), &StoredRun::of(&rig, &run)))
+}
+
+fn curves(transient: &Transient) -> Columns {
+    let column = |(&(name, unit), values): (&(&'static str, &'static str), &Vec<f64>)| Column {
+        name,
+        unit,
+        values: values.iter().map(|value| *value as f32).collect(),
+    };
+    let columns = CHANNELS.iter().zip(&transient.channels).map(column).collect();
+    Columns { time: transient.time.clone(), columns }
+}

@@ -1,0 +1,77 @@
+//! The rigs that come with the program, and the text of one that is saved.
+
+use http::StatusCode;
+use pneudrive_records::rig_text;
+use pneudrive_sim::Rig;
+use pneudrive_sim::rig::{BUILTIN, builtin, key_of};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::asked::Asked;
+use crate::refusal::Refusal;
+
+/// A rig file that the page begins with.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Opened {
+    /// As the command line names it.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+impl Opened {
+    /// A rig that comes with the program.
+    ///
+    /// # Errors
+    /// When there is none of that name.
+    pub fn builtin(name: &str) -> Result<Opened, Refusal> {
+        let text = builtin(name)
+            .ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, format!("there is no built-in rig {name}")))?;
+        Ok(Opened { name: name.to_owned(), text: text.to_owned() })
+    }
+}
+
+/// The rigs that come with the program, and the one that was opened.
+#[must_use]
+pub fn list(opened: &Opened) -> Value {
+    let about = |text: &str| text.lines().next().unwrap_or("").trim_start_matches("# ").to_owned();
+    let builtin = BUILTIN.iter().map(|(name, text)| json!({ "name": name, "about": about(text) }));
+    json!({ "builtin": builtin.collect::<Vec<_>>(), "opened": opened })
+}
+
+/// A rig to be saved.
+#[derive(Debug, Deserialize)]
+pub struct ToSave {
+    /// The rig.
+    #[serde(flatten)]
+    pub asked: Asked,
+    /// The name of the file.
+    pub file: String,
+    /// Whether the user has agreed to replace a file.
+    #[serde(default)]
+    pub replace: bool,
+}
+
+/// The file that was opened, with the settings in the places of the old values, all other lines kept.
+///
+/// # Errors
+/// When the rig is not valid.
+pub fn text_to_save(asked: &Asked, file: &str) -> Result<String, Refusal> {
+    let rig = asked.rig()?;
+    let settings = in_key_units(asked, &rig);
+    let text = rig_text::with_settings(&asked.text, &settings, "given: set in the studio");
+    let text = text.map_err(|error| Refusal::of(&error))?;
+    // What is written is what was shown.
+    Rig::read(file, &text)?;
+    Ok(text)
+}
+
+/// The settings with each value in the unit of its key.
+pub(crate) fn in_key_units(asked: &Asked, rig: &Rig) -> Vec<String> {
+    let in_unit = |setting: &String| {
+        let path = setting.split('=').next().unwrap_or_default().trim();
+        let key = key_of(path)?;
+        rig.value(key.path).map(|value| format!("{}={value}", key.path))
+    };
+    asked.settings.iter().filter_map(in_unit).collect()
+}

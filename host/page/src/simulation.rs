@@ -1,0 +1,150 @@
+//! A rig simulated while one drags a slider: first the run alone, then the run with its neighbours.
+
+use http::StatusCode;
+use pneudrive_analysis::ensemble::{Ensemble, run_ensemble_while};
+use pneudrive_analysis::evaluation::{Move, TOLERANCE_MM, moves_of_run, remarks, table};
+use pneudrive_analysis::page::Table;
+use pneudrive_records::band::{Band, CHANNELS};
+use pneudrive_records::judged::Spacing;
+use pneudrive_records::words;
+use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::component::encoder::mm_per_count;
+use pneudrive_sim::trace::COLUMNS;
+use pneudrive_sim::{Accuracy, Rig, Run, keys, run};
+use serde_json::{Value, json};
+
+use crate::asked::Asked;
+use crate::columns::{Column, Columns};
+use crate::refusal::Refusal;
+
+/// The longest run that is made while a page waits, samples: a second or two.
+pub const MOST_SAMPLES: u32 = 200_000;
+
+/// What a page draws: its name, its unit, the column of trace.csv that it is made of, and the factor between them; 0 for the
+/// length of a count, mm.
+const CURVES: [(&str, &str, &str, f64); 16] = [
+    ("setpoint", "mm", "setpoint_counts", 0.0),
+    ("position", "mm", "position_m", 1e3),
+    ("velocity", "mm/s", "velocity_m_s", 1e3),
+    ("pressure 1", "kPa", "pressure_1_pa", 1e-3),
+    ("pressure 2", "kPa", "pressure_2_pa", 1e-3),
+    ("temperature 1", "K", "temperature_1_k", 1.0),
+    ("temperature 2", "K", "temperature_2_k", 1.0),
+    ("spool", "mm", "spool_mm", 1.0),
+    ("wanted spool", "mm", "spool_command_mm", 1.0),
+    ("command", "counts", "command_counts", 1.0),
+    ("error", "counts", "error_counts", 1.0),
+    ("flow 1", "g/s", "mass_flow_1_kg_s", 1e3),
+    ("flow 2", "g/s", "mass_flow_2_kg_s", 1e3),
+    ("piston force", "N", "actuator_force_n", 1.0),
+    ("friction", "N", "friction_n", 1.0),
+    ("acceleration", "m/s2", "acceleration_m_s2", 1.0),
+];
+
+/// The run of a rig alone: its curves, and the figures of its moves.
+///
+/// # Errors
+/// When the rig is not valid, too long for a page, or cannot be integrated.
+pub fn nominal(asked: &Asked) -> Result<Vec<u8>, Refusal> {
+    let rig = rig_of(asked)?;
+    let run = run(&rig, Accuracy::of(&rig)).map_err(|error| not_simulated(&rig, &error.into()))?;
+    let moves = vec![moves_of_run(&rig, &run, TOLERANCE_MM)];
+    let head = json!({
+        "summary": words::summary(&rig, &run),
+        "fault": fault(&rig, &run),
+        "figures": to_json(&table(&moves, TOLERANCE_MM)),
+        "bits": format!("{:016x}", run.bits()),
+    });
+    Ok(curves(&rig, &run).to_bytes(head))
+}
+
+/// The run with its neighbours: what they cover, and whether the run is decided. Given up when it is `wanted` no more.
+///
+/// # Errors
+/// As [`nominal`].
+pub fn neighbours(asked: &Asked, wanted: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>, Refusal> {
+    let rig = rig_of(asked)?;
+    let (accuracy, spacing) = (Accuracy::of(&rig), Spacing::default());
+    let measure = |rig: &Rig, run: &Run| moves_of_run(rig, run, TOLERANCE_MM);
+    let ensemble = run_ensemble_while(&rig, accuracy, spacing, measure, |_, _| {}, wanted);
+    let ensemble = ensemble.map_err(|error| not_simulated(&rig, &error))?;
+    ensemble.map(|ensemble| band(&rig, &ensemble)).ok_or_else(Refusal::gone)
+}
+
+/// The rig of a page, if it can be simulated while one waits.
+pub(crate) fn rig_of(asked: &Asked) -> Result<Rig, Refusal> {
+    let rig = asked.rig()?;
+    if rig.last_sample() > MOST_SAMPLES {
+        let message = format!(
+            "test.duration_s: the test has {} samples, and the studio simulates {MOST_SAMPLES} at most; `pneudrive simulate` takes longer ones",
+            rig.last_sample()
+        );
+        return Err(Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message));
+    }
+    Ok(rig)
+}
+
+fn not_simulated(rig: &Rig, error: &anyhow::Error) -> Refusal {
+    let message = format!("{} cannot be simulated: {error:#}", rig.name());
+    Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
+}
+
+fn curves(rig: &Rig, run: &Run) -> Columns {
+    let mm_per_count = mm_per_count(rig);
+    let rows: Vec<[f64; COLUMNS.len()]> = run.rows.iter().map(|row| row.values()).collect();
+    let columns = CURVES
+        .iter()
+        .filter(|(name, ..)| *name != "setpoint" || rig.get(&keys::controller::LOOP) == Loop::Closed);
+    let columns = columns.map(|&(name, unit, column, factor)| {
+        let place = COLUMNS.iter().position(|other| *other == column).expect("a column of trace.csv");
+        let factor = if factor == 0.0 { mm_per_count } else { factor };
+        Column { name, unit, values: rows.iter().map(|row| (row[place] * factor) as f32).collect() }
+    });
+    Columns { time: run.rows.iter().map(|row| row.time).collect(), columns: columns.collect() }
+}
+
+/// The fault that ended a run: when, and what it means.
+fn fault(rig: &Rig, run: &Run) -> Value {
+    run.fault.map_or(Value::Null, |(fault, sample)| {
+        let at_s = f64::from(sample) * f64::from(rig.period_us().get()) / 1e6;
+        json!({
+            "name": words::fault_name(fault),
+            "meaning": words::fault_meaning(fault.code()),
+            "at_s": at_s,
+        })
+    })
+}
+
+/// A table as the page shows it.
+pub(crate) fn to_json(table: &Table) -> Value {
+    json!({ "heading": table.heading, "columns": table.columns, "rows": table.rows })
+}
+
+/// What a run and its neighbours cover, and what its figures rest on.
+fn band(rig: &Rig, ensemble: &Ensemble<Vec<Move>>) -> Vec<u8> {
+    let judged = &ensemble.nominal;
+    let head = json!({
+        "notes": words::run(rig, judged),
+        "decided": judged.decision.is_decided(),
+        "figures": to_json(&table(&ensemble.measured, TOLERANCE_MM)),
+        "remarks": remarks(&ensemble.measured),
+    });
+    judged
+        .band
+        .as_ref()
+        .map_or_else(|| Columns { time: Vec::new(), columns: Vec::new() }, edges)
+        .to_bytes(head)
+}
+
+/// Lowest and highest values; the lowest of a channel stand before its highest.
+fn edges(band: &Band) -> Columns {
+    let drawn = CURVES.iter().filter(|(_, _, column, _)| CHANNELS.contains(column));
+    let columns = drawn.flat_map(|&(name, unit, column, factor)| {
+        band.channel(column).map(|values| Column {
+            name,
+            unit,
+            values: values.iter().map(|value| (value * factor) as f32).collect(),
+        })
+    });
+    Columns { time: band.time_s.clone(), columns: columns.collect() }
+}

@@ -1,0 +1,93 @@
+//! Which frequencies a channel holds, of the run of the page or of a record that lies over it: what `spectrum` does.
+
+use pneudrive_analysis::channel::Channel;
+use pneudrive_analysis::page::Table;
+use pneudrive_analysis::spectrum::{Peak, Spectrum, Window};
+use pneudrive_analysis::transient::Transient;
+use serde::Deserialize;
+use serde_json::json;
+
+use crate::asked::Asked;
+use crate::columns::{Column, Columns};
+use crate::compare::{Record, simulated};
+use crate::refusal::Refusal;
+use crate::simulation::to_json;
+
+/// Peaks in the table.
+const PEAKS: usize = 8;
+
+/// A channel of a transient, and the part of it that is in view.
+#[derive(Debug, Deserialize)]
+pub struct Transformed {
+    #[serde(flatten)]
+    asked: Asked,
+    /// The record; without it, the run.
+    #[serde(default)]
+    record: Option<Record>,
+    channel: String,
+    from_s: f64,
+    to_s: f64,
+}
+
+/// Amplitude over frequency, Hz in the place of the time, with a Hann window; and the highest peaks.
+///
+/// # Errors
+/// When there is no such channel, when samples are missing, or as [`compare`](crate::compare).
+pub fn answer(transformed: &Transformed) -> Result<Vec<u8>, Refusal> {
+    let channel = Channel::of_name(&transformed.channel)
+        .ok_or_else(|| Refusal::wrong(format!("there is no channel {} to transform", transformed.channel)))?;
+    let transient = match &transformed.record {
+        Some(record) => record.transient()?,
+        None => simulated(&transformed.asked)?,
+    };
+    let part = whole(&transient.between(transformed.from_s, transformed.to_s))?;
+    let samples = channel.samples(&part);
+    if samples.len() < 2 || samples.iter().any(|value| !value.is_finite()) {
+        return Err(Refusal::wrong(format!(
+            "{}: its {} is not known at every sample",
+            part.name,
+            channel.name()
+        )));
+    }
+    let spectrum = Spectrum::of(&samples, part.period_s(), Window::Hann);
+    let head = json!({
+        "name": part.name,
+        "resolution_hz": spectrum.frequency.get(1),
+        "samples": samples.len(),
+        "peaks": to_json(&peaks(&part.name, channel, &spectrum)),
+    });
+    Ok(columns(channel, &spectrum).to_bytes(head))
+}
+
+/// Refuses a part with a gap, or with fewer samples than have a spectrum.
+fn whole(part: &Transient) -> Result<Transient, Refusal> {
+    if let Some([before, after]) = part.gaps.first() {
+        return Err(Refusal::wrong(format!(
+            "{}: samples are missing between {before:.4} s and {after:.4} s; zoom to a part without a gap",
+            part.name
+        )));
+    }
+    if part.time.len() < 4 {
+        return Err(Refusal::wrong(format!(
+            "{} has {} samples in view; zoom out",
+            part.name,
+            part.time.len()
+        )));
+    }
+    Ok(part.clone())
+}
+
+fn peaks(name: &str, channel: Channel, spectrum: &Spectrum) -> Table {
+    let row = |peak: &Peak| vec![format!("{:.2}", peak.frequency), format!("{:.5}", peak.amplitude)];
+    Table {
+        heading: format!("peaks of {}, {name}", channel.name()),
+        columns: vec!["frequency, Hz".to_owned(), format!("amplitude, {}", channel.unit())],
+        rows: spectrum.peaks(PEAKS).iter().map(row).collect(),
+    }
+}
+
+fn columns(channel: Channel, spectrum: &Spectrum) -> Columns {
+    let values = spectrum.amplitude.iter().map(|amplitude| *amplitude as f32).collect();
+    let amplitude = Column { name: channel.name(), unit: channel.unit(), values };
+    Columns { time: spectrum.frequency.clone(), columns: vec![amplitude] }
+}

@@ -1,0 +1,96 @@
+//! Parameters of the rig of the page from the records on it.
+
+use pneudrive_analysis::identification::figures::Figures;
+use pneudrive_analysis::identification::parameter::{Parameter, usual};
+use pneudrive_analysis::identification::recording::Recording;
+use pneudrive_analysis::identification::{Identification, identify_while, report};
+use pneudrive_analysis::wanted::Wanted;
+use pneudrive_records::target::TargetFile;
+use pneudrive_sim::{Accuracy, Rig};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use super::{Audience, exhibit};
+use crate::asked::{Asked, quoted};
+use crate::compare::Record;
+use crate::refusal::Refusal;
+
+/// A rig, records of it, and what is unknown.
+#[derive(Debug, Deserialize)]
+pub struct Asks {
+    #[serde(flatten)]
+    asked: Asked,
+    records: Vec<Record>,
+    /// Keys; none: what is never known exactly.
+    #[serde(default)]
+    fit: Vec<String>,
+}
+
+impl Asks {
+    pub fn plan(&self) -> Result<Value, Refusal> {
+        let rig = self.asked.rig()?;
+        let fitted = self.parameters(&rig)?;
+        self.recordings(&rig)?;
+        let names = self.records.iter().map(|record| format!("{} ", quoted(&record.name)));
+        let fit = if self.fit.is_empty() { String::new() } else { format!("--fit {} ", self.fit.join(",")) };
+        let rest = format!("{}{fit}--out identified", names.collect::<String>());
+        let unknown = |parameter: &Parameter| json!({ "key": parameter.key.path, "assumed_within": parameter.assumed_within() });
+        let (count, records) = (fitted.len(), self.records.len());
+        let plural = |count: usize| if count == 1 { "" } else { "s" };
+        Ok(json!({
+            "command": self.asked.command("identify", &rest),
+            "size": format!("{count} unknown{} in {records} record{}", plural(count), plural(records)),
+            "unknowns": usual(&rig).iter().map(unknown).collect::<Vec<_>>(),
+        }))
+    }
+
+    pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
+        let rig = self.asked.rig()?;
+        let (recordings, fitted) = (self.recordings(&rig)?, self.parameters(&rig)?);
+        if recordings.is_empty() {
+            return Err(Refusal::wrong("drop a TARGET file of the rig on the page first"));
+        }
+        let (accuracy, read) = (Accuracy::of(&rig), Figures::of(&rig, &recordings));
+        let mut tell = |what: &str| (audience.hears)(json!({ "what": what, "done": 0, "all": 0 }));
+        let wanted = Wanted::so_long(audience.waits);
+        let found = identify_while(&rig, &recordings, fitted, accuracy, &mut tell, wanted);
+        let found = found.map_err(|error| Refusal::wrong(format!("{error:#}")))?.ok_or_else(Refusal::gone)?;
+        let mut page = report::page(&rig, &recordings, accuracy, &found, read.table(&rig));
+        page.notes.splice(0..0, report::refusal(&found).map(|why| format!("No fit: {why}.")));
+        let mut result = json!({ "read_off": report::read_off(&read) });
+        if let (Value::Object(result), Value::Object(fields)) =
+            (&mut result, report::to_json(&found, &recordings))
+        {
+            result.extend(fields);
+        }
+        Ok(json!({ "result": result, "page": exhibit::to_json(&page), "settings": settings(&found) }))
+    }
+
+    fn parameters(&self, rig: &Rig) -> Result<Vec<Parameter>, Refusal> {
+        if self.fit.is_empty() {
+            return Ok(usual(rig));
+        }
+        let fit = self.fit.iter().map(|key| Parameter::of(rig, key));
+        fit.collect::<Result<_, _>>().map_err(|error| Refusal::wrong(format!("{error:#}")))
+    }
+
+    fn recordings(&self, rig: &Rig) -> Result<Vec<Recording>, Refusal> {
+        let recording = |Record { name, text }: &Record| {
+            let file =
+                TargetFile::from_text(text).map_err(|error| Refusal::wrong(format!("{name}: {error:#}")))?;
+            Recording::of(name, &file, rig).map_err(|error| Refusal::wrong(format!("{error:#}")))
+        };
+        self.records.iter().map(recording).collect()
+    }
+}
+
+/// What the fitted rig file would have, as `key=value`; nothing of a fit that is refused.
+fn settings(found: &Identification) -> Vec<String> {
+    if !found.fits {
+        return Vec::new();
+    }
+    let seen = found.estimates.iter().map(|one| (one.parameter.key.path, one.value));
+    let shifted = found.unseen.iter().filter(|one| one.value != one.parameter.start);
+    let shifted = shifted.map(|one| (one.parameter.key.path, one.value));
+    seen.chain(shifted).map(|(key, value)| format!("{key}={value:?}")).collect()
+}

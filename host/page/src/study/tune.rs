@@ -1,0 +1,213 @@
+//! A tuning of the rig of the page.
+
+use std::ops::RangeInclusive;
+
+use pneudrive_analysis::tuning::search::Budget;
+use pneudrive_analysis::tuning::{
+    self, Behaviour, Progress, Relative, Stage, Task, behaviour, report, tune_while,
+};
+use pneudrive_analysis::wanted::Wanted;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::meter::Meter;
+use super::{Audience, exhibit};
+use crate::asked::Asked;
+use crate::refusal::Refusal;
+
+/// A rig, and what is asked of a step.
+#[derive(Debug, Deserialize)]
+pub struct Asks {
+    #[serde(flatten)]
+    asked: Asked,
+    goal: Goal,
+}
+
+/// What is asked of a step, over which spread, and how long is looked for; as the options of `tune`.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+pub struct Goal {
+    /// Size of the step, mm.
+    step_mm: f64,
+    /// The drive has settled within this distance of its setpoint, mm.
+    settled_mm: f64,
+    /// Largest overshoot allowed, % of the step.
+    overshoot_percent: f64,
+    /// Time for the step each way, s.
+    time_s: f64,
+    /// Largest deviation of the load's mass, %.
+    load_percent: f64,
+    /// Largest deviation of the load's friction, %.
+    friction_percent: f64,
+    /// Largest deviation of the supply pressure, %.
+    supply_percent: f64,
+    /// Number of draws on which the gains are judged.
+    draws: usize,
+    /// Candidates per generation.
+    population: usize,
+    /// Generations.
+    generations: usize,
+}
+
+impl Default for Goal {
+    /// As the command has them.
+    fn default() -> Goal {
+        Goal {
+            step_mm: 60.0,
+            settled_mm: 0.05,
+            overshoot_percent: 1.0,
+            time_s: 1.5,
+            load_percent: 30.0,
+            friction_percent: 30.0,
+            supply_percent: 0.0,
+            draws: 60,
+            population: 24,
+            generations: 25,
+        }
+    }
+}
+
+impl Asks {
+    pub fn plan(&self) -> Result<Value, Refusal> {
+        let task = self.task()?;
+        let runs = task.max_runs().map_err(|error| Refusal::wrong(format!("{error:#}")))?;
+        Ok(json!({
+            "command": self.asked.command("tune", &format!("{} --out tuned", self.goal.options())),
+            "size": format!("{runs} runs at most"),
+        }))
+    }
+
+    pub fn work(&self, audience: Audience<'_>) -> Result<Value, Refusal> {
+        let (task, wanted) = (self.task()?, Wanted::so_long(audience.waits));
+        let impossible = |error: anyhow::Error| Refusal::wrong(format!("{error:#}"));
+        let most = task.max_runs().map_err(impossible)?;
+        let taste = tune_while(&task.taste(), |_| {}, wanted).map_err(impossible)?;
+        let runs = taste.ok_or_else(Refusal::gone)?.runs;
+        // The time since the page has asked, times `all` over `done`, is how long it takes at most.
+        let all = most as f64 + behaviour::steps_worth(&task);
+        (audience.hears)(json!({ "what": "taste", "done": runs, "all": all }));
+        let mut meter = Meter::new(audience.hears);
+        let tell = |at: Progress| meter.at(stage(at.stage), at.done, at.all);
+        let tuned = tune_while(&task, tell, wanted).map_err(impossible)?.ok_or_else(Refusal::gone)?;
+        let tell = |at: Progress| meter.at(stage(at.stage), at.done, at.all);
+        let behaviour = Behaviour::of_while(&task, &tuned, tell, wanted).map_err(impossible)?;
+        let behaviour = behaviour.ok_or_else(Refusal::gone)?;
+        let (mut page, draws) = report::page(&task, &tuned, &behaviour).map_err(impossible)?;
+        page.figures.insert(0, draws);
+        Ok(json!({
+            "result": report::to_json(&task.goal, &tuned, &behaviour),
+            "page": exhibit::to_json(&page),
+            "settings": tuned.after.settings,
+        }))
+    }
+
+    fn task(&self) -> Result<Task, Refusal> {
+        self.asked.rig()?;
+        let goal = self.goal.checked()?;
+        Ok(Task {
+            source: (self.asked.name.clone(), self.asked.text.clone()),
+            settings: self.asked.settings.clone(),
+            fixed: Vec::new(),
+            goal: tuning::Goal {
+                step_mm: goal.step_mm,
+                settled_mm: goal.settled_mm,
+                overshoot_percent: goal.overshoot_percent,
+                time_s: goal.time_s,
+            },
+            spread: Relative {
+                load: goal.load_percent / 100.0,
+                friction: goal.friction_percent / 100.0,
+                supply: goal.supply_percent / 100.0,
+            },
+            between_mm: [None; 2],
+            draws: goal.draws,
+            budget: Budget { population: goal.population, generations: goal.generations, seed: SEED },
+        })
+    }
+}
+
+/// That of the command.
+const SEED: u64 = 1;
+
+fn stage(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Search => "runs of the search",
+        Stage::Finalists => "runs that check the best",
+        Stage::Draws => "runs on fresh draws",
+        Stage::Obstacles => "runs that look for what is in the way",
+        Stage::Sines => "runs that follow a sine",
+    }
+}
+
+impl Goal {
+    /// Within the ranges of the command's options.
+    fn checked(self) -> Result<Goal, Refusal> {
+        let above_zero = f64::MIN_POSITIVE..=f64::MAX;
+        within("step", self.step_mm, &above_zero, "above 0 mm")?;
+        within("settled within", self.settled_mm, &above_zero, "above 0 mm")?;
+        within("overshoot", self.overshoot_percent, &above_zero, "above 0 %")?;
+        within("time", self.time_s, &(0.1..=100.0), "between 0.1 and 100 s")?;
+        for (name, percent) in [
+            ("load", self.load_percent),
+            ("friction", self.friction_percent),
+            ("supply", self.supply_percent),
+        ] {
+            within(name, percent, &(0.0..=50.0), "between 0 and 50 %")?;
+        }
+        within("draws", self.draws, &(1..=1000), "between 1 and 1000")?;
+        within("candidates", self.population, &(2..=1000), "between 2 and 1000")?;
+        within("generations", self.generations, &(0..=1000), "between 0 and 1000")?;
+        // In whole milliseconds.
+        Ok(Goal { time_s: (1e3 * self.time_s).round() / 1e3, ..self })
+    }
+
+    /// As the command takes it.
+    fn options(&self) -> String {
+        format!(
+            "--step {} --settled {} --overshoot {} --time {} --load {}% --friction {}% --supply {}% --draws {} --population {} --generations {}",
+            self.step_mm,
+            self.settled_mm,
+            self.overshoot_percent,
+            self.time_s,
+            self.load_percent,
+            self.friction_percent,
+            self.supply_percent,
+            self.draws,
+            self.population,
+            self.generations,
+        )
+    }
+}
+
+fn within<T: PartialOrd + std::fmt::Display>(
+    name: &str,
+    value: T,
+    range: &RangeInclusive<T>,
+    words: &str,
+) -> Result<(), Refusal> {
+    if range.contains(&value) {
+        Ok(())
+    } else {
+        Err(Refusal::wrong(format!("{name} must be {words}, is {value}")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_of_a_step_is_held_to_the_ranges_of_the_command() {
+        assert!(Goal::default().checked().is_ok());
+        let wrong = [
+            (Goal { step_mm: 0.0, ..Goal::default() }, "step must be above 0 mm, is 0"),
+            (Goal { settled_mm: f64::NAN, ..Goal::default() }, "settled within must be above 0 mm, is NaN"),
+            (Goal { time_s: 0.05, ..Goal::default() }, "time must be between 0.1 and 100 s, is 0.05"),
+            (Goal { load_percent: 60.0, ..Goal::default() }, "load must be between 0 and 50 %, is 60"),
+            (Goal { population: 1, ..Goal::default() }, "candidates must be between 2 and 1000, is 1"),
+            (Goal { draws: 0, ..Goal::default() }, "draws must be between 1 and 1000, is 0"),
+        ];
+        for (goal, message) in wrong {
+            assert_eq!(goal.checked().expect_err(message).message, message);
+        }
+    }
+}

@@ -1,0 +1,25 @@
+// What a request is answered with.
+
+/** A request that was refused: why, and what is wrong with the rig if that is why. */
+export class Refused extends Error {
+  constructor(status, { error, problems }) {
+    super(error ?? `the request was answered with ${status}`);
+    this.status = status;
+    this.problems = problems ?? [];
+  }
+}
+
+/** Takes the bytes apart that `columns.rs` describes. */
+export function columnsOf(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  let place = 4 + length;
+  const time = new Float64Array(buffer, place, head.rows);
+  place += time.byteLength;
+  const columns = head.columns.map((column) => {
+    const values = new Float32Array(buffer, place, head.rows);
+    place += values.byteLength;
+    return { ...column, values };
+  });
+  return { head, time, columns };
+}

@@ -1,0 +1,241 @@
+// A rig at a port, moved from the page.
+//
+// While the page reads the stream of looks, it commands the drive. It must be heard now and then, and a jog button must be
+// confirmed while it is held; else the server disarms the drive.
+
+import { BringUp } from './bring-up.js';
+import { offer } from './export.js';
+import { Parameters } from './parameters.js';
+import { Scope } from './scope.js';
+import { html } from './svg.js';
+
+/** How often the page is heard, ms. */
+const ALIVE = 400;
+
+/** How often a held button is confirmed, ms. */
+const HELD = 100;
+
+/** Orders that leave the message of the server as it is. */
+const QUIET = ['alive', 'retract', 'extend'];
+
+/**
+ * The panel of the drive. `told.rig()` is the rig of the page; `told.seen(run, begun, cursor)` hears what is to be on the graphs,
+ * `told.ended()` that they are free, `told.recorded({ name, text })` of a record.
+ */
+export class Commission {
+  #element;
+  #server;
+  #told;
+  #parts = {};
+  #ask;
+  #number = null;
+  #end = null;
+  #orders = Promise.resolve();
+  #alive = 0;
+  #held = 0;
+  #isRecording = false;
+  /** The last message of the server; null when the next one counts, whatever it is. */
+  #said = null;
+  /** Whether what is told stays when the server takes its message back: letting a button go is no answer to it. */
+  #stays = false;
+  #scope;
+  #parameters;
+  #bringUp;
+
+  constructor(element, server, told) {
+    this.#element = element;
+    this.#server = server;
+    this.#told = told;
+    const ask = (question, more) => server.post('/api/ask', { number: this.#number, ask: question, ...more });
+    this.#scope = new Scope(told);
+    this.#parameters = new Parameters({ ask, rig: told.rig });
+    this.#bringUp = new BringUp({ ask, order: (...order) => this.#order(...order) });
+    this.#ask = ask;
+  }
+
+  /** Builds the panel. */
+  show({ port, jog_mm_per_s: jog, go_mm_per_s: go }) {
+    const button = (name, text, act, kind = null) => {
+      const made = html('button', { type: 'button', class: kind, disabled: true }, text);
+      made.addEventListener('click', act);
+      this.#parts[name] = made;
+      return made;
+    };
+    const link = html('button', { type: 'button', class: 'main' }, 'Take command');
+    link.addEventListener('click', () => (this.#end ? this.leave() : this.#take()));
+    this.#parts.link = link;
+    this.#parts.mode = html('strong', { class: 'mode' }, 'not connected');
+    this.#parts.why = html('span', {});
+    this.#parts.message = html('p', { class: 'problem', role: 'alert' });
+    this.#parts.mm = html('input', { type: 'text', id: 'go-mm', inputmode: 'decimal', size: 8 });
+    const go_there = () => this.#order('go', { mm: Number(this.#parts.mm.value || NaN), rig: this.#told.rig() });
+    this.#parts.mm.addEventListener('keydown', (event) => { if (event.key === 'Enter') go_there(); });
+    this.#element.replaceChildren(
+      html('h2', {}, 'Commission'), html('p', {}, `Rig at ${port} `, link),
+      html('p', { role: 'status' }, this.#parts.mode, ' ', this.#parts.why), this.#parts.message,
+      html('p', { class: 'row' }, button('arm', 'Arm', () => this.#order('arm')), button('disarm', 'Disarm', () => this.#order('disarm'))),
+      html('p', { class: 'row' }, this.#jog('retract', '◀ Retract'), this.#jog('extend', 'Extend ▶'), html('small', {}, `while held, ${jog} mm/s`)),
+      html('p', { class: 'row' }, html('label', { for: 'go-mm' }, 'Go to'), this.#parts.mm, 'mm', button('go', 'Go', go_there), html('small', {}, `${go} mm/s`)),
+      html('p', { class: 'row' }, button('home', 'Home', () => this.#order('home')), button('run', 'Run the test of this page', () => this.#run()),
+        button('record', 'Record', () => this.#record())),
+      html('p', { class: 'remark' }, 'Esc and the red button stop the drive. It is disarmed when this page is closed, hidden or cut off. This is not a safety function: a machine with people near it needs a hardware emergency stop.'),
+      this.#scope.show(), this.#parameters.show(), this.#bringUp.show(),
+    );
+  }
+
+  /** The rig of the page may be another. */
+  designChanged() {
+    this.#parameters.designChanged();
+  }
+
+  get commands() {
+    return this.#number !== null;
+  }
+
+  /** Whether the graphs follow the rig. */
+  get follows() {
+    return this.commands && this.#scope.isOn;
+  }
+
+  /** Stops the drive at once, whoever commands it. */
+  stop() {
+    this.#release();
+    this.#server.post('/api/order', { order: 'stop' }).catch((error) => this.#tell(error.message));
+  }
+
+  /** Gives the drive up; it is disarmed. */
+  leave() {
+    this.#end?.abort();
+  }
+
+  async #take() {
+    this.#end = new AbortController();
+    this.#parts.link.textContent = 'Leave';
+    [this.#said, this.#stays] = [null, false];
+    this.#tell('');
+    try {
+      for await (const line of this.#server.lines('/api/drive', this.#end.signal)) this.#heard(line);
+    } catch (error) {
+      if (!this.#end.signal.aborted) this.#tell(error.message);
+    }
+    this.#ended();
+  }
+
+  #ended() {
+    clearInterval(this.#alive);
+    this.#release();
+    [this.#number, this.#end] = [null, null];
+    this.#parts.link.textContent = 'Take command';
+    this.#parts.mode.textContent = 'not connected';
+    this.#parts.why.textContent = '';
+    this.#enable(null);
+    this.#bringUp.ended();
+    this.#told.ended();
+  }
+
+  #heard(line) {
+    if (line.number) {
+      this.#number = line.number;
+      this.#scope.begin();
+      this.#alive = setInterval(() => { if (!document.hidden) this.#order('alive'); }, ALIVE);
+      return;
+    }
+    if (line.bring_up) this.#bringUp.heard(line.bring_up);
+    this.#parts.mode.textContent = line.mode;
+    this.#parts.mode.className = `mode ${line.mode}`;
+    this.#parts.why.textContent = line.fault || (line.referenced ? '' : 'the axis is not referenced: home it first');
+    this.#hear(line.message);
+    this.#enable(line);
+    this.#scope.heard(line);
+  }
+
+  /** Tells a message of the server once: the page may have something else to tell since. */
+  #hear(message) {
+    if (message === this.#said) return;
+    this.#said = message;
+    if (message || !this.#stays) this.#tell(message);
+  }
+
+  /** Buttons that do something now. */
+  #enable(look) {
+    const isThere = look !== null && look.mode !== 'connecting';
+    const { arm, disarm, retract, extend, go, home, run, record } = this.#parts;
+    const isFree = isThere && !this.#bringUp.isOn && !this.#isRecording;
+    arm.disabled = !isFree || look.is_enabled;
+    disarm.disabled = !isThere || !look.is_enabled;
+    const canMove = isFree && look.mode !== 'fault';
+    for (const button of [retract, extend, go, run]) button.disabled = !canMove || !look.referenced;
+    home.disabled = !canMove;
+    record.disabled = !isFree || look.mode === 'running';
+    this.#parameters.enable(isThere);
+    this.#bringUp.enable(isFree && !look.is_enabled);
+  }
+
+  /** One order after the other: a button that was let go must not be overtaken by its last confirmation. */
+  #order(order, more = {}) {
+    if (order !== 'alive') this.#stays = order === 'release';
+    const send = async () => {
+      await this.#server.post('/api/order', { number: this.#number, order, ...more });
+      // The same refusal may follow again.
+      if (!QUIET.includes(order)) this.#said = null;
+    };
+    this.#orders = this.#orders.then(send).catch((error) => { if (this.commands) this.#tell(error.message); });
+  }
+
+  /** Takes the record of the last test: as a file, and over the run of the page. */
+  async #record() {
+    this.#isRecording = true;
+    this.#tell('');
+    try {
+      const record = await this.#ask('record');
+      offer(record.name, new Blob([record.text], { type: 'text/plain' }));
+      this.#scope.turn(false);
+      await this.#told.recorded(record);
+      if (!this.#scope.isOfPage) this.#tell('The last run was not the test of this page, so the simulation below its record is that of another move.');
+    } catch (error) {
+      this.#tell(error.message);
+    }
+    this.#isRecording = false;
+  }
+
+  #run() {
+    this.#scope.turn(true);
+    this.#order('run', { rig: this.#told.rig() });
+  }
+
+  /** A button that moves the drive while it is held, by pointer or by keyboard. */
+  #jog(order, text) {
+    const button = html('button', { type: 'button', class: 'jog', disabled: true }, text);
+    const hold = () => {
+      if (this.#held || button.disabled) return;
+      const confirm = () => this.#order(order, { rig: this.#told.rig() });
+      // Takes back what was told of the order before.
+      this.#order('release');
+      this.#tell('');
+      confirm();
+      this.#held = setInterval(() => {
+        // Whoever holds it does not see the drive any more.
+        if (document.hidden) return this.#release();
+        confirm();
+      }, HELD);
+    };
+    const release = () => this.#release();
+    button.addEventListener('pointerdown', hold);
+    for (const end of ['pointerup', 'pointerleave', 'pointercancel', 'blur']) button.addEventListener(end, release);
+    button.addEventListener('keydown', (event) => { if (event.key === ' ' || event.key === 'Enter') hold(); });
+    button.addEventListener('keyup', release);
+    this.#parts[order] = button;
+    return button;
+  }
+
+  #release() {
+    if (!this.#held) return;
+    clearInterval(this.#held);
+    this.#held = 0;
+    this.#order('release');
+  }
+
+  #tell(message) {
+    this.#parts.message.textContent = message;
+  }
+}

@@ -1,0 +1,27 @@
+// What a study has found: notes, tables and graphs, as the page of its command has them.
+
+import { chartOf } from './chart.js';
+import { tableOf } from './figures.js';
+import { html } from './svg.js';
+
+/**
+ * Shows a report; the first graph stands before the tables. `command` is what it is of, `actions` are buttons for what can be
+ * done with it.
+ */
+export function showReport(element, { title, notes, tables, figures }, command, actions) {
+  const [first, ...others] = notes;
+  const [lead, ...rest] = figures;
+  element.replaceChildren(
+    html('h2', { tabindex: -1 }, title), html('code', {}, command), ...(first ? [html('p', { class: 'verdict' }, first)] : []),
+    html('p', { class: 'row' }, ...actions),
+    ...(lead ? [chartOf(lead)] : []),
+    ...others.map((note) => html('p', { class: 'remark' }, note)),
+    ...tables.map((table) => html('div', { class: 'wide', tabindex: 0, role: 'region', 'aria-label': table.heading }, tableOf(table, false))),
+    ...rest.map(chartOf));
+  element.querySelector('h2').focus();
+}
+
+/** Shows what can be expected here. */
+export function showNothing(element, text) {
+  element.replaceChildren(html('p', { class: 'empty' }, text));
+}

@@ -1,0 +1,46 @@
+// Which records parameters are found from, and which of them are unknown.
+
+import { html } from './svg.js';
+
+/** The form of an identification. `told.changed()` hears of every change, `told.records()` gives the records of the page. */
+export class IdentifyForm {
+  #told;
+  #records = html('ul', { class: 'records' });
+  #unknowns = html('div', { class: 'choices' });
+  #boxes = [];
+
+  constructor(_, __, told) {
+    this.#told = told;
+    const open = html('button', { type: 'button' }, 'Open a record…');
+    open.addEventListener('click', () => told.open());
+    this.element = html('div', {}, html('h3', {}, 'Records of the rig'), this.#records, html('p', {}, open),
+      html('h3', {}, 'What is unknown'), this.#unknowns);
+    this.element.addEventListener('input', () => told.changed());
+  }
+
+  /** The page has other records. */
+  show() {
+    const names = this.#told.records().map(({ name }) => html('li', {}, name));
+    this.#records.replaceChildren(...(names.length ? names : [html('li', {}, 'none: drop a TARGET file, or open one')]));
+  }
+
+  /** The plan tells what may be unknown. */
+  planned({ unknowns }) {
+    const paths = unknowns.map(({ key }) => key);
+    if (paths.join() === this.#boxes.map(({ path }) => path).join()) return;
+    const before = new Set(this.#boxes.filter(({ box }) => !box.checked).map(({ path }) => path));
+    this.#boxes = unknowns.map(({ key, assumed_within: within }) => {
+      const box = html('input', { type: 'checkbox', value: key, checked: !before.has(key) });
+      return { path: key, box, element: html('label', { title: `assumed within ${within}` }, box, ` ${key}`) };
+    });
+    this.#unknowns.replaceChildren(...this.#boxes.map(({ element }) => element));
+  }
+
+  /** As the request has it: all that may be unknown is what the command fits by itself, so none is no choice. */
+  body() {
+    const chosen = this.#boxes.filter(({ box }) => box.checked).map(({ path }) => path);
+    if (this.#boxes.length && !chosen.length) throw new Error('choose what is unknown');
+    const records = this.#told.records().map(({ name, text }) => ({ name, text }));
+    return { records, fit: chosen.length === this.#boxes.length ? [] : chosen };
+  }
+}

@@ -1,0 +1,61 @@
+// The keys of the component that was chosen.
+
+import { COMPONENTS } from './components.js';
+import { Field } from './field.js';
+import { html } from './svg.js';
+
+/** The panel beside the picture. `told` has `changed(key, text, isDone)` and `chosen(id)`. */
+export class Inspector {
+  #element;
+  #keys;
+  #told;
+  #fields = new Map();
+  #shape = '';
+
+  constructor(element, keys, told) {
+    this.#element = element;
+    this.#keys = keys;
+    this.#told = told;
+  }
+
+  /** Shows a component of a rig. `state` has `used`, `values`, `fileValues`, `settings` and `problems`. */
+  show(id, state) {
+    const component = COMPONENTS.find((one) => one.id === id);
+    const keys = this.#keys.filter((key) => component.tables.includes(key.table) && state.used.has(key.path));
+    const shape = `${id} ${state.rig} ${keys.map((key) => key.path)}`;
+    if (shape !== this.#shape) this.#build(component, keys, state);
+    this.#shape = shape;
+    for (const [path, field] of this.#fields) {
+      field.show(state.values[path], path in state.settings);
+      field.complain(state.problems.filter((one) => belongs(one, path, this.#keys)).map((one) => one.message).join('; '));
+    }
+    this.#tellProblemsElsewhere(state.problems);
+  }
+
+  #build(component, keys, state) {
+    const focused = document.activeElement?.id;
+    this.#fields = new Map(keys.map((key) =>
+      [key.path, new Field(key, state.values[key.path], state.fileValues[key.path], this.#told)]));
+    const groups = component.tables.map((table) => [table, keys.filter((key) => key.table === table)]);
+    const several = groups.filter(([, of]) => of.length > 0).length > 1;
+    const sections = groups.filter(([, of]) => of.length > 0).map(([table, of]) => html('section', {},
+      ...(several && table ? [html('h3', {}, table)] : []), ...of.map((key) => this.#fields.get(key.path).element)));
+    const names = COMPONENTS.map(({ id, title }) => html('option', { value: id, selected: id === component.id }, title));
+    const choice = html('select', { id: 'component', 'aria-label': 'Component' }, ...names);
+    choice.addEventListener('change', () => this.#told.chosen(choice.value));
+    this.#element.replaceChildren(html('h2', {}, choice), html('div', { class: 'elsewhere' }), ...sections);
+    if (focused) document.getElementById(focused)?.focus();
+  }
+
+  /** Problems of keys that are not shown, each leading to its component. */
+  #tellProblemsElsewhere(problems) {
+    const hidden = problems.filter((one) => ![...this.#fields.keys()].some((path) => belongs(one, path, this.#keys)));
+    const lines = hidden.map((one) => html('p', { class: 'problem' }, `${one.key}: ${one.message}`));
+    this.#element.querySelector('.elsewhere').replaceChildren(...lines);
+  }
+}
+
+/** Whether a problem is one of a key, spelled with its unit or without. */
+function belongs(problem, path, keys) {
+  return problem.key === path || problem.key === keys.find((key) => key.path === path)?.stem;
+}

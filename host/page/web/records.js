@@ -1,0 +1,95 @@
+// Records that lie over the run, and how far the simulation is from each.
+
+/** The ways to lay a record over the run, as `overlay --align` has them. */
+export const ALIGNMENTS = [
+  ['start', 'by the start of the test'],
+  ['move', 'by the first move'],
+  ['correlation', 'where the positions agree best'],
+];
+
+export class Records {
+  #ask;
+  #told;
+  #records = [];
+  #align = 'start';
+  /** What was asked for last, by the name of the record: its text and the number of the question. */
+  #asked = new Map();
+  #count = 0;
+
+  /** `ask(record, align)` gives a comparison; `told` has the functions `changed` and `failed`. */
+  constructor(ask, told) {
+    this.#ask = ask;
+    this.#told = told;
+  }
+
+  /** The curves, for the graphs. */
+  get runs() {
+    return this.#records.map(({ run }) => run);
+  }
+
+  /** The records themselves: name, text, shift and deviation. */
+  get all() {
+    return this.#records;
+  }
+
+  get align() {
+    return this.#align;
+  }
+
+  /** Aligns all of them in another way. */
+  set align(way) {
+    this.#align = way;
+    this.compareAgain();
+  }
+
+  clear() {
+    this.#records = [];
+    this.#asked.clear();
+    this.#told.changed();
+  }
+
+  dismiss(record) {
+    this.#records = this.#records.filter(({ name }) => name !== record.name);
+    this.#asked.delete(record.name);
+    this.#told.changed();
+  }
+
+  /** There is another run: no answer that is on its way is of it. `compareAgain` asks anew. */
+  outdate() {
+    for (const asked of this.#asked.values()) asked.number = 0;
+  }
+
+  /** Compares each with the newest run, those that are on their way as well. */
+  compareAgain() {
+    for (const [name, { text }] of [...this.#asked]) this.lay({ name, text });
+  }
+
+  /** Lays a record over the run, or one that lies there anew; an answer that is overtaken, or of no use any more, is ignored. */
+  async lay({ name, text }) {
+    this.#count += 1;
+    const number = this.#count;
+    const isNewest = () => this.#asked.get(name)?.number === number;
+    this.#asked.set(name, { text, number });
+    try {
+      const { head, time, columns } = await this.#ask({ name, text }, this.#align);
+      if (!isNewest()) return;
+      const curves = new Map(columns.map((column) => [column.name, column.values]));
+      const units = new Map(columns.map((column) => [column.name, column.unit]));
+      const run = { label: name, time, curves, units, isRecord: true };
+      const record = { name, text, shift: head.shift_s, deviation: head.deviation, run };
+      this.#records = [...this.#records.filter((other) => other.name !== name), record];
+      this.#told.changed();
+    } catch (error) {
+      if (!isNewest()) return;
+      this.#forget(name);
+      this.#told.failed(error);
+    }
+  }
+
+  /** After a failure: what lies over the run is compared again with the next one, and what does not is forgotten. */
+  #forget(name) {
+    const before = this.#records.find((record) => record.name === name);
+    if (before) this.#asked.get(name).text = before.text;
+    else this.#asked.delete(name);
+  }
+}

@@ -1,0 +1,26 @@
+// A page to print of what is shown: figures first, then the graphs.
+
+import { html } from './svg.js';
+
+/**
+ * An HTML file that needs nothing beside it.
+ *
+ * `title` and `origins` are texts, `figures` elements to copy, `graphs` an SVG element, `command` the line that makes the
+ * same run, `style` the text of a style sheet.
+ */
+export function toReport({ title, origins, figures, graphs, command, style }) {
+  const page = document.implementation.createHTMLDocument(title);
+  page.documentElement.lang = 'en';
+  page.head.prepend(html('meta', { charset: 'utf-8' }));
+  const copies = [...figures].map((element) => element.cloneNode(true));
+  page.body.append(
+    html('h1', {}, title),
+    html('p', { class: 'origins' }, `Values of the rig: ${origins}.`),
+    html('section', {}, ...copies),
+    html('figure', {}, graphs),
+    html('p', { class: 'command' }, 'The same at the command line: ', html('code', {}, command)),
+  );
+  // The policy of this page forbids style within a page, so it comes in as text.
+  const [before, after] = page.documentElement.outerHTML.split('</head>');
+  return new Blob(['<!doctype html>\n', before, '<style>\n', style, '</style>\n</head>', after], { type: 'text/html' });
+}

@@ -1,0 +1,399 @@
+// The page: what is chosen and changed, and who hears of it.
+
+import { Commission } from './commission.js';
+import { componentOf } from './components.js';
+import { asked, isAsking, told } from './dialog.js';
+import { askForOther, showDifferences } from './difference.js';
+import { showAlone, showDeviations, showJudged } from './figures.js';
+import { History } from './history.js';
+import { Inspector } from './inspector.js';
+import { Picture } from './picture.js';
+import { Plot } from './plot.js';
+import { Records } from './records.js';
+import { placeOf } from './scale.js';
+import { Refused, get, lines, post, postForColumns, study } from './server.js';
+import { Simulation } from './simulation.js';
+import { showSpectra } from './spectrum.js';
+import { Study } from './study.js';
+import { html } from './svg.js';
+import { Toolbar } from './toolbar.js';
+import { choose, offerViews } from './views.js';
+
+const part = (id) => document.getElementById(id);
+
+/** Ghosts that stay: more of them are no picture any more. */
+const MOST_GHOSTS = 6;
+
+class Studio {
+  #keys;
+  /** The rigs that come with the program. */
+  #names;
+  #rig = { name: '', text: '' };
+  #history = new History();
+  #state = { used: new Set(), values: {}, fileValues: {}, problems: [], settings: {}, rig: '' };
+  #chosen = 'controller';
+  #run = null;
+  /** The run of the last change that is done: no movement of a slider is about to replace it. */
+  #kept = null;
+  #ghosts = [];
+  #playing = null;
+  /** Where the values of the rig come from: how many are given, computed, typical, and so on. */
+  #origins = '';
+  /** What has just been done. */
+  #news = '';
+
+  constructor(keys, names) {
+    this.#keys = keys;
+    this.#names = names;
+    const changes = { changed: (...change) => this.#change(...change), chosen: (id) => this.#choose(id) };
+    this.inspector = new Inspector(part('inspector'), keys, changes);
+    this.picture = new Picture(part('picture'), changes);
+    this.plot = new Plot(part('plot'), { cursor: (time) => this.#moveTo(time) });
+    this.simulation = new Simulation({
+      check: (found) => this.#checked(found),
+      run: (result, rig, since) => this.#simulated(result, rig, since),
+      neighbours: (result) => this.#judged(result),
+      failed: (error) => this.#failed(error),
+    });
+    this.commission = new Commission(part('commission'), { post, lines }, {
+      rig: () => this.#asked(),
+      seen: (...seen) => this.#followRig(...seen),
+      recorded: (record) => this.records.lay(record),
+      ended: () => this.#leaveRig(),
+    });
+    this.records = new Records((record, align) => postForColumns('/api/compare', { ...this.#asked(), record, align }), {
+      changed: () => this.#recordsChanged(),
+      failed: (error) => this.#failed(error),
+    });
+    this.toolbar = new Toolbar(part('channels'), this.plot, this.records, {
+      run: () => this.#run,
+      name: () => this.#state.rig,
+      described: () => this.#described(),
+      spectrum: () => this.#showSpectra(),
+    });
+    this.study = new Study(part('study'), part('exhibit'), { get, post, study }, {
+      rig: () => this.#asked(),
+      state: () => this.#state,
+      records: () => this.records.all,
+      open: () => part('file').click(),
+      take: (settings) => this.#take(settings),
+    });
+    this.#listen();
+  }
+
+  /** Begins with a rig; `news` is told until something is changed. */
+  async open(rig, news = '') {
+    this.#rig = rig;
+    this.#news = news;
+    this.#history = new History();
+    this.#ghosts = [];
+    this.records.clear();
+    this.#run = null;
+    this.#kept = null;
+    const found = await post('/api/check', { ...rig, settings: [] });
+    this.#state.fileValues = found.values ?? {};
+    this.#state.rig = rig.name;
+    this.plot.zoom();
+    this.#simulate();
+  }
+
+  /** The rig as the server takes it. */
+  #asked() {
+    const settings = Object.values(this.#history.settings);
+    return { ...this.#rig, settings };
+  }
+
+  #simulate(since) {
+    this.#state.settings = this.#history.settings;
+    part('undo').disabled = !this.#history.canUndo;
+    part('redo').disabled = !this.#history.canRedo;
+    this.simulation.ask(this.#asked(), since);
+  }
+
+  #change(key, text, isDone) {
+    const since = performance.now();
+    this.#news = '';
+    this.#history.set(key.path, text === null ? null : settingOf(key, text));
+    if (isDone && this.#history.keep()) this.#leaveGhost();
+    this.#simulate(since);
+  }
+
+  /** Takes over what a study has found: one change, which undo takes back. */
+  #take(settings) {
+    this.#news = `${settings.length} ${settings.length === 1 ? 'value is' : 'values are'} taken over; Undo takes them back`;
+    for (const setting of settings) this.#history.set(setting.slice(0, setting.indexOf('=')), setting);
+    if (this.#history.keep()) this.#leaveGhost();
+    this.#simulate();
+    choose('design');
+  }
+
+  /** The run before a change stays as a ghost, once the change is done. */
+  #leaveGhost() {
+    if (this.#kept) this.#ghosts = [...this.#ghosts, { ...this.#kept, band: undefined, isGhost: true }].slice(-MOST_GHOSTS);
+    this.#kept = null;
+    this.#show();
+  }
+
+  #checked(found) {
+    this.#state.problems = found.problems;
+    if (found.values) {
+      this.#state = { ...this.#state, values: found.values, used: new Set(found.used) };
+      this.picture.describe(found.values);
+      this.picture.moveTo(this.plot.cursor);
+      part('command').value = found.command;
+      this.#origins = found.origins;
+      part('state').textContent = this.#news || found.origins;
+    } else {
+      const count = found.problems.length;
+      part('state').textContent = `${count} ${count === 1 ? 'problem' : 'problems'}: the curves are those of the last valid rig`;
+    }
+    part('state').classList.toggle('wrong', found.problems.length > 0);
+    this.#inspect();
+    this.study.show();
+    this.commission.designChanged();
+  }
+
+  #inspect() {
+    this.inspector.show(this.#chosen, this.#state);
+    const wrong = new Set(this.#state.problems.map((problem) => componentOf(problem.key)?.id));
+    this.picture.mark(this.#chosen, wrong);
+  }
+
+  #choose(id) {
+    this.#chosen = id;
+    this.#inspect();
+  }
+
+  #simulated({ head, time, columns }, rig, since) {
+    const curves = new Map(columns.map((column) => [column.name, column.values]));
+    const units = new Map(columns.map((column) => [column.name, column.unit]));
+    this.#run = { label: rig.settings.join(', ') || 'as in the file', head, time, curves, units };
+    if (this.#history.isKept(rig.settings)) this.#kept = this.#run;
+    if (!this.commission.follows) this.picture.follow(this.#run);
+    this.#show(() => performance.measure('change to picture', { start: since }));
+    showAlone(part('figures'), head);
+    this.records.outdate();
+    this.#moveTo(this.plot.cursor);
+  }
+
+  #judged({ head, time, columns }) {
+    const band = new Map();
+    for (let k = 0; k + 1 < columns.length; k += 2) {
+      band.set(columns[k].name, { low: columns[k].values, high: columns[k + 1].values });
+    }
+    // The run itself, which may be the kept one.
+    this.#run.band = time.length ? band : undefined;
+    this.#show();
+    showJudged(part('figures'), head, this.#run.head.fault);
+    this.records.compareAgain();
+  }
+
+  #show(drawn) {
+    // While a rig is followed, its curves are on the graphs.
+    if (this.#run && !this.commission?.follows) this.plot.show([...this.records.runs, ...this.#ghosts, this.#run], drawn);
+    const entry = (kind, label, dismissed) => {
+      const dismiss = html('button', { type: 'button', 'aria-label': `Dismiss ${label}` }, '×');
+      dismiss.addEventListener('click', () => {
+        dismissed();
+        this.#show();
+      });
+      return html('li', { class: kind }, html('span', {}, label), dismiss);
+    };
+    const ghost = (one) => entry('ghost', one.label, () => { this.#ghosts = this.#ghosts.filter((other) => other !== one); });
+    const record = (one) => entry('record', one.name, () => this.records.dismiss(one));
+    const now = this.#run ? [html('li', { class: 'now' }, html('span', {}, this.#run.label))] : [];
+    part('runs').replaceChildren(...now, ...this.records.all.map(record), ...this.#ghosts.map(ghost).reverse());
+  }
+
+  /** Offers to commission the rig at a port. */
+  offer(port) {
+    offerViews(Boolean(port.port), () => this.study.show());
+    if (!port.port) return;
+    this.commission.show(port);
+    part('stop').hidden = false;
+    part('stop').addEventListener('click', () => this.commission.stop());
+    document.addEventListener('keydown', ({ key }) => { if (key === 'Escape') this.commission.stop(); });
+  }
+
+  /** Shows the rig at the port, over the simulation of its test since that has begun; what is held has its own time only. */
+  #followRig(live, begun, cursor) {
+    const times = this.#run && begun !== null ? this.#run.time.map((time) => time + begun) : [];
+    const time = live.isHeld ? times.slice(0, placeOf(times, live.time.at(-1))) : times;
+    const simulated = time.length ? [{ ...this.#run, band: undefined, isGhost: true, time }] : [];
+    this.plot.show([...simulated, live]);
+    this.picture.follow(live);
+    this.plot.moveTo(cursor);
+  }
+
+  /** Gives the graphs back to the runs of the page. */
+  #leaveRig() {
+    if (this.#run) this.picture.follow(this.#run);
+    this.#show();
+  }
+
+  #moveTo(time) {
+    this.picture.moveTo(time);
+    part('instant').textContent = `${time.toFixed(3)} s`;
+    part('readout').textContent = this.plot.readout();
+  }
+
+  #failed(error) {
+    const text = error instanceof Refused ? error.message : 'the studio does not answer; start it again and reload this page';
+    part('state').textContent = text;
+    part('state').classList.add('wrong');
+  }
+
+  #play() {
+    if (this.#playing) return this.#pause();
+    const begun = { at: performance.now(), from: this.plot.cursor };
+    const end = this.#run?.time.at(-1) ?? 0;
+    if (begun.from >= end) begun.from = 0;
+    part('play').textContent = 'Pause';
+    const step = (now) => {
+      const time = begun.from + (now - begun.at) / 1e3;
+      this.plot.moveTo(time);
+      if (time >= end) return this.#pause();
+      this.#playing = requestAnimationFrame(step);
+    };
+    this.#playing = requestAnimationFrame(step);
+  }
+
+  #pause() {
+    cancelAnimationFrame(this.#playing);
+    this.#playing = null;
+    part('play').textContent = 'Play';
+  }
+
+  #travel(way) {
+    way();
+    this.#simulate();
+  }
+
+  async #save() {
+    const name = /\.toml$/.test(this.#rig.name) ? this.#rig.name.split('/').at(-1) : `${this.#rig.name}.toml`;
+    const field = html('input', { id: 'file-name', value: name, autocomplete: 'off', spellcheck: 'false' });
+    const content = [html('label', { for: 'file-name' }, 'Name of the rig file'), field];
+    const file = await asked('Save', content, 'Save', () => field.value.trim());
+    if (file) await this.#write(file, false);
+  }
+
+  async #write(file, replace) {
+    try {
+      const saved = await post('/api/save', { ...this.#asked(), file, replace });
+      await this.open(saved, `${file} is saved`);
+    } catch (error) {
+      if (error.status !== 409) return told('Not saved', error.message);
+      const question = [html('p', {}, `${error.message}. Replace it?`)];
+      if (await asked('Replace the file?', question, 'Replace')) await this.#write(file, true);
+    }
+  }
+
+  #recordsChanged() {
+    this.toolbar.update();
+    this.#show();
+    showDeviations(part('figures'), this.records.all.map(({ deviation }) => deviation));
+    this.study?.show();
+  }
+
+  /** What a report says beside its graphs. */
+  #described() {
+    const command = part('command').value;
+    return { title: `${this.#state.rig}: one test`, origins: this.#origins, figures: part('figures').children, command };
+  }
+
+  #showSpectra() {
+    const { from, to } = this.plot.view;
+    const ask = (channel, record) => postForColumns('/api/spectrum', { ...this.#asked(), channel, record, from_s: from, to_s: to });
+    const records = this.records.all.map(({ name, text }) => ({ name, text }));
+    return showSpectra(ask, records, `From ${from.toFixed(4)} s to ${to.toFixed(4)} s, the part in view`);
+  }
+
+  /** Holds the rig against another, key by key. */
+  async #compareWith() {
+    const name = await askForOther(this.#rig.name, this.#names);
+    if (name === null) return;
+    try {
+      const other = name === '' ? this.#rig : await get(`/api/rigs/${name}`);
+      const shown = await post('/api/difference', { ...this.#asked(), other });
+      if (await showDifferences(shown)) this.#leaveOther(other, await postForColumns('/api/run', { ...other, settings: [] }));
+    } catch (error) {
+      this.#failed(error);
+    }
+  }
+
+  /** The run of another rig lies under this one's as a ghost. */
+  #leaveOther({ name }, { time, columns }) {
+    const curves = new Map(columns.map((column) => [column.name, column.values]));
+    this.#ghosts = [...this.#ghosts, { label: name, time, curves, isGhost: true }];
+    this.#show();
+  }
+
+  #listen() {
+    part('play').addEventListener('click', () => this.#play());
+    part('undo').addEventListener('click', () => this.#travel(() => this.#history.undo()));
+    part('redo').addEventListener('click', () => this.#travel(() => this.#history.redo()));
+    part('save').addEventListener('click', () => this.#save());
+    part('copy').addEventListener('click', () => this.#copy());
+    part('rigs').addEventListener('change', async ({ target }) => this.open(await get(`/api/rigs/${target.value}`)));
+    part('compare').addEventListener('click', () => this.#compareWith());
+    part('open').addEventListener('click', () => part('file').click());
+    part('file').addEventListener('change', ({ target }) => this.#openFile(target.files[0]));
+    document.addEventListener('dragover', (event) => event.preventDefault());
+    document.addEventListener('drop', (event) => {
+      event.preventDefault();
+      this.#openFile(event.dataTransfer.files[0]);
+    });
+    document.addEventListener('keydown', (event) => this.#key(event));
+  }
+
+  async #openFile(file) {
+    if (!file) return;
+    const opened = { name: file.name, text: await file.text() };
+    if (file.name.endsWith('.toml')) await this.open(opened);
+    else await this.records.lay(opened);
+  }
+
+  async #copy() {
+    part('command').select();
+    await navigator.clipboard.writeText(part('command').value).catch(() => document.execCommand('copy'));
+    part('copy').textContent = 'Copied';
+    setTimeout(() => { part('copy').textContent = 'Copy'; }, 1500);
+  }
+
+  #key(event) {
+    const { key, shiftKey } = event;
+    if (!(event.ctrlKey || event.metaKey) || isAsking()) return;
+    const isTyping = event.target.matches('input[type=text]');
+    const actions = { s: () => this.#save() };
+    if (!isTyping) actions[shiftKey ? 'Z' : 'z'] = () => this.#travel(() => (shiftKey ? this.#history.redo() : this.#history.undo()));
+    if (!(key in actions)) return;
+    event.preventDefault();
+    actions[key]();
+  }
+}
+
+/** A change as `--set` takes it. A number with a unit of its own goes to the key without its unit. */
+function settingOf(key, text) {
+  const hasUnit = key.unit && ['number', 'integer'].includes(key.kind.type) && Number.isNaN(Number(text)) && /\d/.test(text);
+  const isWord = key.kind.type === 'text' && !text.startsWith('"');
+  return `${hasUnit ? key.stem : key.path}=${isWord ? JSON.stringify(text) : text}`;
+}
+
+async function begin() {
+  const [keys, rigs, port] = await Promise.all([get('/api/keys'), get('/api/rigs'), get('/api/port')]);
+  const { opened, builtin } = rigs;
+  const isFile = !builtin.some(({ name }) => name === opened.name);
+  const option = ({ name, about }) => html('option', { value: name, title: about, selected: name === opened.name }, name);
+  part('rigs').append(...(isFile ? [html('option', { selected: true, disabled: true }, opened.name)] : []), ...builtin.map(option));
+  const studio = new Studio(keys, builtin.map(({ name }) => name));
+  // For measurements.
+  window.studio = studio;
+  studio.offer(port);
+  await studio.study.begin(keys);
+  await studio.open(opened);
+}
+
+begin().catch((error) => {
+  part('state').textContent = error.message;
+  part('state').classList.add('wrong');
+});

@@ -1,0 +1,224 @@
+// The view of studies: a task, its progress, and what it has found.
+
+import { showNothing, showReport } from './exhibit.js';
+import { offer } from './export.js';
+import { IdentifyForm } from './identify-form.js';
+import { about } from './numbers.js';
+import { SweepForm } from './sweep-form.js';
+import { TuneForm } from './tune-form.js';
+import { html } from './svg.js';
+
+const TASKS = {
+  sweep: { title: 'Sweep', form: SweepForm, take: 'Use the best point', about: 'Keys vary, and figures of the moves are collected.' },
+  tune: { title: 'Tune', form: TuneForm, take: 'Use these gains', about: 'Gains for a step, over a spread of rigs.' },
+  identify: { title: 'Identify', form: IdentifyForm, take: 'Use these values', about: 'Values of the rig from records of it.' },
+};
+
+/** A pause of this length ends typing, ms. */
+const PAUSE = 150;
+
+/**
+ * The panel of studies. `told.rig()`, `told.state()` and `told.records()` are those of the page; `told.take(settings)` hears
+ * of values to be taken over, and `told.open()` asks the user for a file.
+ */
+export class Study {
+  #exhibit;
+  #server;
+  #told;
+  #task = 'sweep';
+  #forms = {};
+  #parts = {};
+  #end = null;
+  #pause = 0;
+  #asked = 0;
+  #plan = {};
+  /** What was found last: its button, the words beside it, what it takes over, and the rig it is of. */
+  #offered = null;
+
+  constructor(element, exhibit, server, told) {
+    this.#exhibit = exhibit;
+    this.#server = server;
+    this.#told = told;
+    this.#build(element);
+    showNothing(exhibit, 'What a study finds stands here: figures with their ranges, and graphs.');
+  }
+
+  /** Gets the forms ready. */
+  async begin(keys) {
+    const choices = await this.#server.get('/api/choices');
+    const told = { ...this.#told, changed: () => this.#changed() };
+    for (const [name, { form: Form }] of Object.entries(TASKS)) this.#forms[name] = new Form(keys, choices, told);
+    this.#choose('sweep');
+  }
+
+  /** The page has another rig, other values or other records. */
+  show() {
+    this.#weigh();
+    const form = this.#forms[this.#task];
+    if (!form || this.#parts.panel.hidden) return;
+    form.show();
+    this.#changed();
+  }
+
+  #build(element) {
+    const tasks = Object.entries(TASKS).map(([name, { title }]) => {
+      const button = html('button', { type: 'button', 'data-task': name, 'aria-pressed': 'false' }, title);
+      button.addEventListener('click', () => this.#choose(name));
+      return button;
+    });
+    const start = html('button', { type: 'button', class: 'main', id: 'study-start' }, 'Start');
+    start.addEventListener('click', () => (this.#end ? this.#end.abort() : this.#start()));
+    const command = html('input', { id: 'study-command', readonly: true, spellcheck: 'false' });
+    const copy = html('button', { type: 'button' }, 'Copy');
+    copy.addEventListener('click', () => this.#copy());
+    const file = html('button', { type: 'button', hidden: true }, 'Save sweep.toml');
+    file.addEventListener('click', () => offer(this.#plan.file.name, new Blob([this.#plan.file.text], { type: 'application/toml' })));
+    const bar = html('progress', { max: 1, 'aria-label': 'Progress' });
+    this.#parts = {
+      panel: element, tasks, start, command, copy, file, bar,
+      about: html('p', { class: 'remark' }), form: html('div', {}), size: html('small', { id: 'study-size' }),
+      at: html('p', { id: 'study-at', role: 'status' }), problem: html('p', { class: 'problem', role: 'alert' }),
+    };
+    bar.hidden = true;
+    element.replaceChildren(html('h2', {}, 'Study'), html('p', { class: 'row', role: 'group', 'aria-label': 'Task' }, ...tasks),
+      this.#parts.about, this.#parts.form, html('p', { class: 'row' }, start, this.#parts.size), bar, this.#parts.at, this.#parts.problem,
+      html('label', { for: 'study-command' }, 'The same at the command line'), html('p', { class: 'row' }, command, copy), html('p', {}, file));
+  }
+
+  #choose(name) {
+    this.#task = name;
+    const { tasks, form, about: words, file, at } = this.#parts;
+    at.textContent = '';
+    for (const button of tasks) button.setAttribute('aria-pressed', String(button.dataset.task === name));
+    words.textContent = TASKS[name].about;
+    file.hidden = name !== 'sweep';
+    form.replaceChildren(this.#forms[name].element);
+    this.show();
+  }
+
+  /** What would be asked for. */
+  #body() {
+    return { study: this.#task, ...this.#told.rig(), ...this.#forms[this.#task].body() };
+  }
+
+  #changed() {
+    clearTimeout(this.#pause);
+    this.#pause = setTimeout(() => this.#ask(), PAUSE);
+  }
+
+  /** Asks what the study would be; only the newest answer counts. */
+  async #ask() {
+    this.#asked += 1;
+    const number = this.#asked;
+    const { command, size, problem, start } = this.#parts;
+    try {
+      const plan = await this.#server.post('/api/plan', this.#body());
+      if (number !== this.#asked) return;
+      this.#plan = plan;
+      command.value = plan.command;
+      size.textContent = plan.size;
+      problem.textContent = '';
+      this.#forms[this.#task].planned?.(plan);
+    } catch (error) {
+      if (number !== this.#asked) return;
+      [command.value, size.textContent, problem.textContent] = ['', '', reasonOf(error)];
+    }
+    start.disabled = !this.#end && problem.textContent !== '';
+  }
+
+  async #start() {
+    const task = this.#task;
+    this.#end = new AbortController();
+    const { signal } = this.#end;
+    this.#working('Cancel', 'beginning…');
+    try {
+      const body = this.#body();
+      // What stands below the form may be the plan of what was typed before.
+      const { command } = await this.#server.post('/api/plan', body);
+      signal.throwIfAborted();
+      const begun = performance.now();
+      const progress = new Progress(begun);
+      const found = await this.#server.study(body, signal, (at) => this.#tell(progress.heard(at)));
+      this.#working('Start', `done in ${((performance.now() - begun) / 1e3).toFixed(1)} s`);
+      this.#found(task, command, body, found);
+    } catch (error) {
+      this.#working('Start', signal.aborted ? 'cancelled: nothing has changed' : '');
+      if (!signal.aborted) this.#parts.problem.textContent = reasonOf(error);
+    }
+    this.#end = null;
+  }
+
+  #working(button, words) {
+    const { start, bar, at, problem, tasks } = this.#parts;
+    const isAtWork = button === 'Cancel';
+    [start.textContent, at.textContent, problem.textContent, bar.hidden] = [button, words, '', !isAtWork];
+    bar.removeAttribute('value');
+    for (const one of tasks) one.disabled = isAtWork;
+  }
+
+  #tell({ share, words }) {
+    const { bar, at } = this.#parts;
+    if (share === null) bar.removeAttribute('value');
+    else bar.value = share;
+    at.textContent = words;
+  }
+
+  #found(task, command, { name, text }, { page, settings }) {
+    const take = html('button', { type: 'button', class: 'main', id: 'study-take' }, TASKS[task].take);
+    take.addEventListener('click', () => {
+      if (this.#weigh()) this.#told.take(settings);
+    });
+    this.#offered = { take, what: html('small', {}), settings, rig: { name, text } };
+    this.#weigh();
+    showReport(this.#exhibit, page, command, [take, this.#offered.what]);
+  }
+
+  /** Whether what was found can be taken over: by the rig it was found for, and by no other. */
+  #weigh() {
+    if (!this.#offered) return false;
+    const { take, what, settings, rig } = this.#offered;
+    const { name, text } = this.#told.rig();
+    const isSame = name === rig.name && text === rig.text;
+    take.disabled = !isSame || settings.length === 0;
+    const words = isSame ? settings.join(', ') || 'nothing to take over' : 'found for another rig';
+    if (what.textContent !== words) what.textContent = words;
+    return !take.disabled;
+  }
+
+  async #copy() {
+    this.#parts.command.select();
+    await navigator.clipboard.writeText(this.#parts.command.value).catch(() => document.execCommand('copy'));
+    this.#parts.copy.textContent = 'Copied';
+    setTimeout(() => { this.#parts.copy.textContent = 'Copy'; }, 1500);
+  }
+}
+
+/** Why a study cannot be. */
+function reasonOf({ status, message }) {
+  const tooLong = 'the rig and its records are longer than the 2 MiB that the studio takes; `pneudrive identify` takes longer ones';
+  return status === 413 ? tooLong : message;
+}
+
+/** How far work is, in words. */
+class Progress {
+  #begun;
+  #what = '';
+  #since = 0;
+  #expected = '';
+
+  constructor(begun) {
+    this.#begun = begun;
+  }
+
+  heard({ what, done, all }) {
+    const now = performance.now();
+    if (what === 'taste') {
+      this.#expected = ` (in all ${about((now - this.#begun) / 1e3 * all / done)} or less, estimated from ${done} runs)`;
+      return { share: null, words: `expected${this.#expected}` };
+    }
+    if (what !== this.#what) [this.#what, this.#since] = [what, now];
+    if (!all) return { share: null, words: `${what}; ${((now - this.#begun) / 1e3).toFixed(0)} s so far, and how long it takes cannot be foretold` };
+    const left = done > 0 && !this.#expected ? `, ${about((now - this.#since) / 1e3 / done * (all - done))} left` : '';
+    return { share: done / all, words: `${done} of ${all} ${what}${left}${this.#expected}` };
+  }
+}

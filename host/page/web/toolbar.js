@@ -1,0 +1,65 @@
+// The buttons above the graphs: which of them are shown, how records lie over the run, and what is taken away.
+
+import { offer, toCsv, toFile } from './export.js';
+import { PANELS } from './panel.js';
+import { ALIGNMENTS } from './records.js';
+import { toReport } from './report.js';
+import { html } from './svg.js';
+
+export class Toolbar {
+  #plot;
+  #told;
+  #records;
+  #align;
+
+  /** `told` has `run()`, `name()`, `described()` for a report, and `spectrum()`. */
+  constructor(element, plot, records, told) {
+    this.#plot = plot;
+    this.#records = records;
+    this.#told = told;
+    this.#align = this.#alignment();
+    element.append(...PANELS.map(({ id }) => this.#toggle(id)), this.#align,
+      button('whole time', 'All samples of the runs', () => plot.zoom(), 'plain'),
+      button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => told.spectrum()),
+      button('CSV', 'The curves of this run as a table', () => this.#offer('csv', toCsv(told.run()))),
+      button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng())),
+      button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(plot.toSvg()))),
+      button('Report', 'Figures and graphs as a page to print', () => this.#report()));
+  }
+
+  /** Shows what depends on the records. */
+  update() {
+    this.#align.hidden = this.#records.all.length === 0;
+  }
+
+  #toggle(id) {
+    const toggle = button(id, `The graph of ${id}`, () => {
+      this.#plot.toggle(id);
+      toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
+    });
+    toggle.setAttribute('aria-pressed', String(this.#plot.isShown(id)));
+    return toggle;
+  }
+
+  #alignment() {
+    const choice = html('select', { id: 'align', 'aria-label': 'How records lie over the run', hidden: true },
+      ...ALIGNMENTS.map(([value, text]) => html('option', { value }, `records ${text}`)));
+    choice.addEventListener('change', () => { this.#records.align = choice.value; });
+    return choice;
+  }
+
+  #offer(kind, content) {
+    offer(`${this.#told.name().replace(/\.toml$/, '')}.${kind}`, content);
+  }
+
+  async #report() {
+    const style = await (await fetch('report.css')).text();
+    this.#offer('html', toReport({ ...this.#told.described(), graphs: this.#plot.toSvg(), style }));
+  }
+}
+
+function button(label, title, clicked, kind) {
+  const made = html('button', { type: 'button', title, class: kind }, label);
+  made.addEventListener('click', clicked);
+  return made;
+}

@@ -1,0 +1,41 @@
+// What is asked of a step, and how long gains are looked for.
+
+import { labelled, numberIn } from './numbers.js';
+import { html } from './svg.js';
+
+const FIELDS = [
+  ['step_mm', 'Step', 'mm, there and back'],
+  ['settled_mm', 'Settled within', 'mm of the setpoint'],
+  ['overshoot_percent', 'Overshoot at most', '% of the step'],
+  ['time_s', 'Time each way', 's'],
+  ['load_percent', 'Load ±', '%'],
+  ['friction_percent', 'Friction ±', '%'],
+  ['supply_percent', 'Supply pressure ±', '%'],
+  ['population', 'Candidates', 'in each generation'],
+  ['generations', 'Generations', '0: the gains of the file are judged'],
+  ['draws', 'Fresh draws', 'that judge the gains'],
+];
+
+/** The form of a tuning. `told.changed()` hears of every change. */
+export class TuneForm {
+  #fields;
+
+  constructor(_, { goal }, told) {
+    this.#fields = FIELDS.map(([name, label, unit]) => {
+      const field = html('input', { type: 'text', id: `tune-${name}`, inputmode: 'decimal', size: 8, value: goal[name] });
+      return { name, label, unit, field };
+    });
+    const lines = (from, to) => this.#fields.slice(from, to).flatMap(({ name, label, unit, field }) => labelled(`tune-${name}`, label, field, unit));
+    this.element = html('div', {}, html('h3', {}, 'What is asked of a step'), ...lines(0, 4),
+      html('h3', {}, 'The rigs that the drive may turn out to be'), ...lines(4, 7),
+      html('h3', {}, 'How long is looked for'), ...lines(7));
+    this.element.addEventListener('input', () => told.changed());
+  }
+
+  show() {}
+
+  /** As the request has it. */
+  body() {
+    return { goal: Object.fromEntries(this.#fields.map(({ name, field }) => [name, numberIn(field)])) };
+  }
+}

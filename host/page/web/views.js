@@ -1,0 +1,27 @@
+// The views of the page: which parts each of them shows.
+
+const VIEWS = {
+  design: ['drive', 'inspector', 'figures', 'same'],
+  commission: ['drive', 'commission', 'figures', 'same'],
+  study: ['exhibit', 'study'],
+};
+
+const part = (id) => document.getElementById(id);
+
+/** Shows a view. */
+export function choose(view) {
+  for (const id of new Set(Object.values(VIEWS).flat())) part(id).hidden = !VIEWS[view].includes(id);
+  for (const name of Object.keys(VIEWS)) part(`to-${name}`).setAttribute('aria-pressed', String(name === view));
+}
+
+/** Offers the views; `chosen(view)` hears which is taken. */
+export function offerViews(hasDrive, chosen) {
+  part('views').hidden = false;
+  part('to-commission').hidden = !hasDrive;
+  for (const view of Object.keys(VIEWS)) {
+    part(`to-${view}`).addEventListener('click', () => {
+      choose(view);
+      chosen(view);
+    });
+  }
+}
