@@ -3,9 +3,22 @@
 //! The page asks for `/api/drive` and reads a line of JSON for every look at the rig, for as long as it likes. While it
 //! reads, it commands the drive, and no other page does; when it stops reading, the drive is disarmed. Any page that shows the
 //! token may stop the drive.
+//!
+//! ```text
+//! page -> /api/order -> Order -> pilot -> rig      at once, without an answer
+//!      -> /api/ask   -> Order -> pilot -> rig      parameters, record, bring-up: answered when it is done
+//!      <- /api/drive <- Seen  <- pilot <- rig      looks, samples, what a bring-up shows
+//! ```
 
+mod asked;
+mod bring_up;
+mod live;
+mod order;
+mod parameters;
 mod pilot;
 mod ramp;
+mod record;
+mod samples;
 mod seen;
 
 use std::convert::Infallible;
@@ -22,12 +35,14 @@ use axum::routing::{get, post};
 use axum::{Json, Router};
 use futures_util::stream::unfold;
 use pneudrive_link::client::Client;
-use serde::Deserialize;
+use pneudrive_page::refusal::Refusal;
 use serde_json::{Value, json};
+use tokio::sync::oneshot;
 
-use crate::asked::Asked;
-use crate::refusal::Refusal;
-use pilot::{Direction, Order, steer};
+use crate::refused::Refused;
+use asked::{Numbered, Orders, Questions};
+use order::{Arrived, Order};
+use pilot::steer;
 use seen::Seen;
 
 /// Between two lines to the page.
@@ -47,7 +62,7 @@ struct Helm {
     /// The number of the last page that was let in.
     last: u32,
     /// The page that commands, and its thread.
-    page: Option<(u32, Sender<Order>)>,
+    page: Option<(u32, Sender<Arrived>)>,
 }
 
 impl Drive {
@@ -67,7 +82,7 @@ impl Drive {
     fn send(&self, order: Order, allowed: impl Fn(u32) -> bool) -> bool {
         let helm = self.helm();
         let page = helm.page.as_ref().filter(|(number, _)| allowed(*number));
-        page.is_some_and(|(_, orders)| orders.send(order).is_ok())
+        page.is_some_and(|(_, orders)| orders.send(Arrived::now(order)).is_ok())
     }
 
     fn helm(&self) -> MutexGuard<'_, Helm> {
@@ -81,6 +96,7 @@ pub fn routes(drive: Arc<Drive>) -> Router {
         .route("/api/port", get(port))
         .route("/api/drive", post(open))
         .route("/api/order", post(order))
+        .route("/api/ask", post(ask))
         .with_state(drive)
 }
 
@@ -103,7 +119,7 @@ impl Drop for Lease {
 }
 
 /// Lets a page in, and tells it of the drive from then on.
-async fn open(State(drive): State<Arc<Drive>>) -> Result<Response, Refusal> {
+async fn open(State(drive): State<Arc<Drive>>) -> Result<Response, Refused> {
     let port = drive.port()?;
     let (sender, orders) = channel();
     let lease = take_helm(&drive, sender)?;
@@ -136,15 +152,15 @@ impl Next {
             Next::Number => Some((json!({ "number": lease.number }), Next::Look)),
             Next::Look => {
                 tokio::time::sleep(LINE).await;
-                let seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
-                Some((json!(*seen), if seen.is_over { Next::End } else { Next::Look }))
+                let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
+                Some((seen.line(), if seen.is_over { Next::End } else { Next::Look }))
             }
             Next::End => None,
         }
     }
 }
 
-fn take_helm(drive: &Arc<Drive>, orders: Sender<Order>) -> Result<Lease, Refusal> {
+fn take_helm(drive: &Arc<Drive>, orders: Sender<Arrived>) -> Result<Lease, Refusal> {
     let mut helm = drive.helm();
     if helm.page.is_some() {
         let message = "another page commands the drive; close it first";
@@ -155,67 +171,45 @@ fn take_helm(drive: &Arc<Drive>, orders: Sender<Order>) -> Result<Lease, Refusal
     Ok(Lease { drive: drive.clone(), number: helm.last })
 }
 
-/// What a page asks for.
-#[derive(Debug, Deserialize)]
-#[serde(tag = "order", rename_all = "kebab-case")]
-enum Asks {
-    Alive,
-    Arm,
-    Disarm,
-    Stop,
-    Home,
-    Release,
-    Run { rig: Asked },
-    Go { mm: f64, rig: Asked },
-    Extend { rig: Asked },
-    Retract { rig: Asked },
-}
-
-/// An order with the number of the page; only stopping goes without.
-#[derive(Debug, Deserialize)]
-struct Ordered {
-    number: Option<u32>,
-    #[serde(flatten)]
-    asks: Asks,
-}
-
 /// Hands an order to the thread of the page that commands.
-async fn order(State(drive): State<Arc<Drive>>, Json(ordered): Json<Ordered>) -> Result<StatusCode, Refusal> {
-    let is_stop = matches!(ordered.asks, Asks::Stop);
-    let order = order_of(ordered.asks)?;
+async fn order(
+    State(drive): State<Arc<Drive>>,
+    Json(ordered): Json<Numbered<Orders>>,
+) -> Result<StatusCode, Refused> {
+    let is_stop = matches!(ordered.of_page, Orders::Stop);
+    let order = ordered.of_page.order()?;
     let allowed = |number: u32| is_stop || Some(number) == ordered.number;
     match drive.send(order, allowed) {
         true => Ok(StatusCode::ACCEPTED),
         false if is_stop => stop_without_page(&drive).await,
-        false => Err(Refusal::new(StatusCode::CONFLICT, "this page does not command the drive")),
+        false => Err(not_commanding().into()),
     }
 }
 
 /// Stops a drive that no page commands; another program may have set it going.
-async fn stop_without_page(drive: &Drive) -> Result<StatusCode, Refusal> {
+async fn stop_without_page(drive: &Drive) -> Result<StatusCode, Refused> {
     let port = drive.port()?;
     let stopped = tokio::task::spawn_blocking(move || Client::connect(&port)?.stop()).await;
     match stopped.map_err(anyhow::Error::from).flatten() {
         Ok(()) => Ok(StatusCode::ACCEPTED),
-        Err(error) => Err(Refusal::of(&error)),
+        Err(error) => Err(Refusal::of(&error).into()),
     }
 }
 
-fn order_of(asks: Asks) -> Result<Order, Refusal> {
-    let rig_of = |asked: &Asked| -> Result<_, Refusal> { Ok(Box::new(asked.rig()?)) };
-    Ok(match asks {
-        Asks::Alive => Order::Alive,
-        Asks::Arm => Order::Arm,
-        Asks::Disarm => Order::Disarm,
-        Asks::Stop => Order::Stop,
-        Asks::Home => Order::Home,
-        Asks::Release => Order::Release,
-        Asks::Run { rig } => Order::Run(rig_of(&rig)?),
-        Asks::Go { mm, .. } if !mm.is_finite() => {
-            return Err(Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, "give the place in mm"));
-        }
-        Asks::Go { mm, rig } => Order::Go(mm, rig_of(&rig)?),
-        Asks::Extend { rig } => Order::Jog(Direction::Extend, rig_of(&rig)?),
-        Asks::Retract { rig } => Order::Jog(Direction::Retract, rig_of(&rig)?),
-    })
+/// Hands on what is answered, and waits for the answer.
+async fn ask(
+    State(drive): State<Arc<Drive>>,
+    Json(asked): Json<Numbered<Questions>>,
+) -> Result<Json<Value>, Refused> {
+    let (reply, answer) = oneshot::channel();
+    let order = Order::Ask(asked.of_page.task()?, reply);
+    if !drive.send(order, |number| Some(number) == asked.number) {
+        return Err(not_commanding().into());
+    }
+    let busy = || Refusal::new(StatusCode::CONFLICT, "not now: the drive is busy, or its link has ended");
+    Ok(Json(answer.await.unwrap_or_else(|_| Err(busy()))?))
+}
+
+fn not_commanding() -> Refusal {
+    Refusal::new(StatusCode::CONFLICT, "this page does not command the drive")
 }

@@ -11,23 +11,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use axum::Json;
 use axum::extract::{self, State};
 use axum::http::StatusCode;
-use pneudrive_records::{rig_text, whole_file};
-use pneudrive_sim::Rig;
-use pneudrive_sim::rig::{BUILTIN, builtin};
-use serde::Deserialize;
+use pneudrive_page::refusal::Refusal;
+use pneudrive_page::rigs::{self, Opened, ToSave};
+use pneudrive_records::whole_file;
+use pneudrive_sim::rig::builtin;
 use serde_json::{Value, json};
 
-use crate::asked::Asked;
-use crate::refusal::Refusal;
-
-/// A rig file that the page begins with.
-#[derive(Clone, Debug)]
-pub struct Opened {
-    /// As the command line names it.
-    pub name: String,
-    /// The text.
-    pub text: String,
-}
+use crate::refused::Refused;
 
 /// Where rig files are.
 #[derive(Debug)]
@@ -83,37 +73,15 @@ fn file_name(name: &str) -> Result<&str, Refusal> {
 
 /// The rigs that come with the program, and the one that was opened.
 pub async fn list(State(files): State<Arc<Files>>) -> Json<Value> {
-    let about = |text: &str| text.lines().next().unwrap_or("").trim_start_matches("# ").to_owned();
-    let builtin = BUILTIN.iter().map(|(name, text)| json!({ "name": name, "about": about(text) }));
-    let Opened { name, text } = &files.opened;
-    Json(json!({
-        "builtin": builtin.collect::<Vec<_>>(),
-        "opened": { "name": name, "text": text },
-    }))
+    Json(rigs::list(&files.opened))
 }
 
 /// The text of a rig that comes with the program.
 ///
 /// # Errors
 /// When there is none of that name.
-pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Value>, Refusal> {
-    match builtin(&name) {
-        Some(text) => Ok(Json(json!({ "name": name, "text": text }))),
-        None => Err(Refusal::new(StatusCode::NOT_FOUND, format!("there is no built-in rig {name}"))),
-    }
-}
-
-/// A rig to be saved.
-#[derive(Debug, Deserialize)]
-pub struct ToSave {
-    /// The rig.
-    #[serde(flatten)]
-    asked: Asked,
-    /// The name of the file.
-    file: String,
-    /// Whether the user has agreed to replace a file.
-    #[serde(default)]
-    replace: bool,
+pub async fn open(extract::Path(name): extract::Path<String>) -> Result<Json<Opened>, Refused> {
+    Ok(Json(Opened::builtin(&name)?))
 }
 
 /// Saves a rig: the file that was opened, with the settings in the places of the old values, all other lines kept.
@@ -123,25 +91,10 @@ pub struct ToSave {
 pub async fn save(
     State(files): State<Arc<Files>>,
     Json(ToSave { asked, file, replace }): Json<ToSave>,
-) -> Result<Json<Value>, Refusal> {
-    asked.rig()?;
-    let text = rig_text::with_settings(&asked.text, &in_key_units(&asked)?, "given: set in the studio");
-    let text = text.map_err(|error| Refusal::of(&error))?;
-    // What is written is what was shown.
-    Rig::read(&file, &text)?;
+) -> Result<Json<Value>, Refused> {
+    let text = rigs::text_to_save(&asked, &file)?;
     files.save(&file, &text, replace)?;
     Ok(Json(json!({ "name": file, "text": text })))
-}
-
-/// The settings with each value in the unit of its key.
-fn in_key_units(asked: &Asked) -> Result<Vec<String>, Refusal> {
-    let rig = asked.rig()?;
-    let in_unit = |setting: &String| {
-        let path = setting.split('=').next().unwrap_or_default().trim();
-        let key = pneudrive_sim::rig::key_of(path)?;
-        rig.value(key.path).map(|value| format!("{}={value}", key.path))
-    };
-    Ok(asked.settings.iter().filter_map(in_unit).collect())
 }
 
 #[cfg(test)]

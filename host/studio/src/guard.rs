@@ -15,8 +15,9 @@ use axum::http::header::{AUTHORIZATION, HOST, HeaderMap, HeaderName, HeaderValue
 use axum::http::{StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use pneudrive_page::refusal::Refusal;
 
-use crate::refusal::Refusal;
+use crate::refused::Refused;
 use crate::token::Token;
 
 /// The longest body of a request: a rig file of the longest kind in JSON, bytes.
@@ -50,7 +51,7 @@ pub struct Guard {
 pub async fn watch(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let mut answer = match guard.check(request.uri(), request.headers()) {
         Ok(()) => next.run(request).await,
-        Err(refusal) => refusal.into_response(),
+        Err(refusal) => Refused(refusal).into_response(),
     };
     for (name, value) in HEADERS {
         answer.headers_mut().insert(HeaderName::from_static(name), HeaderValue::from_static(value));

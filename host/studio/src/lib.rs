@@ -1,39 +1,33 @@
 //! `pneudrive studio`: a drive designed, tried out and commissioned in the browser.
 //!
 //! ```text
-//! page (web/*.js)  ->  guard  ->  rig file + settings  ->  simulation  ->  columns of numbers  ->  page
+//! page (host/page)  ->  guard  ->  its requests on threads of their own  ->  page
+//!                              ->  rig files of one folder
+//!                              ->  a rig at a port
 //! ```
 //!
-//! The server keeps no rig: every request brings the text of the rig file and the settings made on the page, so undo is the
-//! page's own affair and a killed server loses nothing. Keys, units, checks and figures are those of `rig explain`,
-//! `rig check` and `simulate`.
+//! The server keeps no rig: every request brings the text of the rig file and the settings made on the page, so a killed
+//! server loses nothing.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`token`], [`guard`] | who may ask, and what every answer says to the browser |
-//! | [`assets`] | the page, embedded in the program |
-//! | [`asked`], [`refusal`] | what a request brings, and how it is refused |
-//! | [`keys`], [`check`] | the table of keys, and a rig held against it |
-//! | [`simulation`], [`columns`] | a run, its neighbours, and their numbers as bytes |
+//! | [`token`], [`guard`], [`refused`] | who may ask, what every answer says to the browser, and how the server says no |
+//! | [`served`] | the files of the page, and its requests |
 //! | [`files`] | rig files that are opened and saved |
-//! | [`compare`] | a record laid over the run of the page |
+//! | [`study`] | long work that the page asks for, told of line by line |
 //! | [`commission`] | a rig at a port, moved from the page |
 //! | [`server`] | the routes, and the address |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-pub mod asked;
-pub mod assets;
-pub mod check;
-pub mod columns;
 pub mod commission;
-pub mod compare;
 pub mod files;
 pub mod guard;
-pub mod keys;
-pub mod refusal;
+pub mod refused;
+pub mod served;
 pub mod server;
-pub mod simulation;
+pub mod study;
 pub mod token;
 
+pub use pneudrive_page::rigs::Opened;
 pub use server::{Options, Studio};

@@ -4,16 +4,19 @@ use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
+use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
 use axum::routing::{get, post};
-use axum::{Json, Router};
+use pneudrive_page::answer::REQUESTS;
+use pneudrive_page::rigs::Opened;
 
 use crate::commission::{self, Drive};
-use crate::files::{Files, Opened};
+use crate::files::{self, Files};
 use crate::guard::{Guard, MOST_BYTES, watch};
+use crate::served;
+use crate::study;
 use crate::token::Token;
-use crate::{assets, check, compare, files, keys, simulation};
 
 /// Threads for simulations: one for a run, one for its neighbours, and two for those that nobody waits for any more.
 const THREADS: usize = 4;
@@ -82,17 +85,15 @@ impl Studio {
     /// What answers the requests.
     pub fn router(&self) -> Router {
         Router::new()
-            .route("/", get(assets::index))
-            .route("/{name}", get(assets::file))
-            .route("/api/keys", get(async || Json(keys::table())))
+            .route("/", get(served::index))
+            .route("/{name}", get(served::file))
+            .route("/api/keys", get(served::keys))
             .route("/api/rigs", get(files::list))
             .route("/api/rigs/{name}", get(files::open))
-            .route("/api/check", post(check::answer))
-            .route("/api/run", post(simulation::nominal))
-            .route("/api/neighbours", post(simulation::neighbours))
             .route("/api/save", post(files::save))
-            .route("/api/compare", post(compare::answer))
             .with_state(self.files.clone())
+            .merge(requests())
+            .merge(study::routes())
             .merge(commission::routes(self.drive.clone()))
             .layer(DefaultBodyLimit::max(MOST_BYTES))
             .layer(from_fn_with_state(self.guard.clone(), watch))
@@ -112,4 +113,11 @@ impl Studio {
             Ok(())
         })
     }
+}
+
+/// What the page can answer itself.
+fn requests() -> Router {
+    REQUESTS.into_iter().fold(Router::new(), |router, name| {
+        router.route(&format!("/api/{name}"), post(move |body| served::request(name, body)))
+    })
 }

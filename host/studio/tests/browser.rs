@@ -1,62 +1,22 @@
 //! The studio in a browser, from the first look to a saved rig.
 //!
-//! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not. With `PNEUDRIVE_SHOTS=FOLDER`
-//! it writes the pictures of docs/studio.md there.
+//! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
 
 mod chromium;
+mod opened;
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::builtin;
-use pneudrive_studio::files::Opened;
-use pneudrive_studio::{Options, Studio};
 use serde_json::json;
 
 use chromium::Browser;
-
-const LAPTOP: [u32; 2] = [1440, 900];
+use opened::{drop_file, keep_picture, page, page_of, page_with};
 
 /// The field of the moving mass.
 const MASS: &str = "[data-key=\"load.mass_kg\"]";
-
-/// A page of a studio that begins with a rig.
-fn page_of(name: &str, text: &str) -> Browser {
-    page_with(name, text, None)
-}
-
-/// The same with a rig at a port.
-fn page_with(name: &str, text: &str, port: Option<&str>) -> Browser {
-    let opened = Opened { name: name.to_owned(), text: text.to_owned() };
-    let options =
-        Options { listen: "127.0.0.1:0".to_owned(), token: None, opened, port: port.map(str::to_owned) };
-    let studio = Studio::open(options).expect("a studio");
-    let address = studio.address();
-    std::thread::spawn(move || studio.serve());
-    let mut page = Browser::open(&address, LAPTOP);
-    page.wait_until("document.querySelector('.verdict.decided, .verdict.undecided')");
-    page
-}
-
-fn page() -> Browser {
-    page_of("servo-b-tuned", builtin("servo-b-tuned").expect("a built-in rig"))
-}
-
-/// Keeps a picture for the docs if that is asked for; it is no empty page in any case.
-fn keep_picture(page: &mut Browser, name: &str) {
-    let picture = page.picture();
-    assert!(picture.len() > 40_000, "{name}: {} characters", picture.len());
-    let Some(folder) = std::env::var_os("PNEUDRIVE_SHOTS") else { return };
-    let file = Path::new(&folder).join(name);
-    let encoded = file.with_extension("base64");
-    fs::write(&encoded, picture).expect("written");
-    let decoded = Command::new("base64").arg("-d").arg(&encoded).output().expect("base64");
-    fs::write(&file, decoded.stdout).expect("written");
-    fs::remove_file(encoded).expect("removed");
-}
 
 #[test]
 fn a_component_is_chosen_in_the_picture_by_mouse_and_by_keyboard() {
@@ -133,7 +93,8 @@ fn the_curve_follows_a_slider_and_the_neighbours_come_after_it() {
     }
     page.mouse("mouseMoved", [x + 25.0, y]);
     page.mouse("mouseReleased", [x + 25.0, y]);
-    let until_band = page.wait_until("document.querySelector('.verdict.decided, .verdict.undecided')");
+    let until_band = page.wait_until("studio.simulation.isAtRest");
+    page.wait_until("document.querySelector('.verdict.decided, .verdict.undecided')");
     assert_ne!(page.text("#readout"), before, "the curve has moved");
     let latencies =
         page.evaluate("performance.getEntriesByName('change to picture').map((one) => one.duration)");
@@ -213,11 +174,7 @@ fn a_rig_is_saved_and_a_file_that_is_not_ours_only_after_a_question() {
 fn a_target_file_that_is_dropped_lies_over_the_run_with_its_deviation_and_the_curves_can_be_taken_away() {
     let mut page = page();
     let record = include_str!("../../tests/fixtures/TARGET-2.DAT");
-    page.evaluate(&format!(
-        "(() => {{ const files = new DataTransfer(); files.items.add(new File([{}], 'TARGET01.DAT')); \
-         document.dispatchEvent(new DragEvent('drop', {{ dataTransfer: files, bubbles: true, cancelable: true }})); }})()",
-        json!(record)
-    ));
+    drop_file(&mut page, "TARGET01.DAT", record);
     page.wait_until("document.querySelector('#runs .record')");
     page.wait_until("document.querySelector('table.deviation')");
     let table = page.text("table.deviation");

@@ -1,120 +1,17 @@
 //! A virtual rig moved from a page, and what becomes of it when the page goes.
 
+mod commanding;
 mod visitor;
 
 use std::time::{Duration, Instant};
 
-use axum::body::{Body, BodyDataStream};
-use axum::http::{Method, Request, StatusCode};
-use futures_util::StreamExt;
+use axum::http::StatusCode;
 use pneudrive_link::client::Client;
-use pneudrive_protocol::{Mode, Status};
-use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
-use pneudrive_sim::Rig;
-use pneudrive_studio::Studio;
+use pneudrive_protocol::Mode;
 use serde_json::{Value, json};
-use tokio::runtime::Runtime;
-use tower::ServiceExt;
 
-use visitor::{TOKEN, studio_at};
-
-const RIG: &str = "servo-b-tuned";
-
-/// A virtual rig in real time that lives between its runs.
-fn rig() -> Background {
-    let rig =
-        VirtualRig::new(Rig::builtin(RIG).expect("a built-in rig"), 0, Pace { fast: false, live: true });
-    Background::start(rig.expect("a rig"), Listener::open("tcp:127.0.0.1:0").expect("a port"))
-}
-
-/// A page that reads of the drive, until it is dropped.
-struct Page<'a> {
-    studio: &'a Studio,
-    runtime: &'a Runtime,
-    lines: BodyDataStream,
-    heard: String,
-    number: Value,
-}
-
-fn runtime() -> Runtime {
-    tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().expect("a runtime")
-}
-
-fn request(studio: &Studio, runtime: &Runtime, path: &str, body: &Value) -> axum::response::Response {
-    let request = Request::builder()
-        .method(Method::POST)
-        .uri(path)
-        .header("host", studio.local_address().to_string())
-        .header("authorization", format!("Bearer {TOKEN}"))
-        .header("content-type", "application/json")
-        .body(Body::from(body.to_string()))
-        .expect("a request");
-    runtime.block_on(studio.router().oneshot(request)).expect("an answer")
-}
-
-impl<'a> Page<'a> {
-    fn open(studio: &'a Studio, runtime: &'a Runtime) -> Result<Page<'a>, StatusCode> {
-        let answer = request(studio, runtime, "/api/drive", &json!({}));
-        if answer.status() != StatusCode::OK {
-            return Err(answer.status());
-        }
-        let lines = answer.into_body().into_data_stream();
-        let mut page = Page { studio, runtime, lines, heard: String::new(), number: Value::Null };
-        page.number = page.line()["number"].clone();
-        Ok(page)
-    }
-
-    /// The next line.
-    fn line(&mut self) -> Value {
-        while !self.heard.contains('\n') {
-            let bytes = self.runtime.block_on(self.lines.next()).expect("a line").expect("bytes");
-            self.heard.push_str(std::str::from_utf8(&bytes).expect("text"));
-        }
-        let (line, rest) = self.heard.split_once('\n').expect("a line");
-        let line = serde_json::from_str(line).expect("JSON");
-        self.heard = rest.to_owned();
-        line
-    }
-
-    /// Reads until the drive is as told.
-    fn wait_for(&mut self, what: impl Fn(&Value) -> bool) -> Value {
-        let begun = Instant::now();
-        loop {
-            let line = self.line();
-            if what(&line) {
-                return line;
-            }
-            assert!(begun.elapsed() < Duration::from_secs(10), "{line}");
-        }
-    }
-
-    fn order(&self, order: &str, more: Value) -> StatusCode {
-        let mut body = json!({ "number": self.number, "order": order });
-        if let (Some(body), Value::Object(more)) = (body.as_object_mut(), more) {
-            body.extend(more);
-        }
-        request(self.studio, self.runtime, "/api/order", &body).status()
-    }
-}
-
-/// The rig as a page sends it.
-fn rig_of_page() -> Value {
-    json!({ "rig": { "name": RIG, "text": pneudrive_sim::rig::builtin(RIG), "settings": [] } })
-}
-
-/// What another program sees of the drive.
-fn status(rig: &Background) -> Status {
-    Client::connect(rig.port()).expect("a rig").status().expect("a status")
-}
-
-fn wait_for_mode(rig: &Background, mode: Mode) -> Duration {
-    let begun = Instant::now();
-    while status(rig).mode != mode {
-        assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", status(rig).mode);
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    begun.elapsed()
-}
+use commanding::{Page, request, rig, rig_of_page, runtime, status, wait_for_mode};
+use visitor::studio_at;
 
 #[test]
 fn one_page_commands_and_a_second_one_is_refused_until_it_has_gone() {
@@ -206,8 +103,11 @@ fn a_jog_button_that_is_not_confirmed_any_more_ends_the_motion() {
     let (rig, runtime) = (rig(), runtime());
     let studio = studio_at(Some(rig.port()));
     let mut page = Page::open(&studio, &runtime).expect("a page");
-    page.order("retract", rig_of_page());
-    page.wait_for(|line| line["mode"] == "running");
+    let begun = Instant::now();
+    while page.line()["mode"] != "running" {
+        page.order("retract", rig_of_page());
+        assert!(begun.elapsed() < Duration::from_secs(10), "it does not move");
+    }
     let last = page.wait_for(|line| line["mode"] == "disarmed");
     assert_eq!(last["message"], "disarmed: the jog button was not confirmed");
 }

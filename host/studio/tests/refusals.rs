@@ -3,15 +3,14 @@
 mod visitor;
 
 use axum::http::{Method, StatusCode};
-use pneudrive_studio::files::Opened;
 use pneudrive_studio::guard::MOST_BYTES;
 use pneudrive_studio::token::Token;
-use pneudrive_studio::{Options, Studio};
+use pneudrive_studio::{Opened, Options, Studio};
 
 use visitor::{TOKEN, ask, ask_as_page, studio};
 
 /// Every route behind the token.
-const ROUTES: [(&str, &str); 11] = [
+const ROUTES: [(&str, &str); 17] = [
     ("GET", "/api/keys"),
     ("GET", "/api/rigs"),
     ("GET", "/api/rigs/servo-a"),
@@ -20,9 +19,15 @@ const ROUTES: [(&str, &str); 11] = [
     ("POST", "/api/neighbours"),
     ("POST", "/api/save"),
     ("POST", "/api/compare"),
+    ("POST", "/api/spectrum"),
+    ("POST", "/api/difference"),
+    ("POST", "/api/plan"),
+    ("GET", "/api/choices"),
+    ("POST", "/api/study"),
     ("GET", "/api/port"),
     ("POST", "/api/drive"),
     ("POST", "/api/order"),
+    ("POST", "/api/ask"),
 ];
 
 fn get(studio: &Studio, path: &str, headers: &[(&str, &str)]) -> StatusCode {
@@ -105,7 +110,7 @@ fn a_body_that_is_not_json_is_refused() {
 #[test]
 fn a_body_longer_than_any_rig_file_is_refused() {
     let studio = studio();
-    for path in ["/api/check", "/api/run", "/api/neighbours", "/api/save"] {
+    for path in ["/api/check", "/api/run", "/api/neighbours", "/api/save", "/api/plan", "/api/study"] {
         let body = serde_json::json!({ "name": "long", "text": "#".repeat(MOST_BYTES), "settings": [] });
         let answer = ask_as_page(&studio, Method::POST, path, Some(body));
         assert_eq!(answer.status, StatusCode::PAYLOAD_TOO_LARGE, "{path}");

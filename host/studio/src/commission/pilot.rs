@@ -8,28 +8,39 @@
 //!
 //! When the whole program goes, the rig trips for want of its host (`safety.host_silence_s`).
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::Receiver;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, bail};
+use anyhow::{Error, Result, bail};
+use axum::http::StatusCode;
 use pneudrive_controller::parameters::id;
+use pneudrive_link::bring_up::Options;
 use pneudrive_link::client::Client;
+use pneudrive_link::failure::Failure;
+use pneudrive_page::refusal::Refusal;
 use pneudrive_protocol::{Mode, Status};
+use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
 use pneudrive_sim::Rig;
+use serde_json::Value;
 
+use super::bring_up::bring_up;
+use super::live::Live;
+use super::order::{Arrived, Direction, Ended, Gone, JOG_SILENCE, Order, Orders, Task};
+use super::parameters;
 use super::ramp::slow_move;
-use super::seen::{Seen, is_enabled};
+use super::record::record;
+use super::seen::{End, Seen, Teller, is_enabled};
 
 /// Between two looks at the rig.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How long a page may say nothing while it has armed the drive.
-pub const PAGE_SILENCE: Duration = Duration::from_millis(1500);
+/// The same while samples are streamed: listening to the stream takes its time, too.
+const LOOK_STREAMED: Duration = Duration::from_millis(20);
 
-/// How long a held button may be unconfirmed.
-pub const JOG_SILENCE: Duration = Duration::from_millis(300);
+/// How often the rows that remain are asked for when a test follows another one at once.
+const REST_OF_STREAM: usize = 8;
 
 /// Rate of jogging, mm/s.
 pub const JOG_MM_PER_S: f64 = 10.0;
@@ -43,76 +54,65 @@ pub const GO_MM_PER_S: f64 = 50.0;
 /// How long a stepper's spool may take to its null after arming.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);
 
-/// What a page asks of the drive.
-#[derive(Debug)]
-pub enum Order {
-    /// The page is there.
-    Alive,
-    /// Enable the drive.
-    Arm,
-    /// Disable it.
-    Disarm,
-    /// Stop at once, with a fault.
-    Stop,
-    /// Find the stop or the switch.
-    Home,
-    /// Run the test of a rig.
-    Run(Box<Rig>),
-    /// Move slowly to a place, mm.
-    Go(f64, Box<Rig>),
-    /// A jog button is held.
-    Jog(Direction, Box<Rig>),
-    /// The jog button was let go.
-    Release,
-}
-
-/// Which way to jog.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// To larger positions.
-    Extend,
-    /// To smaller ones.
-    Retract,
-}
-
 /// Talks to the rig at a port until the page goes or the link breaks.
-pub fn steer(port: &str, orders: &Receiver<Order>, seen: &Mutex<Seen>) {
-    let ended = Pilot::connect(port, seen).and_then(|mut pilot| pilot.follow(orders));
-    let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
-    seen.is_over = true;
+pub fn steer(port: &str, orders: &Receiver<Arrived>, seen: &Mutex<Seen>) {
+    let _end = End(seen);
+    let teller = Teller::new(seen, Units::default());
+    let ended = Pilot::connect(port, teller, Orders::of(orders)).and_then(|mut pilot| pilot.follow());
     if let Err(error) = ended {
-        seen.message = format!("{error:#}");
+        seen.lock().unwrap_or_else(PoisonError::into_inner).message = format!("{error:#}");
     }
+}
+
+/// What a test is run for.
+#[derive(Clone, Copy, Debug)]
+enum Purpose {
+    /// The page has a simulation of it.
+    Test,
+    /// To go to a place.
+    Place,
+    /// To jog while a button is held that was heard at this time.
+    Jog(Direction, Instant),
 }
 
 struct Pilot<'a> {
     client: Client,
-    units: Units,
-    seen: &'a Mutex<Seen>,
+    teller: Teller<'a>,
+    orders: Orders<'a>,
     /// Whether the page has enabled the drive.
     is_ours: bool,
-    /// When the page was heard last.
-    heard: Instant,
     /// The jog button that is held, and when it was confirmed last.
     jog: Option<(Direction, Instant)>,
+    /// The samples of the test that was started.
+    live: Option<Live>,
 }
 
 impl<'a> Pilot<'a> {
-    fn connect(port: &str, seen: &'a Mutex<Seen>) -> Result<Pilot<'a>> {
-        let mut client = Client::connect(port)?;
-        let units = Units::of(&client.parameters()?);
-        Ok(Pilot { client, units, seen, is_ours: false, heard: Instant::now(), jog: None })
+    fn connect(port: &str, teller: Teller<'a>, orders: Orders<'a>) -> Result<Pilot<'a>> {
+        let client = Client::connect(port)?;
+        let mut pilot = Pilot { client, teller, orders, is_ours: false, jog: None, live: None };
+        pilot.read_scales()?;
+        Ok(pilot)
     }
 
-    fn follow(&mut self, orders: &Receiver<Order>) -> Result<()> {
+    /// Learns what the figures of the drive mean.
+    fn read_scales(&mut self) -> Result<()> {
+        let parameters = self.client.parameters()?;
+        self.teller.units = Units::of(&parameters);
+        self.teller.seen().stream_hz = self.client.speaks(3).then(|| Live::rate_hz(&parameters));
+        Ok(())
+    }
+
+    fn follow(&mut self) -> Result<()> {
         loop {
-            match orders.recv_timeout(LOOK) {
-                Ok(order) => self.take(order),
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return self.release(),
+            match self.orders.next(if self.live.is_some() { LOOK_STREAMED } else { LOOK }) {
+                Ok(Some(arrived)) => self.take(arrived),
+                Ok(None) => {}
+                Err(Gone) => return self.release(),
             }
             self.watch_page()?;
-            self.look()?;
+            let status = self.look()?;
+            self.stream(status.mode == Mode::Running);
         }
     }
 
@@ -121,20 +121,40 @@ impl<'a> Pilot<'a> {
         if !is_enabled(status.mode) {
             (self.is_ours, self.jog) = (false, None);
         }
-        self.seen.lock().unwrap_or_else(PoisonError::into_inner).take(&status, &self.units);
+        self.teller.look(&status, self.live.is_none());
         Ok(status)
     }
 
+    /// Tells the samples that have come.
+    fn stream(&mut self, is_running: bool) {
+        let Some(live) = &mut self.live else { return };
+        match live.take(&mut self.client, !is_running) {
+            Ok(Some(rows)) => live.put(&rows, &mut self.teller.seen().samples, &self.teller.units),
+            Ok(None) => {
+                self.live = None;
+                // The rig streams nothing between tests in any case.
+                let _ = self.client.stream_end();
+            }
+            Err(error) => {
+                self.live = None;
+                self.teller.tell(format!("the samples of this test are no longer streamed: {error:#}"));
+            }
+        }
+    }
+
     fn tell(&self, message: impl Into<String>) {
-        self.seen.lock().unwrap_or_else(PoisonError::into_inner).message = message.into();
+        self.teller.tell(message);
     }
 
     /// Disarms a drive whose page or button is not heard any more.
     fn watch_page(&mut self) -> Result<()> {
+        if let Some((direction, confirmed)) = &mut self.jog {
+            *confirmed = self.orders.confirmed(*direction).unwrap_or(*confirmed);
+        }
         if self.jog.is_some_and(|(_, confirmed)| confirmed.elapsed() > JOG_SILENCE) {
             self.tell("disarmed: the jog button was not confirmed");
             self.release()?;
-        } else if self.is_ours && self.heard.elapsed() > PAGE_SILENCE {
+        } else if self.is_ours && self.orders.is_silent() {
             self.tell("disarmed: the page was silent");
             self.release()?;
         }
@@ -148,26 +168,78 @@ impl<'a> Pilot<'a> {
     }
 
     /// Carries out an order; a refusal is told.
-    fn take(&mut self, order: Order) {
-        self.heard = Instant::now();
-        if !matches!(order, Order::Alive | Order::Jog(..)) {
+    fn take(&mut self, Arrived { order, at }: Arrived) {
+        if !matches!(order, Order::Alive | Order::Jog(..) | Order::Ask(..)) {
             self.tell("");
         }
         let done = match order {
-            Order::Alive => Ok(()),
+            Order::Ask(task, reply) => {
+                let answer = self.answer(task);
+                // The page may have gone meanwhile.
+                let _ = reply.send(answer);
+                Ok(())
+            }
+            // Outside of a bring-up there is nothing to answer, and nothing to end.
+            Order::Alive | Order::Answer(..) | Order::Abort => Ok(()),
             Order::Arm => self.arm(),
             Order::Disarm => self.disarm(),
             Order::Stop => self.client.stop(),
             Order::Home => self.home(),
-            Order::Run(rig) => self.run(&rig),
-            Order::Go(to_mm, rig) => self.go(to_mm, GO_MM_PER_S, &rig),
-            Order::Jog(direction, rig) => self.jog(direction, &rig),
+            Order::Run(rig) => self.run(&rig, Purpose::Test),
+            Order::Go(to_mm, rig) => self.go(to_mm, GO_MM_PER_S, &rig, Purpose::Place),
+            Order::Jog(direction, rig) => self.jog(direction, at, &rig),
             Order::Release if self.jog.is_some() => self.release(),
             Order::Release => Ok(()),
         };
         if let Err(error) = done {
             self.tell(format!("{error:#}"));
         }
+    }
+
+    /// Does what is answered.
+    fn answer(&mut self, task: Task) -> Result<Value, Refusal> {
+        let answer = match task {
+            Task::Parameters(rig) => parameters::table(&mut self.client, &rig),
+            Task::Change(changes) => return self.change(&changes),
+            Task::Save => self.client.save_parameters().map(|()| Value::Null),
+            Task::Record => record(&mut self.client, &mut self.orders, &self.teller),
+            Task::BringUp(options) => self.bring_up(options),
+        };
+        answer.map_err(|error| {
+            self.end(error.downcast_ref());
+            refused(&error)
+        })
+    }
+
+    /// Carries out the order that has ended what takes longer.
+    fn end(&mut self, ended: Option<&Ended>) {
+        let (what, done) = match ended {
+            Some(Ended::Stopped) => ("stopped", self.client.stop()),
+            Some(Ended::Aborted) => ("disarmed", self.disarm()),
+            // The page is not there any more, which is noticed at the next look.
+            _ => return,
+        };
+        if let Err(error) = done {
+            self.tell(format!("the drive could not be {what}: {error:#}"));
+        }
+    }
+
+    fn change(&mut self, changes: &[(String, String)]) -> Result<Value, Refusal> {
+        parameters::change(&mut self.client, changes)?;
+        self.read_scales().map_err(|error| Refusal::of(&error))?;
+        Ok(Value::Null)
+    }
+
+    fn bring_up(&mut self, options: Options) -> Result<Value> {
+        for _ in 0..REST_OF_STREAM {
+            self.stream(false);
+        }
+        // Its pulses are recorded, too, and none of them is the test of the page.
+        self.teller.seen().run_began_s = None;
+        let made = bring_up(&mut self.client, &mut self.orders, &self.teller, options);
+        // Its last request may have had no answer; then the drive is still enabled.
+        self.is_ours |= self.client.commands();
+        made
     }
 
     fn arm(&mut self) -> Result<()> {
@@ -177,8 +249,10 @@ impl<'a> Pilot<'a> {
     }
 
     fn disarm(&mut self) -> Result<()> {
-        (self.is_ours, self.jog) = (false, None);
-        self.client.disarm()
+        let done = self.client.disarm();
+        // Without an answer it may still be enabled.
+        (self.is_ours, self.jog) = (self.client.commands(), None);
+        done
     }
 
     fn home(&mut self) -> Result<()> {
@@ -189,60 +263,110 @@ impl<'a> Pilot<'a> {
     }
 
     /// Downloads a test, arms and starts.
-    fn run(&mut self, rig: &Rig) -> Result<()> {
-        self.refuse_unready(rig)?;
+    fn run(&mut self, rig: &Rig, purpose: Purpose) -> Result<()> {
+        let parameters = self.refuse_unready(rig)?;
         self.disarm()?;
-        self.client.prepare(rig, rig.last_sample(), None)?;
-        self.arm()?;
-        let begun = Instant::now();
-        while rig.parameters().get(id::STEPPER) == Some(1) && self.client.status()?.spool != 0 {
-            if begun.elapsed() > WALK_TO_NULL {
-                break;
-            }
-            std::thread::sleep(LOOK / 5);
+        for _ in 0..REST_OF_STREAM {
+            self.stream(false);
         }
-        self.client.start().or_else(|error| self.disarm().and(Err(error)))
+        self.client.prepare(rig, rig.last_sample(), None)?;
+        self.still_wanted(purpose)?;
+        self.arm()?;
+        match self.start(rig, purpose, &parameters) {
+            Ok(()) => {
+                self.begin_samples(purpose);
+                Ok(())
+            }
+            Err(error) => {
+                self.live = None;
+                self.disarm().and(Err(error))
+            }
+        }
     }
 
-    /// Refuses a drive in a fault, and one whose moves mean something else than on the page.
-    fn refuse_unready(&mut self, rig: &Rig) -> Result<()> {
+    /// Starts the test once a stepper's spool is at its null, unless the page wants it no more.
+    fn start(&mut self, rig: &Rig, purpose: Purpose, parameters: &RigParameters) -> Result<()> {
+        let is_stepper = rig.parameters().get(id::STEPPER) == Some(1);
+        let begun = Instant::now();
+        while is_stepper && begun.elapsed() <= WALK_TO_NULL && self.client.status()?.spool != 0 {
+            self.still_wanted(purpose)?;
+            std::thread::sleep(LOOK / 5);
+        }
+        // Firmware without streams is looked at instead.
+        self.live = Live::begin(&mut self.client, parameters).ok();
+        self.still_wanted(purpose)?;
+        self.client.start()
+    }
+
+    /// Refuses to start what the page has ended meanwhile, and to jog without a button that is held.
+    fn still_wanted(&mut self, purpose: Purpose) -> Result<()> {
+        self.orders.still_wants(matches!(purpose, Purpose::Jog(..)))?;
+        if let Purpose::Jog(direction, at) = purpose
+            && self.orders.confirmed(direction).unwrap_or(at).elapsed() > JOG_SILENCE
+        {
+            bail!("not started: the jog button was not confirmed");
+        }
+        Ok(())
+    }
+
+    /// The test has begun now, behind all samples so far.
+    fn begin_samples(&mut self, purpose: Purpose) {
+        let now_s = self.teller.now_s();
+        let mut seen = self.teller.seen();
+        let began_s = now_s.max(seen.samples.last());
+        seen.run_began_s = matches!(purpose, Purpose::Test).then_some(began_s);
+        if let Some(live) = &mut self.live {
+            live.begins(began_s);
+        }
+    }
+
+    /// Refuses a drive in a fault, and one whose moves mean something else than on the page. Its parameters.
+    fn refuse_unready(&mut self, rig: &Rig) -> Result<RigParameters> {
         if self.look()?.mode == Mode::Fault {
             bail!("the drive has tripped: make sure that it is safe, then arm it");
         }
-        let (there, here) = (self.client.parameters()?.values, rig.parameters());
+        let (there, here) = (self.client.parameters()?, rig.parameters());
         for (id, what) in [
             (id::OPEN_LOOP, "controller.loop"),
             (id::PERIOD_US, "controller.period_s"),
             (id::STEPPER, "operator.model"),
             (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count"),
         ] {
-            if there.get(id) != here.get(id) {
+            if there.values.get(id) != here.get(id) {
                 bail!(
                     "{what} of the rig at the port is not that of the page: start the studio with the rig's own file"
                 );
             }
         }
-        Ok(())
+        Ok(there)
     }
 
-    fn go(&mut self, to_mm: f64, mm_per_s: f64, rig: &Rig) -> Result<()> {
+    fn go(&mut self, to_mm: f64, mm_per_s: f64, rig: &Rig, purpose: Purpose) -> Result<()> {
         let status = self.look()?;
-        let Some(from_mm) = self.units.millimetres(status.position) else {
+        let Some(from_mm) = self.teller.units.millimetres(status.position) else {
             bail!("the rig does not tell how long a count of its encoder is");
         };
-        self.run(&slow_move(rig, from_mm, to_mm, mm_per_s)?)
+        self.run(&slow_move(rig, from_mm, to_mm, mm_per_s)?, purpose)
     }
 
-    /// Begins to jog, goes on, or has the next stretch follow.
-    fn jog(&mut self, direction: Direction, rig: &Rig) -> Result<()> {
+    /// Begins to jog, goes on, or has the next stretch follow; `at`: when the button was heard.
+    fn jog(&mut self, direction: Direction, at: Instant, rig: &Rig) -> Result<()> {
         let goes_on = self.jog.is_some_and(|(before, _)| before == direction);
         let status = self.look()?;
         if !goes_on || status.mode == Mode::Done {
             let way = if direction == Direction::Extend { JOG_REACH_MM } else { -JOG_REACH_MM };
-            let from_mm = self.units.millimetres(status.position).unwrap_or_default();
-            self.go(from_mm + way, JOG_MM_PER_S, rig)?;
+            let from_mm = self.teller.units.millimetres(status.position).unwrap_or_default();
+            self.go(from_mm + way, JOG_MM_PER_S, rig, Purpose::Jog(direction, at))?;
         }
-        self.jog = Some((direction, Instant::now()));
+        self.jog = Some((direction, self.orders.confirmed(direction).unwrap_or(at)));
         Ok(())
     }
+}
+
+/// What the drive does not do now is refused; all else has failed.
+fn refused(error: &Error) -> Refusal {
+    let is_refusal =
+        error.is::<Ended>() || error.chain().any(|cause| Failure::of_cause(cause) == Some(Failure::Refused));
+    let status = if is_refusal { StatusCode::CONFLICT } else { StatusCode::INTERNAL_SERVER_ERROR };
+    Refusal::new(status, format!("{error:#}"))
 }

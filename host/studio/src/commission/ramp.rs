@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
+use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
 
 /// Most steps of a move; a test has room for 64.
@@ -24,7 +25,7 @@ pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<R
     }
     let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
     let [from_mm, to_mm] = [from_mm, to_mm].map(|mm| mm.clamp(0.0, stroke_mm));
-    let mm_per_count = rig.get(&keys::encoder::MM_PER_COUNT);
+    let mm_per_count = mm_per_count(rig);
     let lasts_s = (to_mm - from_mm).abs() / mm_per_s;
     let steps = (lasts_s / STEP_S).ceil().clamp(1.0, MOST_STEPS);
     let step = |number: u32| {

@@ -1,9 +1,15 @@
 //! What the page sees of the drive.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
 use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::samples::{Row, Samples};
 
 /// The drive as it was at the last look; figures are None where the rig does not tell their scale.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -20,6 +26,10 @@ pub struct Seen {
     pub referenced: bool,
     /// How long its test has been running, s; None while none is.
     pub run_s: Option<f64>,
+    /// When the last test began, s of the samples.
+    pub run_began_s: Option<f64>,
+    /// Samples a second while a test runs; None where the firmware has no streams.
+    pub stream_hz: Option<f64>,
     /// mm.
     pub setpoint: Option<f64>,
     /// mm.
@@ -36,6 +46,12 @@ pub struct Seen {
     pub message: String,
     /// Whether the link has ended.
     pub is_over: bool,
+    /// Samples since the last line.
+    #[serde(skip)]
+    pub samples: Samples,
+    /// The bring-up, since something has changed in it.
+    #[serde(skip)]
+    pub bring_up: Option<Value>,
 }
 
 impl Seen {
@@ -61,6 +77,79 @@ impl Seen {
         (self.error, self.command) = (status.error, status.command);
         self.pressures = [status.pressure_1, status.pressure_2].map(|raw| units.kilopascals(raw));
         self.spool = units.spool_millimetres(status.spool);
+    }
+
+    /// The figures of the last look.
+    fn row(&self) -> Row {
+        let Seen { setpoint, position, pressures, spool, error, command, .. } = *self;
+        Row { setpoint, position, pressures, spool, error, command }
+    }
+
+    /// A line for the page: the drive, and what is new since the last one.
+    pub fn line(&mut self) -> Value {
+        let mut line = json!(*self);
+        if let Some(samples) = self.samples.told() {
+            line["samples"] = json!(samples);
+        }
+        if let Some(bring_up) = self.bring_up.take() {
+            line["bring_up"] = bring_up;
+        }
+        line
+    }
+}
+
+/// Tells the page of the drive.
+#[derive(Debug)]
+pub struct Teller<'a> {
+    seen: &'a Mutex<Seen>,
+    begun: Instant,
+    /// The scales of the drive.
+    pub units: Units,
+}
+
+impl<'a> Teller<'a> {
+    /// Tells what the rig says with these scales; the axis of time begins now.
+    pub fn new(seen: &'a Mutex<Seen>, units: Units) -> Teller<'a> {
+        Teller { seen, begun: Instant::now(), units }
+    }
+
+    /// What the page sees.
+    pub fn seen(&self) -> MutexGuard<'a, Seen> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Now, s of the samples.
+    pub fn now_s(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+
+    /// Tells what a look has seen; `is_sample`: no stream has the samples of this time.
+    pub fn look(&self, status: &Status, is_sample: bool) {
+        let now_s = self.now_s();
+        let mut seen = self.seen();
+        seen.take(status, &self.units);
+        if is_sample && has_sampled(status) {
+            let row = seen.row();
+            seen.samples.look(now_s, &row);
+        }
+    }
+
+    /// Tells a message; an empty one takes the last one back.
+    pub fn tell(&self, message: impl Into<String>) {
+        self.seen().message = message.into();
+    }
+}
+
+/// Tells the page when the link ends, however it ends.
+pub struct End<'a>(pub &'a Mutex<Seen>);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        let mut seen = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.is_over = true;
+        if std::thread::panicking() {
+            "the studio has failed; the drive is left to itself, and trips".clone_into(&mut seen.message);
+        }
     }
 }
 
@@ -112,5 +201,19 @@ mod tests {
             seen.fault.starts_with("host-silent: the host was silent") && seen.setpoint.is_none(),
             "{seen:?}"
         );
+    }
+
+    #[test]
+    fn the_page_is_told_of_a_link_whose_thread_has_failed() {
+        let seen = Mutex::new(Seen::default());
+        std::thread::scope(|scope| {
+            let failing = scope.spawn(|| {
+                let _end = End(&seen);
+                assert!(seen.is_poisoned(), "on purpose");
+            });
+            assert!(failing.join().is_err());
+        });
+        let seen = seen.lock().expect("nobody failed while it was held");
+        assert!(seen.is_over && seen.message.contains("failed"), "{seen:?}");
     }
 }

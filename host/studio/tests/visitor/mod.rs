@@ -3,9 +3,8 @@
 
 use axum::body::{Body, to_bytes};
 use axum::http::{HeaderMap, Method, Request, StatusCode};
-use pneudrive_studio::files::Opened;
 use pneudrive_studio::token::Token;
-use pneudrive_studio::{Options, Studio};
+use pneudrive_studio::{Opened, Options, Studio};
 use serde_json::{Value, json};
 use tower::ServiceExt;
 

@@ -1,0 +1,125 @@
+//! What a page asks for, as it comes.
+
+use std::time::Duration;
+
+use axum::http::StatusCode;
+use pneudrive_link::bring_up::{MOST_PERCENT, Options, PUSH_WAIT_S};
+use pneudrive_page::asked::Asked;
+use pneudrive_page::refusal::Refusal;
+use pneudrive_sim::Rig;
+use serde::Deserialize;
+
+use super::order::{Direction, Order, Task};
+
+/// What a page asks for, with the number of the page; only stopping goes without.
+#[derive(Debug, Deserialize)]
+pub struct Numbered<T> {
+    pub number: Option<u32>,
+    #[serde(flatten)]
+    pub of_page: T,
+}
+
+/// What is done without an answer.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "order", rename_all = "kebab-case")]
+pub enum Orders {
+    Alive,
+    Arm,
+    Disarm,
+    Stop,
+    Home,
+    Release,
+    Abort,
+    Answer { question: u32, yes: bool },
+    Run { rig: Asked },
+    Go { mm: f64, rig: Asked },
+    Extend { rig: Asked },
+    Retract { rig: Asked },
+}
+
+impl Orders {
+    /// As the thread of the page takes it.
+    ///
+    /// # Errors
+    /// When the rig that it brings is wrong, or a place is no number.
+    pub fn order(self) -> Result<Order, Refusal> {
+        Ok(match self {
+            Orders::Alive => Order::Alive,
+            Orders::Arm => Order::Arm,
+            Orders::Disarm => Order::Disarm,
+            Orders::Stop => Order::Stop,
+            Orders::Home => Order::Home,
+            Orders::Release => Order::Release,
+            Orders::Abort => Order::Abort,
+            Orders::Answer { question, yes } => Order::Answer(question, yes),
+            Orders::Run { rig } => Order::Run(read(&rig)?),
+            Orders::Go { mm, .. } if !mm.is_finite() => return Err(wrong("give the place in mm")),
+            Orders::Go { mm, rig } => Order::Go(mm, read(&rig)?),
+            Orders::Extend { rig } => Order::Jog(Direction::Extend, read(&rig)?),
+            Orders::Retract { rig } => Order::Jog(Direction::Retract, read(&rig)?),
+        })
+    }
+}
+
+/// What is answered.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "ask", rename_all = "kebab-case")]
+pub enum Questions {
+    Parameters { rig: Asked },
+    Change { values: Vec<(String, String)> },
+    Save,
+    Record,
+    BringUp { push_wait_s: u16, most_percent: u8 },
+}
+
+impl Questions {
+    /// As the thread of the page takes it.
+    ///
+    /// # Errors
+    /// When the rig that it brings is wrong, or the bring-up would go too far.
+    pub fn task(self) -> Result<Task, Refusal> {
+        Ok(match self {
+            Questions::Parameters { rig } => Task::Parameters(read(&rig)?),
+            Questions::Change { values } => Task::Change(values),
+            Questions::Save => Task::Save,
+            Questions::Record => Task::Record,
+            Questions::BringUp { push_wait_s, most_percent } => {
+                Task::BringUp(options(push_wait_s, most_percent)?)
+            }
+        })
+    }
+}
+
+fn options(push_wait_s: u16, most_percent: u8) -> Result<Options, Refusal> {
+    let within = |value: u16, [least, most]: [u16; 2]| (least..=most).contains(&value);
+    if !within(push_wait_s, PUSH_WAIT_S) || !within(most_percent.into(), MOST_PERCENT.map(u16::from)) {
+        let ([from, to], [least, most]) = (PUSH_WAIT_S, MOST_PERCENT);
+        return Err(wrong(format!(
+            "wait {from} to {to} s for the hand, with {least} to {most} % of the valve"
+        )));
+    }
+    let push_wait = Duration::from_secs(push_wait_s.into());
+    Ok(Options { push_wait, most_percent, ..Options::default() })
+}
+
+fn read(asked: &Asked) -> Result<Box<Rig>, Refusal> {
+    Ok(Box::new(asked.rig()?))
+}
+
+fn wrong(message: impl Into<String>) -> Refusal {
+    Refusal::new(StatusCode::UNPROCESSABLE_ENTITY, message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bring_up_goes_no_further_than_the_command_lets_it() {
+        assert!(options(0, 3).is_ok() && options(600, 50).is_ok());
+        for (wait, most) in [(601, 30), (20, 2), (20, 51)] {
+            let refusal = options(wait, most).expect_err("too far");
+            assert!(refusal.message.contains("3 to 50 %"), "{}", refusal.message);
+        }
+    }
+}

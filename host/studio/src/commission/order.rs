@@ -1,0 +1,372 @@
+//! What a page asks of the thread that talks to the rig, and how that thread hears of it.
+
+use std::collections::VecDeque;
+use std::fmt::{self, Display, Formatter};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
+use std::time::{Duration, Instant};
+
+use pneudrive_link::bring_up::Options;
+use pneudrive_page::refusal::Refusal;
+use pneudrive_sim::Rig;
+use serde_json::Value;
+use tokio::sync::oneshot;
+
+/// How long a page may say nothing while it has armed the drive, or while a bring-up is on.
+pub const PAGE_SILENCE: Duration = Duration::from_millis(1500);
+
+/// How long a held button may be unconfirmed.
+pub const JOG_SILENCE: Duration = Duration::from_millis(300);
+
+/// What a page asks of the drive.
+#[derive(Debug)]
+pub enum Order {
+    /// The page is there.
+    Alive,
+    /// Enable the drive.
+    Arm,
+    /// Disable it.
+    Disarm,
+    /// Stop at once, with a fault.
+    Stop,
+    /// Find the stop or the switch.
+    Home,
+    /// Run the test of a rig.
+    Run(Box<Rig>),
+    /// Move slowly to a place, mm.
+    Go(f64, Box<Rig>),
+    /// A jog button is held.
+    Jog(Direction, Box<Rig>),
+    /// The jog button was let go.
+    Release,
+    /// The answer to a question of the bring-up, by the question's number.
+    Answer(u32, bool),
+    /// End the bring-up.
+    Abort,
+    /// Something that is answered.
+    Ask(Task, Reply),
+}
+
+/// An order, and when it came. It may wait until something else is done.
+#[derive(Debug)]
+pub struct Arrived {
+    /// What is asked.
+    pub order: Order,
+    /// When the page was heard.
+    pub at: Instant,
+}
+
+impl Arrived {
+    /// An order that comes now.
+    pub fn now(order: Order) -> Arrived {
+        Arrived { order, at: Instant::now() }
+    }
+}
+
+/// Which way to jog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// To larger positions.
+    Extend,
+    /// To smaller ones.
+    Retract,
+}
+
+/// What is answered.
+#[derive(Debug)]
+pub enum Task {
+    /// The parameters of the drive, beside those of a rig.
+    Parameters(Box<Rig>),
+    /// New values by the names of the parameters: all of them or none.
+    Change(Vec<(String, String)>),
+    /// Parameters that survive a reset.
+    Save,
+    /// The record of the last run.
+    Record,
+    /// The checks of a new board.
+    BringUp(Options),
+}
+
+/// Where the answer goes.
+pub type Reply = oneshot::Sender<Result<Value, Refusal>>;
+
+/// The orders of the page that commands.
+#[derive(Debug)]
+pub struct Orders<'a> {
+    from: &'a Receiver<Arrived>,
+    /// Those that have come and not been taken yet.
+    waiting: VecDeque<Arrived>,
+    /// When the last one came.
+    heard: Instant,
+    /// Whether the page has gone.
+    is_gone: bool,
+    /// Whether an order came meanwhile that would have moved the drive, and that was not carried out.
+    has_refused: bool,
+}
+
+/// The page has gone.
+#[derive(Debug)]
+pub struct Gone;
+
+/// Why the page ends what takes longer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// It stops the drive.
+    Stopped,
+    /// It asks for no more than the end.
+    Aborted,
+    /// It says nothing any more.
+    Silent,
+    /// It has gone.
+    Gone,
+}
+
+impl Display for Ended {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Ended::Stopped => "ended: the drive was stopped",
+            Ended::Aborted => "ended by the page; the drive is disarmed",
+            Ended::Silent => "ended: the page was silent",
+            Ended::Gone => "ended: the page has gone",
+        })
+    }
+}
+
+impl std::error::Error for Ended {}
+
+impl<'a> Orders<'a> {
+    /// The orders that come through a channel.
+    pub fn of(from: &'a Receiver<Arrived>) -> Orders<'a> {
+        let (waiting, heard) = (VecDeque::new(), Instant::now());
+        Orders { from, waiting, heard, is_gone: false, has_refused: false }
+    }
+
+    /// Takes in what has come. Of a page that has gone no more than the end of a motion counts.
+    fn hear(&mut self) {
+        loop {
+            match self.from.try_recv() {
+                Ok(arrived) => {
+                    self.heard = arrived.at;
+                    self.waiting.push_back(arrived);
+                }
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {
+                    self.is_gone = true;
+                    self.waiting.retain(|arrived| ends(&arrived.order).is_err());
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The next order, if one comes in time.
+    pub fn next(&mut self, within: Duration) -> Result<Option<Arrived>, Gone> {
+        self.hear();
+        while let Some(arrived) = self.waiting.pop_front() {
+            if !self.is_late(&arrived) {
+                return Ok(Some(arrived));
+            }
+        }
+        if self.is_gone {
+            return Err(Gone);
+        }
+        match self.from.recv_timeout(within) {
+            Ok(arrived) => {
+                self.heard = arrived.at;
+                Ok(Some(arrived))
+            }
+            Err(RecvTimeoutError::Timeout) => Ok(None),
+            Err(RecvTimeoutError::Disconnected) => Err(Gone),
+        }
+    }
+
+    /// Whether an order is that of a button which may not be held any more.
+    fn is_late(&self, arrived: &Arrived) -> bool {
+        let is_over = || self.waiting.iter().any(|later| lets_go(&later.order));
+        matches!(arrived.order, Order::Jog(..)) && (arrived.at.elapsed() > JOG_SILENCE || is_over())
+    }
+
+    /// When a held button was last confirmed by an order that waits.
+    pub fn confirmed(&mut self, direction: Direction) -> Option<Instant> {
+        self.hear();
+        let again = |later: &&Arrived| matches!(later.order, Order::Jog(way, _) if way == direction);
+        self.waiting.iter().rev().find(again).map(|later| later.at)
+    }
+
+    /// Whether the page still wants what is about to begin; `is_held`: as long as it holds a button.
+    pub fn still_wants(&mut self, is_held: bool) -> Result<(), Ended> {
+        self.hear();
+        for Arrived { order, .. } in &self.waiting {
+            if is_held && lets_go(order) {
+                ends(order)?;
+                return Err(Ended::Aborted);
+            }
+            ends(order)?;
+        }
+        self.is_there()
+    }
+
+    fn is_there(&self) -> Result<(), Ended> {
+        if self.is_gone {
+            Err(Ended::Gone)
+        } else if self.is_silent() {
+            Err(Ended::Silent)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Whether the page has said nothing for too long.
+    pub fn is_silent(&self) -> bool {
+        self.heard.elapsed() > PAGE_SILENCE
+    }
+
+    /// Hears what the page says while something takes longer; what would move the drive is refused meanwhile.
+    pub fn goes_on(&mut self) -> Result<(), Ended> {
+        self.hear();
+        while let Some(Arrived { order, .. }) = self.waiting.pop_front() {
+            self.goes_on_with(&order)?;
+        }
+        self.is_there()
+    }
+
+    /// Waits for the answer to a question.
+    pub fn answer(&mut self, question: u32) -> Result<bool, Ended> {
+        loop {
+            match self.next(Duration::from_millis(100)) {
+                Ok(Some(Arrived { order: Order::Answer(number, answer), .. })) if number == question => {
+                    return Ok(answer);
+                }
+                Ok(Some(Arrived { order, .. })) => self.goes_on_with(&order)?,
+                Ok(None) => self.is_there()?,
+                Err(Gone) => return Err(Ended::Gone),
+            }
+        }
+    }
+
+    /// Whether an order was refused since the last call.
+    pub fn has_refused(&mut self) -> bool {
+        std::mem::take(&mut self.has_refused)
+    }
+
+    fn goes_on_with(&mut self, order: &Order) -> Result<(), Ended> {
+        ends(order)?;
+        self.has_refused |= moves(order);
+        Ok(())
+    }
+}
+
+/// Whether an order ends what takes longer.
+fn ends(order: &Order) -> Result<(), Ended> {
+    match order {
+        Order::Stop => Err(Ended::Stopped),
+        Order::Disarm | Order::Abort => Err(Ended::Aborted),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a button is not held any more, behind an order.
+fn lets_go(order: &Order) -> bool {
+    matches!(order, Order::Release | Order::Disarm | Order::Stop)
+}
+
+/// Whether an order enables or moves the drive.
+fn moves(order: &Order) -> bool {
+    matches!(order, Order::Arm | Order::Home | Order::Run(_) | Order::Go(..) | Order::Jog(..))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn stop_abort_and_a_page_that_has_gone_end_what_takes_longer_and_nothing_else_does() {
+        let (sender, receiver) = channel();
+        let mut orders = Orders::of(&receiver);
+        for order in [Order::Alive, Order::Arm, Order::Answer(1, true), Order::Release] {
+            sender.send(Arrived::now(order)).expect("it listens");
+        }
+        assert_eq!(orders.goes_on(), Ok(()));
+        assert_eq!(
+            [orders.has_refused(), orders.has_refused()],
+            [true, false],
+            "it was not armed, and that is told"
+        );
+        for (order, ended) in
+            [(Order::Stop, Ended::Stopped), (Order::Abort, Ended::Aborted), (Order::Disarm, Ended::Aborted)]
+        {
+            sender.send(Arrived::now(order)).expect("it listens");
+            assert_eq!(orders.goes_on(), Err(ended));
+        }
+        drop(sender);
+        assert_eq!(orders.goes_on(), Err(Ended::Gone));
+    }
+
+    /// A button that is clicked twice answers its own question once, and never the next one.
+    #[test]
+    fn an_answer_counts_for_its_own_question_alone() {
+        let (sender, receiver) = channel();
+        let mut orders = Orders::of(&receiver);
+        for (question, answer) in [(1, true), (1, true), (2, false)] {
+            sender.send(Arrived::now(Order::Answer(question, answer))).expect("it listens");
+        }
+        assert_eq!(orders.answer(1), Ok(true));
+        assert_eq!(orders.answer(2), Ok(false));
+    }
+
+    fn jog() -> Order {
+        Order::Jog(Direction::Extend, Box::new(Rig::builtin("servo-b-tuned").expect("a built-in rig")))
+    }
+
+    /// While something else is done, confirmations of a button may queue up before the order that ends the motion.
+    #[test]
+    fn a_jog_is_passed_over_when_it_is_old_or_the_button_was_let_go_behind_it() {
+        let (sender, receiver) = channel();
+        let mut orders = Orders::of(&receiver);
+        let old = Instant::now().checked_sub(2 * JOG_SILENCE).expect("a time");
+        sender.send(Arrived { order: jog(), at: old }).expect("it listens");
+        for order in [jog(), jog(), Order::Release, jog()] {
+            sender.send(Arrived::now(order)).expect("it listens");
+        }
+        assert!(orders.confirmed(Direction::Extend).is_some_and(|at| at > old));
+        assert_eq!(orders.confirmed(Direction::Retract), None);
+        let mut next = || orders.next(Duration::ZERO).expect("a page").map(|arrived| arrived.order);
+        assert!(matches!(next(), Some(Order::Release)));
+        assert!(matches!(next(), Some(Order::Jog(..))), "it is held again");
+        assert!(next().is_none());
+    }
+
+    #[test]
+    fn what_is_about_to_begin_is_not_wanted_once_it_is_ended_or_the_page_has_gone() {
+        for (order, of_a_test, of_a_jog) in [
+            (Order::Alive, Ok(()), Ok(())),
+            (Order::Release, Ok(()), Err(Ended::Aborted)),
+            (Order::Disarm, Err(Ended::Aborted), Err(Ended::Aborted)),
+            (Order::Stop, Err(Ended::Stopped), Err(Ended::Stopped)),
+        ] {
+            let (sender, receiver) = channel();
+            let mut orders = Orders::of(&receiver);
+            sender.send(Arrived::now(order)).expect("it listens");
+            assert_eq!([orders.still_wants(false), orders.still_wants(true)], [of_a_test, of_a_jog]);
+            assert!(matches!(orders.next(Duration::ZERO), Ok(Some(_))), "it is carried out later");
+            sender.send(Arrived::now(Order::Home)).expect("it listens");
+            drop(sender);
+            assert_eq!(orders.still_wants(false), Err(Ended::Gone));
+            assert!(matches!(orders.next(Duration::ZERO), Err(Gone)), "who has gone moves nothing");
+        }
+    }
+
+    /// Its orders may have waited for longer than that.
+    #[test]
+    fn a_page_is_silent_since_its_last_order_came() {
+        let (sender, receiver) = channel();
+        let mut orders = Orders::of(&receiver);
+        let old = Instant::now().checked_sub(2 * PAGE_SILENCE).expect("a time");
+        sender.send(Arrived { order: Order::Alive, at: old }).expect("it listens");
+        assert_eq!(orders.still_wants(false), Err(Ended::Silent));
+        sender.send(Arrived::now(Order::Alive)).expect("it listens");
+        assert!(orders.next(Duration::ZERO).is_ok_and(|order| order.is_some()));
+        assert!(!orders.is_silent(), "a newer one waits");
+    }
+}

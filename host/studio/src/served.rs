@@ -1,0 +1,67 @@
+//! What the page itself can answer, served: its files, and its requests on threads of their own.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use axum::Json;
+use axum::extract::Path;
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use pneudrive_page::assets::ASSETS;
+use pneudrive_page::refusal::Refusal;
+use pneudrive_page::{Answer, answer, keys};
+use serde_json::Value;
+
+use crate::refused::Refused;
+
+/// The page itself.
+pub async fn index() -> Result<Response, Refused> {
+    asset("index.html")
+}
+
+/// One of its files.
+///
+/// # Errors
+/// When there is none of that name.
+pub async fn file(Path(name): Path<String>) -> Result<Response, Refused> {
+    asset(&name)
+}
+
+fn asset(name: &str) -> Result<Response, Refused> {
+    let found = ASSETS.iter().find(|(asset, ..)| *asset == name);
+    let (_, kind, text) =
+        found.ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, format!("there is no {name}")))?;
+    Ok(([(CONTENT_TYPE, *kind)], *text).into_response())
+}
+
+/// The table of keys.
+pub async fn keys() -> Json<Value> {
+    Json(keys::table())
+}
+
+/// A request of the page, answered on a thread of its own; given up when the page has gone or asks something else.
+///
+/// # Errors
+/// With the reason why it is not carried out.
+pub async fn request(name: &'static str, Json(body): Json<Value>) -> Result<Response, Refused> {
+    let wanted = WhileWanted(Arc::new(AtomicBool::new(true)));
+    let flag = wanted.0.clone();
+    let done = tokio::task::spawn_blocking(move || {
+        let wanted = || flag.load(Ordering::Relaxed);
+        if wanted() { answer(name, &body, &wanted) } else { Err(Refusal::gone()) }
+    });
+    match done.await.unwrap_or_else(|error| Err(Refusal::of(&error.into())))? {
+        Answer::Json(value) => Ok(Json(value).into_response()),
+        Answer::Columns(bytes) => Ok(([(CONTENT_TYPE, "application/octet-stream")], bytes).into_response()),
+    }
+}
+
+/// Sets a flag to false when the request that it belongs to is dropped.
+struct WhileWanted(Arc<AtomicBool>);
+
+impl Drop for WhileWanted {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,91 @@
+//! A study that the page asks for: long work on a thread of its own, told of line by line.
+//!
+//! ```text
+//! POST /api/study  ->  { "at": { "what", "done", "all" } } ...  ->  { "found": ... } or { "refused": ... }
+//! ```
+//!
+//! There is one study at a time. It is called off when its page stops reading: cancelled, closed or gone.
+
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use futures_util::stream::unfold;
+use pneudrive_page::refusal::Refusal;
+use pneudrive_page::study::{Audience, Study, choices};
+use serde_json::{Value, json};
+use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
+
+use crate::refused::Refused;
+
+/// Where studies are worked on: one page waits at a time.
+#[derive(Debug, Default)]
+struct Desk {
+    /// Whether a page waits.
+    taken: AtomicBool,
+    /// Held by the thread that works; one that was called off ends its last run first.
+    work: Mutex<()>,
+}
+
+/// The routes of studies.
+pub fn routes() -> Router {
+    Router::new()
+        .route("/api/choices", get(|| async { Json(choices()) }))
+        .route("/api/study", post(begin))
+        .with_state(Arc::<Desk>::default())
+}
+
+/// A page that waits. When it goes, so does its interest.
+struct Waiting {
+    desk: Arc<Desk>,
+    waits: Arc<AtomicBool>,
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        self.waits.store(false, Ordering::Relaxed);
+        self.desk.taken.store(false, Ordering::Release);
+    }
+}
+
+async fn begin(State(desk): State<Arc<Desk>>, Json(body): Json<Value>) -> Result<Response, Refused> {
+    let study = Study::read(&body)?;
+    let waiting = take(&desk)?;
+    let (sender, receiver) = unbounded_channel();
+    let waits = waiting.waits.clone();
+    std::thread::spawn(move || work(&study, &desk, &waits, &sender));
+    let lines = unfold((waiting, receiver), |(waiting, mut receiver)| async move {
+        let line: Value = receiver.recv().await?;
+        Some((Ok::<_, Infallible>(format!("{line}\n")), (waiting, receiver)))
+    });
+    Ok(([(CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(lines)).into_response())
+}
+
+fn take(desk: &Arc<Desk>) -> Result<Waiting, Refusal> {
+    if desk.taken.swap(true, Ordering::Acquire) {
+        let message = "another study is at work; cancel it or wait for its end";
+        return Err(Refusal::new(StatusCode::CONFLICT, message));
+    }
+    Ok(Waiting { desk: desk.clone(), waits: Arc::new(AtomicBool::new(true)) })
+}
+
+/// Works while the page waits. Nobody hears a line that is sent after that.
+fn work(study: &Study, desk: &Desk, waits: &AtomicBool, lines: &UnboundedSender<Value>) {
+    let _alone = desk.work.lock().unwrap_or_else(PoisonError::into_inner);
+    let done = study.work(Audience {
+        hears: &mut |at| drop(lines.send(json!({ "at": at }))),
+        waits: &|| waits.load(Ordering::Relaxed),
+    });
+    let last = match done {
+        Ok(found) => json!({ "found": found }),
+        Err(refusal) => json!({ "refused": refusal.body(), "status": refusal.status.as_u16() }),
+    };
+    drop(lines.send(last));
+}

@@ -1,0 +1,224 @@
+//! The commission view in a browser, on a virtual rig: scope, parameters, record, bring-up.
+//!
+//! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
+
+mod chromium;
+mod opened;
+
+use pneudrive_controller::parameters::id;
+use pneudrive_link::client::Client;
+use pneudrive_protocol::Mode;
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
+use pneudrive_rigs::wiring::Wiring;
+use pneudrive_sim::Rig;
+use pneudrive_sim::rig::builtin;
+use serde_json::json;
+
+use chromium::Browser;
+use opened::{keep_picture, page_with};
+
+/// A page that commands a virtual rig in real time, and the wires of that.
+fn commanding(name: &str) -> (Browser, Background, Wiring) {
+    let rig = Rig::builtin(name).expect("a built-in rig");
+    let rig = VirtualRig::new(rig, 0, Pace { fast: false, live: true }).expect("a rig");
+    let wiring = rig.wiring().clone();
+    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+    let mut page = page_with(name, builtin(name).expect("a built-in rig"), Some(rig.port()));
+    page.click("#to-commission");
+    page.click("#commission button.main");
+    wait_for_mode(&mut page, "disarmed");
+    (page, rig, wiring)
+}
+
+fn wait_for_mode(page: &mut Browser, mode: &str) {
+    page.wait_until(&format!("document.querySelector('#commission .mode').textContent === '{mode}'"));
+}
+
+/// Clicks the button of the panel whose text begins so.
+fn press(page: &mut Browser, text: &str) {
+    let button = format!(
+        "[...document.querySelectorAll('#commission button')].find((one) => one.textContent.startsWith('{text}'))"
+    );
+    page.wait_until(&format!("{button}?.disabled === false"));
+    page.evaluate(&format!("{button}.click()"));
+}
+
+/// Chooses an option.
+fn choose(page: &mut Browser, selector: &str, value: &str) {
+    page.evaluate(&format!(
+        "(() => {{ const one = document.querySelector('{selector}'); one.value = '{value}'; one.dispatchEvent(new Event('change', {{ bubbles: true }})); }})()"
+    ));
+}
+
+/// Opens a part of the panel.
+fn open(page: &mut Browser, part: &str) {
+    page.evaluate(&format!("document.querySelector('#commission details.{part}').open = true"));
+}
+
+#[test]
+fn parameters_are_compared_edited_refused_at_their_field_sent_and_saved() {
+    let (mut page, rig, _) = commanding("servo-b-tuned");
+    let mut other = Client::connect(rig.port()).expect("a rig");
+    open(&mut page, "parameters");
+    let field = |path: &str| format!("#commission [data-parameter=\"{path}\"]");
+    let gain = field("controller.velocity_gain");
+    page.wait_until(&format!("document.querySelector('{gain}')"));
+    assert!(page.text(".parameters [role=status]").starts_with("0 of "));
+    page.evaluate(&format!("document.querySelector('{gain} input').scrollIntoView({{ block: 'center' }})"));
+    page.type_into(&format!("{gain} input"), "70000");
+    press(&mut page, "Send 1 change");
+    page.wait_until(&format!(
+        "document.querySelector('{gain} .problem').textContent.includes('out of range: 0 to 65535')"
+    ));
+    page.type_into(&format!("{gain} input"), "99");
+    assert_eq!(page.text(&format!("{gain} .origin")), "edited");
+    press(&mut page, "Send 1 change");
+    page.wait_until("document.querySelector('.parameters .unsaved')?.textContent.startsWith('1 of ')");
+    assert_eq!(page.text(&format!("{gain} .origin")), "differs");
+    let values = other.parameters().expect("an answer").values;
+    assert_eq!(values.get(id::VELOCITY_GAIN), Some(99));
+    assert!(!other.config_state().expect("an answer").saved, "not before it is asked for");
+    page.evaluate("document.querySelector('.parameters').scrollIntoView({ block: 'start' })");
+    keep_picture(&mut page, "studio-parameters.png");
+    press(&mut page, "Save on the drive");
+    page.wait_until("document.querySelector('.parameters [role=status]').textContent.endsWith('All are saved on the drive.')");
+    assert!(other.config_state().expect("an answer").saved);
+    press(&mut page, "Take over the design");
+    press(&mut page, "Send 1 change");
+    page.wait_until("document.querySelector('.parameters [role=status]').textContent.startsWith('0 of ')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_test_is_run_recorded_saved_and_laid_over_its_simulation() {
+    let (mut page, _rig, _) = commanding("servo-b-tuned");
+    // A download is a click on a link: what it would save is kept instead.
+    page.evaluate(
+        "window.saved = []; HTMLAnchorElement.prototype.click = function () { saved.push(this.download); }",
+    );
+    press(&mut page, "Run the test");
+    wait_for_mode(&mut page, "running");
+    wait_for_mode(&mut page, "holding");
+    press(&mut page, "Record");
+    page.wait_until("document.querySelector('#runs .record') && document.querySelector('table.deviation')");
+    let name = page.text("#runs .record span");
+    assert!(name.starts_with("TARGET-") && name.ends_with(".DAT"), "{name}");
+    assert_eq!(page.evaluate("saved"), json!([name]));
+    assert!(page.text("table.deviation").contains("position"));
+    assert!(page.text(".scope [role=status]").starts_with("The graphs show the runs of the page."));
+    press(&mut page, "Show live");
+    page.wait_until("!document.querySelector('.scope [role=status]').textContent.startsWith('The graphs')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// The time of the cursor, s, and the position there, mm.
+fn at_cursor(page: &mut Browser) -> [f64; 2] {
+    let readout = page.text("#readout");
+    let number = |before: &str| -> f64 {
+        let rest = readout.split_once(before).expect("in the readout").1;
+        rest.split(' ').next().expect("a number").parse().expect("a number")
+    };
+    [number("at "), number("position ")]
+}
+
+#[test]
+fn the_scope_holds_the_samples_around_a_crossing_and_leaves_gaps_open() {
+    let (mut page, _rig, _) = commanding("servo-b-tuned");
+    for (field, value) in
+        [("window", "0.5"), ("trigger", "single"), ("channel", "position"), ("slope", "rising")]
+    {
+        choose(&mut page, &format!("#scope-{field}"), value);
+    }
+    page.evaluate("document.getElementById('scope-level').value = 'high'");
+    choose(&mut page, "#scope-before", "40");
+    assert!(page.text(".scope .problem").starts_with("give the level as a number of mm"));
+    choose(&mut page, "#scope-level", "150");
+    assert_eq!(page.text(".scope .problem"), "");
+    press(&mut page, "Run the test");
+    page.wait_until("document.querySelector('.scope [role=status]').textContent.startsWith('The cursor is at the crossing.')");
+    assert!(page.text(".scope [role=status]").contains("769 samples a second while a test runs"));
+    let [at_s, mm] = at_cursor(&mut page);
+    // The cursor stands at the first sample behind the crossing: one sample of 1.3 ms at 2 m/s at most.
+    assert!((at_s - 0.2).abs() < 0.002 && (150.0..152.6).contains(&mm), "{at_s} s, {mm} mm");
+    keep_picture(&mut page, "studio-scope.png");
+    wait_for_mode(&mut page, "holding");
+    assert_eq!(at_cursor(&mut page), [at_s, mm], "what is held stays");
+
+    // Waits for no crossing that lies in a gap, and draws no line through one.
+    let crossings = "import('/trigger.js').then(({ crossing }) => [[1, 2, 3], [1, NaN, 3]].map((values) => \
+        crossing([0, 1, 2], values, { after: -1, level: 2.5, isRising: true })))";
+    assert_eq!(page.evaluate(crossings), json!([2, null]));
+    page.evaluate(LINES);
+    assert_eq!(page.evaluate("strokes([0, 1, 2, 3], [1, 2, 3, 4])"), json!([3]));
+    assert_eq!(page.evaluate("strokes([0, 1, 2, 3], [1, NaN, 3, 4])"), json!([0, 2]));
+    let dense = "strokes(Array.from({ length: 9000 }, (_, k) => k / 3000), Array.from({ length: 9000 }, (_, k) => (k > 3000 && k < 6000 ? NaN : k)))";
+    assert_eq!(page.evaluate(&format!("{dense}.length")), json!(2), "two pieces, of many samples a pixel");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// How many lines each piece of a drawn curve has: a canvas takes no point that is NaN.
+const LINES: &str = "import('/panel.js').then(({ drawPanel }) => {
+  window.strokes = (time, values) => {
+    let pieces = [];
+    const draw = {
+      beginPath() { pieces = []; },
+      moveTo() { pieces.push(0); },
+      lineTo(x, y) {
+        if (Number.isNaN(y)) return;
+        if (pieces.length === 0) pieces.push(0);
+        else pieces[pieces.length - 1] += 1;
+      },
+    };
+    const context = new Proxy({}, { get: (_, name) => draw[name] ?? (() => {}), set: () => true });
+    const run = { time, curves: new Map([['position', values]]) };
+    const box = { left: 0, right: 300, top: 0, bottom: 100 };
+    drawPanel(context, { id: 'position', curves: ['position'] }, box, [run], { from: 0, to: 3, ticks: [], colours: {} });
+    return pieces;
+  };
+})";
+
+#[test]
+fn a_bring_up_is_gone_through_from_the_page_and_its_report_saved() {
+    let (mut page, rig, wiring) = commanding("servo-c");
+    page.evaluate(
+        "window.saved = []; HTMLAnchorElement.prototype.click = function () { saved.push(this.download); }",
+    );
+    open(&mut page, "bring-up");
+    page.evaluate("document.getElementById('bring-up-most').value = '80'");
+    press(&mut page, "Begin");
+    page.wait_until("document.querySelector('.bring-up .problem').textContent.includes('3 to 50 %')");
+    page.evaluate("document.getElementById('bring-up-most').value = '30'");
+    press(&mut page, "Begin");
+    page.wait_until("document.querySelector('.bring-up .now').textContent.startsWith('Push the slide OUT')");
+    wiring.push();
+    page.wait_until(
+        "document.querySelector('.bring-up .question').textContent.startsWith('The cylinder will move')",
+    );
+    assert!(page.text(".checks").contains("right encoder by hand"), "{}", page.text(".checks"));
+    // Taking a picture stops the page for a while, and one that says nothing ends a bring-up.
+    if std::env::var_os("PNEUDRIVE_SHOTS").is_some() {
+        keep_picture(&mut page, "studio-bring-up.png");
+    }
+    press(&mut page, "Yes");
+    page.wait_until("document.querySelector('.bring-up .question').textContent.startsWith('Take the wire')");
+    press(&mut page, "No");
+    // What it finds is for commission_tasks.rs: here the machine may be slower than the rig.
+    page.wait_until(
+        "document.querySelector('.bring-up .now').textContent.includes('checks right') || document.querySelector('.bring-up .problem').textContent",
+    );
+    assert_eq!(page.text(".bring-up .problem"), "");
+    assert!(page.text(".checks").contains("pulses"), "{}", page.text(".checks"));
+    press(&mut page, "Save the report");
+    assert_eq!(page.evaluate("saved"), json!(["bring-up.md"]));
+
+    // Esc ends it, too, and leaves a drive that is stopped.
+    press(&mut page, "Begin");
+    page.wait_until("document.querySelector('.bring-up .now').textContent.startsWith('Push the slide OUT')");
+    page.press("Escape", 27, false);
+    wait_for_mode(&mut page, "fault");
+    page.wait_until(
+        "document.querySelector('.bring-up .problem').textContent.includes('the drive was stopped')",
+    );
+    assert_eq!(Client::connect(rig.port()).expect("a rig").status().expect("a status").mode, Mode::Fault);
+    assert_eq!(page.complaints, Vec::<String>::new());
+}

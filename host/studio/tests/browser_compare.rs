@@ -1,0 +1,156 @@
+//! What is laid over a run in the browser, looked at and taken away: records, spectra, other rigs, a report.
+//!
+//! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
+
+mod chromium;
+mod opened;
+
+use pneudrive_analysis::channel::Channel;
+use pneudrive_analysis::spectrum::{Spectrum, Window};
+use pneudrive_analysis::transient::Transient;
+use pneudrive_design::difference::differences;
+use pneudrive_records::run_folder::StoredRun;
+use pneudrive_records::target::TargetFile;
+use pneudrive_sim::{Accuracy, Rig, run};
+use serde_json::{Value, json};
+
+use chromium::Browser;
+use opened::{drop_file, keep_picture, page};
+
+/// A record of a virtual rig whose true values differ from the file's.
+const RECORD: &str = include_str!("../../tests/fixtures/TARGET-2.DAT");
+
+/// A page with the record over its run.
+fn page_with_record() -> Browser {
+    let mut page = page();
+    drop_file(&mut page, "TARGET01.DAT", RECORD);
+    page.wait_until("document.querySelector('#runs .record') && document.querySelector('table.deviation')");
+    page
+}
+
+/// The first two cells of each row of a table.
+fn rows(page: &mut Browser, table: &str) -> Vec<[String; 2]> {
+    let script = format!(
+        "[...document.querySelectorAll('{table} tbody tr')].map((row) => [0, 1].map((k) => row.children[k].textContent))"
+    );
+    serde_json::from_value(page.evaluate(&script)).expect("rows of texts")
+}
+
+fn click_button(page: &mut Browser, name: &str) {
+    page.evaluate(&format!(
+        "[...document.querySelectorAll('button')].find((one) => one.textContent === '{name}').click()"
+    ));
+}
+
+fn peaks(transient: &Transient, channel: Channel) -> Vec<[String; 2]> {
+    let spectrum = Spectrum::of(&channel.samples(transient), transient.period_s(), Window::Hann);
+    spectrum
+        .peaks(8)
+        .iter()
+        .map(|peak| [format!("{:.2}", peak.frequency), format!("{:.5}", peak.amplitude)])
+        .collect()
+}
+
+#[test]
+fn spectra_of_the_run_and_of_the_record_have_the_peaks_of_the_command() {
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let made = run(&rig, Accuracy::of(&rig)).expect("a run");
+    let simulated = Transient::of_run(rig.name(), &StoredRun::of(&rig, &made));
+    let recorded = TargetFile::from_text(RECORD).and_then(|file| Transient::of_target("TARGET01.DAT", &file));
+    let recorded = recorded.expect("a record");
+    let mut page = page_with_record();
+    click_button(&mut page, "Spectrum…");
+    for (channel, value) in [(Channel::Position, "position"), (Channel::Pressure(1), "pressure 2")] {
+        page.evaluate(&format!(
+            "(() => {{ const choice = document.getElementById('spectrum-channel'); \
+             choice.value = '{value}'; choice.dispatchEvent(new Event('change')); }})()"
+        ));
+        let heading = format!("peaks of {value}, TARGET01.DAT");
+        page.wait_until(&format!(
+            "document.querySelector('.peaks table:nth-child(2) caption')?.textContent === '{heading}'"
+        ));
+        assert_eq!(rows(&mut page, ".peaks table:nth-child(1)"), peaks(&simulated, channel), "run, {value}");
+        assert_eq!(
+            rows(&mut page, ".peaks table:nth-child(2)"),
+            peaks(&recorded, channel),
+            "record, {value}"
+        );
+    }
+    keep_picture(&mut page, "studio-spectrum.png");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_record_is_aligned_in_three_ways_and_the_shift_is_told() {
+    let mut page = page_with_record();
+    assert!(!page.text("table.deviation caption").contains("shifted"));
+    for (way, is_shifted) in [("correlation", true), ("start", false)] {
+        page.evaluate(&format!(
+            "(() => {{ const choice = document.getElementById('align'); \
+             choice.value = '{way}'; choice.dispatchEvent(new Event('change')); }})()"
+        ));
+        page.wait_until(&format!(
+            "document.querySelector('table.deviation caption')?.textContent.includes('shifted by') === {is_shifted}"
+        ));
+    }
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn two_rigs_are_held_against_each_other_key_by_key_and_the_other_runs_below() {
+    let [tuned, other] = ["servo-b-tuned", "servo-c"].map(|name| Rig::builtin(name).expect("a built-in rig"));
+    let wanted = differences(&tuned, &other);
+    let mut page = page();
+    page.click("#compare");
+    page.evaluate("document.getElementById('other-rig').value = 'servo-c'");
+    page.click("#dialog button.main");
+    page.wait_until("document.querySelector('table.differences')");
+    let found = rows(&mut page, "table.differences");
+    let keys: Vec<&str> = found.iter().map(|[key, _]| key.as_str()).collect();
+    assert_eq!(keys, wanted.iter().map(|one| one.key.path).collect::<Vec<_>>());
+    keep_picture(&mut page, "studio-difference.png");
+    page.click("#dialog button.main");
+    page.wait_until("document.querySelector('#runs .ghost')?.textContent.startsWith('servo-c')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// What the page offers for saving under a kind of file.
+fn offered(page: &mut Browser, button: &str) -> Value {
+    page.evaluate(&format!(
+        "(async () => {{ const make = URL.createObjectURL; let blob = null; \
+         URL.createObjectURL = (one) => {{ blob = one; return make(one); }}; \
+         HTMLAnchorElement.prototype.click = function () {{ window.offeredName = this.download; }}; \
+         [...document.querySelectorAll('#channels button')].find((one) => one.textContent === '{button}').click(); \
+         while (blob === null) await new Promise(requestAnimationFrame); URL.createObjectURL = make; \
+         return {{ name: window.offeredName, type: blob.type, text: await blob.text() }}; }})()"
+    ))
+}
+
+#[test]
+fn graphs_are_taken_away_as_a_drawing_and_figures_first_as_a_report() {
+    let mut page = page_with_record();
+    let svg = offered(&mut page, "SVG");
+    assert_eq!((&svg["name"], &svg["type"]), (&json!("servo-b-tuned.svg"), &json!("image/svg+xml")));
+    let text = svg["text"].as_str().expect("a text");
+    let problem = page.evaluate(&format!(
+        "new DOMParser().parseFromString({}, 'image/svg+xml').querySelector('parsererror')?.textContent ?? ''",
+        json!(text)
+    ));
+    assert_eq!(problem, json!(""));
+    for wanted in ["position, mm", "pressures, kPa", "time, s", "stroke-dasharray"] {
+        assert!(text.contains(wanted), "{wanted}");
+    }
+    let report = offered(&mut page, "Report");
+    assert_eq!(report["name"], json!("servo-b-tuned.html"));
+    let text = report["text"].as_str().expect("a text");
+    let places = ["class=\"verdict", "class=\"deviation", "<svg", "pneudrive simulate servo-b-tuned"];
+    let places = places.map(|part| text.find(part).unwrap_or_else(|| panic!("{part}")));
+    assert!(places.is_sorted(), "figures first: {places:?}");
+    assert!(text.len() < 300_000, "{} bytes", text.len());
+    assert!(text.contains("<style>") && text.contains("size: A4"), "it has its style with it");
+    assert!(!text.contains("<script") && !text.contains("src="), "the page needs nothing beside it");
+    if let Some(folder) = std::env::var_os("PNEUDRIVE_SHOTS") {
+        std::fs::write(std::path::Path::new(&folder).join("report.html"), text).expect("written");
+    }
+    assert_eq!(page.complaints, Vec::<String>::new());
+}

@@ -1,0 +1,187 @@
+//! Studies from the page in a browser: a sweep that is cancelled and one that comes to its end, gains that are taken over and
+//! taken back, values from a record.
+//!
+//! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not. With `PNEUDRIVE_SHOTS=FOLDER`
+//! it writes the picture of docs/studio.md there.
+
+mod chromium;
+mod opened;
+
+use std::thread::sleep;
+use std::time::Duration;
+
+use pneudrive_link::client::Client;
+use pneudrive_link::test_run;
+use pneudrive_protocol::Mode;
+use pneudrive_records::rig_text;
+use pneudrive_records::target::TargetFile;
+use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
+use pneudrive_sim::Rig;
+use pneudrive_sim::rig::builtin;
+use serde_json::json;
+
+use chromium::Browser;
+use opened::{drop_file, keep_picture, page, page_of};
+
+/// The view of studies, with this task.
+fn open_task(page: &mut Browser, task: &str) {
+    page.click("#to-study");
+    page.click(&format!("#study [data-task={task}]"));
+    page.wait_until("document.getElementById('study-command').value");
+}
+
+fn value(page: &mut Browser, id: &str) -> String {
+    let value = page.evaluate(&format!("document.getElementById('{id}').value"));
+    value.as_str().expect("a text").to_owned()
+}
+
+#[test]
+fn a_sweep_is_cancelled_and_another_shows_its_points_and_the_best_is_taken_over() {
+    let mut page = page();
+    open_task(&mut page, "sweep");
+    assert_eq!(value(&mut page, "study-command"), "pneudrive sweep sweep.toml");
+    page.type_into("#study .steps", "x");
+    page.wait_until(
+        "document.querySelector('#study .problem').textContent === 'load.mass_kg steps: write a number'",
+    );
+    assert_eq!(page.evaluate("document.getElementById('study-start').disabled"), json!(true));
+    page.type_into("#study .steps", "9000");
+    page.wait_until("document.getElementById('study-size').textContent === '9000 points x 8 runs'");
+    page.click("#study-start");
+    page.wait_until(
+        "/^[1-9][0-9]* of 9000 points, about .* left$/.test(document.getElementById('study-at').textContent)",
+    );
+    page.click("#study-start");
+    page.wait_until("document.getElementById('study-at').textContent === 'cancelled: nothing has changed'");
+    page.type_into("#study .steps", "4");
+    page.type_into("#sweep-runs", "3");
+    page.wait_until("document.getElementById('study-size').textContent === '4 points x 3 runs'");
+    page.click("#study-start");
+    page.wait_until("document.querySelector('#exhibit table')");
+    let shown = page.text("#exhibit");
+    for part in [
+        "4 points",
+        "the best point (least overshoot_mm)",
+        "over load.mass_kg",
+        "very slightly different mass",
+        "No point has a value of settling_s",
+    ] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    assert_eq!(page.evaluate("document.querySelectorAll('#exhibit canvas').length"), json!(1));
+    page.click("#study-take");
+    page.wait_until("document.getElementById('command').value.includes('--set load.mass_kg=')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn gains_are_found_taken_over_with_the_run_before_as_ghost_and_taken_back() {
+    // Gains that any others are better than.
+    let text = builtin("servo-a").expect("a built-in rig");
+    let poor = ["controller.gain_profile=[65535]".to_owned()];
+    let text = rig_text::with_settings(text, &poor, "poor").expect("a rig file");
+    let mut page = page_of("mine.toml", &text);
+    page.click("#picture [data-id=controller] .title");
+    let before = value(&mut page, "command");
+    open_task(&mut page, "tune");
+    let goal = [
+        ("settled_mm", "2"),
+        ("overshoot_percent", "20"),
+        ("population", "3"),
+        ("generations", "2"),
+        ("draws", "5"),
+    ];
+    for (name, number) in goal {
+        page.type_into(&format!("#tune-{name}"), number);
+    }
+    page.wait_until("document.getElementById('study-command').value.includes('--draws 5 --population 3 --generations 2 ')");
+    let command = value(&mut page, "study-command");
+    assert!(
+        command.starts_with("pneudrive tune mine.toml --step 60 --settled 2 --overshoot 20 "),
+        "{command}"
+    );
+    page.click("#study-start");
+    page.wait_until("document.getElementById('study-at').textContent.includes('or less, estimated from')");
+    page.wait_until("document.querySelector('#exhibit .verdict')");
+    let shown = page.text("#exhibit");
+    for part in
+        ["The goal is met in", "95 % intervals", "in 5 fresh draws from the spread", "the step in mid-stroke"]
+    {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    page.wait_until("!document.getElementById('study-take').disabled");
+    page.click("#study-take");
+    page.wait_until("document.getElementById('command').value.includes('--set controller.')");
+    page.wait_until("document.querySelectorAll('#runs .ghost').length === 1");
+    assert!(page.text("#state").contains("Undo takes them back"), "{}", page.text("#state"));
+    page.click("#undo");
+    page.wait_until(&format!("document.getElementById('command').value === {}", json!(before)));
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// An open loop with two strokes: what the mass and the friction show themselves in.
+const STROKES: &str = "\
+[controller]
+loop = \"open\"
+[operator]
+dither_mm = 0.0
+[test]
+moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
+duration_s = 0.45
+";
+
+/// What a rig of this file has recorded whose mass and viscous friction are others than the file's.
+fn record() -> String {
+    let file = Rig::read("rig.toml", STROKES).expect("a rig");
+    let real = file.with_numbers(&[("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0)]).expect("a rig");
+    let rig = VirtualRig::new(real, 0, Pace { fast: true, live: false }).expect("a rig");
+    let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
+    let mut client = Client::connect(rig.port()).expect("a rig at the port");
+    client.download_test(&file).expect("a test");
+    test_run::start(&mut client, &file, &mut || Ok(())).expect("started");
+    while client.status().expect("a status").mode == Mode::Running {
+        sleep(Duration::from_millis(10));
+    }
+    let (info, parameters) = (client.info().expect("a rig"), client.parameters().expect("parameters"));
+    let record = client.record(|_, _| {}).expect("a record");
+    TargetFile::new(&record, &info, &parameters).expect("a TARGET file").to_text()
+}
+
+/// Leaves these alone of all that may be unknown.
+fn leave_unknown(page: &mut Browser, keys: &[&str]) {
+    page.wait_until("document.querySelector('#study .choices input')");
+    page.evaluate(&format!(
+        "for (const box of document.querySelectorAll('#study .choices input')) if (box.checked !== {}.includes(box.value)) box.click()",
+        json!(keys)
+    ));
+}
+
+#[test]
+fn values_are_found_from_a_record_with_their_intervals_and_taken_over() {
+    let mut page = page_of("rig.toml", STROKES);
+    drop_file(&mut page, "TARGET01.DAT", &record());
+    page.wait_until("document.querySelector('#runs .record')");
+    open_task(&mut page, "identify");
+    leave_unknown(&mut page, &["load.mass_kg", "load.viscous_n_s_per_m"]);
+    let command =
+        "pneudrive identify rig.toml TARGET01.DAT --fit load.mass_kg,load.viscous_n_s_per_m --out identified";
+    page.wait_until(&format!("document.getElementById('study-command').value === {}", json!(command)));
+    page.click("#study-start");
+    page.wait_until("document.querySelector('#exhibit canvas')");
+    let shown = page.text("#exhibit");
+    for part in ["load.mass_kg", "95 % interval", "after the fit", "residual", "correlation of the estimates"]
+    {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    keep_picture(&mut page, "studio-study.png");
+    page.click("#study-take");
+    page.wait_until("document.getElementById('command').value.includes('--set load.viscous_n_s_per_m=')");
+    // What was found is what was hidden, and the record now lies on the run.
+    let line = value(&mut page, "command");
+    let mass = line.split("--set load.mass_kg=").nth(1).and_then(|rest| rest.split(' ').next());
+    let mass: f64 = mass.expect("a mass").parse().expect("a number");
+    assert!((mass - 1.8).abs() < 0.018, "{line}");
+    page.click("#undo");
+    page.wait_until("!document.getElementById('command').value.includes('--set')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}

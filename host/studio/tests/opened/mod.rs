@@ -1,0 +1,60 @@
+//! A studio opened in a browser, for the tests that look at it.
+//!
+//! With `PNEUDRIVE_SHOTS=FOLDER` the tests write the pictures of docs/studio.md there.
+#![allow(dead_code)] // Each test file uses a part.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use pneudrive_sim::rig::builtin;
+use pneudrive_studio::{Opened, Options, Studio};
+use serde_json::json;
+
+use crate::chromium::Browser;
+
+const LAPTOP: [u32; 2] = [1440, 900];
+
+/// A page of a studio that begins with a rig.
+pub fn page_of(name: &str, text: &str) -> Browser {
+    page_with(name, text, None)
+}
+
+/// The same with a rig at a port.
+pub fn page_with(name: &str, text: &str, port: Option<&str>) -> Browser {
+    let opened = Opened { name: name.to_owned(), text: text.to_owned() };
+    let options =
+        Options { listen: "127.0.0.1:0".to_owned(), token: None, opened, port: port.map(str::to_owned) };
+    let studio = Studio::open(options).expect("a studio");
+    let address = studio.address();
+    std::thread::spawn(move || studio.serve());
+    let mut page = Browser::open(&address, LAPTOP);
+    page.wait_until("window.studio?.simulation.isAtRest && document.querySelector('.verdict.decided, .verdict.undecided')");
+    page
+}
+
+pub fn page() -> Browser {
+    page_of("servo-b-tuned", builtin("servo-b-tuned").expect("a built-in rig"))
+}
+
+/// Keeps a picture for the docs if that is asked for; it is no empty page in any case.
+pub fn keep_picture(page: &mut Browser, name: &str) {
+    let picture = page.picture();
+    assert!(picture.len() > 40_000, "{name}: {} characters", picture.len());
+    let Some(folder) = std::env::var_os("PNEUDRIVE_SHOTS") else { return };
+    let file = Path::new(&folder).join(name);
+    let encoded = file.with_extension("base64");
+    fs::write(&encoded, picture).expect("written");
+    let decoded = Command::new("base64").arg("-d").arg(&encoded).output().expect("base64");
+    fs::write(&file, decoded.stdout).expect("written");
+    fs::remove_file(encoded).expect("removed");
+}
+
+/// Drops a file on the page.
+pub fn drop_file(page: &mut Browser, name: &str, text: &str) {
+    page.evaluate(&format!(
+        "(() => {{ const files = new DataTransfer(); files.items.add(new File([{}], {name:?})); \
+         document.dispatchEvent(new DragEvent('drop', {{ dataTransfer: files, bubbles: true, cancelable: true }})); }})()",
+        json!(text)
+    ));
+}
