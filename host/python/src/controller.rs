@@ -137,7 +137,7 @@ impl Controller {
         let config = Config::new(&parameters).map_err(|error| PyValueError::new_err(error.advice()))?;
         let mut controller = Controller { config, sequence: rig.sequence(), state: State::default() };
         if start {
-            controller.state.supervisor.set_referenced();
+            controller.state.locate(parameters.absolute_zero().unwrap_or(0));
             controller.arm()?;
             controller.start()?;
         }

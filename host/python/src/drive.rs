@@ -1,15 +1,11 @@
 //! `Drive`: a drive at a port. As a context manager it is disarmed at the end, whatever happens.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
-use anyhow::{Context, Result, bail};
-use pneudrive_controller::parameters::id;
+use anyhow::{Context, Result};
 use pneudrive_link::client::Client;
-use pneudrive_link::test_run;
-use pneudrive_protocol::{Mode, Status, StreamedSample, UNTIL_STOPPED};
-use pneudrive_records::rig_info::{Info, RigParameters};
-use pneudrive_records::stream_file::StreamFile;
+use pneudrive_protocol::Mode;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
@@ -17,7 +13,9 @@ use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::order::Order;
 use crate::rig::{Rig, RigOrSource};
+use crate::stream::{Live, Stream, is_streaming};
 use crate::target::{Target, name_of};
 use crate::{bench, progress, work};
 
@@ -25,8 +23,36 @@ use crate::{bench, progress, work};
 #[pyclass(frozen, module = "pneudrive")]
 pub struct Drive {
     port: String,
-    /// None once it was closed.
-    client: Mutex<Option<Client>>,
+    held: Mutex<Held>,
+}
+
+/// Who has the client of a drive.
+enum Held {
+    /// The drive.
+    Open(Box<Client>),
+    /// The thread that follows a run.
+    Streaming(Arc<Live>),
+    /// Nobody any more.
+    Closed,
+}
+
+impl Held {
+    /// The client comes back from a run that is over.
+    fn regain(&mut self) {
+        if let Held::Streaming(live) = self
+            && let Some(client) = live.client()
+        {
+            *self = Held::Open(client);
+        }
+    }
+
+    /// Ends a run that is streamed.
+    fn end_stream(&mut self) {
+        if let Held::Streaming(live) = self {
+            live.end();
+        }
+        self.regain();
+    }
 }
 
 impl Drive {
@@ -37,15 +63,21 @@ impl Drive {
         progress: Option<Py<PyAny>>,
         act: impl FnOnce(&mut Client, &work::Meter) -> Result<T> + Send,
     ) -> PyResult<T> {
-        let mut client = self.client()?;
-        let client = client.as_mut().ok_or_else(|| self.closed())?;
-        work::run(py, progress, |meter| act(client, meter))
+        let mut held = self.held()?;
+        match &mut *held {
+            Held::Open(client) => work::run(py, progress, |meter| act(client, meter)),
+            Held::Streaming(_) => Err(is_streaming(&self.port)),
+            Held::Closed => Err(self.closed()),
+        }
     }
 
-    /// The client, unless another thread is using it.
-    fn client(&self) -> PyResult<MutexGuard<'_, Option<Client>>> {
-        match self.client.try_lock() {
-            Ok(client) => Ok(client),
+    /// What has the client, unless another thread is using it.
+    fn held(&self) -> PyResult<MutexGuard<'_, Held>> {
+        match self.held.try_lock() {
+            Ok(mut held) => {
+                held.regain();
+                Ok(held)
+            }
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
                 let text = format!(
@@ -57,84 +89,21 @@ impl Drive {
         }
     }
 
+    /// Starts a run, and hands the client to the thread that follows it.
+    fn stream_live(&self, py: Python<'_>, order: &Order, every: u16) -> PyResult<Stream> {
+        let units = self.act(py, None, |client, meter| order.start_streamed(client, every, meter))?;
+        let mut held = self.held()?;
+        let Held::Open(client) = std::mem::replace(&mut *held, Held::Closed) else {
+            return Err(self.closed());
+        };
+        let live = work::at_once(|| Live::follow(client))?;
+        *held = Held::Streaming(Arc::clone(&live));
+        Ok(Stream { live, units })
+    }
+
     fn closed(&self) -> PyErr {
         PyValueError::new_err(format!("{} was closed; open it again with Drive(\"{0}\")", self.port))
     }
-}
-
-/// How a test is run.
-struct Order {
-    rig: pneudrive_sim::Rig,
-    last_sample: u32,
-    with_parameters: bool,
-    stream: Option<(PathBuf, u16)>,
-}
-
-impl Order {
-    fn of(
-        rig: RigOrSource,
-        config: bool,
-        duration_s: Option<f64>,
-        stream: Option<(PathBuf, u16)>,
-    ) -> PyResult<Order> {
-        let rig = rig.0.rig;
-        let period_us = f64::from(rig.period_us().get());
-        let last_sample = match duration_s {
-            None => rig.last_sample(),
-            Some(seconds) if seconds > 0.0 && 1e6 * seconds / period_us < f64::from(UNTIL_STOPPED) => {
-                (1e6 * seconds / period_us) as u32
-            }
-            Some(other) => {
-                let most = f64::from(UNTIL_STOPPED) * period_us / 1e6;
-                let text = format!("duration_s must be more than 0 and at most {most:.0}, is {other}");
-                return Err(PyValueError::new_err(text));
-            }
-        };
-        Ok(Order { rig, last_sample, with_parameters: config, stream })
-    }
-
-    /// Runs it to its end; what was streamed is in a file.
-    fn carry_out(&self, client: &mut Client, meter: &work::Meter) -> Result<()> {
-        let streams = self.stream.is_some();
-        if let Some((path, _)) = &self.stream {
-            client.needs_streams()?;
-            if path.exists() {
-                bail!("{} exists already; choose another file", path.display());
-            }
-        }
-        let parameters =
-            test_run::prepare(client, &self.rig, self.last_sample, self.with_parameters, streams)?;
-        let mut file = self.begin_stream(client, &parameters)?;
-        let started = test_run::start(client, &self.rig, &mut || meter.check());
-        let progressed = |status: &Status| meter.note(status.index.into(), status.duration_samples.into());
-        let followed = started.and_then(|()| match &mut file {
-            None => client.follow(meter.ends(), progressed).map(drop),
-            Some(file) => {
-                let take = |row: &StreamedSample| file.add(row);
-                client.follow_streamed(meter.ends(), progressed, take).map(drop)
-            }
-        });
-        let ended = file.map_or(Ok(()), |file| end_stream(client, file));
-        followed.and(ended)
-    }
-
-    fn begin_stream(&self, client: &mut Client, parameters: &RigParameters) -> Result<Option<StreamFile>> {
-        let Some((path, every)) = &self.stream else { return Ok(None) };
-        let info: Info = client.info()?;
-        let period_us = parameters.values.get(id::PERIOD_US).unwrap_or(0);
-        let moves = client.test()?;
-        let file = StreamFile::create(path, self.rig.name(), *every, &info, parameters, moves.as_ref())?;
-        client.stream_begin(*every, 1e6 / f64::from(period_us.max(1)))?;
-        Ok(Some(file))
-    }
-}
-
-/// Ends a stream and its file.
-fn end_stream(client: &mut Client, mut file: StreamFile) -> Result<()> {
-    let samples_of_run = client.status().ok().map(|status| status.index.saturating_add(1));
-    let ended = client.stream_end();
-    file.end(samples_of_run)?;
-    ended
 }
 
 /// What a drive is doing, in a word.
@@ -154,7 +123,7 @@ impl Drive {
     #[new]
     fn new(py: Python<'_>, port: String) -> PyResult<Drive> {
         let client = work::run(py, None, |_| Client::connect(&port))?;
-        Ok(Drive { port, client: Mutex::new(Some(client)) })
+        Ok(Drive { port, held: Mutex::new(Held::Open(Box::new(client))) })
     }
 
     /// The port.
@@ -166,7 +135,7 @@ impl Drive {
     /// Whether it was closed.
     #[getter(closed)]
     fn is_closed(&self) -> PyResult<bool> {
-        Ok(self.client()?.is_none())
+        Ok(matches!(*self.held()?, Held::Closed))
     }
 
     fn __enter__(slf: Py<Drive>) -> Py<Drive> {
@@ -185,9 +154,12 @@ impl Drive {
         if kind.is_none() { disarmed.map(|()| false) } else { Ok(false) }
     }
 
-    /// Disarms the drive, if this program commands it, and closes the port.
+    /// Disarms the drive, if this program commands it, and closes the port; a run that is streamed ends.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
-        let Some(mut client) = self.client()?.take() else { return Ok(()) };
+        let mut held = self.held()?;
+        let held = &mut *held;
+        py.detach(|| held.end_stream());
+        let Held::Open(mut client) = std::mem::replace(held, Held::Closed) else { return Ok(()) };
         work::run(py, None, |_| match client.status()?.mode {
             Mode::Disarmed | Mode::Fault => Ok(()),
             _ if client.commands() => client.disarm(),
@@ -237,8 +209,12 @@ impl Drive {
         self.act(py, None, |client, _| client.disarm())
     }
 
-    /// Stops at once: a fault, which `arm` clears.
+    /// Stops at once: a fault, which `arm` clears. A run that is streamed ends.
     fn stop(&self, py: Python<'_>) -> PyResult<()> {
+        {
+            let held = &mut *self.held()?;
+            py.detach(|| held.end_stream());
+        }
         self.act(py, None, |client, _| client.stop())
     }
 
@@ -272,34 +248,44 @@ impl Drive {
         duration_s: Option<f64>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Py<Target>> {
-        let order = Order::of(rig, config, duration_s, None)?;
+        let order = Order::of(rig, config, duration_s, false)?;
         let bar = progress::of(py, progress, "running")?;
-        self.act(py, bar, |client, meter| order.carry_out(client, meter))?;
+        self.act(py, bar, |client, meter| order.carry_out(client, None, meter))?;
         self.record(py, None)
     }
 
-    /// The same, but every Nth sample goes to a file during the run, which may exceed the board's memory; returns what
-    /// was streamed.
-    #[pyo3(signature = (rig, file, /, *, every=1, config=false, duration_s=None, progress=None))]
+    /// The same, but every Nth sample comes during the run, which may exceed the board's memory. With a file, they go
+    /// there, and what was streamed is returned at the end. Without one, a `Stream` gives them while the run lasts, and
+    /// who leaves its loop ends the run; `duration_s` may then be infinite.
+    #[pyo3(signature = (rig, file=None, /, *, every=1, config=false, duration_s=None, progress=None))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn stream(
         &self,
         py: Python<'_>,
         rig: RigOrSource,
-        file: PathBuf,
+        file: Option<PathBuf>,
         every: u16,
         config: bool,
         duration_s: Option<f64>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Py<Target>> {
+    ) -> PyResult<Py<PyAny>> {
         if every == 0 {
             return Err(PyValueError::new_err("every must be 1 or more"));
         }
-        let order = Order::of(rig, config, duration_s, Some((file.clone(), every)))?;
+        let order = Order::of(rig, config, duration_s, file.is_none())?;
+        let Some(file) = file else {
+            if progress.is_some() {
+                return Err(PyTypeError::new_err(
+                    "a stream without a file shows how far it is; give it no progress",
+                ));
+            }
+            return Ok(Py::new(py, self.stream_live(py, &order, every)?)?.into_any());
+        };
         let bar = progress::of(py, progress, "running")?;
-        self.act(py, bar, |client, meter| order.carry_out(client, meter))?;
-        let read = work::at_once(|| TargetFile::read(&file))?;
-        Target::of(py, name_of(&file), read)
+        let to = (file, every);
+        self.act(py, bar, |client, meter| order.carry_out(client, Some(&to), meter))?;
+        let read = work::at_once(|| TargetFile::read(&to.0))?;
+        Ok(Target::of(py, name_of(&to.0), read)?.into_any())
     }
 
     /// Runs the tests that a fit needs: the drive moves through most of its stroke, in open loop, too. Returns the records
@@ -328,9 +314,10 @@ impl Drive {
     }
 
     fn __repr__(&self) -> String {
-        let state = match self.client.try_lock() {
-            Ok(client) if client.is_none() => "closed",
-            Ok(_) => "open",
+        let state = match self.held.try_lock().as_deref() {
+            Ok(Held::Closed) => "closed",
+            Ok(Held::Open(_)) => "open",
+            Ok(Held::Streaming(_)) => "streaming",
             Err(_) => "in use",
         };
         format!("<Drive {}, {state}>", self.port)
@@ -340,8 +327,14 @@ impl Drive {
 impl Drop for Drive {
     /// A drive that nobody closed is not left enabled.
     fn drop(&mut self) {
-        let client = self.client.get_mut().unwrap_or_else(PoisonError::into_inner);
-        if let Some(client) = client.as_mut().filter(|client| client.commands()) {
+        let held = self.held.get_mut().unwrap_or_else(PoisonError::into_inner);
+        if let Held::Streaming(live) = held {
+            live.end_anyway();
+        }
+        held.regain();
+        if let Held::Open(client) = held
+            && client.commands()
+        {
             let _ = client.disarm();
         }
     }

@@ -9,12 +9,16 @@ mod evaluate;
 mod identify;
 mod moves;
 mod notes;
+mod order;
 mod overlay;
+mod points;
 mod progress;
 mod rig;
 mod run;
 mod source;
+mod stream;
 mod sweep;
+mod swept;
 mod target;
 mod transient;
 mod tune;
@@ -41,11 +45,17 @@ mod _pneudrive {
     #[pymodule_export]
     use super::overlay::{Deviation, Overlay, overlay};
     #[pymodule_export]
+    use super::points::SentPoints;
+    #[pymodule_export]
     use super::rig::{Rig, builtin_rigs, explain, keys};
     #[pymodule_export]
     use super::run::{Decided, Run, Trip};
     #[pymodule_export]
-    use super::sweep::{SweepResult, sweep};
+    use super::stream::Stream;
+    #[pymodule_export]
+    use super::sweep::sweep;
+    #[pymodule_export]
+    use super::swept::SweepResult;
     #[pymodule_export]
     use super::target::Target;
     #[pymodule_export]
@@ -58,6 +68,10 @@ mod _pneudrive {
 
     #[pymodule_export]
     use super::work::_panic;
+
+    #[pymodule_export]
+    #[allow(non_upper_case_globals, reason = "Python's name of it")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
 
     #[pymodule_init]
     fn init() {

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use anyhow::Result;
 use pneudrive_analysis::ensemble::run_ensemble;
 use pneudrive_analysis::evaluation::{Move as Measured, TOLERANCE_MM, moves_of_run, table, to_json};
-use pneudrive_analysis::page::Page;
+use pneudrive_analysis::page::{Library, Page};
 use pneudrive_analysis::{report, transient};
 use pneudrive_controller::Observation;
 use pneudrive_records::band::CHANNELS;
@@ -330,7 +330,7 @@ impl Run {
             std::fs::create_dir_all(&folder)?;
             run_folder::refuse_other_rig(&folder, &self.rig.rig, existing)?;
             let page = self.page();
-            let pieces = |mark: &str| page.pieces(mark, None);
+            let pieces = |mark: &str| page.text_in(&folder, mark, Library::Beside);
             let moves = to_json(self.measured());
             run_folder::write(&folder, &self.rig.rig, &self.judged, moves, Some(&pieces), existing)
         })

@@ -1,25 +1,20 @@
 //! `sweep`: many runs of one rig on all processors.
 
-use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use anyhow::{Context, Result, bail};
-use pneudrive_analysis::parallel;
-use pneudrive_analysis::sweep::point::Points;
-use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, report};
-use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
+use anyhow::{Context, Result};
+use pneudrive_analysis::sweep::{Source, Sweep};
 use pneudrive_records::rig_source::rig_text;
-use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::builtin;
-use pyo3::exceptions::{PyIndexError, PyTypeError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 
-use crate::channels::{Channels, Column, Columns};
 use crate::errors::{OrRaise, of_problems};
+use crate::points::{SentPoints, run_points};
 use crate::rig::{Rig, RigOrSource, VALUES};
+use crate::swept::SweepResult;
 use crate::{progress, values, work};
 
 /// What a sweep in Python is made of beside its rig.
@@ -98,41 +93,16 @@ fn of_rig(rig: &Rig, parts: &Parts<'_>) -> PyResult<Sweep> {
     })
 }
 
-/// Runs every point.
-fn rows(sweep: &Sweep, threads: Option<NonZeroUsize>, meter: &work::Meter) -> Result<Vec<Row>> {
-    let points: Vec<usize> = (0..sweep.points()).collect();
-    let (all, mut rows) = (points.len() as u64, BTreeMap::new());
-    meter.at(0, all);
-    let take = |row: Row| {
-        rows.insert(row.point, row);
-        meter.at(rows.len() as u64, all);
-        Ok::<(), anyhow::Error>(())
-    };
-    let rigs = Points::of(sweep);
-    work::pool(threads)?.install(|| parallel::each(&points, |point| rigs.run(*point), take))?;
-    let rows: Vec<Row> = rows.into_values().collect();
-    match rows.iter().find(|row| !row.failure.is_empty()) {
-        Some(first) if rows.iter().all(|row| !row.failure.is_empty()) => {
-            bail!("every point failed; the first: {}", first.failure)
-        }
-        _ => Ok(rows),
-    }
-}
-
-/// The result of a sweep: a row a point.
-#[pyclass(frozen, extends = Channels, mapping, module = "pneudrive")]
-pub struct SweepResult {
-    swept: Arc<(Sweep, Vec<Row>)>,
-}
-
 /// Runs a sweep: of a file, or of a rig with what varies and what is collected. The tables are those of a sweep file
-/// (docs/commands.md, `pneudrive help sweep`), and the result does not depend on the number of threads.
+/// (docs/commands.md, `pneudrive help sweep`), and the result does not depend on the number of threads. With a `client`
+/// of Dask, the workers of its cluster run it.
 #[pyfunction]
-#[pyo3(signature = (what, /, *, threads=None, progress=None, **parts))]
+#[pyo3(signature = (what, /, *, threads=None, client=None, progress=None, **parts))]
 pub fn sweep(
     py: Python<'_>,
     what: &Bound<'_, PyAny>,
     threads: Option<NonZeroUsize>,
+    client: Option<&Bound<'_, PyAny>>,
     progress: Option<Py<PyAny>>,
     parts: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Py<SweepResult>> {
@@ -146,10 +116,19 @@ pub fn sweep(
         Some(parts) => of_rig(&what.extract::<RigOrSource>()?.0, &parts_of(parts)?)?,
     };
     let bar = progress::of(py, progress, "sweeping")?;
-    let rows = work::run(py, bar, |meter| rows(&sweep, threads, meter))?;
-    let swept = Arc::new((sweep, rows));
-    let shared = Arc::clone(&swept);
-    Py::new(py, (SweepResult { swept }, Channels::new(move || columns(&shared.0, &shared.1))))
+    if let Some(client) = client {
+        if threads.is_some() {
+            return Err(PyTypeError::new_err(
+                "threads are those of the client's workers; give only one of them",
+            ));
+        }
+        let result =
+            py.import("pneudrive.cluster")?.call_method1("sweep", (SentPoints { sweep }, client, bar))?;
+        return Ok(result.cast_into::<SweepResult>()?.unbind());
+    }
+    let all: Vec<usize> = (0..sweep.points()).collect();
+    let rows = work::run(py, bar, |meter| run_points(&sweep, &all, threads, meter))?;
+    SweepResult::of(py, sweep, rows)
 }
 
 /// The keywords of a sweep.
@@ -162,7 +141,7 @@ fn parts_of<'py>(given: &Bound<'py, PyDict>) -> PyResult<Parts<'py>> {
         if !NAMES.contains(&name.as_str()) {
             let known = NAMES.join(", ");
             return Err(PyTypeError::new_err(format!(
-                "a sweep has no {name}; it has {known}, threads and progress"
+                "a sweep has no {name}; it has {known}, threads, client and progress"
             )));
         }
     }
@@ -172,106 +151,4 @@ fn parts_of<'py>(given: &Bound<'py, PyDict>) -> PyResult<Parts<'py>> {
         }
     }
     parts.extract()
-}
-
-/// Point, axes, metrics with their ends, and what became of each point. What there is not is NaN, or an empty text.
-fn columns(sweep: &Sweep, rows: &[Row]) -> Columns {
-    let mut columns =
-        vec![("point".to_owned(), Column::Long(rows.iter().map(|row| row.point as i64).collect()))];
-    for (place, axis) in sweep.axes.iter().enumerate() {
-        let levels = || rows.iter().map(|row| row.levels[place].as_str());
-        let numbers: Option<Vec<f64>> = levels().map(|level| level.parse().ok()).collect();
-        let column =
-            numbers.map_or_else(|| Column::Text(levels().map(str::to_owned).collect()), Column::Float);
-        columns.push((axis.name.clone(), column));
-    }
-    let float = |of: &dyn Fn(&Row) -> Option<f64>| {
-        Column::Float(rows.iter().map(|row| of(row).unwrap_or(f64::NAN)).collect())
-    };
-    for (place, metric) in sweep.metrics.iter().enumerate() {
-        columns.push((metric.name.clone(), float(&|row| row.metrics[place])));
-        if sweep.ensemble > 1 {
-            columns.push((format!("{}_least", metric.name), float(&|row| Some(row.ends[place]?[0]))));
-            columns.push((format!("{}_most", metric.name), float(&|row| Some(row.ends[place]?[1]))));
-        }
-    }
-    let text = |of: &dyn Fn(&Row) -> &str| Column::Text(rows.iter().map(|row| of(row).to_owned()).collect());
-    if !sweep.is_drawn() {
-        columns.push(("decided".to_owned(), text(&|row| decided(row))));
-    }
-    columns.push(("fault".to_owned(), text(&|row| &row.fault)));
-    columns.push(("failure".to_owned(), text(&|row| &row.failure)));
-    columns
-}
-
-/// As the result of a sweep has it.
-fn decided(row: &Row) -> &'static str {
-    match row.decided {
-        Some(true) => "yes",
-        Some(false) => "no",
-        None => "",
-    }
-}
-
-#[pymethods]
-impl SweepResult {
-    /// The best of the allowed points by the objective: its number; None without an objective, and if none is allowed.
-    #[getter]
-    fn best(&self) -> Option<usize> {
-        let (sweep, rows) = &*self.swept;
-        sweep.best(rows).map(|row| row.point)
-    }
-
-    /// Whether each point ran to its end and keeps all constraints.
-    #[getter]
-    fn allowed(&self) -> Vec<bool> {
-        let (sweep, rows) = &*self.swept;
-        rows.iter().map(|row| sweep.allows(row)).collect()
-    }
-
-    /// The rig of a point.
-    fn rig(&self, point: usize) -> PyResult<Rig> {
-        let (sweep, rows) = &*self.swept;
-        if point >= rows.len() {
-            return Err(PyIndexError::new_err(format!(
-                "there is no point {point}; there are {}",
-                rows.len()
-            )));
-        }
-        let Source { name, text } = sweep.rig_source.clone();
-        Rig::read((name, text), sweep.settings_of(point))
-    }
-
-    /// The result as `pneudrive sweep` writes it, byte for byte.
-    fn to_csv(&self) -> String {
-        let (sweep, rows) = &*self.swept;
-        let lines = std::iter::once(sweep.header()).chain(rows.iter().map(|row| row.to_csv(sweep)));
-        lines.map(|line| line + "\n").collect()
-    }
-
-    /// Writes sweep.csv and sweep.html into a folder.
-    fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        let (sweep, rows) = &*self.swept;
-        let [csv, page] = ["sweep.csv", "sweep.html"].map(|name| folder.join(name));
-        work::run(py, None, |_| {
-            std::fs::create_dir_all(&folder)?;
-            refuse_to_replace(&csv, HEADER_END)?;
-            refuse_to_replace(&page, GENERATOR)?;
-            put(&csv, &self.to_csv())?;
-            report::page(sweep, rows).write(&page)
-        })
-    }
-
-    fn __str__(&self) -> String {
-        let (sweep, rows) = &*self.swept;
-        let tables = [report::best(sweep, rows), report::combinations(sweep, rows)];
-        let tables = tables.iter().filter(|table| !table.rows.is_empty());
-        let tables = tables.map(|table| format!("\n{}\n{}", table.heading, table.to_text()));
-        format!("{}\n{}", report::count(sweep, rows), tables.collect::<String>())
-    }
-
-    fn __repr__(&self) -> String {
-        let (sweep, rows) = &*self.swept;
-        format!("<SweepResult {}: {}>", sweep.rig.name(), report::count(sweep, rows))
-    }
 }

@@ -3,9 +3,9 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use pneudrive_analysis::page::Library;
 use pneudrive_analysis::tuning::search::Budget;
-use pneudrive_analysis::tuning::stroke::along_the_stroke;
-use pneudrive_analysis::tuning::{self, Goal, Proportion, Relative, Task, report};
+use pneudrive_analysis::tuning::{self, Behaviour, Goal, Proportion, Relative, Task, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -237,8 +237,8 @@ impl Tuned {
             make_writable(&folder)?;
             refuse_to_replace(&page, GENERATOR)?;
             refuse_to_replace(&rig, report::MARK)?;
-            let steps = along_the_stroke(&self.task, &self.tuned)?;
-            report::write_page(&self.task, &self.tuned, &steps, &page)?;
+            let behaviour = Behaviour::of(&self.task, &self.tuned, |_| {})?;
+            report::write_page(&self.task, &self.tuned, &behaviour, &page, Library::Beside)?;
             put(&rig, &report::rig_file(&self.task, &self.tuned)?)
         })
     }

@@ -1,5 +1,6 @@
 """What several tests use."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -29,3 +30,11 @@ def run(rig: pneudrive.Rig) -> pneudrive.Run:
 @pytest.fixture(scope="session")
 def target(fixtures: Path) -> pneudrive.Target:
     return pneudrive.Target.read(fixtures / "TARGET-2.DAT")
+
+
+@pytest.fixture(scope="session")
+def command() -> Path:
+    """The program `pneudrive`, which `cargo xtask test python` builds."""
+    program = os.environ.get("PNEUDRIVE_COMMAND")
+    assert program is not None, "PNEUDRIVE_COMMAND must name the program: cargo build -p pneudrive makes target/debug/pneudrive"
+    return Path(program)

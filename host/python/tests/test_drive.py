@@ -202,3 +202,89 @@ def test_a_virtual_rig_that_there_cannot_be_is_refused(rig: Rig) -> None:
         VirtualRig(rig, listen="nowhere")
     with pytest.raises(pneudrive.PneudriveError):
         VirtualRig(rig, spread=-1.0)
+
+
+def test_rows_come_while_the_drive_runs_and_are_those_of_the_record(port: str, rig: Rig) -> None:
+    with Drive(port) as drive:
+        stream = drive.stream(rig)
+        batches = list(stream)
+        record = drive.record()
+        for name in ("position_counts", "pressure_1_raw", "pressure_2_raw", "command_counts", "error_counts", "spool_raw"):
+            rows = np.concatenate([batch[name] for batch in batches])
+            assert np.array_equal(rows, record[name]), name
+        assert stream.lost == 0
+        assert list(stream) == []
+        transient = record.transient()
+        for name in ("time_s", "position_mm", "pressure_1_kpa", "pressure_2_kpa", "spool_mm"):
+            rows = np.concatenate([batch[name] for batch in batches])
+            assert rows == pytest.approx(transient[name], abs=1e-9), name
+        tenth = np.concatenate([batch["index"] for batch in drive.stream(rig, every=10)])
+        assert np.array_equal(tenth, record["index"][::10])
+
+
+def test_rows_come_before_the_run_is_over(slow_port: str, rig: Rig) -> None:
+    with Drive(slow_port) as drive:
+        begun = time.monotonic()
+        came = [(time.monotonic() - begun, batch["time_s"][-1]) for batch in drive.stream(rig.with_(test__duration_s=2.0))]
+    assert len(came) > 5
+    assert all(seconds - run < 1.0 for seconds, run in came), came
+
+
+def test_leaving_the_loop_stops_the_drive(slow_port: str, rig: Rig) -> None:
+    with Drive(slow_port) as drive:
+        for rows in drive.stream(rig.with_(test__duration_s=30.0)):
+            if rows["time_s"][-1] > 0.3:
+                break
+        status = drive.status()
+        assert (status["mode"], status["fault"]) == ("fault", "stop")
+        drive.arm()
+        with drive.stream(rig, duration_s=float("inf")) as stream:
+            next(stream)
+        assert stream.lost == 0
+        assert drive.status()["mode"] == "disarmed"
+        with pytest.raises(ValueError, match="duration_s must be more than 0"):
+            drive.run(rig, duration_s=float("inf"))
+
+
+def test_a_drive_that_streams_can_be_stopped_and_nothing_else(slow_port: str, rig: Rig) -> None:
+    long = rig.with_(test__duration_s=30.0)
+    with Drive(slow_port) as drive:
+        stream = drive.stream(long)
+        next(stream)
+        with pytest.raises(RuntimeError, match=r"a run is streamed from this drive; leave its loop, or close\(\)"):
+            drive.status()
+        drive.stop()
+        assert drive.status()["mode"] == "fault"
+        for _ in stream:
+            pass
+        drive.arm()
+        stream = drive.stream(long)
+        next(stream)
+    with Drive(slow_port) as other:
+        assert other.status()["mode"] == "fault", "the end of the with stops the run"
+
+
+def test_control_c_stops_a_drive_whose_rows_are_awaited(slow_port: str, rig: Rig) -> None:
+    with Drive(slow_port) as drive:
+        threading.Timer(0.5, _thread.interrupt_main).start()
+        with pytest.raises(KeyboardInterrupt):
+            for _ in drive.stream(rig.with_(test__duration_s=30.0)):
+                pass
+        assert drive.status()["mode"] == "fault"
+
+
+def test_a_trip_is_told_after_the_rows_before_it(rig: Rig) -> None:
+    jumps = rig.with_({"faults.event": [{"kind": "encoder-jump", "at_s": 0.2, "counts": 4000}]})
+    samples: list[int] = []
+    with VirtualRig(jumps) as virtual, Drive(virtual.port) as drive:
+        with pytest.raises(pneudrive.Tripped, match="encoder"):
+            for rows in drive.stream(rig):
+                samples.extend(rows["index"])
+        assert drive.status()["fault"] == "encoder-step"
+    assert samples == list(range(len(samples)))
+    assert 140 < len(samples) < 170
+
+
+def test_a_stream_takes_no_progress(port: str, rig: Rig) -> None:
+    with Drive(port) as drive, pytest.raises(TypeError, match="a stream without a file shows how far it is"):
+        drive.stream(rig, progress=True)  # type: ignore[call-overload]

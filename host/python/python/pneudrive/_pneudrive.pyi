@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from types import TracebackType
-from typing import Any, Literal, Self, SupportsIndex, TypeAlias, final
+from typing import Any, Literal, Self, SupportsIndex, TypeAlias, final, overload
 
 import numpy as np
 import pandas as pd
 import polars as pl
 import pyarrow as pa
+from distributed import Client
 from matplotlib.figure import Figure as Drawing
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
@@ -39,12 +40,15 @@ __all__ = [
     "Run",
     "Sample",
     "Share",
+    "Stream",
     "SweepResult",
     "Target",
     "Transient",
     "Trip",
     "Tuned",
     "VirtualRig",
+    "_Points",
+    "__version__",
     "_panic",
     "builtin_rigs",
     "evaluate",
@@ -55,6 +59,8 @@ __all__ = [
     "sweep",
     "tune",
 ]
+
+__version__: str
 
 @disjoint_base
 class Channels:
@@ -307,6 +313,18 @@ class SweepResult(Channels):
     def save(self, folder: _Path) -> None: ...
 
 @final
+class _Points:
+    """The points of a sweep, for other processes."""
+
+    def __new__(cls, sweep: tuple[str, str], rig: tuple[str, str]) -> Self: ...
+    def __reduce__(self) -> tuple[Any, tuple[tuple[str, str], tuple[str, str]]]: ...
+    def __len__(self, /) -> int: ...
+    @property
+    def identity(self) -> str: ...
+    def run(self, points: Sequence[int]) -> list[str]: ...
+    def result(self, lines: Sequence[str]) -> SweepResult: ...
+
+@final
 class Estimate:
     """What a parameter was found to be."""
 
@@ -465,6 +483,19 @@ class Drive:
     def run(
         self, rig: _RigLike, /, *, config: bool = False, duration_s: float | None = None, progress: _Progress = None
     ) -> Target: ...
+    @overload
+    def stream(
+        self,
+        rig: _RigLike,
+        file: None = None,
+        /,
+        *,
+        every: int = 1,
+        config: bool = False,
+        duration_s: float | None = None,
+        progress: None = None,
+    ) -> Stream: ...
+    @overload
     def stream(
         self,
         rig: _RigLike,
@@ -478,6 +509,18 @@ class Drive:
     ) -> Target: ...
     def run_identification_tests(self, rig: _RigLike) -> list[Target]: ...
     def record(self, *, progress: _Progress = None) -> Target: ...
+
+@final
+class Stream:
+    """The samples of a run while it lasts."""
+
+    def __iter__(self, /) -> Self: ...
+    def __next__(self, /) -> Channels: ...
+    def __enter__(self) -> Self: ...
+    def __exit__(self, *_rest: type[BaseException] | BaseException | TracebackType | None) -> bool | None: ...
+    def close(self) -> None: ...
+    @property
+    def lost(self) -> int | None: ...
 
 @final
 class VirtualRig:
@@ -534,6 +577,7 @@ def sweep(
     /,
     *,
     threads: int | None = None,
+    client: Client | None = None,
     progress: _Progress = None,
     **parts: Any,
 ) -> SweepResult: ...

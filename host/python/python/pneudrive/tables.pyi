@@ -146,11 +146,29 @@ class Controller(Table):
 
 class Encoder(Table):
     @property
+    def model(self) -> str:
+        """quadrature counts edges, and the axis must be homed. potentiometer, on a converter, and ssi, an encoder with a synchronous serial interface, are absolute: the axis is homed when the drive starts."""
+    @property
     def mm_per_count(self) -> float:
         """Stroke per encoder count, mm/count."""
     @property
     def polarity(self) -> int:
         """-1: the encoder counts down when the rod extends (a matter of wiring; the twin always counts up)."""
+    @property
+    def bits(self) -> int | None:
+        """Width of the potentiometer's converter, or of the encoder's word."""
+    @property
+    def zero_mm(self) -> float:
+        """Position at which an absolute encoder reads 0: a little below 0, with a range a little longer than the stroke, keeps both ends of the stroke within the range, mm."""
+    @property
+    def range_mm(self) -> float | None:
+        """Length that an absolute encoder measures; a potentiometer divides it into 2^bits - 1 counts, mm."""
+    @property
+    def linearity_percent(self) -> float:
+        """Largest deviation from the straight line through both ends, part of the range; the controller does not know it, %."""
+    @property
+    def noise_counts(self) -> float:
+        """Standard deviation of the reading's noise, counts."""
 
 class Sensors(Table):
     @property
