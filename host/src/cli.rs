@@ -4,30 +4,35 @@ mod choices;
 mod design;
 mod device;
 mod experiments;
+mod fmu;
 mod link;
 mod logs;
 mod percent;
+mod shell;
 mod transients;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use pneudrive_rigs::wiring::WiringFault;
 use pneudrive_sim::trace::{EXTRAS, Extra};
 
-pub use choices::{Integration, MethodName, Neighbours, RigChoice};
+pub use choices::{Integration, MethodName, Neighbours, Pages, RigChoice};
 pub use design::NewRig;
-pub use device::{ConfigAction, Device, DeviceAction, Position, ValveAction};
+pub use device::{BringUp, ConfigAction, Device, DeviceAction, Position, RecordsAction, ValveAction};
 pub use experiments::{ALL, Characterise, LIST, Ladder, Merge, Study, Sweep, Thesis, Tune};
+pub use fmu::Fmu;
 pub use link::{Monitor, PortChoice, Record, Run};
 pub use logs::{Export, Format, Import};
+pub use shell::{Completions, Man};
 pub use transients::{Align, Channel, Eval, Identify, Interval, Overlay, Spectrum, Window};
 
-use crate::exit;
+use crate::{exit, version};
 use percent::percent;
 
 /// Servo-pneumatic drives: simulate, run, record, compare.
 #[derive(Debug, Parser)]
-#[command(version, about, arg_required_else_help = true, after_help = exit::help())]
+#[command(version, long_version = version::long(), about, arg_required_else_help = true, after_help = exit::help())]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -70,6 +75,8 @@ pub enum Command {
     Export(Export),
     /// Turn the log of another recorder, CSV or MCAP, into a TARGET file for overlay, eval, spectrum and identify
     Import(Import),
+    /// Write a rig as an FMU for other simulators (FMI 3.0 co-simulation): plant, controller, or both
+    Fmu(Fmu),
     /// Run the component tests of the thesis on a rig's valve, operator and tubes
     Characterise(Characterise),
     /// Run the application studies of the thesis: what it says, and what the model shows
@@ -84,6 +91,10 @@ pub enum Command {
     Ladder(Ladder),
     /// Find gains for a rig that hold over a spread of loads, friction and supply
     Tune(Tune),
+    /// Print the completions for a shell: commands, options, values
+    Completions(Completions),
+    /// Write the manual pages
+    Man(Man),
 }
 
 /// Arguments of `demo`.
@@ -104,6 +115,9 @@ pub struct Demo {
     /// Seed of the random draw of the virtual rig
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// Subcommands of `rig`.
@@ -125,9 +139,6 @@ pub enum Rig {
         /// Show every value in SI units with its origin: given, computed, typical, unknown or default
         #[arg(long)]
         resolved: bool,
-        /// Show the values and their origins as JSON
-        #[arg(long)]
-        json: bool,
         /// Change a key of the rig first, such as load.mass_kg=2.5; may be repeated
         #[arg(long = "set", value_name = "KEY=VALUE")]
         settings: Vec<String>,
@@ -168,8 +179,12 @@ pub struct Simulate {
     #[arg(long, value_name = "FILE")]
     pub test: Option<String>,
     /// Take moves, gains and initial state from a TARGET file or a streamed run, or continue from the end of a run folder
-    #[arg(long, value_name = "FILE|RUN", conflicts_with = "test")]
+    #[arg(long, value_name = "FILE|RUN")]
     pub from: Option<PathBuf>,
+    /// Move through the points of a CSV table with the columns time_s and position_mm, in straight lines; within
+    /// test.velocity_mm_s and test.acceleration_mm_s2
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["test", "from"])]
+    pub points: Option<PathBuf>,
     /// Folder for trace.csv, run.json and report.html
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -191,6 +206,9 @@ pub struct Simulate {
     /// Its neighbours.
     #[command(flatten)]
     pub neighbours: Neighbours,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// Columns of a trace that not every trace has.
@@ -258,6 +276,13 @@ pub struct Virtual {
     /// Seed of the random draw of the rig and of the sensor noise of its runs; the same seed repeats both
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Wire something wrongly, to try `device bring-up`: valve-inverted, tubes-swapped, encoder-swapped,
+    /// encoder-pull-up, pressures-swapped, pressure-floats or enable-open; may be repeated
+    #[arg(long, value_name = "FAULT")]
+    pub wiring: Vec<WiringFault>,
+    /// Have a hand push the slide out by 20 mm and back whenever the drive has been disabled for 3 s
+    #[arg(long)]
+    pub hand: bool,
 }
 
 /// Where a virtual rig can listen.

@@ -5,6 +5,8 @@ mod demo;
 mod device;
 mod eval;
 mod export;
+mod figures;
+mod fmu;
 mod identify;
 mod import;
 mod interrupts;
@@ -19,6 +21,7 @@ mod replay;
 mod rig;
 mod rig_source;
 mod run;
+mod shell;
 mod simulate;
 mod spectrum;
 mod streaming;
@@ -35,6 +38,7 @@ use clap::{Arg, CommandFactory, FromArgMatches};
 
 use crate::cli::{Cli, Command};
 use crate::exit::Exit;
+use crate::json;
 use crate::output::{self, Stream};
 
 /// The program: parses the command line, runs the subcommand, and reports its error.
@@ -42,9 +46,10 @@ use crate::output::{self, Stream};
 pub fn main() -> Exit {
     let _ = hear_of_limits();
     output::report_notes();
-    let parsed = taking_negative_numbers(Cli::command())
-        .try_get_matches()
-        .and_then(|matches| Cli::from_arg_matches(&matches));
+    let parsed = whole_command().try_get_matches().and_then(|matches| {
+        json::begin(&matches);
+        Cli::from_arg_matches(&matches)
+    });
     let cli = match parsed {
         Ok(cli) => cli,
         Err(answer) => {
@@ -54,12 +59,23 @@ pub fn main() -> Exit {
         }
     };
     output::end(match execute(cli) {
-        Ok(()) => Exit::Done,
+        Ok(()) => {
+            json::end(Exit::Done, None);
+            Exit::Done
+        }
         Err(error) => {
-            tell!("error: {error:#}");
-            Exit::after(&error)
+            let (exit, text) = (Exit::after(&error), format!("{error:#}"));
+            tell!("error: {text}");
+            json::end(exit, Some(&text));
+            exit
         }
     })
+}
+
+/// The command line with all its subcommands.
+#[must_use]
+pub fn whole_command() -> clap::Command {
+    taking_negative_numbers(json::with_option(Cli::command()))
 }
 
 /// Takes a value that begins with a minus as a number: `--tolerance -1` is a value out of range, not an unknown
@@ -106,6 +122,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Spectrum(arguments) => spectrum::execute(&arguments),
         Command::Export(arguments) => export::execute(&arguments),
         Command::Import(arguments) => import::execute(&arguments),
+        Command::Fmu(arguments) => fmu::execute(&arguments),
         Command::Characterise(arguments) => characterise::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
         Command::Thesis(arguments) => thesis::execute(&arguments),
@@ -113,5 +130,7 @@ pub fn execute(cli: Cli) -> Result<()> {
         Command::Ladder(arguments) => ladder::execute(&arguments),
         Command::Tune(arguments) => tune::execute(&arguments),
         Command::Merge(arguments) => merge::execute(&arguments),
+        Command::Completions(arguments) => shell::completions(&arguments, whole_command()),
+        Command::Man(arguments) => shell::man(&arguments, whole_command()),
     }
 }

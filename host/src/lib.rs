@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`cli`], [`command`] | arguments, and one thin file a subcommand |
-//! | [`mod@output`], [`exit`] | what the program says, and how it ends |
+//! | [`mod@output`], [`json`], [`exit`], `version` | what the program says, as text and as JSON, how it ends, and what it understands |
 //!
 //! The work is done by crates that other programs can use, too: `pneudrive_records` reads and writes the files,
 //! `pneudrive_link` talks to rigs, `pneudrive_rigs` simulates rigs, `pneudrive_analysis` analyses transients.
@@ -17,3 +17,5 @@ pub mod output;
 pub mod cli;
 pub mod command;
 pub mod exit;
+pub mod json;
+mod version;

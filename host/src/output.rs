@@ -8,6 +8,7 @@
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::exit::Exit;
 
@@ -66,10 +67,19 @@ const STREAMS: [Stream; 2] = [Stream::Output, Stream::Errors];
 /// The first failure of each.
 static BROKEN: [OnceLock<io::Error>; 2] = [const { OnceLock::new() }; 2];
 
+/// Whether standard output is for a document, and text is left out of it.
+static IS_WITHOUT_TEXT: AtomicBool = AtomicBool::new(false);
+
+/// Leaves lines of text out of standard output from now on: a document stands there.
+pub fn leave_text_out() {
+    IS_WITHOUT_TEXT.store(true, Ordering::Relaxed);
+}
+
 impl Stream {
-    /// Writes a line in one piece, unless an earlier write has failed.
+    /// Writes a line in one piece, unless an earlier write has failed, or text is left out.
     pub fn line(self, line: Arguments<'_>) {
-        if self.failure().is_none() {
+        let is_left_out = self == Stream::Output && IS_WITHOUT_TEXT.load(Ordering::Relaxed);
+        if !is_left_out && self.failure().is_none() {
             self.note(self.write(format!("{line}\n").as_bytes()));
         }
     }

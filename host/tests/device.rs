@@ -100,10 +100,9 @@ fn parameters_are_stored_exported_and_taken_over_again() {
     )
     .expect("written");
     let printed = device("config import cut.txt");
-    assert!(
-        printed.contains("cut.txt: its first line announces 59 parameters, and 6 are there"),
-        "{printed}"
-    );
+    let all = whole.lines().filter(|line| line.contains(" = ")).count();
+    let message = format!("cut.txt: its first line announces {all} parameters, and 6 are there");
+    assert!(printed.contains(&message), "{printed}");
     fs::write(folder.path().join("nothing.txt"), "").expect("written");
     assert!(device("config import nothing.txt").contains("nothing.txt is empty"));
     assert_eq!(device("config set velocity_gain=5"), "velocity_gain = 5\n= 0", "as --set takes it");
@@ -208,4 +207,51 @@ fn moves_that_wait_for_each_other_end_the_run_and_are_counted() {
     assert!(printed.contains("servo-a-tuned: done"), "{printed}");
     let status = transcript(folder.path(), &format!("device --port {port} status"));
     assert!(status.contains("moves       number 3 arrived, 0 not reached\n"), "{status}");
+}
+
+#[test]
+fn move_records_are_shown_set_loaded_and_stored() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    assert!(device("records show").starts_with("no records; "), "{}", device("records show"));
+    let set = device("records set 3 to_mm=120.5 profile=s-curve velocity_mm_s=300 dwell_s=0.13");
+    assert!(set.starts_with("3  to 120.500 mm, in ") && set.ends_with(" s, dwell 0.130 s\n= 0"), "{set}");
+    let wrong = device("records set 3 to_mm=500");
+    assert!(wrong.contains("lies beyond it") && wrong.ends_with("= 1"), "{wrong}");
+    fs::write(
+        folder.path().join("two.toml"),
+        "[[record]]\nnumber = 1\nto_mm = 50\n\n[[record]]\nnumber = 2\nto_mm = 60\n",
+    )
+    .expect("written");
+    let loaded = device("records load two.toml");
+    assert!(loaded.starts_with("two.toml: 2 records are the table now"), "{loaded}");
+    let shown = device("records show");
+    assert!(shown.starts_with(" 1  to 49.995 mm, at once\n 2  to 59.997 mm, at once\nnot stored"), "{shown}");
+    assert_eq!(device("records save"), "stored with the parameters; they survive a reset\n= 0");
+    assert_eq!(device("records remove 1"), "there is no record 1 any more\n= 0");
+    assert!(device("records show").starts_with(" 2  to 59.997 mm, at once\nnot stored"), "changed since");
+    device("arm");
+    assert!(device("records remove 2").contains("disarm"), "only while it is disarmed");
+}
+
+#[test]
+fn the_inputs_of_a_virtual_rig_are_set_and_shown() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let device = |what: &str| transcript(folder.path(), &format!("device --port {} {what}", rig.port()));
+    let off = "inputs   number 0, start off, acknowledge off, run off, enable off\noutputs  ready off, ";
+    assert!(device("io").starts_with(off), "{}", device("io"));
+    let on = device("io enable=on run=on number=3");
+    assert!(on.starts_with("inputs   number 3, start off, acknowledge off, run on, enable on\n"), "{on}");
+    assert!((0..500).any(|_| device("io").contains("outputs  ready on, in position off, fault off")));
+    device("io start=on");
+    let refused = "refused  number 3: there is no record of this number";
+    assert!((0..500).any(|_| device("io").contains(refused)), "{}", device("io"));
+    for (wrong, says) in [
+        ("number=16", "out of range: 0 (homing), or the number of a record, 1 to 15"),
+        ("stop=on", "there is no input stop; there are number, start, acknowledge, run, enable"),
+        ("enable=1", "an input is on or off"),
+        ("enable", "is no INPUT=VALUE"),
+    ] {
+        assert!(device(&format!("io {wrong}")).contains(says), "{}", device(&format!("io {wrong}")));
+    }
 }

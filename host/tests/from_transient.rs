@@ -56,6 +56,31 @@ fn a_record_gives_a_simulation_its_moves_gains_and_initial_state() {
     assert_eq!(setpoints[0], setpoints[1][..setpoints[0].len()]);
 }
 
+/// A list of moves cannot say profiles: they come from the rig, or from the test that is given beside it.
+#[test]
+fn a_record_of_moves_with_profiles_is_simulated_with_these_moves_and_no_others() {
+    let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));
+    let moves = "[{profile=\"step\",to_mm=98.72},{profile=\"s-curve\",at_s=0.1,to_mm=120}]";
+    let asked = format!("--set test.move={moves} --set test.duration_s=0.5");
+    ok(folder.path(), &format!("run servo-b-tuned {asked} --port {}", rig.port()));
+    ok(folder.path(), &format!("record --port {}", rig.port()));
+    let again = "simulate servo-b-tuned --ensemble 1 --no-report --from TARGET01.DAT";
+    ok(folder.path(), &format!("{again} {asked} --out again"));
+    ok(folder.path(), &format!("simulate servo-b-tuned {asked} --ensemble 1 --no-report --out first"));
+    let setpoints = ["again", "first"].map(|run| column(folder.path(), run, 1));
+    assert!(setpoints[0] == setpoints[1], "{setpoints:?}");
+    let file = format!("[test]\nmove = {moves}\nduration_s = 0.5\n");
+    std::fs::write(folder.path().join("way.toml"), file).expect("written");
+    ok(folder.path(), &format!("{again} --test way.toml --out by-test"));
+    for (other, why) in [
+        (String::new(), "give the [test] that was run, with --test or --set"),
+        (format!("{asked} --set test.repeat_every_s=1"), "set test.repeat_every_s as it was run"),
+    ] {
+        let told = transcript(folder.path(), &format!("{again} {other} --out refused"));
+        assert!(told.contains(why) && told.ends_with("= 1"), "{told}");
+    }
+}
+
 /// In open loop moves are commands: what is not commanded is null, wherever the drive stands.
 #[test]
 fn a_record_in_open_loop_gives_its_commands() {

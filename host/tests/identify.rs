@@ -9,18 +9,7 @@ use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
 
-use program::{exists, folder, ok, recorded_with, transcript, with_line};
-
-/// An open loop with two strokes, without dither: half a second.
-const TEST: &str = "\
-[controller]
-loop = \"open\"
-[operator]
-dither_mm = 0.0
-[test]
-moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
-duration_s = 0.45
-";
+use program::{STROKES as TEST, exists, folder, ok, recorded_with, transcript, with_line};
 
 /// TARGET01.DAT of the test on a rig with another mass and viscous friction, next to its rig file.
 fn recorded(folder: &Path) {

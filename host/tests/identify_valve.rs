@@ -4,18 +4,7 @@ mod program;
 
 use std::fs;
 
-use program::{folder, ok, recorded_with};
-
-/// An open loop with two strokes, without dither: half a second.
-const TEST: &str = "\
-[controller]
-loop = \"open\"
-[operator]
-dither_mm = 0.0
-[test]
-moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
-duration_s = 0.45
-";
+use program::{STROKES as TEST, folder, ok, recorded_with};
 
 /// A valve by its data sheet, which leaks a little.
 const DATA_SHEET: &str = "\

@@ -5,8 +5,10 @@ mod program;
 use std::fs;
 
 use pneudrive_records::target::TargetFile;
+use pneudrive_sim::{Rig, keys};
+use serde_json::Value;
 
-use program::{folder, ok, transcript, virtual_rig};
+use program::{STROKES, folder, ok, transcript, virtual_rig};
 
 /// A map of the columns that `export` writes of a record.
 const MAP: &str = r#"
@@ -81,4 +83,88 @@ fn an_export_never_replaces_a_file_unasked_and_names_what_it_cannot_do() {
         assert!(printed.contains(told), "{arguments}: {printed}");
     }
     ok(path, "export TARGET01.DAT --out a.mat --overwrite");
+}
+
+/// What another recorder makes of an exported run: a scale that is positive toward retraction and counts from its middle,
+/// gauge pressures in bar, a command in volts.
+fn as_another_recorder_has_it(exported: &str, exhaust_pa: f64) -> String {
+    let mut rows = exported.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = rows.next().expect("a header");
+    let place = |name: &str| names.iter().position(|other| *other == name).expect("a column");
+    let wanted =
+        ["time_s", "position_m", "pressure_1_pa", "pressure_2_pa", "spool_mm", "command_counts"].map(place);
+    let mut log = String::from("t;x;p1;p2;y;u\n");
+    for row in rows {
+        let [t, x, p1, p2, y, u] = wanted.map(|place| row[place].parse::<f64>().expect("a number"));
+        let gauge = |pressure: f64| (pressure - exhaust_pa) / 1e5;
+        let (x, u) = (125.0 - 1e3 * x, 5.0 + 5.0 * u / 2048.0);
+        log += &format!("{:.4};{x:.6};{:.6};{:.6};{y:.6};{u:.6}\n", 1e3 * t, gauge(p1), gauge(p2));
+    }
+    log
+}
+
+/// The map of those columns.
+const ANOTHER_MAP: &str = r#"
+[time]
+column = "t"
+unit = "ms"
+[position]
+column = "x"
+unit = "mm"
+sign = -1
+offset = "125 mm"
+[pressure_1]
+column = "p1"
+unit = "bar(g)"
+[pressure_2]
+column = "p2"
+unit = "bar(g)"
+[spool]
+column = "y"
+unit = "mm"
+[command]
+column = "u"
+null = 5.0
+full = 10.0
+"#;
+
+/// All keys that a fit usually has, from a log alone: what is hidden lies in the stated intervals, and what nobody changed
+/// does, too.
+#[test]
+fn a_full_fit_to_an_imported_log_recovers_the_rig_within_the_stated_intervals() {
+    let folder = folder();
+    let path = folder.path();
+    let hidden = [("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0), ("supply.pressure_pa", 575e3)];
+    fs::write(path.join("rig.toml"), STROKES).expect("written");
+    let settings = hidden.map(|(key, value)| format!("--set {key}={value}")).join(" ");
+    ok(path, &format!("simulate rig.toml {settings} --out truth --no-report --ensemble 1"));
+    ok(path, "export truth --to csv --out truth.csv");
+    let exported = fs::read_to_string(path.join("truth.csv")).expect("written");
+    let exhaust_pa = Rig::read("rig.toml", STROKES).expect("valid").get(&keys::exhaust::PRESSURE_PA);
+    fs::write(path.join("log.csv"), as_another_recorder_has_it(&exported, exhaust_pa)).expect("written");
+    fs::write(path.join("map.toml"), ANOTHER_MAP).expect("written");
+    let printed = ok(path, "import log.csv rig.toml --columns map.toml");
+    assert!(printed.contains("TARGET01.DAT: 347 samples"), "{printed}");
+    ok(path, "identify rig.toml TARGET01.DAT");
+    let json = fs::read_to_string(path.join("identified/identification.json")).expect("there");
+    let found: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!((&found["fits"], &found["judged"]), (&true.into(), &true.into()), "{found:#}");
+    let parameters = found["parameters"].as_array().expect("a list");
+    let of = |key: &str| parameters.iter().find(|one| one["key"] == key);
+    for (key, value) in hidden {
+        let one = of(key).unwrap_or_else(|| panic!("{key} is seen: {found:#}"));
+        assert_eq!(one["interval_is"], "95 %");
+        let [low, high] = [0, 1].map(|end| one["interval"][end].as_f64().expect("a number"));
+        assert!(low <= value && value <= high, "{key} = {value}: {one:#}");
+        let [file, estimate] = ["file", "estimate"].map(|name| one[name].as_f64().expect("a number"));
+        assert!((estimate - value).abs() < 0.2 * (file - value).abs(), "{key} = {value}: {one:#}");
+    }
+    let outside =
+        parameters.iter().filter(|one| !hidden.iter().any(|(key, _)| one["key"] == *key)).filter(|one| {
+            let [low, high] = [0, 1].map(|end| one["interval"][end].as_f64().expect("a number"));
+            let file = one["file"].as_f64().expect("a number");
+            !(low..=high).contains(&file)
+        });
+    // Of twenty intervals of 95 %, one may miss.
+    assert!(outside.count() <= 1, "{found:#}");
 }

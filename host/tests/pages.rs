@@ -86,8 +86,18 @@ const PAGES: [(&str, usize, usize); 10] = [
     ("pressure-drop.html", 1, 3),
     ("impulse.html", 5, 13),
     ("ladder.html", 4, 35),
-    ("tune.html", 8, 12),
+    ("tune.html", 14, 26),
 ];
+
+/// The longest page, without the library that is beside it, bytes.
+const LONGEST: u64 = 300_000;
+
+/// The longest page that carries the library.
+const LONGEST_SINGLE: u64 = 2_000_000;
+
+fn length(page: &Path) -> u64 {
+    fs::metadata(page).expect("written").len()
+}
 
 #[test]
 fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
@@ -98,7 +108,9 @@ fn pages_open_without_an_error_or_a_network_and_show_their_graphs() {
         ok(folder.path(), arguments);
     }
     for (name, graphs, curves) in PAGES {
-        let seen = open(browser, profile.path(), &folder.path().join(name));
+        let page = folder.path().join(name);
+        assert!(length(&page) <= LONGEST, "{name}: {} bytes", length(&page));
+        let seen = open(browser, profile.path(), &page);
         assert!(seen.console.is_empty(), "{name}: {:?}", seen.console);
         assert!(seen.requests.is_empty(), "{name}: {:?}", seen.requests);
         let drawn = |what: &str| seen.document.matches(what).count();
@@ -125,10 +137,33 @@ fn the_page_of_an_identification_shows_each_record_with_its_model_and_what_remai
     assert!(seen.console.is_empty() && seen.requests.is_empty(), "{:?} {:?}", seen.console, seen.requests);
     let drawn = |what: &str| seen.document.matches(what).count();
     // Six records: four channels with their model before and after, and four residuals.
+    let page = folder.path().join("identified/identification.html");
+    assert!(length(&page) <= LONGEST, "{} bytes", length(&page));
     assert_eq!(drawn("<g class=\"subplot "), 6 * 8);
     assert_eq!(drawn("<g class=\"trace scatter"), 6 * 16);
     for table in ["parameters", "root mean square", "correlation of the estimates", "read off the records"] {
         assert!(seen.document.contains(table), "{table}");
+    }
+}
+
+#[test]
+fn a_single_file_shows_its_graphs_alone_and_a_page_without_its_library_says_what_is_missing() {
+    let browser = chromium();
+    let (folder, alone) = (folder(), tempfile::tempdir().expect("a folder"));
+    let profile = tempfile::tempdir().expect("a folder");
+    let run = "simulate servo-b-tuned --set test.duration_s=0.5 --overwrite --out run";
+    for (options, graphs) in [("--single-file", 5), ("", 0)] {
+        ok(folder.path(), &format!("{run} {options}"));
+        let page = alone.path().join("moved.html");
+        fs::copy(folder.path().join("run/report.html"), &page).expect("copied");
+        assert!(length(&page) <= LONGEST_SINGLE, "{} bytes", length(&page));
+        let seen = open(browser, profile.path(), &page);
+        assert_eq!(seen.document.matches("<g class=\"subplot ").count(), graphs, "{options}");
+        assert!(seen.console.is_empty(), "{:?}", seen.console);
+        assert_eq!(
+            seen.document.contains("beside this page; --single-file puts it into the page.</div>"),
+            graphs == 0
+        );
     }
 }
 

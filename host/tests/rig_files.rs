@@ -43,9 +43,10 @@ fn a_resolved_rig_is_in_si_and_says_where_values_come_from() {
 fn json_of_a_rig_is_read_by_key() {
     let shown = pneudrive(&["rig", "show", "servo-b", "--json", "--set", "load.mass=\"2 kg\""]);
     let json: serde_json::Value = serde_json::from_str(&printed(&shown)).expect("JSON");
-    assert_eq!(json["load.mass_kg"]["value"], 2.0);
-    assert_eq!(json["load.mass_kg"]["unit"], "kg");
-    assert_eq!(json["load.mass_kg"]["origin"], "given");
+    let mass = &json["result"]["keys"]["load.mass_kg"];
+    assert_eq!(mass["value"], 2.0);
+    assert_eq!(mass["unit"], "kg");
+    assert_eq!(mass["origin"], "given");
 }
 
 #[test]

@@ -25,10 +25,14 @@ fn a_tuning_leaves_a_page_and_a_rig_that_can_be_simulated() {
         "in 5 fresh draws from the spread",
         "the rig of the file in mid-stroke",
         "the step along the stroke",
+        "sines in mid-stroke",
+        "where the squared error of the sines arises",
         "controller.velocity_gain",
         "the gains within their search ranges",
         "the fresh draws one by one, the worst first",
         "the gain profile",
+        "a sine of 0.5 Hz and 60.0 mm",
+        "a sine of 1 Hz and 60.0 mm",
         "the search",
     ];
     let mut rest = &page[page.find("<body>").expect("a body")..];
@@ -77,4 +81,17 @@ fn a_held_key_stays_in_the_file_that_is_left() {
         assert!(told.contains(printed) && told.ends_with("= 1"), "{told}");
     }
     assert!(transcript(folder.path(), "tune servo-b --out u --step 299").contains("does not fit between"));
+}
+
+/// The step and the sines take the place of a test with moves of its own.
+#[test]
+fn a_rig_whose_own_test_has_profiles_is_tuned_by_a_step_all_the_same() {
+    let folder = folder();
+    let moves = "[[test.move]]\nprofile = \"s-curve\"\nto_mm = 150\n";
+    fs::write(folder.path().join("moves.toml"), moves).expect("written");
+    fs::write(folder.path().join("profile.toml"), "[test]\nprofile = \"trapezoid\"\n").expect("written");
+    for rig in ["moves.toml", "profile.toml"] {
+        let printed = ok(folder.path(), &format!("tune {rig} --generations 0 --draws 2 --settled 1 --out t"));
+        assert!(printed.contains("The goal is met in "), "{rig}: {printed}");
+    }
 }

@@ -1,6 +1,8 @@
-//! Arguments that several commands have: which rig, how it is integrated, with which neighbours.
+//! Arguments that several commands have: which rig, how it is integrated, with which neighbours, and what
+//! its pages are like.
 
 use clap::{Args, ValueEnum};
+use pneudrive_analysis::page::Library;
 use pneudrive_records::judged::Spacing;
 use pneudrive_sim::{Accuracy, Method, Rig};
 
@@ -59,6 +61,22 @@ pub enum MethodName {
     DormandPrince,
     /// Runge-Kutta-Merson 4(3), as in the thesis
     Merson,
+}
+
+/// How pages are written.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Pages {
+    /// Put the plotting library into the page instead of beside it: one file, for sending
+    #[arg(long)]
+    pub single_file: bool,
+}
+
+impl Pages {
+    /// What the library takes.
+    #[must_use]
+    pub fn library(self) -> Library {
+        if self.single_file { Library::Within } else { Library::Beside }
+    }
 }
 
 /// Runs beside the nominal one.

@@ -1,8 +1,10 @@
 //! Arguments of `device`.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use pneudrive_link::bring_up::{MOST_PERCENT, PUSH_WAIT_S};
 use pneudrive_records::parameter_names::whole_number;
 
 use super::PortChoice;
@@ -53,6 +55,40 @@ pub enum DeviceAction {
     /// Read, change, store, export and import the controller's parameters
     #[command(subcommand)]
     Config(ConfigAction),
+    /// Show, change and store the move records: moves that the drive's digital inputs begin by number, without a PC
+    #[command(subcommand)]
+    Records(RecordsAction),
+    /// Show the digital inputs and outputs; set the inputs of a virtual rig, which has no pins
+    Io {
+        /// What changes: number=0 to 15, and start, acknowledge, run, enable = on or off: enable=on run=on number=3
+        #[arg(value_name = "INPUT=VALUE")]
+        settings: Vec<String>,
+    },
+    /// Check a new board and its wires one by one: sensors, encoder by hand, enable line, then pulses of a few mm that
+    /// show what is swapped. Asks before the cylinder moves. The rig's test is replaced
+    BringUp(BringUp),
+}
+
+/// Arguments of `device bring-up`.
+#[derive(Debug, Args)]
+pub struct BringUp {
+    /// Let the cylinder move without being asked; questions that need an eye at the drive are left out
+    #[arg(long)]
+    pub yes: bool,
+    /// Write the report to this file, as Markdown; one that exists is replaced
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// How long to wait for the slide to be pushed by hand, s; 0: it is not asked for
+    #[arg(long, value_name = "S", default_value_t = 20, value_parser = clap::value_parser!(u16).range(range_of(PUSH_WAIT_S)))]
+    pub push_wait: u16,
+    /// The largest command of a pulse, percent of the valve
+    #[arg(long, value_name = "PERCENT", default_value_t = 30, value_parser = clap::value_parser!(u8).range(range_of(MOST_PERCENT)))]
+    pub most: u8,
+}
+
+/// From the least to the most.
+fn range_of<T: Into<i64>>([least, most]: [T; 2]) -> RangeInclusive<i64> {
+    least.into()..=most.into()
 }
 
 /// A position of the axis.
@@ -107,5 +143,35 @@ pub enum ConfigAction {
         from: String,
     },
     /// Store the parameters, so that they survive a reset; the drive must be disarmed
+    Save,
+}
+
+/// Subcommands of `device records`.
+#[derive(Debug, Subcommand)]
+pub enum RecordsAction {
+    /// Print the records
+    Show,
+    /// Make one record; the drive must be disarmed
+    #[command(allow_negative_numbers = true)]
+    Set {
+        /// Its number; number 0 is no record, it homes the axis
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=15))]
+        number: u8,
+        /// What it does: the keys of [[test.move]], and dwell_s: to_mm=120 profile=s-curve velocity_mm_s=300 dwell_s=0.1
+        #[arg(required = true, value_name = "KEY=VALUE")]
+        settings: Vec<String>,
+    },
+    /// Remove one record; the drive must be disarmed
+    Remove {
+        /// Its number
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=15))]
+        number: u8,
+    },
+    /// Make the records of a file the whole table; the drive must be disarmed
+    Load {
+        /// A TOML file with a table `[[record]]` for each: number, dwell_s, and the keys of `[[test.move]]`
+        file: PathBuf,
+    },
+    /// Store records and parameters, so that they survive a reset; the drive must be disarmed
     Save,
 }

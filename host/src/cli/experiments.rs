@@ -10,7 +10,7 @@ use pneudrive_analysis::sweep::metric::FIGURES;
 use pneudrive_sim::characteristics::CURVES;
 
 use super::percent::percent;
-use super::{Neighbours, RigChoice};
+use super::{Neighbours, Pages, RigChoice};
 
 /// Arguments of `characterise`.
 #[derive(Debug, Args)]
@@ -29,6 +29,9 @@ pub struct Characterise {
     /// command_percent,flow_l_min, and perhaps spread, their standard deviation
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// Every curve.
@@ -61,6 +64,9 @@ pub struct Study {
     /// Number of starts of each drive; each has another position on the stroke and another phase of the dither
     #[arg(long, value_name = "N", default_value_t = STARTS as u16, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub starts: u16,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// Lists the studies and runs none.
@@ -123,6 +129,9 @@ pub struct Sweep {
     /// Do not ask for confirmation, however long it takes
     #[arg(long)]
     pub yes: bool,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// Arguments of `merge`.
@@ -134,6 +143,9 @@ pub struct Merge {
     /// Folder for the joined sweep
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 fn figures() -> String {
@@ -165,6 +177,9 @@ pub struct Ladder {
     /// Do not ask for confirmation, however long it takes
     #[arg(long)]
     pub yes: bool,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// Arguments of `tune`.
@@ -224,6 +239,9 @@ pub struct Tune {
     /// Do not ask for confirmation, however long it takes
     #[arg(long)]
     pub yes: bool,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -42,6 +42,10 @@ pub struct Run {
     /// Change a key of the test, such as test.duration_s=2; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
+    /// Move through the points of a CSV table with the columns time_s and position_mm, in straight lines; within
+    /// test.velocity_mm_s and test.acceleration_mm_s2
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
     /// Also download the controller's parameters of the rig
     #[arg(long)]
     pub config: bool,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use pneudrive_analysis::evaluation::TOLERANCE_MM;
 
-use super::{Integration, RigChoice};
+use super::{Integration, Pages, RigChoice};
 
 /// A time interval.
 #[derive(Debug, Args)]
@@ -47,6 +47,9 @@ pub struct Eval {
     /// Also write the channels, with velocity and acceleration, as CSV
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -80,6 +83,9 @@ pub struct Spectrum {
     /// Also write the channel as 12-bit integers, -2048 to 2048, one per line
     #[arg(long, value_name = "FILE")]
     pub ascii: Option<PathBuf>,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// Names of the channels.
@@ -136,6 +142,9 @@ pub struct Overlay {
     /// File for the page
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     pub out: PathBuf,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }
 
 /// How transients are laid over each other.
@@ -186,4 +195,7 @@ pub struct Identify {
     /// How to integrate.
     #[command(flatten)]
     pub integration: Integration,
+    /// How its pages are written.
+    #[command(flatten)]
+    pub pages: Pages,
 }

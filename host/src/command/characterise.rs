@@ -7,20 +7,23 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, anyhow, bail};
-use pneudrive_analysis::page::{Curve, Figure, Page, Panel, Table};
+use pneudrive_analysis::page::{Curve, Figure, Library, Page, Panel, Table};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::characteristics::{
     CURVES, Characteristic, Curve as Wanted, Figure as Measured, Graph, Reading, Unfit,
 };
 use pneudrive_sim::{IntegrationError, Rig};
+use serde_json::json;
 
 use digits::significant;
 use points::Measurement;
 
 use super::eval::column;
+use super::figures;
 use super::rig_source::load_choice;
 use crate::cli::{ALL, Characterise};
+use crate::json;
 
 /// The start of every CSV file of this command, by which it recognises the files that it may replace.
 const CSV_MARK: &str = "graph,curve,";
@@ -41,18 +44,28 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
         refuse_to_replace(&csv, CSV_MARK)?;
         refuse_to_replace(&html, GENERATOR)?;
     }
-    let mut stopped = Ok(());
+    let (mut stopped, mut curves) = (Ok(()), Vec::new());
     for curve in wanted {
         match (curve.measure)(&rig) {
             Ok(found) => {
                 let measured = arguments.points.as_deref().map(|path| Measurement::of(path, &found));
-                leave(&arguments.out, &rig, curve, &found, measured.transpose()?.as_ref())?;
+                leave(
+                    &arguments.out,
+                    &rig,
+                    curve,
+                    &found,
+                    measured.transpose()?.as_ref(),
+                    arguments.pages.library(),
+                )?;
+                let files = places(&arguments.out, curve).map(|path| path.display().to_string());
+                curves.push(figures::characteristic(curve.name, &found, files));
             }
             Err(Unfit::Integration(error)) => stopped = stopped.and(Err(stops(&rig, curve, &error))),
             Err(lacks) if all => say!("{}: skipped, as {lacks}", curve.name),
             Err(lacks) => bail!("{} has no {}: {lacks}", rig.name(), curve.name),
         }
     }
+    json::figures(|| json!({ "rig": rig.name(), "curves": curves }));
     // The other curves have been written.
     stopped
 }
@@ -76,12 +89,13 @@ fn leave(
     curve: &Wanted,
     found: &Characteristic,
     measured: Option<&Measurement>,
+    library: Library,
 ) -> Result<()> {
     let [csv, html] = places(folder, curve);
     put(&csv, &to_csv(found))?;
     let mut table = table(found);
     table.rows.extend(measured.iter().flat_map(|measured| measured.rows()));
-    page(rig, curve, found, &table, measured).write(&html)?;
+    page(rig, curve, found, &table, measured).write(&html, library)?;
     say!("{}: {}\n{}{}, {}\n", curve.name, curve.about, table.to_text(), csv.display(), html.display());
     Ok(())
 }

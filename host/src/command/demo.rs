@@ -16,13 +16,16 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_records::words;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::{Accuracy, Rig};
+use serde_json::json;
 
+use super::figures;
 use super::overlay::overlay;
 use super::record::record;
 use super::rig_source::load_rig;
 use super::run::run_test;
 use super::simulate;
 use crate::cli::Demo;
+use crate::json;
 
 /// Runs the test of `model` on the rig at `port` and records it.
 fn on_the_rig(port: &str, model: &Rig, out: &Path) -> Result<(PathBuf, TargetFile)> {
@@ -68,7 +71,9 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     say!("5. both on the same graphs\n");
     let page = page(arguments, &model, &judged, (&target_path, &target))?;
     let moves = to_json(&ensemble.measured);
-    let pieces = |mark: &str| page.pieces(mark, None);
+    json::figures(|| figures::run(&model, &judged, &moves));
+    json::figures(|| json!({ "record": target_path, "recorded": target.samples.len() }));
+    let pieces = |mark: &str| page.text_in(&arguments.out, mark, arguments.pages.library());
     run_folder::write(&arguments.out, &model, &judged, moves, Some(&pieces), existing)?;
     say!("open {} in a browser", arguments.out.join("report.html").display());
     Ok(())

@@ -1,6 +1,10 @@
 //! `pneudrive device`.
 
+mod bring_up;
 mod config;
+mod io;
+mod records;
+mod units;
 mod valve;
 
 use std::time::{Duration, Instant};
@@ -10,14 +14,17 @@ use pneudrive_controller::parameters::id;
 use pneudrive_link::client::{Client, Commander};
 use pneudrive_link::firmware_notes::report_boots;
 use pneudrive_protocol::{
-    ConfigState, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
+    ConfigState, Event, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
+use serde_json::{Value, json};
 
 use super::interrupts::Interrupts;
+use super::monitor::status_figures;
 use crate::cli::{Device, DeviceAction, Position};
 use crate::exit::Exit;
+use crate::json;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
     let mut client = Client::connect(&arguments.port.port)?;
@@ -44,40 +51,71 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Valve(action) => valve::execute(&mut client, *action),
         DeviceAction::Faults => faults(&mut client, arguments.counts),
         DeviceAction::Config(action) => config::execute(&mut client, action),
-    }
-}
-
-/// The units for its figures; counts if the parameters of the rig cannot be read.
-fn units(client: &mut Client, counts: bool) -> Units {
-    match client.parameters() {
-        Ok(parameters) if counts => Units::raw(&parameters),
-        Ok(parameters) => Units::of(&parameters),
-        Err(error) => {
-            tell!(
-                "note: figures are shown as the rig sends them, because its scales are not known: {error:#}"
-            );
-            Units::default()
-        }
+        DeviceAction::Io { settings } => io::execute(&mut client, settings),
+        DeviceAction::Records(action) => records::execute(&mut client, action, arguments.counts),
+        DeviceAction::BringUp(arguments) => bring_up::execute(&mut client, arguments),
     }
 }
 
 /// Sets the encoder's counter to the current position.
 fn reference(client: &mut Client, position: Position, counts: bool) -> Result<()> {
-    let units = Units::of(&client.parameters()?);
+    let parameters = client.parameters()?;
+    let units = Units::of(&parameters);
     let count = match position {
         Position::Counts(count) => count,
         Position::Millimetres(mm) => units.count_at(mm).with_context(|| {
             format!("{mm} mm is out of the range of its encoder, or the scale of the encoder is not known; give the position in counts")
         })?,
     };
-    client.reference(count)?;
+    let zero = match parameters.values.absolute_zero() {
+        Some(zero) => set_zero(client, zero, count)?,
+        None => None,
+    };
+    if zero.is_none() {
+        client.reference(count)?;
+    }
+    let zero_mm = zero.and_then(|zero| units.millimetres(zero));
+    json::figures(|| {
+        json!({
+            "position_counts": count, "position_mm": units.millimetres(count),
+            "encoder_zero_counts": zero, "encoder_zero_mm": zero_mm,
+        })
+    });
     let position = if counts { format!("{count} counts") } else { units.length(count) };
     say!("referenced: the axis is at {position}");
+    if let Some(zero) = zero {
+        let in_file =
+            zero_mm.map_or(String::new(), |mm| format!("; in the rig file it is encoder.zero_mm = {mm:.3}"));
+        say!(
+            "the encoder is absolute: encoder_zero_counts is now {zero}, which `device config save` keeps over a reset{in_file}"
+        );
+    }
     Ok(())
+}
+
+/// Sets the zero of an absolute encoder so that the axis stands at `count`; None if the board has none that is absolute.
+///
+/// The first change brings what counts mean in line with the parameter, whatever was referenced before.
+fn set_zero(client: &mut Client, zero: i32, count: i32) -> Result<Option<i32>> {
+    let other = zero ^ 1;
+    client.set_parameters(id::ENCODER_ZERO_COUNTS, &[other])?;
+    let status = client.status()?;
+    if !status.referenced {
+        return Ok(None);
+    }
+    let zero = other.wrapping_add(count).wrapping_sub(status.position);
+    client.set_parameters(id::ENCODER_ZERO_COUNTS, &[zero])?;
+    Ok(Some(zero))
 }
 
 fn info(client: &mut Client) -> Result<()> {
     let info = client.info()?;
+    json::figures(|| {
+        json!({
+            "firmware": info.firmware, "build": info.build, "board": info.board, "protocol": info.version,
+            "record_capacity": info.record_capacity,
+        })
+    });
     say!("firmware    {}", info.firmware);
     say!("build       {}", info.build);
     say!("board       {}", info.board);
@@ -87,6 +125,16 @@ fn info(client: &mut Client) -> Result<()> {
         let state = client.config_state()?;
         say!("parameters  {:08x}, {}", state.hash, provenance(&state));
         let [interval, latency] = client.timing()?;
+        json::figures(|| {
+            let spread = |times: &Spread| {
+                let Spread { count, least_us, most_us, bins } = times;
+                json!({ "count": count, "least_us": least_us, "most_us": most_us, "bins": bins })
+            };
+            json!({
+                "parameters_hash": format!("{:08x}", state.hash), "parameters_stored": state.saves,
+                "parameters_saved": state.saved, "sample_interval": spread(&interval), "output_delay": spread(&latency),
+            })
+        });
         say!("samples     every {}", spread(&interval));
         say!("outputs     after {}", spread(&latency));
     }
@@ -124,8 +172,12 @@ fn provenance(state: &ConfigState) -> String {
 /// Homes the axis and waits for the end. Ctrl-C stops it.
 fn home(client: &mut Client, counts: bool) -> Result<()> {
     report_boots(client);
+    let parameters = client.parameters()?.values;
+    if parameters.absolute_zero().is_some() && client.status()?.referenced {
+        return tell_home(client, counts, ["no homing is needed, as the encoder is absolute", ""]);
+    }
     let interrupts = Interrupts::watch();
-    let timeout_ms = client.parameters()?.values.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
+    let timeout_ms = parameters.get(id::HOMING_TIMEOUT_MS).unwrap_or(0).unsigned_abs();
     // The rig trips at its own timeout; an emulated one may run several times slower than real time.
     let longest = Duration::from_millis((10 * u64::from(timeout_ms)).max(5000));
     client.home()?;
@@ -147,25 +199,32 @@ fn home(client: &mut Client, counts: bool) -> Result<()> {
     }
     let status = client.status()?;
     match status.mode {
-        Mode::Fault => {
-            return Err(Exit::Tripped.error(format!(
-                "the drive tripped during homing: {} ({}); `pneudrive device arm` clears the fault",
-                words::fault_code_name(status.fault),
-                words::fault_meaning(status.fault)
-            )));
-        }
-        _ => say!("homed: the axis is at {}, armed", units(client, counts).length(status.position)),
+        Mode::Fault => Err(Exit::Tripped.error(format!(
+            "the drive tripped during homing: {} ({}); `pneudrive device arm` clears the fault",
+            words::fault_code_name(status.fault),
+            words::fault_meaning(status.fault)
+        ))),
+        _ => tell_home(client, counts, ["homed", ", armed"]),
     }
+}
+
+/// Where the axis is whose counts mean positions.
+fn tell_home(client: &mut Client, counts: bool, [how, mode]: [&str; 2]) -> Result<()> {
+    let (units, position) = (units::of(client, counts), client.status()?.position);
+    let position_mm = units.millimetres(position);
+    json::figures(|| json!({ "position_counts": position, "position_mm": position_mm }));
+    say!("{how}: the axis is at {}{mode}", units.length(position));
     Ok(())
 }
 
 fn faults(client: &mut Client, counts: bool) -> Result<()> {
     let events = client.events()?;
+    json::figures(|| json!({ "faults": events.iter().map(event_figures).collect::<Vec<_>>() }));
     if events.is_empty() {
         say!("no faults");
         return Ok(());
     }
-    let units = units(client, counts);
+    let units = units::of(client, counts);
     for event in events {
         say!(
             "reset {:>4}  {:>12.3} s  {:<22} {:>12} into the run  at {:>12}  {}",
@@ -178,6 +237,13 @@ fn faults(client: &mut Client, counts: bool) -> Result<()> {
         );
     }
     Ok(())
+}
+
+fn event_figures(event: &Event) -> Value {
+    json!({
+        "reset": event.boot, "time_s": event.time_us as f64 / 1e6, "name": words::fault_code_name(event.code),
+        "meaning": words::fault_meaning(event.code), "index": event.index, "position_counts": event.position,
+    })
 }
 
 /// The progress of the moves, in words.
@@ -208,8 +274,18 @@ fn words_of(owner: &Commander) -> String {
 fn status(client: &mut Client, counts: bool) -> Result<()> {
     let status = client.status()?;
     let Status { fault, index, duration_samples, .. } = status;
-    let units = units(client, counts);
+    let units = units::of(client, counts);
     let motion = if client.info()?.version >= 2 { Some(client.motion()?) } else { None };
+    json::figures(|| status_figures(&units, &status));
+    json::figures(|| {
+        let moves = motion.map(|motion| {
+            json!({
+                "homing": motion.homing, "begun": motion.begun, "not_reached": motion.not_reached,
+                "learned_null_offset_counts": motion.learned_null_offset,
+            })
+        });
+        json!({ "duration_samples": (duration_samples != UNTIL_STOPPED).then_some(duration_samples), "moves": moves })
+    });
     let mode = match status.mode {
         Mode::Running if motion.is_some_and(|motion| motion.homing) => "homing".to_owned(),
         Mode::Disarmed => "disarmed".to_owned(),
@@ -227,6 +303,8 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
         say!("moves       {}", moves(&motion));
     }
     if let Some(owner) = client.owner()? {
+        let is_there = owner.presence == Presence::There;
+        json::figures(|| json!({ "owner": is_there.then(|| words::commander(&owner.host)) }));
         say!("owner       {}", words_of(&owner));
     }
     // A disarmed drive has no setpoint: its controller does not run.

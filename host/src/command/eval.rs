@@ -5,7 +5,9 @@ use std::path::Path;
 
 use anyhow::{Error, Result, anyhow, bail};
 use pneudrive_analysis::ensemble::{Ensemble, run_ensemble};
-use pneudrive_analysis::evaluation::{Chambers, Motion, Move, moves, refuse_other_rig, remarks, table};
+use pneudrive_analysis::evaluation::{
+    Chambers, Motion, Move, moves, refuse_other_rig, remarks, table, to_json,
+};
 use pneudrive_analysis::page::{Curve, Figure, Page, Panel};
 use pneudrive_analysis::report;
 use pneudrive_analysis::transient::{CHANNELS, Transient};
@@ -15,10 +17,12 @@ use pneudrive_records::run_folder::{StoredRun, is_trace, rig_of};
 use pneudrive_records::whole_file::put;
 use pneudrive_records::words;
 use pneudrive_sim::{Accuracy, Rig, Run};
+use serde_json::json;
 
 use super::progress::Progress;
 use super::rig_source::load_rig;
 use crate::cli::{Eval, Interval};
+use crate::json;
 
 /// Names of the columns behind the channels in a CSV file.
 const MOTION: [&str; 2] = ["velocity, mm/s", "acceleration, mm/s^2"];
@@ -41,6 +45,12 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
     let other_name = rig.as_ref().and_then(|rig| other_name(&transient, rig));
     let remarks: Vec<String> =
         remarks(&runs).into_iter().chain(cut_at_end(&transient)).chain(rest).chain(other_name).collect();
+    json::figures(|| {
+        json!({
+            "name": transient.name, "runs": runs.len(), "tolerance_mm": arguments.tolerance,
+            "moves": to_json(&runs), "remarks": remarks,
+        })
+    });
     say!("{}\n{}", table.heading, table.to_text());
     remarks.iter().for_each(|remark| say!("{remark}"));
     if let Some(path) = &arguments.csv {
@@ -53,7 +63,7 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
         tables: vec![table],
         figures: vec![Figure::over_time(panels(&transient, &motion))],
     };
-    page.write(&arguments.out)?;
+    page.write(&arguments.out, arguments.pages.library())?;
     say!("{}", arguments.out.display());
     Ok(())
 }

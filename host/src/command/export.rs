@@ -6,8 +6,10 @@ use anyhow::{Context, Result, bail};
 use pneudrive_logs::export::{self, FORMATS};
 use pneudrive_logs::signals::Signals;
 use pneudrive_records::whole_file::{is_device, put};
+use serde_json::json;
 
 use crate::cli::{Export, Format};
+use crate::json;
 
 pub(super) fn execute(arguments: &Export) -> Result<()> {
     let (format, path) = target(arguments)?;
@@ -19,7 +21,9 @@ pub(super) fn execute(arguments: &Export) -> Result<()> {
     }
     let signals = Signals::read(&arguments.file)?;
     put(&path, &export::file(&signals, format)?)?;
-    say!("{}: {} signals, {} samples", path.display(), signals.signals.len(), signals.time_s.len());
+    let (count, samples) = (signals.signals.len(), signals.time_s.len());
+    json::figures(|| json!({ "file": path, "signals": count, "samples": samples }));
+    say!("{}: {count} signals, {samples} samples", path.display());
     Ok(())
 }
 

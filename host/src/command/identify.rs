@@ -13,15 +13,17 @@ use pneudrive_analysis::identification::parameter::{Parameter, usual};
 use pneudrive_analysis::identification::plan::Recorded;
 use pneudrive_analysis::identification::recording::Recording;
 use pneudrive_analysis::identification::{Identification, identify, report};
-use pneudrive_analysis::page::{Page, Table};
+use pneudrive_analysis::page::Page;
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::whole_file::put;
-use pneudrive_sim::{Accuracy, Rig};
+use pneudrive_sim::Rig;
+use serde_json::json;
 
 use super::rig_source::{load_choice, rig_text};
 use crate::cli::Identify;
 use crate::exit::Exit;
+use crate::json;
 
 /// Names of the files in the folder.
 const FITTED: &str = "fitted.toml";
@@ -44,36 +46,26 @@ pub(super) fn execute(arguments: &Identify) -> Result<()> {
     } else {
         arguments.fit.iter().map(|key| Parameter::of(&rig, key)).collect::<Result<_>>()?
     };
-    let (recordings, figures) = records(arguments, &rig)?;
+    let (recordings, read) = records(arguments, &rig)?;
+    json::figures(|| json!({ "read_off": report::read_off(&read) }));
+    let figures = read.table(&rig);
     say!("{}\n{}", figures.heading, figures.to_text());
     make_writable(&arguments.out)?;
     let accuracy = arguments.integration.accuracy(&rig);
     let found = identify(&rig, &recordings, parameters, accuracy, &mut |line| tell!("{line}"))?;
-    let mut tables = report::tables(&found);
-    for table in &tables {
+    json::figures(|| report::to_json(&found, &recordings));
+    for table in &report::tables(&found) {
         say!("{}\n{}", table.heading, table.to_text());
     }
     for note in report::notes(&found) {
         say!("{note}");
     }
-    tables.push(figures);
-    write(arguments, &rig, &recordings, accuracy, &found, tables)?;
-    if found.fits {
-        return Ok(());
-    }
+    write(arguments, &recordings, &found, &report::page(&rig, &recordings, accuracy, &found, figures))?;
+    let Some(refusal) = report::refusal(&found) else { return Ok(()) };
     Err(Exit::NotBorneOut.error(format!(
-        "{}; {} shows the residuals, and --despite-misfit writes {FITTED} nevertheless",
-        refusal(&rig, found.spectrum.is_testable()),
+        "{refusal}; {} shows the residuals, and --despite-misfit writes {FITTED} nevertheless",
         arguments.out.join(PAGE).display()
     )))
-}
-
-/// Why a fit is refused.
-fn refusal(rig: &Rig, is_judged: bool) -> String {
-    match is_judged {
-        true => format!("the model of {} does not explain the transients", rig.name()),
-        false => format!("the transients have too few samples to judge the model of {}", rig.name()),
-    }
 }
 
 /// Writes the fitted rig file. If the fit is refused, removes the file of an earlier fit, which would be taken for this
@@ -95,7 +87,7 @@ fn write_fitted(arguments: &Identify, found: &Identification) -> Result<Option<P
 }
 
 /// The recordings to fit, and the figures that all records give without a model of the air.
-fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Table)> {
+fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Figures)> {
     let recorded = if let Some(port) = &arguments.plan {
         make_writable(&arguments.out)?;
         bench::execute(&arguments.rig, port, &arguments.out)?
@@ -103,7 +95,7 @@ fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Table)> {
         let all = arguments.targets.iter().map(|path| recording(path, rig)).collect::<Result<Vec<_>>>()?;
         Recorded { fitted: all.clone(), all }
     };
-    let figures = Figures::of(rig, &recorded.all).table(rig);
+    let figures = Figures::of(rig, &recorded.all);
     Ok((recorded.fitted, figures))
 }
 
@@ -112,33 +104,14 @@ fn recording(path: &Path, rig: &Rig) -> Result<Recording> {
     Recording::of(&name, &TargetFile::read(path)?, rig)
 }
 
-fn write(
-    arguments: &Identify,
-    rig: &Rig,
-    recordings: &[Recording],
-    accuracy: Accuracy,
-    found: &Identification,
-    tables: Vec<Table>,
-) -> Result<()> {
-    let [numbers, page] = [NUMBERS, PAGE].map(|name| arguments.out.join(name));
+fn write(arguments: &Identify, recordings: &[Recording], found: &Identification, page: &Page) -> Result<()> {
+    let [numbers, path] = [NUMBERS, PAGE].map(|name| arguments.out.join(name));
     refuse_to_replace(&numbers, report::FORMAT)?;
-    refuse_to_replace(&page, GENERATOR)?;
+    refuse_to_replace(&path, GENERATOR)?;
     let fitted = write_fitted(arguments, found)?;
     put(&numbers, &format!("{:#}\n", report::to_json(found, recordings)))?;
-    let mut figures = Vec::new();
-    for (recording, start) in recordings.iter().zip(&found.starts) {
-        let follow = |rig: &Rig| -> Result<_> {
-            let started = rig.with_numbers(&recording.start(*start))?;
-            recording.follow(&started, accuracy, recording.commands.len())
-        };
-        let readings = [follow(rig), follow(&found.rig)];
-        let [Ok(before), Ok(after)] = readings else { continue };
-        figures.push(report::figure(recording, &before, &after));
-    }
-    let title = format!("{}, identified", rig.name());
-    let page_of = Page { title, notes: report::notes(found), tables, figures };
-    page_of.write(&page).context("the page")?;
-    for path in fitted.into_iter().chain([numbers, page]) {
+    page.write(&path, arguments.pages.library()).context("the page")?;
+    for path in fitted.into_iter().chain([numbers, path]) {
         say!("{}", path.display());
     }
     Ok(())

@@ -7,9 +7,11 @@ use pneudrive_logs::column_map::ColumnMap;
 use pneudrive_logs::import::import;
 use pneudrive_logs::log::Log;
 use pneudrive_sim::keys;
+use serde_json::json;
 
 use super::rig_source::load_choice;
 use crate::cli::Import;
+use crate::json;
 
 pub(super) fn execute(arguments: &Import) -> Result<()> {
     let rig = load_choice(&arguments.rig)?;
@@ -22,6 +24,10 @@ pub(super) fn execute(arguments: &Import) -> Result<()> {
         say!("{remark}");
     }
     let path = imported.file.write_next(&arguments.out)?;
-    say!("{}: {} samples of {}", path.display(), imported.file.samples.len(), rig.name());
+    let samples = imported.file.samples.len();
+    json::figures(
+        || json!({ "file": path, "rig": rig.name(), "samples": samples, "remarks": imported.remarks }),
+    );
+    say!("{}: {samples} samples of {}", path.display(), rig.name());
     Ok(())
 }

@@ -6,10 +6,12 @@ use anyhow::Result;
 use pneudrive_analysis::ladder::{climb, page, table};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 
+use super::figures;
 use super::long_work::Pace;
 use super::progress::Progress;
 use super::rig_source::rig_text;
 use crate::cli::Ladder;
+use crate::json;
 
 pub(super) fn execute(arguments: &Ladder) -> Result<()> {
     let place = arguments.out.join("ladder.html");
@@ -31,7 +33,8 @@ pub(super) fn execute(arguments: &Ladder) -> Result<()> {
         },
     )?;
     progress.done();
-    page(&source.0, &rungs).write(&place)?;
+    page(&source.0, &rungs).write(&place, arguments.pages.library())?;
+    json::figures(|| figures::ladder(&rungs));
     let table = table(&rungs);
     say!("{}\n{}\n{}", table.heading, table.to_text(), place.display());
     Ok(())

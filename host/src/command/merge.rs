@@ -33,7 +33,7 @@ pub(super) fn execute(arguments: &Merge) -> Result<()> {
     for row in rows.values().filter(|row| !there.contains_key(&row.point)) {
         journal.keep(&row.to_csv(&sweep))?;
     }
-    leave(&arguments.out, &sweep, rows)
+    leave(&arguments.out, &sweep, rows, arguments.pages.library())
 }
 
 fn read(folder: &Path) -> Result<(&Path, Kept, About)> {

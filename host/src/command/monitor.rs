@@ -10,8 +10,10 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
+use serde_json::{Value, json};
 
 use crate::cli::Monitor;
+use crate::json;
 use crate::output::{self, Stream};
 
 /// Header of the file.
@@ -35,6 +37,8 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
                 .and_then(|()| csv.flush())
                 .context("cannot write the file")?;
         }
+        json::figures(|| figures(&units, &status, begun.elapsed()));
+        json::line();
         show(&line(&units, &status, client.losses()));
         if output::is_broken() {
             break; // Nobody reads the output any more.
@@ -48,7 +52,7 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
 
 /// On a terminal, overwrites one line; elsewhere, writes a line per status.
 fn show(line: &str) {
-    if stdout().is_terminal() {
+    if stdout().is_terminal() && !json::is_wanted() {
         Stream::Output.note(Stream::Output.write(format!("\r{line}\x1b[K").as_bytes()));
     } else {
         say!("{line}");
@@ -88,6 +92,37 @@ fn mode(status: &Status) -> String {
         Mode::Done => "done".to_owned(),
         Mode::Fault => words::fault_code_name(status.fault),
     }
+}
+
+/// A status in integers, and in units where the rig tells its scales.
+fn figures(units: &Units, s: &Status, time: Duration) -> Value {
+    let mut figures = status_figures(units, s);
+    figures["time_s"] = json!(time.as_secs_f64());
+    figures
+}
+
+/// The same without the time.
+pub(super) fn status_figures(units: &Units, s: &Status) -> Value {
+    json!({
+        "mode": mode(s),
+        "referenced": s.referenced,
+        "index": s.index,
+        "run_time_s": units.seconds(s.index),
+        "setpoint_counts": s.setpoint,
+        "position_counts": s.position,
+        "position_mm": units.millimetres(s.position),
+        "error_counts": s.error,
+        "error_mm": units.millimetres(s.error),
+        "command_counts": s.command,
+        "pressure_1_raw": s.pressure_1,
+        "pressure_1_kpa": units.kilopascals(s.pressure_1),
+        "pressure_2_raw": s.pressure_2,
+        "pressure_2_kpa": units.kilopascals(s.pressure_2),
+        "spool_raw": s.spool,
+        "spool_mm": units.spool_millimetres(s.spool),
+        "recorded": s.recorded,
+        "damaged_frames": s.damaged_frames,
+    })
 }
 
 /// A status for the terminal, with the losses of the link.

@@ -1,15 +1,18 @@
 //! `pneudrive overlay`.
 
-use anyhow::{Context, Result, bail};
-use pneudrive_analysis::alignment::{best_shift, first_move};
+use anyhow::{Result, bail};
+use pneudrive_analysis::alignment::Align;
 use pneudrive_analysis::deviation::{deviations, table};
 use pneudrive_analysis::page::Table;
 use pneudrive_analysis::report;
 use pneudrive_analysis::transient::Transient;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
+use serde_json::json;
 
 use super::eval::{fits_on_a_page, interval, missing};
-use crate::cli::{Align, Overlay};
+use super::figures;
+use crate::cli::{self, Overlay};
+use crate::json;
 
 pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     refuse_to_replace(&arguments.out, GENERATOR)?;
@@ -24,7 +27,7 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     }
     for path in &arguments.others {
         let mut other = read(path)?;
-        let shift = shift(arguments.align, &transients[0], &other)?;
+        let shift = align(arguments.align).shift(&transients[0], &other)?;
         if shift != 0.0 {
             other.shift(shift);
             notes.push(format!("{} is shifted by {:.3} ms.", other.name, 1e3 * shift));
@@ -36,9 +39,10 @@ pub(super) fn execute(arguments: &Overlay) -> Result<()> {
     for note in &notes {
         say!("{note}");
     }
+    json::figures(|| json!({ "notes": notes }));
     let tables = overlay(&transients)?;
     let title = format!("{} and {}", transients[0].name, names(&transients[1..]));
-    report::page(&title, notes, &transients, tables).write(&arguments.out)?;
+    report::page(&title, notes, &transients, tables).write(&arguments.out, arguments.pages.library())?;
     say!("{}", arguments.out.display());
     Ok(())
 }
@@ -52,16 +56,11 @@ fn is_whole_during(other: &Transient, reference: &Transient) -> Result<()> {
     }
 }
 
-/// How far `other` has to be shifted, s.
-fn shift(align: Align, reference: &Transient, other: &Transient) -> Result<f64> {
-    let move_of =
-        |of: &Transient| first_move(of).with_context(|| format!("{} has no move to align by", of.name));
-    match align {
-        Align::Start => Ok(0.0),
-        Align::Move => Ok(move_of(reference)? - move_of(other)?),
-        Align::Correlation => best_shift(reference, other).with_context(|| {
-            format!("{} and {} have too little time in common to align", reference.name, other.name)
-        }),
+fn align(wanted: cli::Align) -> Align {
+    match wanted {
+        cli::Align::Start => Align::Start,
+        cli::Align::Move => Align::Move,
+        cli::Align::Correlation => Align::Correlation,
     }
 }
 
@@ -72,7 +71,7 @@ fn names(transients: &[Transient]) -> String {
 /// Prints the deviations of all others from the first, and returns their tables.
 pub(super) fn overlay(transients: &[Transient]) -> Result<Vec<Table>> {
     let Some((reference, others)) = transients.split_first() else { bail!("there is nothing to compare") };
-    let mut all = Vec::new();
+    let (mut all, mut told) = (Vec::new(), Vec::new());
     for other in others {
         let found = deviations(reference, other);
         if found.is_empty() {
@@ -81,6 +80,8 @@ pub(super) fn overlay(transients: &[Transient]) -> Result<Vec<Table>> {
         let table = table(&format!("deviation of {} from {}", other.name, reference.name), &found);
         say!("{}\n{}", table.heading, table.to_text());
         all.push(table);
+        told.push(json!({ "name": other.name, "deviations": figures::deviations(&found) }));
     }
+    json::figures(|| json!({ "reference": reference.name, "others": told }));
     Ok(all)
 }

@@ -9,14 +9,17 @@ use pneudrive_link::part_file::{self, PartFile};
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::record::RecordHead;
 use pneudrive_records::target::TargetFile;
+use serde_json::json;
 
 use super::progress::Progress;
 use crate::cli::Record;
+use crate::json;
 
 pub(super) fn execute(arguments: &Record) -> Result<()> {
     make_writable(&arguments.dir)?;
     let mut client = Client::connect(&arguments.port.port)?;
     let (path, file) = record(&mut client, &arguments.dir)?;
+    json::figures(|| json!({ "file": path, "samples": file.samples.len() }));
     say!("{}: {} samples", path.display(), file.samples.len());
     Ok(())
 }

@@ -5,8 +5,10 @@ use pneudrive_analysis::replay::{Difference, Replay, What, replay};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::words;
 
+use super::figures;
 use crate::cli::Replay as Arguments;
 use crate::exit::Exit;
+use crate::json;
 
 /// Samples shown before and after the first different one.
 const AROUND: usize = 3;
@@ -17,6 +19,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     for note in &replay.notes {
         tell!("note: {note}");
     }
+    json::figures(|| figures::replay(&name, &replay));
     match replay.first {
         None => say!("{name}: {}\n{}", verdict(&replay), ending(&replay)),
         Some(first) => {

@@ -1,6 +1,10 @@
 //! Rigs named on the command line: a built-in rig, or a file.
 
-use anyhow::Result;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use pneudrive_records::move_points::{Through, through};
 pub(super) use pneudrive_records::rig_source::rig_text;
 use pneudrive_sim::Rig;
 
@@ -15,4 +19,10 @@ pub(super) fn load_rig(rig: &str, settings: &[String]) -> Result<Rig> {
 /// The rig that was chosen.
 pub(super) fn load_choice(choice: &RigChoice) -> Result<Rig> {
     load_rig(&choice.rig, &choice.settings)
+}
+
+/// The rig with a test that goes through the points of a table; settings of a test hold beside them.
+pub(super) fn through_points(rig: &Rig, table: &Path, settings: &[String]) -> Result<Through> {
+    let csv = fs::read_to_string(table).with_context(|| table.display().to_string())?;
+    through(rig, &csv, settings).with_context(|| table.display().to_string())
 }

@@ -8,27 +8,30 @@ use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_link::test_run;
 use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
+use pneudrive_records::move_points::Through;
 use pneudrive_records::parameter_names::is_parameter;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller;
 use pneudrive_sim::keys;
+use serde_json::json;
 
 use super::interrupts::Interrupts;
 use super::progress::Progress;
-use super::rig_source::load_rig;
+use super::rig_source::{load_rig, through_points};
 use super::streaming::Streaming;
 use crate::cli::Run;
+use crate::json;
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
-    let rig = load_rig(&arguments.rig, &arguments.settings)?;
-    for setting in &arguments.settings {
-        check_setting(setting, arguments.config)?;
-    }
+    let rig = rig_of(arguments)?;
     let mut client = Client::connect(&arguments.port.port)?;
     let streaming = arguments.stream.as_deref().map(|path| (path, arguments.every));
     let last_sample = last_sample(arguments, &rig)?;
     run_test(&mut client, &rig, last_sample, arguments.config, streaming)?;
+    json::figures(
+        || json!({ "rig": rig.name(), "ended_by": if last_sample == UNTIL_STOPPED { "Ctrl-C" } else { "the test" } }),
+    );
     if last_sample == UNTIL_STOPPED {
         say!("{}: ended by Ctrl-C, the drive is disarmed", rig.name());
         return Ok(());
@@ -42,10 +45,27 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     Ok(())
 }
 
+/// The rig with the test to run.
+fn rig_of(arguments: &Run) -> Result<Rig> {
+    let rig = load_rig(&arguments.rig, &arguments.settings)?;
+    for setting in &arguments.settings {
+        check_setting(setting, arguments.config)?;
+    }
+    let Some(table) = &arguments.points else { return Ok(rig) };
+    let Through { rig, notes } = through_points(&rig, table, &arguments.settings)?;
+    notes.iter().for_each(|note| tell!("{note}"));
+    Ok(rig)
+}
+
 /// The keys of a test that are downloaded. The other keys of `[test]` are for the simulator.
-const OF_THE_TEST: [&str; 7] = [
+const OF_THE_TEST: [&str; 12] = [
+    "test.move",
     "test.moves",
     "test.targets",
+    "test.profile",
+    "test.velocity_mm_s",
+    "test.acceleration_mm_s2",
+    "test.jerk_mm_s3",
     "test.duration_s",
     "test.repeat_every_s",
     "test.impulse",

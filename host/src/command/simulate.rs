@@ -10,15 +10,19 @@ use pneudrive_analysis::recorded_test::{Taken, taken_from};
 use pneudrive_analysis::report;
 use pneudrive_analysis::transient::Transient;
 use pneudrive_records::judged::Judged;
+use pneudrive_records::move_points::Through;
 use pneudrive_records::own_file::make_writable;
 use pneudrive_records::run_folder::{self, Existing, PageOf, StoredRun};
 use pneudrive_records::words;
 use pneudrive_sim::{Recording, Rig, Run, run_recorded};
+use serde_json::json;
 
+use super::figures as told;
 use super::progress::Progress;
-use super::rig_source::{load_choice, load_rig};
+use super::rig_source::{load_choice, load_rig, through_points};
 use crate::cli::Simulate;
 use crate::exit::Exit;
+use crate::json;
 
 pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     make_writable(&arguments.out)?;
@@ -43,7 +47,8 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let remarks = remarks(&moves);
     notes.extend(remarks.iter().cloned());
     let page = (!arguments.no_report).then(|| page(&rig, &judged, notes.clone(), table.clone()));
-    let pieces = page.as_ref().map(|page| |mark: &str| page.pieces(mark, None));
+    let pieces =
+        page.as_ref().map(|page| |mark: &str| page.text_in(&arguments.out, mark, arguments.pages.library()));
     let number = run_folder::write(
         &arguments.out,
         &rig,
@@ -52,6 +57,8 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
         pieces.as_ref().map(|pieces| pieces as PageOf<'_>),
         existing(arguments.overwrite),
     )?;
+    json::figures(|| told::run(&rig, &judged, &to_json(&moves)));
+    json::figures(|| json!({ "run": number, "took_ms": 1e3 * took.as_secs_f64(), "notes": notes }));
     say!("{}, in {:.1} ms", notes[0], 1e3 * took.as_secs_f64());
     notes[1..notes.len() - remarks.len()].iter().for_each(|note| say!("{note}"));
     say!("{}\n{}", table.heading, table.to_text());
@@ -68,9 +75,13 @@ fn rig_of(arguments: &Simulate) -> Result<Taken> {
     if let Some(test) = &arguments.test {
         rig = rig.with_test_of(&load_rig(test, &[])?)?;
     }
-    match &arguments.from {
-        Some(from) => taken_from(from, &rig),
-        None => Ok(Taken { rig, notes: Vec::new() }),
+    match (&arguments.from, &arguments.points) {
+        (Some(from), _) => taken_from(from, &rig),
+        (None, Some(table)) => {
+            let Through { rig, notes } = through_points(&rig, table, &arguments.rig.settings)?;
+            Ok(Taken { rig, notes })
+        }
+        (None, None) => Ok(Taken { rig, notes: Vec::new() }),
     }
 }
 

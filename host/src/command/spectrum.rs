@@ -3,15 +3,17 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use pneudrive_analysis::evaluation::Motion;
+use pneudrive_analysis::channel::Channel;
 use pneudrive_analysis::page::{Curve, Figure, Page, Panel, Table};
-use pneudrive_analysis::spectrum::{Spectrum, Window, bipolar_12_bit};
-use pneudrive_analysis::transient::{COMMAND, ERROR, POSITION, PRESSURES, SPOOL, Transient};
+use pneudrive_analysis::spectrum::{Peak, Spectrum, Window, bipolar_12_bit};
+use pneudrive_analysis::transient::Transient;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
 use pneudrive_records::whole_file::put;
+use serde_json::{Value, json};
 
 use super::eval::interval;
-use crate::cli::{Channel, Spectrum as Arguments, Window as WindowName};
+use crate::cli::{self, Spectrum as Arguments, Window as WindowName};
+use crate::json;
 
 /// Peaks in a table.
 const PEAKS: usize = 10;
@@ -48,44 +50,52 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     for table in &tables {
         say!("{}\n{}", table.heading, table.to_text());
     }
-    page(&all, &spectra, tables, arguments.window).write(&arguments.out)?;
+    json::figures(|| json!({ "spectra": all.iter().zip(&spectra).map(figures).collect::<Vec<_>>() }));
+    page(&all, &spectra, tables, arguments.window).write(&arguments.out, arguments.pages.library())?;
     say!("{}", arguments.out.display());
     Ok(())
 }
 
-fn samples(arguments: &Arguments, path: &Path, channel: Channel) -> Result<Samples> {
+fn samples(arguments: &Arguments, path: &Path, channel: cli::Channel) -> Result<Samples> {
     let transient = interval(Transient::read(path)?, &arguments.interval)?;
-    let (what, unit, values) = values(&transient, channel);
+    let channel = of(channel);
+    let (what, unit, values) = (channel.name(), channel.unit(), channel.samples(&transient));
     if values.iter().any(|value| !value.is_finite()) {
         bail!("{}: its {what} is not known at every sample", path.display());
     }
     Ok(Samples { name: format!("{what}, {}", transient.name), unit, values, period: transient.period_s() })
 }
 
-/// Name, unit and samples of a channel.
-fn values(transient: &Transient, channel: Channel) -> (&'static str, &'static str, Vec<f64>) {
-    let stored = |channel: usize| transient.channels[channel].clone();
+fn of(channel: cli::Channel) -> Channel {
     match channel {
-        Channel::Position => ("position", "mm", stored(POSITION)),
-        Channel::Velocity => ("velocity", "mm/s", Motion::of(transient).velocity_mm_s),
-        Channel::Acceleration => ("acceleration", "mm/s^2", Motion::of(transient).acceleration_mm_s2),
-        Channel::Pressure1 => ("pressure 1", "kPa", stored(PRESSURES[0])),
-        Channel::Pressure2 => ("pressure 2", "kPa", stored(PRESSURES[1])),
-        Channel::Spool => ("spool", "mm", stored(SPOOL)),
-        Channel::Command => ("command", "counts", stored(COMMAND)),
-        Channel::Error => ("error", "counts", stored(ERROR)),
+        cli::Channel::Position => Channel::Position,
+        cli::Channel::Velocity => Channel::Velocity,
+        cli::Channel::Acceleration => Channel::Acceleration,
+        cli::Channel::Pressure1 => Channel::Pressure(0),
+        cli::Channel::Pressure2 => Channel::Pressure(1),
+        cli::Channel::Spool => Channel::Spool,
+        cli::Channel::Command => Channel::Command,
+        cli::Channel::Error => Channel::Error,
     }
 }
 
 fn table(samples: &Samples, spectrum: &Spectrum) -> Table {
-    let row = |peak: &pneudrive_analysis::spectrum::Peak| {
-        vec![format!("{:.2}", peak.frequency), format!("{:.5}", peak.amplitude)]
-    };
+    let row = |peak: &Peak| vec![format!("{:.2}", peak.frequency), format!("{:.5}", peak.amplitude)];
     Table {
         heading: format!("peaks of {}", samples.name),
         columns: vec!["Hz".to_owned(), format!("amplitude, {}", samples.unit)],
         rows: spectrum.peaks(PEAKS).iter().map(row).collect(),
     }
+}
+
+fn figures((samples, spectrum): (&Samples, &Spectrum)) -> Value {
+    let peak = |peak: &Peak| json!({ "frequency_hz": peak.frequency, "amplitude": peak.amplitude });
+    json!({
+        "name": samples.name,
+        "unit": samples.unit,
+        "resolution_hz": spectrum.frequency.get(1),
+        "peaks": spectrum.peaks(PEAKS).iter().map(peak).collect::<Vec<_>>(),
+    })
 }
 
 fn page(all: &[Samples], spectra: &[Spectrum], tables: Vec<Table>, window: WindowName) -> Page {

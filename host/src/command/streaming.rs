@@ -8,6 +8,9 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::StreamedSample;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::stream_file::StreamFile;
+use serde_json::json;
+
+use crate::json;
 
 /// A run that is streamed to a file.
 pub(super) struct Streaming {
@@ -56,6 +59,8 @@ impl Streaming {
         let ended = client.stream_end();
         self.file.end(samples_of_run)?;
         let (samples, missing) = self.file.counts();
+        let stream = json!({ "file": self.path, "samples": samples, "missing": missing });
+        json::figures(|| json!({ "stream": stream }));
         let lost =
             if missing == 0 { "none missing".to_owned() } else { format!("{missing} MISSING, see its gaps") };
         say!("{}: {samples} samples, {lost}", self.path.display());

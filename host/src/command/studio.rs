@@ -2,9 +2,8 @@
 
 use anyhow::Result;
 use pneudrive_link::client::token;
-use pneudrive_studio::files::Opened;
 use pneudrive_studio::token::Token;
-use pneudrive_studio::{Options, Studio as Server};
+use pneudrive_studio::{Opened, Options, Studio as Server};
 
 use super::rig_source::rig_text;
 use crate::cli::Studio;

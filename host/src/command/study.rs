@@ -3,9 +3,12 @@
 use anyhow::Result;
 use pneudrive_analysis::study::{Finding, STUDIES, Studied, Study, index, page, run, statements, summary};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
+use serde_json::json;
 
+use super::figures;
 use super::progress::Progress;
 use crate::cli::{ALL, LIST, Study as Arguments};
+use crate::json;
 
 pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.name == LIST {
@@ -27,12 +30,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     progress.done();
     let studied = studied?;
     for (study, studied) in studies.iter().zip(&studied) {
-        page(study, studied).write(&place(study.name))?;
+        page(study, studied).write(&place(study.name), arguments.pages.library())?;
         tell(study, studied);
     }
+    json::figures(|| {
+        let all = studies.iter().zip(&studied).map(|(study, studied)| figures::study(study, studied));
+        json!({ "studies": all.collect::<Vec<_>>() })
+    });
     let findings: Vec<Vec<Finding>> = studied.into_iter().map(|studied| studied.findings).collect();
     if all {
-        index(&studies, &findings).write(&place(INDEX))?;
+        index(&studies, &findings).write(&place(INDEX), arguments.pages.library())?;
         let every: Vec<Finding> = findings.into_iter().flatten().collect();
         say!("{}\n{}", summary(&every), place(INDEX).display());
     } else {
@@ -48,6 +55,8 @@ fn list() {
     for study in STUDIES {
         say!("{:<20}{:<7}{}", study.name, study.section, study.about);
     }
+    let one = |study: &Study| json!({ "name": study.name, "section": study.section, "about": study.about });
+    json::figures(|| json!({ "studies": STUDIES.into_iter().map(one).collect::<Vec<_>>() }));
 }
 
 fn tell(study: &Study, studied: &Studied) {

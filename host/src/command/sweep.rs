@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use pneudrive_analysis::page::Library;
 use pneudrive_analysis::sweep::execution::{execute as run_shard, run_points, todo};
 use pneudrive_analysis::sweep::journal::{Journal, NAME};
-use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, report};
+use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, numbers, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::builtin;
@@ -18,7 +19,7 @@ use super::long_work::{about, allow};
 use super::progress::Progress;
 use super::rig_source::rig_text;
 use super::threads;
-use crate::cli;
+use crate::{cli, json};
 
 pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     let sweep = read(arguments)?;
@@ -40,9 +41,11 @@ pub(super) fn execute(arguments: &cli::Sweep) -> Result<()> {
     if rows.len() < sweep.points() {
         let (there, all) = (rows.len(), sweep.points());
         say!("{}: {there} of {all} points; pneudrive merge joins the shards", out.display());
+        let rows: Vec<Row> = rows.into_values().collect();
+        json::figures(|| numbers::to_json(&sweep, &rows));
         return Ok(());
     }
-    leave(&out, &sweep, rows)
+    leave(&out, &sweep, rows, arguments.pages.library())
 }
 
 /// Reports the size of the sweep and, after its first points, how long it will take.
@@ -111,13 +114,14 @@ pub(super) fn make_room(out: &Path) -> Result<()> {
 }
 
 /// Writes the result and the page of all points, and prints a summary.
-pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>) -> Result<()> {
+pub(super) fn leave(out: &Path, sweep: &Sweep, rows: BTreeMap<usize, Row>, library: Library) -> Result<()> {
     let rows: Vec<Row> = rows.into_values().collect();
     let lines = std::iter::once(sweep.header()).chain(rows.iter().map(|row| row.to_csv(sweep)));
     put(&out.join("sweep.csv"), &lines.map(|line| line + "\n").collect::<String>())?;
     #[cfg(feature = "parquet")]
     put(&out.join("sweep.parquet"), &pneudrive_analysis::sweep::parquet::file(sweep, &rows)?)?;
-    report::page(sweep, &rows).write(&out.join("sweep.html"))?;
+    report::page(sweep, &rows).write(&out.join("sweep.html"), library)?;
+    json::figures(|| numbers::to_json(sweep, &rows));
     say!("{}", report::count(sweep, &rows));
     let best = report::best(sweep, &rows);
     if !best.rows.is_empty() {

@@ -5,10 +5,12 @@ use pneudrive_analysis::thesis::{Exhibit, exhibits, golden, html, lasts, run, su
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 
+use super::figures;
 use super::long_work::about;
 use super::progress::Progress;
 use crate::cli::Thesis as Arguments;
 use crate::exit::Exit;
+use crate::json;
 
 /// Names of the files.
 const PAGE: &str = "thesis.html";
@@ -26,6 +28,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<()> {
     let shown = run(&wanted, starts, |done, all| progress.at(done as u64, all as u64));
     progress.done();
     let shown = shown?;
+    json::figures(|| figures::thesis(&shown));
     put(&page, &html(&shown))?;
     put(&numbers, &golden::to_toml(&shown))?;
     say!("{}\n{}, {}", summary_line(&shown), page.display(), numbers.display());

@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use pneudrive_analysis::tuning::search::Budget;
-use pneudrive_analysis::tuning::stroke::along_the_stroke;
-use pneudrive_analysis::tuning::{Goal, Relative, Stage, Task, report, tune};
+use pneudrive_analysis::tuning::{
+    Behaviour, Goal, Progress as At, Relative, Stage, Task, behaviour, report, tune,
+};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::find_key;
@@ -15,6 +16,7 @@ use super::progress::Progress;
 use super::rig_source::{load_choice, rig_text};
 use super::threads;
 use crate::cli::Tune;
+use crate::json;
 
 pub(super) fn execute(arguments: &Tune) -> Result<()> {
     let (page, rig) = (arguments.out.join("tune.html"), arguments.out.join("tuned.toml"));
@@ -24,48 +26,57 @@ pub(super) fn execute(arguments: &Tune) -> Result<()> {
     let task = task(arguments)?;
     threads::prepare(arguments.threads)?;
     if let Some(lasts) = lasts(&task)? {
-        tell!("tuning: {} or less, estimated from a few runs", about(lasts));
+        tell!(
+            "tuning: {}, estimated from a few runs with the gains of the file; poorer ones take longer",
+            about(lasts)
+        );
         allow("the tuning", lasts, arguments.yes)?;
     }
-    let mut shown: Option<(Stage, Progress)> = None;
-    let tuned = tune(&task, |at| {
-        let bar = match shown.take() {
+    let mut bars = Bars::default();
+    let tuned = tune(&task, |at| bars.at(at))?;
+    let behaviour = Behaviour::of(&task, &tuned, |at| bars.at(at))?;
+    bars.done();
+    report::write_page(&task, &tuned, &behaviour, &page, arguments.pages.library())?;
+    put(&rig, &report::rig_file(&task, &tuned)?)?;
+    json::figures(|| report::to_json(&task.goal, &tuned, &behaviour));
+    report::notes(&task, &tuned).iter().for_each(|note| say!("{note}"));
+    let tables = report::shown(&tuned, &behaviour, &task.goal);
+    tables.iter().for_each(|table| say!("\n{}\n{}", table.heading, table.to_text().trim_end()));
+    say!("\n{}: tuned.toml, tune.html", arguments.out.display());
+    Ok(())
+}
+
+/// A bar for each stage.
+#[derive(Default)]
+struct Bars(Option<(Stage, Progress)>);
+
+impl Bars {
+    fn at(&mut self, at: At) {
+        let bar = match self.0.take() {
             Some((stage, bar)) if stage == at.stage => bar,
             before => {
                 before.into_iter().for_each(|(_, bar)| bar.done());
                 Progress::of(name(at.stage), "runs")
             }
         };
-        let (_, bar) = shown.insert((at.stage, bar));
+        let (_, bar) = self.0.insert((at.stage, bar));
         bar.at(at.done as u64, at.all as u64);
-    })?;
-    shown.into_iter().for_each(|(_, bar)| bar.done());
-    let steps = along_the_stroke(&task, &tuned)?;
-    report::write_page(&task, &tuned, &steps, &page)?;
-    put(&rig, &report::rig_file(&task, &tuned)?)?;
-    report::notes(&task, &tuned).iter().for_each(|note| say!("{note}"));
-    let mut tables = vec![
-        report::tables::judged(&tuned, &task.goal),
-        report::tables::neighbours(&tuned, &task.goal),
-        report::tables::along_the_stroke(&steps, &task.goal),
-    ];
-    if !tuned.obstacles.is_empty() {
-        tables.push(report::tables::obstacles(&tuned.obstacles, &task.goal));
     }
-    tables.iter().for_each(|table| say!("\n{}\n{}", table.heading, table.to_text().trim_end()));
-    say!("\n{}: tuned.toml, tune.html", arguments.out.display());
-    Ok(())
+
+    fn done(self) {
+        self.0.into_iter().for_each(|(_, bar)| bar.done());
+    }
 }
 
-/// The longest time that a tuning takes; None without a search and with few draws.
+/// How long a tuning takes; None without a search and with few draws.
 fn lasts(task: &Task) -> Result<Option<Duration>> {
     if task.budget.generations == 0 && task.draws <= FEW {
         return Ok(None);
     }
     let begun = Instant::now();
-    let short = Task { draws: 1, budget: Budget { generations: 0, ..task.budget }, ..task.clone() };
-    let runs = tune(&short, |_| {})?.runs.max(1);
-    Ok(Some(begun.elapsed().mul_f64(task.max_runs()? as f64 / runs as f64)))
+    let runs = tune(&task.taste(), |_| {})?.runs.max(1);
+    let all = task.max_runs()? as f64 + behaviour::steps_worth(task);
+    Ok(Some(begun.elapsed().mul_f64(all / runs as f64)))
 }
 
 /// So few draws are judged in a moment.
@@ -77,6 +88,7 @@ fn name(stage: Stage) -> &'static str {
         Stage::Finalists => "checking",
         Stage::Draws => "fresh draws",
         Stage::Obstacles => "obstacles",
+        Stage::Sines => "sines",
     }
 }
 

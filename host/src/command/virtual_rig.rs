@@ -22,7 +22,10 @@ pub(super) fn execute(arguments: &Virtual) -> Result<()> {
     let port = listener.port_name().to_owned();
     let (name, noise) = (rig.name().to_owned(), rig.get(&keys::sensors::NOISE_COUNTS));
     let pace = Pace { fast: arguments.fast, live: arguments.live };
-    let mut virtual_rig = VirtualRig::new(rig, arguments.seed, pace)?;
+    let mut virtual_rig = VirtualRig::wired(rig, arguments.seed, pace, &arguments.wiring)?;
+    if arguments.hand {
+        virtual_rig.wiring().push_again_and_again();
+    }
     say!("{name} is on {port}");
     // Without this line nobody can find the rig. Its reader may leave afterwards: the rig stays.
     if let Some(error) = Stream::Output.failure() {

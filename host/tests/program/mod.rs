@@ -8,6 +8,17 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
+/// A rig file: an open loop with two strokes, without dither, half a second.
+pub const STROKES: &str = "\
+[controller]
+loop = \"open\"
+[operator]
+dither_mm = 0.0
+[test]
+moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
+duration_s = 0.45
+";
+
 /// Runs `pneudrive` in a folder with arguments as typed.
 pub fn pneudrive(folder: &Path, arguments: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));

@@ -11,9 +11,11 @@ use pneudrive_records::parameter_names::{Written, names_of};
 use pneudrive_records::whole_file::put;
 use pneudrive_records::words::few;
 use pneudrive_sim::Rig;
+use serde_json::{Value, json};
 
 use crate::cli::ConfigAction;
 use crate::command::rig_source::rig_text;
+use crate::json;
 
 pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> {
     match action {
@@ -27,6 +29,7 @@ pub(super) fn execute(client: &mut Client, action: &ConfigAction) -> Result<()> 
             let (written, entry) = parameter_of(name)?;
             let value = written.value(value)?;
             client.set_parameters(written.parameter.id + entry, &[value])?;
+            json::figures(|| json!({ "parameters": [entry_figures(&written, entry, value)] }));
             say!("{}", line(&written, entry, value));
             Ok(())
         }
@@ -54,6 +57,10 @@ fn name_and_value<'a>(name: &'a str, value: Option<&'a str>) -> Result<(&'a str,
 }
 
 fn print_all(parameters: &Parameters) {
+    json::figures(|| {
+        let one = |written: Written| parameter_figures(&written, None, &written.all_text(parameters));
+        json!({ "parameters": Written::all().map(one).collect::<Vec<_>>() })
+    });
     for written in Written::all() {
         let (value, meaning) = (written.all_text(parameters), written.parameter.meaning);
         say!("{:<40} {value:>12} {:<14} {meaning}", written.name, written.unit());
@@ -62,13 +69,31 @@ fn print_all(parameters: &Parameters) {
 
 fn print_one(name: &str, parameters: &Parameters) -> Result<()> {
     if let Some(list) = Written::named(name).filter(|written| written.parameter.len > 1) {
+        json::figures(
+            || json!({ "parameters": [parameter_figures(&list, None, &list.all_text(parameters))] }),
+        );
         say!("{} = {}", list.name, list.all_text(parameters));
         return Ok(());
     }
     let (written, entry) = parameter_of(name)?;
     let value = parameters.get(written.parameter.id + entry).unwrap_or(0);
+    json::figures(|| json!({ "parameters": [entry_figures(&written, entry, value)] }));
     say!("{}", line(&written, entry, value));
     Ok(())
+}
+
+/// A parameter with its value as a rig file has it: a number, a word, or a list of numbers.
+fn parameter_figures(written: &Written, entry: Option<u16>, value: &str) -> Value {
+    let one = |text: &str| text.parse::<f64>().map_or_else(|_| json!(text), |number| json!(number));
+    let value = match value.trim_start_matches('[').trim_end_matches(']') {
+        list if list.contains(',') => list.split(',').map(|text| one(text.trim())).collect(),
+        single => one(single),
+    };
+    json!({ "name": written.name, "entry": entry, "value": value, "unit": written.unit() })
+}
+
+fn entry_figures(written: &Written, entry: u16, value: i32) -> Value {
+    parameter_figures(written, (written.parameter.len > 1).then_some(entry), &written.text(value))
 }
 
 fn import(client: &mut Client, from: &str) -> Result<()> {
@@ -178,20 +203,8 @@ fn take_line(parameters: &mut Parameters, line: &str) -> Result<&'static str> {
     let (name, text) = line.split_once('=').ok_or_else(|| anyhow!("{line:?} is not name = value"))?;
     let name = name.trim();
     let written = Written::named(name).ok_or_else(|| anyhow!("there is no parameter {name}"))?;
-    let parameter = written.parameter;
-    let values = text.trim().trim_start_matches('[').trim_end_matches(']').split(',');
-    let values: Vec<i32> = values.map(|value| written.value(value.trim())).collect::<Result<_>>()?;
-    let last = values.last().copied().unwrap_or(0);
-    if values.len() > usize::from(parameter.len) {
-        bail!("{} has {} entries, not {}", written.name, parameter.len, values.len());
-    }
-    let entries = values.into_iter().chain(std::iter::repeat(last));
-    for (id, value) in (parameter.id..parameter.id + parameter.len).zip(entries) {
-        parameters.set(id, value).map_err(|_| {
-            anyhow!("{} = {} is out of range: {}", written.name, written.text(value), written.range())
-        })?;
-    }
-    Ok(parameter.name)
+    written.put(text, parameters)?;
+    Ok(written.parameter.name)
 }
 
 /// A parameter and the entry meant, from `name` or `name[entry]`.

@@ -6,11 +6,15 @@ use anyhow::{Context, Result, bail};
 use pneudrive_analysis::identification::conductance::Path as Conductance;
 use pneudrive_analysis::identification::figures::Figure;
 use pneudrive_analysis::identification::regression::Line;
+use pneudrive_analysis::identification::report;
 use pneudrive_analysis::identification::tubing::drop_slope;
 use pneudrive_analysis::page::Table;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::Rig;
 use pneudrive_sim::keys;
+use serde_json::json;
+
+use crate::json;
 
 /// The regression line of a measured pressure drop (thesis 7.1.4).
 pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
@@ -18,6 +22,7 @@ pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let found = drop_slope(&text, reference)
         .with_context(|| format!("{} is not a table of a pressure drop", path.display()))?;
+    json::figures(|| json!({ "drop_slope": report::with_error(found), "reference_flow_kg_s": reference }));
     say!("tubing.drop_slope = {}, at tubing.reference_flow_kg_s = {reference}", with_error(found));
     Ok(())
 }
@@ -28,6 +33,14 @@ pub(super) fn conductance(rig: &Rig, path: &Path) -> Result<()> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let found = Conductance::of_table(&text, index)
         .with_context(|| format!("{} tells no conductance", path.display()))?;
+    json::figures(|| {
+        json!({
+            "sonic_conductance_m3_per_s_pa": report::with_error(found.sonic_conductance),
+            "critical_ratio": report::with_error(found.critical_ratio),
+            "subsonic_index": index,
+            "scatter_over_choked_flow": found.scatter,
+        })
+    });
     let scaled =
         |Figure { value, error }: Figure, scale: f64| format!("{:.4} +- {:.4}", scale * value, scale * error);
     say!(
@@ -69,7 +82,17 @@ pub(super) fn timer(paths: &[PathBuf]) -> Result<()> {
     }
     let columns = ["record", "requested, us", "measured, us", "off, ppm"].map(str::to_owned).to_vec();
     say!("{}", Table { heading: String::new(), columns, rows }.to_text());
-    match Line::through(&points) {
+    let line = Line::through(&points);
+    json::figures(|| {
+        let periods =
+            points.iter().map(|(asked, measured)| json!({ "requested_us": asked, "measured_us": measured }));
+        json!({
+            "periods": periods.collect::<Vec<_>>(),
+            "intercept_us": line.map(|line| report::with_error(line.intercept)),
+            "slope": line.map(|line| report::with_error(line.slope)),
+        })
+    });
+    match line {
         Some(line) => {
             say!("measured = {} us + {} x requested", with_error(line.intercept), with_error(line.slope))
         }

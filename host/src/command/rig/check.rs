@@ -5,9 +5,11 @@ use pneudrive_analysis::sensitivity::{Effect, Sensitivity, sensitivity};
 use pneudrive_design::values;
 use pneudrive_sim::Rig;
 use pneudrive_sim::rig::{Source, builtin};
+use serde_json::{Value, json};
 
 use crate::command::progress::Progress;
 use crate::command::rig_source::load_rig;
+use crate::json;
 
 /// Effects that are shown one by one.
 const SHOWN: usize = 8;
@@ -18,6 +20,7 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
         say!("{file}: {key} is not used by the chosen model");
     }
     say!("{file}: a valid rig ({})", rig.name());
+    json::figures(|| json!({ "rig": rig.name(), "unused": rig.unused() }));
     // The comments of the built-in rigs give the source of each value.
     if builtin(file).is_some() || quick {
         return Ok(());
@@ -38,6 +41,10 @@ fn rank(rig: &Rig) -> Result<()> {
     let found = sensitivity(rig, |done, all| progress.at(done as u64, all as u64));
     progress.done();
     let Sensitivity { effects, floor_m } = found?;
+    json::figures(|| {
+        let effects: Vec<Value> = effects.iter().map(|effect| figures(rig, effect)).collect();
+        json!({ "effects": effects, "not_significant_below_mm": 1e3 * floor_m })
+    });
     let matters = effects.iter().filter(|effect| effect.moves_m.is_none_or(|moves| moves > floor_m));
     for effect in matters.take(SHOWN) {
         say!("  {}", line(rig, effect));
@@ -49,6 +56,17 @@ fn rank(rig: &Rig) -> Result<()> {
     }
     say!("  (less than {:.3} mm is not significant: neighbours of the run differ as much)", 1e3 * floor_m);
     Ok(())
+}
+
+fn figures(rig: &Rig, effect: &Effect) -> Value {
+    json!({
+        "key": effect.key.path,
+        "unit": effect.key.unit(),
+        "value": rig.number_at(effect.key.path),
+        "origin": effect.origin.source.word(),
+        "tried": effect.ends,
+        "moves_mm": effect.moves_m.map(|moves| 1e3 * moves),
+    })
 }
 
 /// "load.mass_kg  8 kg, typical, 6 to 10: 12.35 mm".

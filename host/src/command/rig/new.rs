@@ -6,14 +6,16 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use clap::Parser;
 use pneudrive_design::own_drive::{remarks, rig_file};
-use pneudrive_design::parts::{self, Family, Part};
+use pneudrive_design::parts::{self, Family, Figure, Part};
 use pneudrive_design::question::{Answers, QUESTIONS, Question};
 use pneudrive_design::values;
 use pneudrive_records::whole_file;
 use pneudrive_sim::{Rig, keys};
+use serde_json::{Map, Value, json};
 
 use crate::cli::{Cli, Command, NewRig};
 use crate::command::tune;
+use crate::json;
 
 /// Questions that an answer to another one makes redundant.
 const IDLE: &[(&str, &[&str])] = &[
@@ -44,6 +46,13 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
     whole_file::put(file, &text).with_context(|| format!("cannot write {}", file.display()))?;
     let rig = Rig::read(&name, &text)?;
     let counts = values::count(&rig).map(|(source, count)| format!("{count} {}", source.word()));
+    json::figures(|| {
+        let values: Map<String, Value> = values::count(&rig)
+            .map(|(source, count)| (source.word().to_owned(), json!(count)))
+            .into_iter()
+            .collect();
+        json!({ "file": file, "values": values })
+    });
     say!("{}: a rig of {} values", file.display(), counts.join(", "));
     match &arguments.tune {
         Some(folder) => tuned(file, &rig, folder, arguments.generations),
@@ -139,6 +148,7 @@ fn check(answers: &Answers, question: &Question) -> Result<(), String> {
 pub(super) fn list_parts(name: Option<&str>) -> Result<()> {
     let all: Vec<Part> = Family::ALL.into_iter().flat_map(parts::parts).collect();
     let Some(name) = name else {
+        json::figures(|| json!({ "parts": all.iter().map(figures).collect::<Vec<_>>() }));
         for part in &all {
             say!("{:<10} {:<26} {}", part.family.word(), part.name, in_a_line(part));
         }
@@ -147,6 +157,7 @@ pub(super) fn list_parts(name: Option<&str>) -> Result<()> {
     let Some(part) = all.iter().find(|part| part.name == name) else {
         bail!("the catalogue has no {name} (`pneudrive rig parts` lists all parts)");
     };
+    json::figures(|| json!({ "parts": [figures(part)] }));
     say!("{} ({})", part.name, part.family.word());
     for (fact, text) in part.facts.iter().filter(|(fact, _)| fact != "class") {
         say!("  {fact}: {text}");
@@ -157,6 +168,19 @@ pub(super) fn list_parts(name: Option<&str>) -> Result<()> {
         say!("  {:<32} {value:<28} {}", figure.name.replace('_', " "), figure.basis);
     }
     Ok(())
+}
+
+/// A part with its figures, each as the catalogue writes it.
+fn figures(part: &Part) -> Value {
+    let facts: Map<String, Value> =
+        part.facts.iter().map(|(fact, text)| (fact.clone(), json!(text))).collect();
+    let one = |figure: &Figure| json!({ "name": figure.name, "value": figure.value, "range": figure.range, "basis": figure.basis });
+    json!({
+        "family": part.family.word(),
+        "name": part.name,
+        "facts": facts,
+        "figures": part.figures.iter().map(one).collect::<Vec<_>>(),
+    })
 }
 
 /// The figures by which a part is chosen.

@@ -1,0 +1,41 @@
+//! Arguments of `fmu`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+
+use super::RigChoice;
+
+/// Arguments of `fmu`.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("part").required(true)))]
+#[command(after_help = "\
+A step of the FMU is one sample of the rig (controller.period_s), or a whole number of them. In a loop of plant and controller,
+step the controller first: from sample k it makes the command that the plant needs for its step from k to k + 1. Then both repeat
+`pneudrive simulate` in every integer.
+
+Keys of the rig are parameters of the FMU, with their names: load.mass_kg. They are set before the simulation begins;
+supply.pressure_pa may also change while it runs.")]
+pub struct Fmu {
+    /// The rig.
+    #[command(flatten)]
+    pub rig: RigChoice,
+    /// The plant: a valve command in, sensors and physical state out
+    #[arg(long, group = "part")]
+    pub plant: bool,
+    /// The controller: sensors in, a valve command out
+    #[arg(long, group = "part")]
+    pub controller: bool,
+    /// Both, joined: a setpoint in
+    #[arg(long, group = "part")]
+    pub drive: bool,
+    /// The file to write [default: RIG-PART.fmu in the current folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// The library that goes into the FMU [default: the one that was built with this program]
+    #[arg(long, value_name = "FILE")]
+    pub library: Option<PathBuf>,
+    /// Replace the file if there is one
+    #[arg(long)]
+    pub overwrite: bool,
+}

@@ -1,0 +1,141 @@
+//! What commands have found as JSON, by the type of it (docs/json.md has every field). An unknown number is null.
+
+use pneudrive_analysis::deviation::Deviation;
+use pneudrive_analysis::ladder::Rung;
+use pneudrive_analysis::replay::{Difference, Replay, What};
+use pneudrive_analysis::study::{Studied, Study};
+use pneudrive_analysis::thesis::{Found as Shows, Printed, Shown};
+use pneudrive_records::judged::Judged;
+use pneudrive_records::words;
+use pneudrive_sim::Rig;
+use pneudrive_sim::characteristics::{Characteristic, Figure, Reading};
+use serde_json::{Value, json};
+
+/// A simulated run; `moves` as run.json has them.
+pub(super) fn run(rig: &Rig, judged: &Judged, moves: &Value) -> Value {
+    json!({
+        "rig": rig.name(),
+        "samples": judged.run.observations.len(),
+        "ensemble": judged.band.as_ref().map_or(1, |_| judged.spacing.runs),
+        "decided": judged.decision.is_decided(),
+        "undecided_from_s": judged.decision.undecided_from_s,
+        "position_error_m": judged.decision.error_m,
+        "fault": judged.run.fault.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
+        "moves": moves,
+    })
+}
+
+/// The deviations of a transient from a reference, channel by channel.
+pub(super) fn deviations(all: &[Deviation]) -> Value {
+    let one = |one: &Deviation| {
+        json!({
+            "channel": one.channel,
+            "unit": one.unit,
+            "samples": one.samples,
+            "mean": one.mean,
+            "standard_deviation": one.standard_deviation,
+            "rms": one.mean_square.sqrt(),
+            "largest": one.largest,
+            "rms_over_range": one.fraction_of_range,
+            "inside_band": one.within_band.map(|band| band.inside),
+            "rms_beyond_band": one.within_band.map(|band| band.beyond),
+        })
+    };
+    all.iter().map(one).collect()
+}
+
+/// A replay of the file of this name.
+pub(super) fn replay(file: &str, replay: &Replay) -> Value {
+    let difference = |first: Difference| {
+        let outputs = (first.what != What::Sample).then_some((first.recorded, first.replayed));
+        json!({
+            "sample": first.index,
+            "what": first.what.name(),
+            "recorded": outputs.map(|(recorded, _)| recorded),
+            "replayed": outputs.map(|(_, replayed)| replayed),
+        })
+    };
+    json!({
+        "file": file,
+        "samples": replay.recorded.len(),
+        "differing": replay.differences,
+        "first_difference": replay.first.map(difference),
+        "tripped": replay.tripped.map(|(fault, k)| json!({ "name": words::fault_name(fault), "sample": k })),
+        "notes": replay.notes,
+    })
+}
+
+/// The figures of a component test.
+pub(super) fn characteristic(name: &str, found: &Characteristic, files: [String; 2]) -> Value {
+    let one = |one: &Figure| {
+        let (within, sought) = match one.reading {
+            Reading::Computed(_) => (None, None),
+            Reading::Read { within, .. } => (Some(within), None),
+            Reading::NotBetween(ends) => (None, Some(ends)),
+        };
+        json!({ "name": one.name, "value": one.value(), "within": within, "unit": one.unit, "not_between": sought })
+    };
+    let figures: Vec<Value> = found.figures.iter().map(one).collect();
+    json!({ "name": name, "across": found.across, "figures": figures, "notes": found.notes, "files": files })
+}
+
+/// The findings of a study.
+pub(super) fn study(study: &Study, studied: &Studied) -> Value {
+    let one = |(statement, finding): (
+        &pneudrive_analysis::study::Statement,
+        &pneudrive_analysis::study::Finding,
+    )| {
+        json!({ "thesis": statement.thesis, "model": finding.shows, "verdict": finding.verdict.word() })
+    };
+    let findings: Vec<Value> = study.statements.iter().zip(&studied.findings).map(one).collect();
+    json!({ "name": study.name, "section": study.section, "about": study.about, "findings": findings })
+}
+
+/// What the thesis prints beside ours.
+pub(super) fn thesis(shown: &[Shown]) -> Value {
+    let entries = shown.iter().flat_map(|one| {
+        one.rows().map(|(entry, reading)| {
+            let (value, range) = match reading.found {
+                Shows::Figure { value, range, .. } | Shows::Beside { value, range, .. } => {
+                    (Some(value), Some(range))
+                }
+                Shows::Given { value, .. } => (Some(value), None),
+                Shows::Shows { .. } | Shows::Nothing(_) => (None, None),
+            };
+            let (printed, unit) = match entry.printed {
+                Printed::Number { text, unit, .. } => (text, unit),
+                Printed::Sentence(text) => (text, ""),
+            };
+            json!({
+                "section": one.exhibit.section,
+                "place": one.exhibit.place,
+                "key": reading.key,
+                "printed": printed,
+                "unit": unit,
+                "value": value,
+                "least": range.map(|[least, _]| least),
+                "most": range.map(|[_, most]| most),
+                "verdict": reading.agreement(&entry).word(),
+                "rests_on": reading.rests_on,
+            })
+        })
+    });
+    json!({ "entries": entries.collect::<Vec<_>>() })
+}
+
+/// The rungs of a ladder, each with its deviations from the first: its own run, then each neighbour.
+pub(super) fn ladder(rungs: &[Rung]) -> Value {
+    let one = |rung: &Rung| {
+        let [time, least, most] = rung.time_over_reference;
+        json!({
+            "component": rung.component,
+            "model": rung.model,
+            "evaluations_per_sample": rung.evaluations,
+            "flow_iterations_per_sample": rung.flow_iterations,
+            "time_over_reference": { "value": time, "least": least, "most": most },
+            "decided": rung.decision.is_decided(),
+            "deviations": rung.deviations.iter().map(|all| deviations(all)).collect::<Vec<_>>(),
+        })
+    };
+    json!({ "rungs": rungs.iter().map(one).collect::<Vec<_>>() })
+}

@@ -1,0 +1,92 @@
+//! `pneudrive fmu`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use pneudrive_fmu::Part;
+use pneudrive_fmu::archive::{fmu, library_name, platform, rig_file};
+use pneudrive_fmu::variable::{Role, Variable, variables};
+use pneudrive_records::whole_file::{is_device, put};
+use serde_json::json;
+
+use super::rig_source::rig_text;
+use crate::cli::Fmu;
+use crate::exit::Exit;
+use crate::json;
+
+/// A function that each FMU has: its name is in the library.
+const FUNCTION: &[u8] = b"fmi3InstantiateCoSimulation";
+
+pub(super) fn execute(arguments: &Fmu) -> Result<()> {
+    let part = match (arguments.plant, arguments.controller) {
+        (true, _) => Part::Plant,
+        (_, true) => Part::Controller,
+        _ => Part::Drive,
+    };
+    let (source, text) = rig_text(&arguments.rig.rig)?;
+    let (rig, text) = rig_file(&source, &text, &arguments.rig.settings)?;
+    let path = arguments.out.clone().unwrap_or_else(|| beside(&arguments.rig.rig, part));
+    if path.exists() && !is_device(&path) && !arguments.overwrite {
+        bail!(
+            "{} already exists; choose another name with --out, or replace it with --overwrite",
+            path.display()
+        );
+    }
+    let library = library(arguments.library.as_deref())?;
+    put(&path, &fmu(part, &rig, &text, &library)?)?;
+    let all = variables(part, &rig);
+    let count = |is: fn(&Variable) -> bool| all.iter().filter(|variable| is(variable)).count();
+    let inputs = count(|variable| matches!(variable.role, Role::Input(_)));
+    let outputs = count(|variable| matches!(variable.role, Role::Output(_)));
+    let parameters = count(Variable::is_parameter);
+    let (period_s, platform) = (f64::from(rig.period_us().get()) / 1e6, platform());
+    let (part, name) = (part.word(), rig.name());
+    json::figures(|| {
+        json!({
+            "file": path, "part": part, "rig": name, "platform": platform,
+            "inputs": inputs, "outputs": outputs, "parameters": parameters, "period_s": period_s,
+        })
+    });
+    say!(
+        "{}: {part} of {name}, for {platform}; inputs: {inputs}, outputs: {outputs}, parameters: {parameters}; a step is {period_s} s",
+        path.display()
+    );
+    Ok(())
+}
+
+/// The file of a part in the current folder, named after its rig.
+fn beside(rig: &str, part: Part) -> PathBuf {
+    let name = Path::new(rig).file_stem().unwrap_or_default().to_string_lossy();
+    PathBuf::from(format!("{name}-{}.fmu", part.word()))
+}
+
+/// The library of FMUs: the file that was named, or the one that cargo has made with this program.
+fn library(named: Option<&Path>) -> Result<Vec<u8>> {
+    let path = match named {
+        Some(path) => path.to_owned(),
+        None => built()?,
+    };
+    let library = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    if !library.windows(FUNCTION.len()).any(|window| window == FUNCTION) {
+        bail!(
+            "{} is not the library of FMUs: it has no {}",
+            path.display(),
+            String::from_utf8_lossy(FUNCTION)
+        );
+    }
+    Ok(library)
+}
+
+fn built() -> Result<PathBuf> {
+    let name = library_name();
+    let program = std::env::current_exe().context("where this program is")?;
+    let folder = program.parent().unwrap_or(Path::new("."));
+    let places = [folder.join(&name), folder.join("deps").join(&name)];
+    places.iter().find(|place| place.is_file()).cloned().ok_or_else(|| {
+        Exit::NotThere.error(format!(
+            "there is no {name} beside this program ({}); build it with `cargo build --release -p pneudrive-fmu`, and name it with --library target/release/{name}",
+            folder.display()
+        ))
+    })
+}

@@ -1,0 +1,41 @@
+//! What `pneudrive --version` says: which rigs and files this program understands, and how it was built.
+
+use std::sync::LazyLock;
+
+use pneudrive_analysis::identification::report;
+use pneudrive_analysis::sweep::journal;
+use pneudrive_protocol::{CURRENT_VERSION, MIN_VERSION};
+use pneudrive_records::{run_folder, stream_file, target};
+use pneudrive_sim::rig::BUILTIN;
+
+/// The version, and a line for each thing that differs between two programs.
+#[must_use]
+pub fn long() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(text);
+    &TEXT
+}
+
+fn text() -> String {
+    let files =
+        [target::FORMAT, stream_file::FORMAT, run_folder::FORMAT, journal::MARK.trim_end(), report::FORMAT];
+    let rigs: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
+    let parquet = if cfg!(feature = "parquet") { "yes" } else { "no (built without --features parquet)" };
+    let lines = [
+        ("protocol", format!("{CURRENT_VERSION}; talks to rigs from version {MIN_VERSION} on")),
+        ("files", format!("{}; older ones are read", files.join(", "))),
+        ("rigs", rigs.join(", ")),
+        ("parquet", parquet.to_owned()),
+        ("processor", format!("{}, {}", std::env::consts::ARCH, arithmetic())),
+    ];
+    let lines = lines.iter().map(|(name, text)| format!("\n{name:<11}{text}"));
+    format!("{}{}", env!("CARGO_PKG_VERSION"), lines.collect::<String>())
+}
+
+/// How many numbers an instruction computes. It makes a difference to the time alone.
+const fn arithmetic() -> &'static str {
+    if cfg!(any(target_feature = "sse2", target_feature = "neon", target_feature = "simd128")) {
+        "two numbers an instruction"
+    } else {
+        "one number an instruction"
+    }
+}

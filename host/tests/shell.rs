@@ -1,0 +1,130 @@
+//! The program in a shell: completions, manual pages, `--version`, and that the documentation lists every command.
+
+mod program;
+
+use std::fs;
+#[cfg(unix)]
+use std::process::Command;
+
+use clap::CommandFactory;
+use pneudrive::cli::Cli;
+use pneudrive_protocol::CURRENT_VERSION;
+use pneudrive_sim::rig::BUILTIN;
+
+use program::{folder, ok, transcript};
+
+/// All subcommands as they are typed, such as "device config get".
+fn all_commands() -> Vec<String> {
+    fn below(command: &clap::Command, before: &str, all: &mut Vec<String>) {
+        for subcommand in command.get_subcommands() {
+            let typed = format!("{before}{}", subcommand.get_name());
+            all.push(typed.clone());
+            below(subcommand, &format!("{typed} "), all);
+        }
+    }
+    let mut all = Vec::new();
+    below(&Cli::command(), "", &mut all);
+    all
+}
+
+/// What bash offers behind these words.
+#[cfg(unix)]
+fn bash_offers(words: &[&str]) -> Vec<String> {
+    let folder = folder();
+    let script = ok(folder.path(), "completions bash");
+    fs::write(folder.path().join("completions"), script).expect("written");
+    let typed = format!(
+        "source ./completions; COMP_WORDS=({}); COMP_CWORD={}; _pneudrive pneudrive '{}' '{}'; \
+         printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+        words.join(" "),
+        words.len() - 1,
+        words[words.len() - 1],
+        words[words.len() - 2]
+    );
+    let output = Command::new("bash").args(["-c", &typed]).current_dir(folder.path()).output().expect("bash");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8").lines().map(str::to_owned).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn bash_completes_commands_options_and_values() {
+    assert_eq!(bash_offers(&["pneudrive", "simu"]), ["simulate"]);
+    assert_eq!(bash_offers(&["pneudrive", "device", "config", "ex"]), ["export"]);
+    assert_eq!(bash_offers(&["pneudrive", "simulate", "--no-r"]), ["--no-report"]);
+    assert_eq!(bash_offers(&["pneudrive", "simulate", "--method", "m"]), ["merson"]);
+    assert_eq!(bash_offers(&["pneudrive", "spectrum", "run", "pressure"]), ["pressure-1", "pressure-2"]);
+}
+
+#[test]
+fn every_shell_has_completions_with_every_command() {
+    let folder = folder();
+    for (shell, begins) in [
+        ("bash", "_pneudrive()"),
+        ("zsh", "#compdef pneudrive"),
+        ("fish", "# Print"),
+        ("elvish", ""),
+        ("powershell", ""),
+    ] {
+        let script = ok(folder.path(), &format!("completions {shell}"));
+        assert!(script.starts_with(begins), "{shell}: {script:.80}");
+        for command in all_commands() {
+            let last = command.rsplit(' ').next().expect("a word");
+            assert!(script.contains(last), "{shell}: {command}");
+        }
+    }
+    assert!(transcript(folder.path(), "completions tcsh").ends_with("= 2"));
+}
+
+#[test]
+fn every_command_has_a_manual_page_with_its_options() {
+    let folder = folder();
+    let printed = ok(folder.path(), "man --out man1");
+    let all = all_commands();
+    assert_eq!(printed, format!("man1: {} pages, from pneudrive.1 on\n", all.len() + 1));
+    for command in &all {
+        let name = format!("pneudrive-{}", command.replace(' ', "-"));
+        let page = fs::read_to_string(folder.path().join(format!("man1/{name}.1"))).expect("a page");
+        assert!(page.contains(&format!(".TH {name} 1")), "{page:.300}");
+        assert!(page.contains(".SH SYNOPSIS"), "{name}");
+    }
+    let simulate = fs::read_to_string(folder.path().join("man1/pneudrive-simulate.1")).expect("a page");
+    assert!(simulate.contains("\\-\\-ensemble") && simulate.contains("Total number of runs"), "{simulate}");
+    ok(folder.path(), "man --out man1");
+    fs::write(folder.path().join("man1/pneudrive-run.1"), "mine").expect("written");
+    let refused = transcript(folder.path(), "man --out man1");
+    assert!(refused.contains("was not written by this program") && refused.ends_with("= 1"), "{refused}");
+}
+
+#[test]
+fn the_version_tells_what_the_program_understands() {
+    let folder = folder();
+    let printed = ok(folder.path(), "--version");
+    let line = |name: &str| {
+        let line = printed.lines().find_map(|line| line.strip_prefix(name));
+        line.unwrap_or_else(|| panic!("{name}: {printed}")).trim()
+    };
+    assert_eq!(printed.lines().next(), Some(concat!("pneudrive ", env!("CARGO_PKG_VERSION"))));
+    assert_eq!(line("protocol"), format!("{CURRENT_VERSION}; talks to rigs from version 1 on"));
+    assert!(
+        line("files")
+            .starts_with("pneudrive-target 2, pneudrive-stream 2, pneudrive-run 1, pneudrive-sweep 1")
+    );
+    let rigs: Vec<&str> = line("rigs").split(", ").collect();
+    assert_eq!(rigs, BUILTIN.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    assert_eq!(line("parquet").starts_with("yes"), cfg!(feature = "parquet"));
+    assert!(line("processor").starts_with(std::env::consts::ARCH));
+    assert_eq!(ok(folder.path(), "-V"), concat!("pneudrive ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+#[test]
+fn the_page_of_commands_lists_every_one() {
+    let page = include_str!("../../docs/commands.md");
+    for command in Cli::command().get_subcommands() {
+        let name = command.get_name();
+        assert!(
+            page.contains(&format!("`pneudrive {name} ")) || page.contains(&format!("`pneudrive {name}`")),
+            "{name}"
+        );
+    }
+}
