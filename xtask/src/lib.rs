@@ -9,8 +9,11 @@
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
 //! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
 //! | [`targets`] | what must compile for other systems |
+//! | [`web`] | the studio's page as a folder of files, with the designer as WebAssembly |
 //! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
 //! | [`python`] | builds, installs and tests the Python package |
+//! | [`fmu`] | has another program load the FMUs |
+//! | [`venv`] | environments of Python for tests |
 //! | [`probe`] | builds the probe image of the firmware and judges it |
 //! | [`image`] | reads an image: its symbols, its code, forbidden content |
 //! | [`forbidden`] | which symbols those are |
@@ -22,11 +25,13 @@
 //! | [`frame`] | what an instruction takes from the stack |
 //! | [`thumb`] | the instructions of a section, as far as the verdict needs them |
 
+pub mod axe;
 pub mod boards;
 pub mod cargo;
 pub mod figures;
 pub mod firmware;
 pub mod flashed;
+pub mod fmu;
 pub mod forbidden;
 pub mod frame;
 pub mod image;
@@ -42,3 +47,5 @@ pub mod tally;
 pub mod targets;
 pub mod thumb;
 pub mod tools;
+pub mod venv;
+pub mod web;

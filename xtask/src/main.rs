@@ -1,5 +1,6 @@
 //! `cargo xtask`: the commands of developers and CI.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -36,6 +37,14 @@ enum Command {
     Docs,
     /// Build the image that links the controller; no panic, no float, no division routine may be in it
     Probe,
+    /// Have the Rust crate fmi load FMUs and run controller and plant in a loop: installs clang where allowed
+    Fmi,
+    /// Make the folder of the studio's page that needs no server: the designer as WebAssembly, in the reader's browser
+    Web {
+        /// The folder [default: target/web]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
     /// Run the test bodies on the board that PNEUDRIVE_BOARD names (hil-tests/src/board.rs)
     Hil {
         /// Only bodies with one of these words in their name
@@ -91,6 +100,8 @@ fn main() -> ExitCode {
         Command::Lint => steps::lint(&mut tally),
         Command::Docs => steps::docs(&mut tally),
         Command::Probe => steps::probe(&mut tally),
+        Command::Fmi => steps::fmi(&mut tally),
+        Command::Web { out } => steps::web(&mut tally, out),
         Command::Hil { bodies } => steps::hil(&mut tally, &bodies),
         Command::Flashed { write } => steps::flashed(&mut tally, write),
         Command::Soak { seconds } => steps::soak(&mut tally, seconds),

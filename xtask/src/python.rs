@@ -9,8 +9,11 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::cargo::{built, in_inner, root, run};
-use crate::tools::PYTHON;
+use crate::cargo::{built, in_inner, in_root, root, run};
+use crate::venv::Environment;
+
+/// Where it is built and tested.
+pub const ENVIRONMENT: Environment = Environment("python-venv");
 
 /// The workspace.
 #[must_use]
@@ -24,29 +27,8 @@ pub fn workspace() -> PathBuf {
 /// When CARGO_TARGET_DIR is relative and the current folder is gone.
 pub fn cargo(arguments: &[&str]) -> Result<Command> {
     let mut command = in_inner(&workspace(), arguments, &built("")?);
-    command.env("PYO3_PYTHON", interpreter()?);
+    command.env("PYO3_PYTHON", ENVIRONMENT.interpreter()?);
     Ok(command)
-}
-
-/// Where the environment is.
-fn environment() -> Result<PathBuf> {
-    built("python-venv")
-}
-
-/// A program of the environment.
-fn program(name: &str) -> Result<PathBuf> {
-    let folder = if cfg!(windows) { "Scripts" } else { "bin" };
-    Ok(environment()?.join(folder).join(name))
-}
-
-fn interpreter() -> Result<PathBuf> {
-    program(if cfg!(windows) { "python.exe" } else { "python" })
-}
-
-/// Whether the environment was made before.
-#[must_use]
-pub fn is_prepared() -> bool {
-    interpreter().is_ok_and(|python| python.exists())
 }
 
 /// Makes the environment, and installs what builds and tests the package.
@@ -54,17 +36,7 @@ pub fn is_prepared() -> bool {
 /// # Errors
 /// Without Python, or when a package cannot be installed.
 pub fn prepare() -> Result<()> {
-    if !is_prepared() {
-        PYTHON.ensure()?;
-        run(Command::new(PYTHON.program).args(["-m", "venv"]).arg(environment()?))?;
-    }
-    let requirements = workspace().join("tests/requirements.txt");
-    pip(&["--requirement", &requirements.to_string_lossy()])
-}
-
-fn pip(arguments: &[&str]) -> Result<()> {
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    run(Command::new(interpreter()?).args(install).args(arguments))
+    ENVIRONMENT.prepare(&workspace().join("tests/requirements.txt"))
 }
 
 /// Builds the wheel, and installs it.
@@ -76,11 +48,11 @@ pub fn install() -> Result<()> {
     if wheels.exists() {
         fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
     }
-    let mut maturin = Command::new(program("maturin")?);
-    maturin.args(["build", "--release", "--locked", "--interpreter"]).arg(interpreter()?);
+    let mut maturin = Command::new(ENVIRONMENT.program("maturin")?);
+    maturin.args(["build", "--release", "--locked", "--interpreter"]).arg(ENVIRONMENT.interpreter()?);
     maturin.arg("--out").arg(&wheels).current_dir(workspace()).env("CARGO_TARGET_DIR", built("")?);
     run(&mut maturin)?;
-    pip(&["--force-reinstall", "--no-deps", &the_wheel(&wheels)?.to_string_lossy()])
+    ENVIRONMENT.pip(&["--force-reinstall", "--no-deps", &the_wheel(&wheels)?.to_string_lossy()])
 }
 
 fn the_wheel(folder: &Path) -> Result<PathBuf> {
@@ -92,14 +64,17 @@ fn the_wheel(folder: &Path) -> Result<PathBuf> {
     }
 }
 
-/// Runs the tests on the installed wheel, the notebooks among them.
+/// Runs the tests on the installed wheel, the notebooks among them. Some compare it with the command.
 ///
 /// # Errors
 /// When one fails.
 pub fn test() -> Result<()> {
+    run(&mut in_root(&["build", "--locked", "--package", "pneudrive"]))?;
+    let command = built("debug")?.join(format!("pneudrive{}", std::env::consts::EXE_SUFFIX));
     // Away from the sources, which would stand in for the wheel.
     let tests = workspace().join("tests");
-    run(Command::new(interpreter()?).args(["-m", "pytest", "-q", "-ra"]).current_dir(tests))
+    let mut pytest = Command::new(ENVIRONMENT.interpreter()?);
+    run(pytest.args(["-m", "pytest", "-q", "-ra"]).current_dir(tests).env("PNEUDRIVE_COMMAND", command))
 }
 
 /// Checks the annotations, and that the stubs tell what the compiled part has.
@@ -107,7 +82,7 @@ pub fn test() -> Result<()> {
 /// # Errors
 /// When they do not.
 pub fn check_types() -> Result<()> {
-    let python = || Ok::<_, anyhow::Error>(Command::new(interpreter()?));
+    let python = || Ok::<_, anyhow::Error>(Command::new(ENVIRONMENT.interpreter()?));
     let configuration = workspace().join("pyproject.toml");
     let mut mypy = python()?;
     mypy.args(["-m", "mypy", "--config-file"]).arg(&configuration).args(["python/pneudrive", "tests"]);

@@ -1,6 +1,7 @@
 //! The commands. Each adds what it did to a [`Tally`].
 
 use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
@@ -8,8 +9,10 @@ use clap::ValueEnum;
 
 use crate::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
-use crate::tools::{CHROMIUM, QEMU};
-use crate::{boards, firmware, flashed, instructions, memory, probe, processors, python, targets};
+use crate::tools::{CHROMIUM, CLANG, QEMU};
+use crate::{
+    axe, boards, firmware, flashed, fmu, instructions, memory, probe, processors, python, targets, web,
+};
 
 /// Formats both workspaces, or checks that they are formatted.
 pub fn fmt(tally: &mut Tally, check: bool) {
@@ -21,6 +24,7 @@ pub fn fmt(tally: &mut Tally, check: bool) {
     tally.check("format of firmware/", || run(&mut in_firmware(&images, &cargo::image_folder()?)));
     tally.check("format of firmware/pico2/", || run(&mut in_pico2(&images)?));
     tally.check("format of hil-tests/flashed-image/", || run(&mut flashed::cargo(&images)?));
+    tally.check("format of host/fmu/importer/", || run(&mut fmu::cargo(&images)?));
     tally.check("format of host/python/", || run(&mut python::cargo(&images)?));
 }
 
@@ -50,12 +54,14 @@ fn in_pico2(arguments: &[&str]) -> Result<Command> {
 pub enum Group {
     /// The pages in a browser
     Web,
-    /// What must compile for other systems: analysis for a browser, the command for Windows
+    /// What must compile for other systems: the command for Windows
     Targets,
     /// A short run of the image that is flashed
     Flashed,
     /// The Python package as a wheel in an environment of its own
     Python,
+    /// The FMUs in FMPy
+    Fmu,
 }
 
 /// One group of tests; its tools are installed, or it fails.
@@ -63,6 +69,7 @@ pub fn test_group(tally: &mut Tally, group: Group) {
     match group {
         Group::Web => {
             tally.check("browser", || CHROMIUM.ensure());
+            tally.check("axe-core", axe::ensure);
             pages(tally);
         }
         Group::Targets => targets::check_all(tally),
@@ -80,6 +87,23 @@ pub fn test_group(tally: &mut Tally, group: Group) {
             });
             package(tally);
         }
+        Group::Fmu => {
+            tally.check("environment of FMPy", fmu::prepare);
+            fmus(tally);
+        }
+    }
+}
+
+/// The FMUs, written by the command and loaded by FMPy.
+fn fmus(tally: &mut Tally) {
+    tally.check("the command and the library of FMUs", fmu::build);
+    tally.check("FMUs in FMPy", fmu::test);
+    if fmu::is_watched() {
+        tally.check("C functions of FMUs under valgrind", fmu::watch);
+    } else {
+        tally.leave_out(
+            "the C functions of FMUs were not run under valgrind, which is for x86-64 Linux".to_owned(),
+        );
     }
 }
 
@@ -122,7 +146,12 @@ pub fn test(tally: &mut Tally) {
             tally.leave_out(format!("the flashed image was not run, as there is no {program} ({how})"));
         }
     }
-    if python::is_prepared() {
+    if fmu::ENVIRONMENT.is_prepared() {
+        fmus(tally);
+    } else {
+        tally.leave_out("no FMU was loaded by FMPy (cargo xtask test fmu)".to_owned());
+    }
+    if python::ENVIRONMENT.is_prepared() {
         package(tally);
     } else {
         tally.leave_out("the Python package was not tested (cargo xtask test python)".to_owned());
@@ -130,19 +159,49 @@ pub fn test(tally: &mut Tally) {
 }
 
 fn pages(tally: &mut Tally) {
-    tests(tally, "pages in a browser", &["test", "--package", "pneudrive", "--test", "pages"]);
-    // One after the other: they measure times.
-    let studio = [
-        "test",
-        "--package",
-        "pneudrive-studio",
-        "--test",
-        "browser",
-        "--",
-        "--nocapture",
-        "--test-threads=1",
-    ];
-    tests(tally, "the studio in a browser", &studio);
+    tests(tally, "pages in a browser", &["test", "--workspace", "--test", "pages"]);
+    tests(
+        tally,
+        "the studio in a browser",
+        &in_browser(&["browser", "browser_compare", "browser_commission", "browser_study"]),
+    );
+    if axe::is_there() {
+        tests_by(tally, "the studio for everybody", || {
+            let mut tests = in_root(&in_browser(&["browser_access"]));
+            tests.env("PNEUDRIVE_AXE", axe::script()?);
+            Ok(tests)
+        });
+    } else {
+        tally.leave_out("axe-core did not look at the pages (cargo xtask test web)".to_owned());
+    }
+    tests_by(tally, "the studio without a server", || {
+        let folder = web::usual_folder()?;
+        web::build(&folder)?;
+        let mut tests = in_root(&in_browser(&["without_server"]));
+        tests.env("PNEUDRIVE_WEB", folder);
+        Ok(tests)
+    });
+}
+
+/// Tests in a browser, one after the other: they measure times. With the features of the whole workspace, whose crates are
+/// built already where all tests are run.
+fn in_browser<'a>(names: &[&'a str]) -> Vec<&'a str> {
+    let mut arguments = vec!["test", "--workspace"];
+    arguments.extend(names.iter().flat_map(|name| ["--test", *name]));
+    arguments.extend(["--", "--nocapture", "--test-threads=1"]);
+    arguments
+}
+
+/// FMUs loaded by the Rust crate `fmi`, which takes longer to build than the test to run.
+pub fn fmi(tally: &mut Tally) {
+    tally.check(CLANG.program, || CLANG.ensure());
+    tally.check("the command and the library of FMUs", fmu::build);
+    tests_by(tally, "FMUs in the crate fmi", fmu::import);
+}
+
+/// The studio's page as a folder of files.
+pub fn web(tally: &mut Tally, out: Option<PathBuf>) {
+    tally.check("the page without a server", || web::build(&out.map_or_else(web::usual_folder, Ok)?));
 }
 
 fn test_without_groups(tally: &mut Tally) {

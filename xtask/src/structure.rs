@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 17] = [
+const CRATES: [&str; 20] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
@@ -30,7 +30,10 @@ const CRATES: [&str; 17] = [
     "host/rigs",
     "host/analysis",
     "host/design",
+    "host/page",
+    "host/browser",
     "host/studio",
+    "host/fmu",
     "host",
     "host/python",
     "hil-tests",

@@ -1,4 +1,4 @@
-//! Builds for other systems: the simulator and its analysis for a browser, the command for Windows.
+//! Builds for other systems: the command for Windows. That of the designer for a browser is [`web`](crate::web).
 
 use anyhow::Result;
 
@@ -12,14 +12,8 @@ struct Other {
     packages: &'static [&'static str],
 }
 
-const OTHERS: [Other; 2] = [
-    Other {
-        target: "wasm32-unknown-unknown",
-        what: "simulator, records and analysis for a browser",
-        packages: &["pneudrive-solver", "pneudrive-sim", "pneudrive-records", "pneudrive-analysis"],
-    },
-    Other { target: "x86_64-pc-windows-gnu", what: "the command for Windows", packages: &["pneudrive"] },
-];
+const OTHERS: [Other; 1] =
+    [Other { target: "x86_64-pc-windows-gnu", what: "the command for Windows", packages: &["pneudrive"] }];
 
 /// Checks all of them; a target that is missing is installed, or it is a failure.
 pub fn check_all(tally: &mut Tally) {

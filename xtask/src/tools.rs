@@ -39,6 +39,10 @@ pub const CHROMIUM: Tool = Tool {
     how: "apt-get install chromium, brew install --cask chromium, ...",
 };
 
+/// What brings axe-core.
+pub const NPM: Tool =
+    Tool { program: "npm", package: "npm", how: "apt-get install npm, brew install node, ..." };
+
 /// The interpreter of the Python package.
 pub const PYTHON: Tool = Tool {
     program: "python3",

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use toml_edit::{DocumentMut, Item};
 
 /// The crates, from the lowest layer up, with their folders. Those of one layer do not know each other.
-const LAYERS: [&[(&str, &str)]; 9] = [
+const LAYERS: [&[(&str, &str)]; 10] = [
     &[("pneudrive-controller", "shared/controller"), ("pneudrive-solver", "sim/solver")],
     &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
     &[
@@ -24,10 +24,16 @@ const LAYERS: [&[(&str, &str)]; 9] = [
     &[
         ("pneudrive-rigs", "host/rigs"),
         ("pneudrive-logs", "host/logs"),
-        ("pneudrive-studio", "host/studio"),
+        ("pneudrive-page", "host/page"),
+        ("pneudrive-fmu", "host/fmu"),
         ("pneudrive-protocol-model", "shared/protocol/model"),
     ],
-    &[("pneudrive", "host"), ("pneudrive-python", "host/python")],
+    &[
+        ("pneudrive-studio", "host/studio"),
+        ("pneudrive-browser", "host/browser"),
+        ("pneudrive-python", "host/python"),
+    ],
+    &[("pneudrive", "host")],
     &[("xtask", "xtask")],
     &[("pneudrive-hil-tests", "hil-tests"), ("pneudrive-fuzz-properties", "fuzz/properties")],
     &[("pneudrive-flashed-image", "hil-tests/flashed-image")],

@@ -1,0 +1,87 @@
+//! FMUs in other programs: written by the command, validated and simulated by FMPy, and loaded by the Rust crate `fmi`.
+//!
+//! What FMPy needs is pinned in host/fmu/tests/importers/requirements.txt and installed by pip. The importer with the crate
+//! is a workspace of its own, as it needs libclang.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::cargo::{built, in_inner, in_root, root, run};
+use crate::tools::VALGRIND;
+use crate::venv::Environment;
+
+/// Where FMPy is.
+pub const ENVIRONMENT: Environment = Environment("fmu-venv");
+
+fn importers() -> PathBuf {
+    root().join("host/fmu/tests/importers")
+}
+
+/// Installs FMPy.
+///
+/// # Errors
+/// Without Python, or when a package cannot be installed.
+pub fn prepare() -> Result<()> {
+    ENVIRONMENT.prepare(&importers().join("requirements.txt"))
+}
+
+/// Builds the command, and the library with it.
+///
+/// # Errors
+/// When it does not build.
+pub fn build() -> Result<()> {
+    run(&mut in_root(&["build", "--package", "pneudrive"]))
+}
+
+/// Whether the tests of the C functions can be watched: what valgrind knows of.
+#[must_use]
+pub fn is_watched() -> bool {
+    cfg!(all(target_os = "linux", target_arch = "x86_64"))
+}
+
+/// Runs the tests of the C functions under valgrind: an access outside of what they were given fails them, and so does
+/// memory that nobody can free any more.
+///
+/// # Errors
+/// When there is such an access or leak, or a test fails.
+pub fn watch() -> Result<()> {
+    VALGRIND.ensure()?;
+    let watched = "valgrind --quiet --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite";
+    let mut tests = in_root(&["test", "--package", "pneudrive-fmu", "--test", "c_api"]);
+    run(tests.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", watched))
+}
+
+/// Has FMPy validate and simulate what the command writes.
+///
+/// # Errors
+/// When a test fails.
+pub fn test() -> Result<()> {
+    let mut tests = Command::new(ENVIRONMENT.interpreter()?);
+    tests.args(["-m", "pytest", "-q", "-ra", "-p", "no:cacheprovider"]).current_dir(importers());
+    run(tests.env("PNEUDRIVE", program()?).env("PYTHONDONTWRITEBYTECODE", "1"))
+}
+
+/// The command, as [`build`] has built it.
+fn program() -> Result<PathBuf> {
+    Ok(built("debug")?.join(format!("pneudrive{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// A cargo call in the workspace of the importer with the crate `fmi`.
+///
+/// # Errors
+/// When CARGO_TARGET_DIR is relative and the current folder is gone.
+pub fn cargo(arguments: &[&str]) -> Result<Command> {
+    Ok(in_inner(&root().join("host/fmu/importer"), arguments, &built("")?))
+}
+
+/// The call that has the crate `fmi` load what the command writes.
+///
+/// # Errors
+/// When CARGO_TARGET_DIR is relative and the current folder is gone.
+pub fn import() -> Result<Command> {
+    let mut command = cargo(&["test", "--locked"])?;
+    command.env("PNEUDRIVE", program()?);
+    Ok(command)
+}
