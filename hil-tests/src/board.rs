@@ -149,4 +149,8 @@ impl Target for BoardTarget {
     fn port(&self) -> &str {
         &self.bench.port
     }
+
+    fn is_in_step(&self) -> bool {
+        true
+    }
 }
