@@ -43,6 +43,16 @@ pub fn built(path: &str) -> Result<PathBuf> {
     Ok(target.join(path))
 }
 
+/// Builds the command, and the library of FMUs with it, and tells where it is. With the features that the tests of the whole
+/// workspace give it, so that it is there already once they are built.
+///
+/// # Errors
+/// When it does not build.
+pub fn command() -> Result<PathBuf> {
+    run(&mut in_root(&["test", "--no-run", "--quiet", "--workspace", "--test", "shell"]))?;
+    Ok(built("debug")?.join(format!("pneudrive{}", env::consts::EXE_SUFFIX)))
+}
+
 /// A cargo call in the root workspace.
 #[must_use]
 pub fn in_root(arguments: &[&str]) -> Command {

@@ -8,7 +8,7 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use crate::cargo::{built, in_inner, in_root, root, run};
+use crate::cargo::{self, built, in_inner, in_root, root, run};
 use crate::tools::VALGRIND;
 use crate::venv::Environment;
 
@@ -27,14 +27,6 @@ pub fn prepare() -> Result<()> {
     ENVIRONMENT.prepare(&importers().join("requirements.txt"))
 }
 
-/// Builds the command, and the library with it.
-///
-/// # Errors
-/// When it does not build.
-pub fn build() -> Result<()> {
-    run(&mut in_root(&["build", "--package", "pneudrive"]))
-}
-
 /// Whether the tests of the C functions can be watched: what valgrind knows of.
 #[must_use]
 pub fn is_watched() -> bool {
@@ -49,7 +41,7 @@ pub fn is_watched() -> bool {
 pub fn watch() -> Result<()> {
     VALGRIND.ensure()?;
     let watched = "valgrind --quiet --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite";
-    let mut tests = in_root(&["test", "--package", "pneudrive-fmu", "--test", "c_api"]);
+    let mut tests = in_root(&["test", "--workspace", "--test", "c_api"]);
     run(tests.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", watched))
 }
 
@@ -60,12 +52,7 @@ pub fn watch() -> Result<()> {
 pub fn test() -> Result<()> {
     let mut tests = Command::new(ENVIRONMENT.interpreter()?);
     tests.args(["-m", "pytest", "-q", "-ra", "-p", "no:cacheprovider"]).current_dir(importers());
-    run(tests.env("PNEUDRIVE", program()?).env("PYTHONDONTWRITEBYTECODE", "1"))
-}
-
-/// The command, as [`build`] has built it.
-fn program() -> Result<PathBuf> {
-    Ok(built("debug")?.join(format!("pneudrive{}", std::env::consts::EXE_SUFFIX)))
+    run(tests.env("PNEUDRIVE", cargo::command()?).env("PYTHONDONTWRITEBYTECODE", "1"))
 }
 
 /// A cargo call in the workspace of the importer with the crate `fmi`.
@@ -82,6 +69,6 @@ pub fn cargo(arguments: &[&str]) -> Result<Command> {
 /// When CARGO_TARGET_DIR is relative and the current folder is gone.
 pub fn import() -> Result<Command> {
     let mut command = cargo(&["test", "--locked"])?;
-    command.env("PNEUDRIVE", program()?);
+    command.env("PNEUDRIVE", cargo::command()?);
     Ok(command)
 }

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::cargo::{built, in_inner, in_root, root, run};
+use crate::cargo::{self, built, in_inner, root, run};
 use crate::venv::Environment;
 
 /// Where it is built and tested.
@@ -39,7 +39,8 @@ pub fn prepare() -> Result<()> {
     ENVIRONMENT.prepare(&workspace().join("tests/requirements.txt"))
 }
 
-/// Builds the wheel, and installs it.
+/// Builds the wheel, and installs it: without the optimisation of a release, of which the tests outside have most built
+/// already.
 ///
 /// # Errors
 /// When it cannot be built, or there is not one wheel.
@@ -49,7 +50,7 @@ pub fn install() -> Result<()> {
         fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
     }
     let mut maturin = Command::new(ENVIRONMENT.program("maturin")?);
-    maturin.args(["build", "--release", "--locked", "--interpreter"]).arg(ENVIRONMENT.interpreter()?);
+    maturin.args(["build", "--locked", "--interpreter"]).arg(ENVIRONMENT.interpreter()?);
     maturin.arg("--out").arg(&wheels).current_dir(workspace()).env("CARGO_TARGET_DIR", built("")?);
     run(&mut maturin)?;
     ENVIRONMENT.pip(&["--force-reinstall", "--no-deps", &the_wheel(&wheels)?.to_string_lossy()])
@@ -69,8 +70,7 @@ fn the_wheel(folder: &Path) -> Result<PathBuf> {
 /// # Errors
 /// When one fails.
 pub fn test() -> Result<()> {
-    run(&mut in_root(&["build", "--locked", "--package", "pneudrive"]))?;
-    let command = built("debug")?.join(format!("pneudrive{}", std::env::consts::EXE_SUFFIX));
+    let command = cargo::command()?;
     // Away from the sources, which would stand in for the wheel.
     let tests = workspace().join("tests");
     let mut pytest = Command::new(ENVIRONMENT.interpreter()?);

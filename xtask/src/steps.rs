@@ -83,7 +83,7 @@ pub fn test_group(tally: &mut Tally, group: Group) {
         Group::Python => {
             tally.check("environment of Python", python::prepare);
             tally.check("lint of host/python/", || {
-                run(&mut python::cargo(&["clippy", "--release", "--locked", "--", "-D", "warnings"])?)
+                run(&mut python::cargo(&["clippy", "--locked", "--", "-D", "warnings"])?)
             });
             package(tally);
         }
@@ -96,7 +96,6 @@ pub fn test_group(tally: &mut Tally, group: Group) {
 
 /// The FMUs, written by the command and loaded by FMPy.
 fn fmus(tally: &mut Tally) {
-    tally.check("the command and the library of FMUs", fmu::build);
     tally.check("FMUs in FMPy", fmu::test);
     if fmu::is_watched() {
         tally.check("C functions of FMUs under valgrind", fmu::watch);
@@ -186,7 +185,7 @@ fn pages(tally: &mut Tally) {
 /// Tests in a browser, one after the other: they measure times. With the features of the whole workspace, whose crates are
 /// built already where all tests are run.
 fn in_browser<'a>(names: &[&'a str]) -> Vec<&'a str> {
-    let mut arguments = vec!["test", "--workspace"];
+    let mut arguments = vec!["test", "--workspace", "--no-fail-fast"];
     arguments.extend(names.iter().flat_map(|name| ["--test", *name]));
     arguments.extend(["--", "--nocapture", "--test-threads=1"]);
     arguments
@@ -195,7 +194,6 @@ fn in_browser<'a>(names: &[&'a str]) -> Vec<&'a str> {
 /// FMUs loaded by the Rust crate `fmi`, which takes longer to build than the test to run.
 pub fn fmi(tally: &mut Tally) {
     tally.check(CLANG.program, || CLANG.ensure());
-    tally.check("the command and the library of FMUs", fmu::build);
     tests_by(tally, "FMUs in the crate fmi", fmu::import);
 }
 
@@ -209,11 +207,6 @@ fn test_without_groups(tally: &mut Tally) {
     tally.check("emulator", || QEMU.ensure());
     tally.check("image for the emulator", firmware::check_emulated);
     tests(tally, "tests", &["test", "--workspace", "--no-fail-fast"]);
-    tally.check("results of sweeps as Parquet", || {
-        let packages = ["--package", "pneudrive", "--package", "pneudrive-analysis"];
-        let arguments = ["--features", "pneudrive/parquet", "--lib", "parquet"];
-        run(&mut in_root(&[&["test"], &packages[..], &arguments].concat()))
-    });
     tally.check("instructions of the simulator", instructions::check);
     tally.check("no_std crates for the boards", || {
         let crates = ["pneudrive-controller", "pneudrive-protocol", "pneudrive-app", "pneudrive-interfaces"];
@@ -377,8 +370,7 @@ pub fn link_states(tally: &mut Tally) {
 }
 
 fn all_states(tally: &mut Tally, bounds: &str) {
-    let run_it =
-        ["run", "--release", "--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
+    let run_it = ["run", "--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
     tally.check(&format!("states of the link: {bounds}"), || {
         run(&mut in_root(&[&run_it[..], &bounds.split(' ').collect::<Vec<_>>()].concat()))
     });
