@@ -1,4 +1,4 @@
-//! Builds for other systems: the command for Windows. That of the designer for a browser is [`web`](crate::web).
+//! Builds for other systems: the command for Windows, with all its features. That of the designer for a browser is [`web`](crate::web).
 
 use anyhow::Result;
 
@@ -41,6 +41,6 @@ pub fn check_installed(tally: &mut Tally) {
 impl Other {
     fn check(&self) -> Result<()> {
         let packages: Vec<&str> = self.packages.iter().flat_map(|name| ["--package", name]).collect();
-        run(&mut in_root(&[&["check", "--target", self.target], &packages[..]].concat()))
+        run(&mut in_root(&[&["check", "--target", self.target, "--all-features"], &packages[..]].concat()))
     }
 }

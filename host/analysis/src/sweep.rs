@@ -23,7 +23,7 @@ pub mod file;
 pub mod journal;
 pub mod metric;
 pub mod numbers;
-#[cfg(feature = "parquet")]
+#[cfg(any(test, feature = "parquet"))]
 pub mod parquet;
 pub mod point;
 pub mod report;

@@ -3,7 +3,7 @@
 mod csv;
 mod mat;
 mod mcap;
-#[cfg(feature = "parquet")]
+#[cfg(any(test, feature = "parquet"))]
 mod parquet;
 
 use anyhow::Result;

@@ -71,13 +71,12 @@ fn an_mcap_file_describes_its_messages_and_reads_back_in_every_bit() {
     assert_eq!(series("/drive.spool_mm").clock_s, Some(vec![0.0, 0.0013]));
 }
 
-#[cfg(feature = "parquet")]
 #[test]
 fn a_parquet_file_reads_back_in_every_bit_with_null_for_what_is_unknown() {
     use ::parquet::file::reader::{FileReader, SerializedFileReader};
     use ::parquet::record::Field;
 
-    let bytes = file(&two_samples(), Format::Parquet).expect("a file");
+    let bytes = parquet::file(&two_samples()).expect("a file");
     let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).expect("Parquet");
     let rows = reader.get_row_iter(None).expect("rows");
     let rows: Vec<Vec<(String, Field)>> = rows.map(|row| row.expect("a row").into_columns()).collect();
