@@ -177,9 +177,40 @@ const LINES: &str = "import('/panel.js').then(({ drawPanel }) => {
   };
 })";
 
+/// Begins a bring-up and answers its questions, until it is over or a problem has ended it.
+fn go_through(page: &mut Browser) {
+    let asks = |what: &str| {
+        format!(
+            "document.querySelector('.bring-up .question').textContent.startsWith('{what}') || document.querySelector('.bring-up .problem').textContent"
+        )
+    };
+    let is_ended = |page: &mut Browser| !page.text(".bring-up .problem").is_empty();
+    press(page, "Begin");
+    page.wait_until(&asks("The cylinder will move"));
+    if is_ended(page) {
+        return;
+    }
+    assert!(page.text(".checks").contains("right encoder by hand"), "{}", page.text(".checks"));
+    // Taking a picture stops the page for a while, and one that says nothing ends a bring-up.
+    if std::env::var_os("PNEUDRIVE_SHOTS").is_some() {
+        keep_picture(page, "studio-bring-up.png");
+    }
+    press(page, "Yes");
+    page.wait_until(&asks("Take the wire"));
+    if is_ended(page) {
+        return;
+    }
+    press(page, "No");
+    // What it finds is for commission_tasks.rs: here the machine may be slower than the rig.
+    page.wait_until(
+        "document.querySelector('.bring-up .now').textContent.includes('checks right') || document.querySelector('.bring-up .problem').textContent",
+    );
+}
+
 #[test]
 fn a_bring_up_is_gone_through_from_the_page_and_its_report_saved() {
     let (mut page, rig, wiring) = commanding("servo-c");
+    wiring.push_again_and_again();
     page.evaluate(
         "window.saved = []; HTMLAnchorElement.prototype.click = function () { saved.push(this.download); }",
     );
@@ -188,24 +219,12 @@ fn a_bring_up_is_gone_through_from_the_page_and_its_report_saved() {
     press(&mut page, "Begin");
     page.wait_until("document.querySelector('.bring-up .problem').textContent.includes('3 to 50 %')");
     page.evaluate("document.getElementById('bring-up-most').value = '30'");
-    press(&mut page, "Begin");
-    page.wait_until("document.querySelector('.bring-up .now').textContent.startsWith('Push the slide OUT')");
-    wiring.push();
-    page.wait_until(
-        "document.querySelector('.bring-up .question').textContent.startsWith('The cylinder will move')",
-    );
-    assert!(page.text(".checks").contains("right encoder by hand"), "{}", page.text(".checks"));
-    // Taking a picture stops the page for a while, and one that says nothing ends a bring-up.
-    if std::env::var_os("PNEUDRIVE_SHOTS").is_some() {
-        keep_picture(&mut page, "studio-bring-up.png");
-    }
-    press(&mut page, "Yes");
-    page.wait_until("document.querySelector('.bring-up .question').textContent.startsWith('Take the wire')");
-    press(&mut page, "No");
-    // What it finds is for commission_tasks.rs: here the machine may be slower than the rig.
-    page.wait_until(
-        "document.querySelector('.bring-up .now').textContent.includes('checks right') || document.querySelector('.bring-up .problem').textContent",
-    );
+    // On a machine that starves the page, the page is silent, and that ends a bring-up.
+    let is_done = (0..5).any(|_| {
+        go_through(&mut page);
+        !page.text(".bring-up .problem").contains("the page was silent")
+    });
+    assert!(is_done, "the page was silent each time");
     assert_eq!(page.text(".bring-up .problem"), "");
     assert!(page.text(".checks").contains("pulses"), "{}", page.text(".checks"));
     press(&mut page, "Save the report");
