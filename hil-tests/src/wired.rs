@@ -233,6 +233,11 @@ impl Board for TestBoard {
         true
     }
 
+    /// The plant is simulated, yet the counter is one of edges.
+    fn may_know_position(&self) -> bool {
+        self.board.may_know_position()
+    }
+
     fn keep_spool(&mut self, location: SpoolLocation) {
         self.board.keep_spool(location);
     }

@@ -163,6 +163,19 @@ fn a_converter_that_is_gone_trips_as_an_open_sensor_does() {
 }
 
 #[test]
+fn parameters_of_an_absolute_encoder_do_not_home_an_axis_whose_edges_are_counted() {
+    let target = WiredTarget::start(&rig("servo-b-tuned", &[])).expect("a board");
+    let mut client = target.connect().expect("a board that answers");
+    for settings in body::axis::ABSOLUTE_ENCODERS {
+        let position = client.status().expect("an answer").position;
+        client.reference(position).expect("at rest");
+        let absolute = rig("servo-b-tuned", settings).parameters();
+        client.import_parameters(&absolute).expect("disarmed");
+        assert!(!client.status().expect("an answer").referenced, "{settings:?}");
+    }
+}
+
+#[test]
 fn move_records_begin_by_their_numbers_on_a_board_of_chips() {
     body::records::records_begin_by_their_numbers(wired);
 }
