@@ -26,8 +26,9 @@ pub mod rounding;
 mod service;
 #[cfg(unix)]
 pub mod shell;
-mod unhurried;
 pub mod wired;
+
+use std::time::Duration;
 
 use anyhow::Result;
 use pneudrive_link::client::Client;
@@ -39,6 +40,9 @@ use pneudrive_sim::Rig;
 #[cfg(unix)]
 pub use emulated::{QemuTarget, board_runner, image, program};
 pub use service::commission;
+
+/// How long a rung whose time is its own may keep silent: a busy machine lets its threads and processes wait.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A rung with a port to talk to.
 pub trait Target {
@@ -53,7 +57,11 @@ pub trait Target {
     /// # Errors
     /// When nobody answers.
     fn connect(&self) -> Result<Client> {
-        if self.is_in_step() { Client::connect(self.port()) } else { unhurried::connect(self.port()) }
+        if self.is_in_step() {
+            Client::connect(self.port())
+        } else {
+            Client::connect_patiently(self.port(), PATIENCE)
+        }
     }
 
     /// Whether it keeps up with the wall clock. If not, its time is its own, and a busy machine may let it wait.

@@ -39,14 +39,11 @@ use answer::unexpected;
 /// Several such waits fit into the host silence that trips a running move.
 const ANSWER_WAIT: Duration = Duration::from_millis(100);
 
-/// How often a request is sent.
-const ATTEMPTS: u32 = 15;
+/// How long a rig may go without a useful answer: fifteen requests.
+pub const SILENCE_TIMEOUT: Duration = Duration::from_millis(1500);
 
 /// Own requests that are recognised if the line echoes them: more than are in flight at once.
 const RECENT_REQUESTS: usize = 32;
-
-/// How long a rig may go without a useful answer.
-const SILENCE_TIMEOUT: Duration = Duration::from_millis(100 * ATTEMPTS as u64);
 
 /// The token of this program, from the environment variable `PNEUDRIVE_TOKEN`; None where it is empty or not set.
 ///
@@ -64,6 +61,8 @@ pub fn token() -> Result<Option<String>> {
 pub struct Client {
     link: Box<dyn Link>,
     name: String,
+    /// How long the rig may go without a useful answer.
+    patience: Duration,
     accumulator: Accumulator,
     /// Bytes that were received and not examined yet.
     heard: std::vec::IntoIter<u8>,
@@ -97,8 +96,17 @@ impl Client {
     /// # Errors
     /// When the port cannot be opened, nothing answers, or the versions do not match.
     pub fn connect(name: &str) -> Result<Client> {
+        Client::connect_patiently(name, SILENCE_TIMEOUT)
+    }
+
+    /// The same of a rig that may go without a useful answer for longer than [`SILENCE_TIMEOUT`], as one whose time is not the
+    /// wall clock's.
+    ///
+    /// # Errors
+    /// As for [`Client::connect`].
+    pub fn connect_patiently(name: &str, patience: Duration) -> Result<Client> {
         let opened = port::open(name).map_err(|error| Failure::NoAnswer.of(error))?;
-        Client::over(opened, name)
+        Client::begin(opened, name, patience)
     }
 
     /// Talks over an open link; `name` is for messages.
@@ -106,10 +114,16 @@ impl Client {
     /// # Errors
     /// When nothing answers, or the versions do not match.
     pub fn over(link: Box<dyn Link>, name: &str) -> Result<Client> {
+        Client::begin(link, name, SILENCE_TIMEOUT)
+    }
+
+    fn begin(link: Box<dyn Link>, name: &str, patience: Duration) -> Result<Client> {
         // A different start for each program, so that a late reply to another program is not taken for ours.
         let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         let begin = std::process::id() as u16 ^ (clock.subsec_nanos() >> 8) as u16;
-        Client::in_session(link, name, owner::any_session(), begin)
+        let mut client = Client::new(link, name, owner::any_session(), begin);
+        client.patience = patience;
+        client.greeted()
     }
 
     /// The same with a given session, and requests numbered from the one after `sequence`: such a run of the client can be
@@ -118,9 +132,14 @@ impl Client {
     /// # Errors
     /// As for [`Client::over`].
     pub fn in_session(link: Box<dyn Link>, name: &str, session: u32, sequence: u16) -> Result<Client> {
-        let mut client = Client {
+        Client::new(link, name, session, sequence).greeted()
+    }
+
+    fn new(link: Box<dyn Link>, name: &str, session: u32, sequence: u16) -> Client {
+        Client {
             link,
             name: name.to_owned(),
+            patience: SILENCE_TIMEOUT,
             accumulator: Accumulator::new(),
             heard: Vec::new().into_iter(),
             sequence,
@@ -136,18 +155,22 @@ impl Client {
             repeats: 0,
             recent: Recent::default(),
             unasked: stream::Unasked::default(),
-        };
+        }
+    }
+
+    /// Finds a rig at the other end.
+    fn greeted(mut self) -> Result<Client> {
         // Ends a frame that an earlier program left incomplete.
-        client.link.write(&[0]).with_context(|| format!("cannot write to {name}"))?;
-        if name.starts_with("tcp://")
+        self.link.write(&[0]).with_context(|| format!("cannot write to {}", self.name))?;
+        if self.name.starts_with("tcp://")
             && let Some(token) = token()?
         {
-            client.send_token(&token)?;
+            self.send_token(&token)?;
         }
-        let info = client.info()?;
-        (client.version, client.record_capacity) = (info.version, info.record_capacity);
-        client.boot = client.number_of_boot()?;
-        Ok(client)
+        let info = self.info()?;
+        (self.version, self.record_capacity) = (info.version, info.record_capacity);
+        self.boot = self.number_of_boot()?;
+        Ok(self)
     }
 
     /// Damaged frames and repeated requests so far.
@@ -173,7 +196,8 @@ impl Client {
     ) -> Result<T> {
         self.sequence = self.sequence.wrapping_add(1);
         let sequence = self.sequence;
-        for attempt in 0..ATTEMPTS {
+        let attempts = self.patience.as_millis().div_ceil(ANSWER_WAIT.as_millis());
+        for attempt in 0..attempts {
             self.repeats += u32::from(attempt > 0);
             self.send(Request { sequence, body })?;
             let deadline = self.link.now() + ANSWER_WAIT;
@@ -190,7 +214,7 @@ impl Client {
         Failure::NoAnswer.error(format!(
             "no answer from {} within {:.1} s; check that it is a rig, that it is powered and has this firmware, and that no other program uses the port",
             self.name,
-            SILENCE_TIMEOUT.as_secs_f64()
+            self.patience.as_secs_f64()
         ))
     }
 

@@ -9,7 +9,7 @@ use pneudrive_protocol::{
 use pneudrive_records::record::{Record, RecordHead};
 
 use super::answer::{refusal, unexpected};
-use super::{ANSWER_WAIT, Client, SILENCE_TIMEOUT};
+use super::{ANSWER_WAIT, Client};
 
 use crate::download::Download;
 use crate::failure::Failure;
@@ -122,7 +122,7 @@ impl Client {
                 Some(_) => {}
                 None => pieces.download.fell_silent(),
             }
-            if self.link.now() > progress + SILENCE_TIMEOUT {
+            if self.link.now() > progress + self.patience {
                 return Err(self.no_answer());
             }
         }
