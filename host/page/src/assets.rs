@@ -40,6 +40,7 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("vector.js", SCRIPT),
     asset!("figures.js", SCRIPT),
     asset!("records.js", SCRIPT),
+    asset!("runs.js", SCRIPT),
     asset!("spectrum.js", SCRIPT),
     asset!("difference.js", SCRIPT),
     asset!("toolbar.js", SCRIPT),

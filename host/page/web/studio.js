@@ -10,6 +10,7 @@ import { Inspector } from './inspector.js';
 import { Picture } from './picture.js';
 import { Plot } from './plot.js';
 import { Records } from './records.js';
+import { Runs } from './runs.js';
 import { placeOf } from './scale.js';
 import { Refused, get, lines, post, postForColumns, study } from './server.js';
 import { Simulation } from './simulation.js';
@@ -48,6 +49,7 @@ class Studio {
     const changes = { changed: (...change) => this.#change(...change), chosen: (id) => this.#choose(id) };
     this.inspector = new Inspector(part('inspector'), keys, changes);
     this.picture = new Picture(part('picture'), changes);
+    this.runs = new Runs(part('runs'));
     this.plot = new Plot(part('plot'), { cursor: (time) => this.#moveTo(time) });
     this.simulation = new Simulation({
       check: (found) => this.#checked(found),
@@ -191,18 +193,10 @@ class Studio {
   #show(drawn) {
     // While a rig is followed, its curves are on the graphs.
     if (this.#run && !this.commission?.follows) this.plot.show([...this.records.runs, ...this.#ghosts, this.#run], drawn);
-    const entry = (kind, label, dismissed) => {
-      const dismiss = html('button', { type: 'button', 'aria-label': `Dismiss ${label}` }, '×');
-      dismiss.addEventListener('click', () => {
-        dismissed();
-        this.#show();
-      });
-      return html('li', { class: kind }, html('span', {}, label), dismiss);
-    };
-    const ghost = (one) => entry('ghost', one.label, () => { this.#ghosts = this.#ghosts.filter((other) => other !== one); });
-    const record = (one) => entry('record', one.name, () => this.records.dismiss(one));
-    const now = this.#run ? [html('li', { class: 'now' }, html('span', {}, this.#run.label))] : [];
-    part('runs').replaceChildren(...now, ...this.records.all.map(record), ...this.#ghosts.map(ghost).reverse());
+    const entry = (kind, label, of, dismiss) => ({ kind, label, of, dismissed: () => { dismiss(); this.#show(); } });
+    const ghost = (one) => entry('ghost', one.label, one, () => { this.#ghosts = this.#ghosts.filter((other) => other !== one); });
+    const record = (one) => entry('record', one.name, one, () => this.records.dismiss(one));
+    this.runs.show(this.#run, [...this.records.all.map(record), ...this.#ghosts.map(ghost).reverse()]);
   }
 
   /** Offers to commission the rig at a port. */

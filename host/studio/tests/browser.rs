@@ -53,12 +53,16 @@ fn a_wrong_value_is_told_at_its_field_as_one_types_and_undo_takes_a_right_one_ba
     page.wait_until(&format!("!document.querySelector('{MASS} .problem').textContent"));
     page.wait_until("document.querySelectorAll('#runs .ghost').length === 1");
     assert_eq!(page.text(&format!("{MASS} .origin")), "changed");
+    page.evaluate("window.ghost = document.querySelector('#runs .ghost')");
     page.click("#undo");
     page.wait_until(&format!("document.querySelector('{MASS} .origin').textContent === 'given'"));
     assert_eq!(
         page.evaluate("document.getElementById('command').value"),
         json!("pneudrive simulate servo-b-tuned --out sim")
     );
+    page.wait_until("studio.simulation.isAtRest");
+    // A button that was replaced meanwhile would not be clicked.
+    assert_eq!(page.evaluate("ghost === document.querySelector('#runs .ghost')"), json!(true));
     page.click("#runs .ghost button");
     page.wait_until("document.querySelectorAll('#runs .ghost').length === 0");
     assert_eq!(page.complaints, Vec::<String>::new());
