@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use anyhow::Result;
-use pneudrive::exit::Exit;
 use tempfile::TempDir;
 
 use crate::program;
+
+/// The exit code of a request that the rig refuses (docs/exit-codes.md).
+const REFUSED: i32 = 5;
 
 /// A folder to type in, and the port that `device` means.
 pub struct Shell {
@@ -52,7 +54,7 @@ impl Shell {
     #[must_use]
     pub fn device_refuses(&self, action: &str) -> String {
         let (code, said, errors) = self.run(&self.at_port(action));
-        assert_eq!(code, Some(Exit::Refused as i32), "pneudrive device {action}: {said}{errors}");
+        assert_eq!(code, Some(REFUSED), "pneudrive device {action}: {said}{errors}");
         errors
     }
 
