@@ -9,6 +9,8 @@ export class BringUp {
   #parts = {};
   #isOn = false;
   #report = null;
+  /** What came of it, once it is over: the report and the drive's last word of it come in any order. */
+  #summary = '';
 
   constructor(told) {
     this.#told = told;
@@ -55,7 +57,7 @@ export class BringUp {
   /** Shows where it is. */
   heard({ is_on: isOn, now, question, checks }) {
     this.#isOn = isOn;
-    this.#parts.now.textContent = now;
+    this.#parts.now.textContent = isOn ? now : this.#summary;
     this.#parts.question.textContent = question?.text ?? '';
     this.#parts.answers.hidden = !question;
     if (question && this.#parts.answers.dataset.question !== String(question.number)) {
@@ -80,6 +82,7 @@ export class BringUp {
 
   async #begin() {
     this.#parts.problem.textContent = '';
+    this.#summary = '';
     this.#parts.checks.replaceChildren();
     this.#parts.save.hidden = true;
     this.#parts.begin.disabled = true;
@@ -88,7 +91,8 @@ export class BringUp {
       if (![wait, most].every(Number.isInteger)) throw new Error('give whole numbers of s and of %');
       this.#report = await this.#told.ask('bring-up', { push_wait_s: wait, most_percent: most });
       const { summary, wrong } = this.#report;
-      this.#parts.now.textContent = wrong.length ? `${summary}. What to do stands with each.` : `${summary}.`;
+      this.#summary = wrong.length ? `${summary}. What to do stands with each.` : `${summary}.`;
+      this.#parts.now.textContent = this.#summary;
       this.#parts.save.hidden = false;
     } catch (error) {
       this.#parts.problem.textContent = error.message;
