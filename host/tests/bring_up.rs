@@ -77,14 +77,23 @@ fn advice(report: &Report) -> Vec<String> {
 
 #[test]
 fn a_drive_whose_wires_are_right_has_nothing_to_find() {
-    for name in ["servo-b-tuned", "servo-a-tuned", "servo-c", "burrows"] {
+    at_once(&["servo-b-tuned", "servo-a-tuned", "servo-c", "burrows"], |name| {
         let (rig, wiring) = rig_with(name, &[], FAST);
         let report = brought_up(&rig, &wiring, true);
         assert_eq!(advice(&report), [""; 0], "{name}: {}", report.markdown());
         let is_open = |check: &&Check| check.verdict == Verdict::NotChecked;
         let open: Vec<&str> = report.checks.iter().filter(is_open).map(|check| check.name).collect();
         assert_eq!(open, ["drive stage"], "{name}: {}", report.markdown());
-    }
+    });
+}
+
+/// Goes through cases beside one another: most of a bring-up is waiting.
+fn at_once<T: Sync>(cases: &[T], go_through: impl Fn(&T) + Sync) {
+    std::thread::scope(|scope| {
+        for case in cases {
+            scope.spawn(|| go_through(case));
+        }
+    });
 }
 
 /// In real time a status may come before the first sample of a pulse, and its position is none.
@@ -136,7 +145,7 @@ fn each_wiring_fault_is_found_and_named_and_nothing_else_is() {
         ),
         (WiringFault::EnableOpen, &["pulses: nothing answers the command: drive_enable does not reach"]),
     ];
-    for (fault, says) in faults {
+    at_once(&faults, |&(fault, says)| {
         let (rig, wiring) = rig_with("servo-b-tuned", &[fault], FAST);
         let mut client = Client::connect(rig.port()).expect("an answer");
         let mut helper = OneWhoSees(wiring);
@@ -147,7 +156,7 @@ fn each_wiring_fault_is_found_and_named_and_nothing_else_is() {
         for (found, says) in found.iter().zip(says) {
             assert!(found.starts_with(says), "{fault:?}: {found}");
         }
-    }
+    });
 }
 
 /// Somebody who pushes the slide and lets it move, but touches no wire.

@@ -8,6 +8,7 @@
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
 //! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
+//! | [`link`] | the link under faults: often, and in all its states |
 //! | [`targets`] | what must compile for other systems |
 //! | [`web`] | the studio's page as a folder of files, with the designer as WebAssembly |
 //! | [`tools`] | makes sure that the emulator is there, and what counts instructions |
@@ -36,6 +37,7 @@ pub mod forbidden;
 pub mod frame;
 pub mod image;
 pub mod instructions;
+pub mod link;
 pub mod memory;
 pub mod probe;
 pub mod processors;

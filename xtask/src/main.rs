@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use xtask::link;
 use xtask::steps::{self, Group};
 use xtask::tally::Tally;
 
@@ -110,9 +111,9 @@ fn main() -> ExitCode {
         Command::Cost => steps::cost(&mut tally),
         Command::Processors => steps::processors(&mut tally),
         Command::Bless { cause } => steps::bless(&mut tally, &cause),
-        Command::LinkStates => steps::link_states(&mut tally),
+        Command::LinkStates => link::states(&mut tally),
         Command::Thesis { write } => steps::thesis(&mut tally, write),
-        Command::SoakLink => steps::soak_link(&mut tally),
+        Command::SoakLink => link::soak(&mut tally),
     }
     tally.report()
 }

@@ -11,7 +11,7 @@ use crate::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, CLANG, QEMU};
 use crate::{
-    axe, boards, firmware, flashed, fmu, instructions, memory, probe, processors, python, targets, web,
+    axe, boards, firmware, flashed, fmu, instructions, link, memory, probe, processors, python, targets, web,
 };
 
 /// Formats both workspaces, or checks that they are formatted.
@@ -30,8 +30,16 @@ pub fn fmt(tally: &mut Tally, check: bool) {
 
 /// Clippy on both workspaces; a warning is an error.
 pub fn lint(tally: &mut Tally) {
+    lint_root(tally);
+    lint_images(tally);
+}
+
+fn lint_root(tally: &mut Tally) {
     let all = ["clippy", "--workspace", "--all-targets", "--keep-going", "--", "-D", "warnings"];
     tally.check("lint", || run(&mut in_root(&all)));
+}
+
+fn lint_images(tally: &mut Tally) {
     // A test harness does not build without std.
     // As the images are built, so that what builds with them is compiled once.
     let images = ["clippy", "--release", "--workspace", "--", "-D", "warnings"];
@@ -207,6 +215,11 @@ fn test_without_groups(tally: &mut Tally) {
     tally.check("target of the boards", cargo::ensure_thumb_target);
     tally.check("emulator", || QEMU.ensure());
     tally.check("image for the emulator", firmware::check_emulated);
+    test_programs(tally);
+    probe(tally);
+}
+
+fn test_programs(tally: &mut Tally) {
     tests(tally, "tests", &["test", "--workspace", "--no-fail-fast"]);
     tally.check("instructions of the simulator", instructions::check);
     tally.check("no_std crates for the boards", || {
@@ -215,7 +228,6 @@ fn test_without_groups(tally: &mut Tally) {
         arguments.extend(crates.iter().flat_map(|name| ["--package", name]));
         run(&mut in_root(&arguments))
     });
-    probe(tally);
 }
 
 /// Tests that count one by one.
@@ -339,55 +351,30 @@ fn example(name: &str, arguments: &[&str]) -> Result<()> {
     run(&mut in_root(&[&run_it, arguments].concat()))
 }
 
-/// The tests of the link, as often as CI has no time for; they print what came of it.
-pub fn soak_link(tally: &mut Tally) {
-    let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream", "--test", "two_hosts"];
-    let packages = ["test", "--package", "pneudrive", "--package", "pneudrive-link"];
-    let arguments = [&packages[..], &tests, &["--", "--nocapture"]].concat();
-    tally.check("soak of the link", || {
-        let mut command = in_root(&arguments);
-        command.env("PNEUDRIVE_DOWNLOADS", "100000").env("PNEUDRIVE_KILLS", "1000");
-        run(command.env("PNEUDRIVE_PAIRS", "40").env("PNEUDRIVE_IMPORTS", "1500"))
-    });
-}
-
-/// Bounds of the checker of the link: jobs of the two hosts, then faults, resets, power cuts and silences, and
-/// whether to go deep. These are CI's.
-const BOUNDS_OF_CI: [&str; 2] = ["runs configures 2 1 1 0", "homes runs 2 1 0 0"];
-
-/// All states of the link within wider bounds than the tests have.
-pub fn link_states(tally: &mut Tally) {
-    let wider = [
-        "both both 1 0 0 0",
-        "both both 0 0 0 1",
-        "both both 1 1 1 0 deep",
-        "runs runs 1 1 1 0",
-        "runs runs 2 0 0 0",
-        "runs runs 2 1 1 0 deep",
-    ];
-    for bounds in BOUNDS_OF_CI.into_iter().chain(wider) {
-        all_states(tally, bounds);
-    }
-}
-
-fn all_states(tally: &mut Tally, bounds: &str) {
-    let run_it = ["run", "--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
-    tally.check(&format!("states of the link: {bounds}"), || {
-        run(&mut in_root(&[&run_it[..], &bounds.split(' ').collect::<Vec<_>>()].concat()))
-    });
-}
-
-/// What CI runs.
+/// What CI runs. The images are built in a folder of their own, mostly by one core: the tests are compiled beside them, and
+/// run once they are done, as some measure times.
 pub fn ci(tally: &mut Tally) {
     fmt(tally, true);
-    lint(tally);
-    test_without_groups(tally);
+    tally.check("target of the boards", cargo::ensure_thumb_target);
+    tally.check("emulator", || QEMU.ensure());
+    let images = std::thread::spawn(|| {
+        let mut images = Tally::default();
+        images.check("image for the emulator", firmware::check_emulated);
+        lint_images(&mut images);
+        probe(&mut images);
+        images
+    });
+    lint_root(tally);
+    tally.check("tests, compiled", || run(&mut in_root(&["test", "--workspace", "--no-run", "--quiet"])));
+    match images.join() {
+        Ok(images) => tally.absorb(images),
+        Err(_) => tally.fail(1, "the images: a panic, told above".to_owned()),
+    }
+    test_programs(tally);
     for group in Group::value_variants() {
         test_group(tally, *group);
     }
-    for bounds in BOUNDS_OF_CI {
-        all_states(tally, bounds);
-    }
+    link::states_in_short(tally);
     docs(tally);
 }
 

@@ -75,6 +75,15 @@ impl Tally {
         self.failures.push(what);
     }
 
+    /// Adds what was done beside this.
+    pub fn absorb(&mut self, beside: Tally) {
+        self.passed += beside.passed;
+        self.failed += beside.failed;
+        self.failures.extend(beside.failures);
+        self.took.extend(beside.took);
+        self.left_out.extend(beside.left_out);
+    }
+
     /// How many failed so far.
     #[must_use]
     pub fn failed(&self) -> u32 {

@@ -1,0 +1,49 @@
+//! The link under faults: often, and in all its states.
+
+use crate::cargo::{in_root, run};
+use crate::tally::Tally;
+
+/// The tests of the link, as often as CI has no time for; they print what came of it.
+pub fn soak(tally: &mut Tally) {
+    let tests = ["--test", "faulty_link", "--test", "kills", "--test", "stream", "--test", "two_hosts"];
+    let packages = ["test", "--package", "pneudrive", "--package", "pneudrive-link"];
+    let arguments = [&packages[..], &tests, &["--", "--nocapture"]].concat();
+    tally.check("soak of the link", || {
+        let mut command = in_root(&arguments);
+        command.env("PNEUDRIVE_DOWNLOADS", "100000").env("PNEUDRIVE_KILLS", "1000");
+        run(command.env("PNEUDRIVE_PAIRS", "40").env("PNEUDRIVE_IMPORTS", "1500"))
+    });
+}
+
+/// Bounds of the checker of the link: jobs of the two hosts, then faults, resets, power cuts and silences, and
+/// whether to go deep. These are CI's.
+const BOUNDS_OF_CI: [&str; 2] = ["runs configures 2 1 1 0", "homes runs 2 1 0 0"];
+
+/// All states of the link within wider bounds than the tests have.
+pub fn states(tally: &mut Tally) {
+    let wider = [
+        "both both 1 0 0 0",
+        "both both 0 0 0 1",
+        "both both 1 1 1 0 deep",
+        "runs runs 1 1 1 0",
+        "runs runs 2 0 0 0",
+        "runs runs 2 1 1 0 deep",
+    ];
+    for bounds in BOUNDS_OF_CI.into_iter().chain(wider) {
+        all_states(tally, bounds);
+    }
+}
+
+/// Those within the bounds of CI.
+pub fn states_in_short(tally: &mut Tally) {
+    for bounds in BOUNDS_OF_CI {
+        all_states(tally, bounds);
+    }
+}
+
+fn all_states(tally: &mut Tally, bounds: &str) {
+    let run_it = ["run", "--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
+    tally.check(&format!("states of the link: {bounds}"), || {
+        run(&mut in_root(&[&run_it[..], &bounds.split(' ').collect::<Vec<_>>()].concat()))
+    });
+}
