@@ -33,6 +33,8 @@ pub struct Config {
     pub drive: DriveConfig,
     /// Whether the board turns the sign of its encoder.
     pub encoder_inverted: bool,
+    /// The bits of a raw pressure that are kept: all, or none without sensors.
+    pub pressure_mask: i16,
 }
 
 /// The clock of the control task and what counts as late.
@@ -120,6 +122,7 @@ impl Default for Config {
             },
             drive: DriveConfig::Dac(DacConfig { null_code: 2048, inverted: false }),
             encoder_inverted: false,
+            pressure_mask: ALL_BITS,
         }
     }
 }
@@ -146,6 +149,8 @@ impl Config {
         ensure(get(id::HOMING_COMMAND_COUNTS) != 0, ConfigError::HomingStandsStill)?;
         let pulse_us = unsigned(id::DIRECTION_SETUP_US).saturating_add(unsigned(id::PULSE_WIDTH_US));
         ensure(pulse_us < period_us.get(), ConfigError::PulseTooLong)?;
+        let feeds_back = get(id::LAW) == ON_OFF && get(id::PRESSURE_FEEDBACK_GAIN) != 0;
+        ensure(has_pressure_sensors(parameters) || !feeds_back, ConfigError::NothingToFeedBack)?;
 
         Ok(Config {
             timing: Timing {
@@ -166,8 +171,19 @@ impl Config {
             limits,
             drive,
             encoder_inverted: get(id::ENCODER_INVERTED) != 0,
+            pressure_mask: if has_pressure_sensors(parameters) { ALL_BITS } else { 0 },
         })
     }
+}
+
+/// The value of the law that feeds back pressures.
+const ON_OFF: i32 = 3;
+
+/// A mask that leaves a number as it is.
+const ALL_BITS: i16 = -1;
+
+fn has_pressure_sensors(parameters: &Parameters) -> bool {
+    parameters.scalar(id::PRESSURE_SENSORS) != 0
 }
 
 fn law(
@@ -180,7 +196,7 @@ fn law(
         kind: match parameters.scalar(id::LAW) {
             1 => LawKind::Proportional,
             2 => LawKind::MooreProportional,
-            3 => LawKind::OnOff,
+            ON_OFF => LawKind::OnOff,
             _ => LawKind::GainProfile,
         },
         gain_profile: parameters.gain_profile,
@@ -250,21 +266,29 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
 /// The parameter's value for "no raw pressure is that of a shorted sensor".
 const NONE_IS_HIGH: i32 = 32_767;
 
+/// Raw pressures at or below the first, or at or above the second, are those of a sensor that is open or shorted.
+/// Without sensors every reading is allowed, that of a converter which does not answer, too.
+fn sensor_ends(parameters: &Parameters) -> [i32; 2] {
+    match parameters.scalar(id::SENSOR_HIGH_RAW) {
+        _ if !has_pressure_sensors(parameters) => [i32::MIN, NONE_IS_HIGH + 1],
+        NONE_IS_HIGH => [parameters.scalar(id::SENSOR_LOW_RAW), NONE_IS_HIGH + 1],
+        high => [parameters.scalar(id::SENSOR_LOW_RAW), high],
+    }
+}
+
 fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limits {
     let get = |id| parameters.scalar(id);
     let no_motion_ms = get(id::NO_MOTION_MS).unsigned_abs();
     // A time below a period is one sample, not "off".
     let no_motion_samples = samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0));
+    let [sensor_low, sensor_high] = sensor_ends(parameters);
     Limits {
         largest_command: largest,
         position_min: get(id::POSITION_MIN_COUNTS),
         position_max: get(id::POSITION_MAX_COUNTS),
         encoder_step: get(id::ENCODER_STEP_COUNTS).unsigned_abs(),
-        sensor_low: get(id::SENSOR_LOW_RAW) as i16,
-        sensor_high: match get(id::SENSOR_HIGH_RAW) {
-            NONE_IS_HIGH => NONE_IS_HIGH + 1,
-            high => high,
-        },
+        sensor_low,
+        sensor_high,
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
         null_motion: get(id::ENCODER_STEP_COUNTS).unsigned_abs().saturating_mul(NULL_SAMPLES) / 100,
         no_motion: NoMotion::of(no_motion_samples, largest, get(id::DEAD_ZONE_COUNTS).unsigned_abs()),
@@ -362,7 +386,7 @@ mod tests {
 
     #[test]
     fn parameters_that_do_not_go_together_are_named() {
-        let cases: [(&[(u16, i32)], ConfigError); 4] = [
+        let cases: [(&[(u16, i32)], ConfigError); 5] = [
             (&[(id::PERIOD_US, 500)], ConfigError::DelayNotBelowPeriod),
             (
                 &[(id::POSITION_MIN_COUNTS, 10), (id::POSITION_MAX_COUNTS, 10)],
@@ -370,11 +394,14 @@ mod tests {
             ),
             (&[(id::PRESSURE_MIN_PA, 1_000_000)], ConfigError::PressureRangeEmpty),
             (&[(id::SPOOL_MIN_NM, 1_250_000)], ConfigError::SpoolRangeEmpty),
+            (&[(id::PRESSURE_SENSORS, 0), (id::LAW, 3)], ConfigError::NothingToFeedBack),
         ];
         for (changes, error) in cases {
             assert_eq!(with(changes), Err(error));
             assert!(error.advice().contains("must be"));
         }
         assert!(with(&[(id::PERIOD_US, 501)]).is_ok(), "a delay just below the period");
+        let without = [(id::PRESSURE_SENSORS, 0), (id::LAW, 3), (id::PRESSURE_FEEDBACK_GAIN, 0)];
+        assert!(with(&without).is_ok() && with(&without[..1]).is_ok(), "nothing is fed back");
     }
 }

@@ -69,6 +69,7 @@ pub mod id {
     pub const ACCELERATION_FEED_FORWARD: u16 = 58;
     pub const ENCODER_MODEL: u16 = 59;
     pub const ENCODER_ZERO_COUNTS: u16 = 60;
+    pub const PRESSURE_SENSORS: u16 = 61;
     /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
     pub const GAIN_PROFILE: u16 = 256;
 }
@@ -124,7 +125,7 @@ const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
 #[rustfmt::skip]
-pub static TABLE: [Parameter; 61] = [
+pub static TABLE: [Parameter; 62] = [
     scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
     scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
     scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
@@ -185,6 +186,7 @@ pub static TABLE: [Parameter; 61] = [
     scalar!(ACCELERATION_FEED_FORWARD, "acceleration_feed_forward", "", 0, GAIN_MAX, 0, "", "Gain on the setpoint's own counts per velocity and acceleration window while a profile moves it; 0: off."),
     scalar!(ENCODER_MODEL, "encoder_model", "", 0, 2, 0, "", "0: quadrature. 1: potentiometer. 2: SSI. The last two need no homing."),
     scalar!(ENCODER_ZERO_COUNTS, "encoder_zero_counts", "counts", -COUNT_MAX, COUNT_MAX, 0, "", "The position at count 0 of an absolute encoder."),
+    scalar!(PRESSURE_SENSORS, "pressure_sensors", "", 0, 1, 1, "", "1: both pressures are measured. 0: none is; their inputs trip nothing and are recorded as 0."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

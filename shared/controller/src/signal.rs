@@ -5,9 +5,9 @@
 pub struct Sample {
     /// Encoder count; positive means extension. Unit: counts.
     pub position: i32,
-    /// Chamber 1 (blind side) pressure as converted, 0 to 2^bits - 1.
+    /// Chamber 1 (blind side) pressure as converted, 0 to 2^bits - 1; anything without sensors.
     pub pressure_1: i16,
-    /// Chamber 2 (rod side) pressure as converted, 0 to 2^bits - 1.
+    /// Chamber 2 (rod side) pressure as converted, 0 to 2^bits - 1; anything without sensors.
     pub pressure_2: i16,
     /// Spool displacement as converted, 0 to 2^bits - 1.
     pub spool: i16,
@@ -52,9 +52,9 @@ pub struct Observation {
     pub error: i32,
     /// The command computed from this sample: counts of a DAC, steps of a stepper.
     pub command: i16,
-    /// Chamber 1 pressure, raw.
+    /// Chamber 1 pressure, raw; 0 without sensors.
     pub pressure_1: i16,
-    /// Chamber 2 pressure, raw.
+    /// Chamber 2 pressure, raw; 0 without sensors.
     pub pressure_2: i16,
     /// Spool displacement, raw; for a stepper SPLLOC at the sample, steps.
     pub spool: i16,

@@ -17,6 +17,8 @@ pub enum ConfigError {
     HomingStandsStill,
     /// `direction_setup_us` and `pulse_width_us` together must be less than `period_us`.
     PulseTooLong,
+    /// Without pressure sensors `pressure_feedback_gain` of the on-off law must be 0.
+    NothingToFeedBack,
     /// A divisor (`period_us`, `delay_us`, `profile_span_counts`, `scale`) is not positive.
     DivisorNotPositive,
 }
@@ -35,6 +37,7 @@ impl ConfigError {
             ConfigError::PulseTooLong => {
                 "direction_setup_us and pulse_width_us together must be less than period_us"
             }
+            ConfigError::NothingToFeedBack => "pressure_feedback_gain must be 0 where pressure_sensors is 0",
             ConfigError::DivisorNotPositive => {
                 "period_us, delay_us, profile_span_counts and scale must be positive"
             }
