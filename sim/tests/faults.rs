@@ -1,5 +1,6 @@
 //! What each fault does to a drive, in whole runs.
 
+use pneudrive_controller::Observation;
 use pneudrive_sim::trace::Row;
 use pneudrive_sim::{Accuracy, Rig, Run, run};
 
@@ -237,6 +238,19 @@ fn a_sensor_that_is_open_reads_zero_and_moves_nothing() {
             assert_eq!((of(row), row.plant), (expected, other.plant), "{sensor} at {}", row.time);
         }
         assert_eq!(run.work, healthy.work);
+    }
+}
+
+/// The law does not need them: what is lost is what is seen.
+#[test]
+fn a_drive_without_pressure_sensors_moves_as_with_them_and_records_none() {
+    let with = simulate("servo-b-tuned", &[], &[]);
+    let without = simulate("servo-b-tuned", &[], &["sensors.pressure=false"]);
+    assert_eq!((without.fault, without.rows.len()), (None, with.rows.len()));
+    for (row, other) in without.rows.iter().zip(&with.rows) {
+        let expected = Observation { pressure_1: 0, pressure_2: 0, ..other.observation };
+        assert_ne!(other.observation.pressure_1, 0);
+        assert_eq!((row.observation, row.plant), (expected, other.plant), "at {}", row.time);
     }
 }
 

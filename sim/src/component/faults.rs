@@ -117,6 +117,13 @@ pub enum FaultKind {
     SensorOpen(OpenSensor),
 }
 
+impl FaultKind {
+    /// Whether it needs a sensor of a pressure.
+    pub(crate) fn is_of_pressure_sensor(self) -> bool {
+        matches!(self, FaultKind::SensorOpen(OpenSensor::Pressure1 | OpenSensor::Pressure2))
+    }
+}
+
 /// Something that goes wrong at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultEvent {

@@ -4,19 +4,21 @@
 //! raw   = clamp(floor((x - min) / (max - min) (2^bits - 1) + 0.5 + noise), 0, 2^bits - 1)
 //! ```
 //!
-//! as in DESIGN section 4; the noise, in counts, is normal and drawn from a seeded generator.
+//! as in DESIGN section 4; the noise, in counts, is normal and drawn from a seeded generator. A pressure without a sensor is
+//! raw 0, which the controller does not look at.
 
 use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::component::controller;
 use crate::component::encoder::Encoder;
+use crate::component::{controller, faults};
 use crate::key::keys;
 use crate::random::normal;
 use crate::values::{Findings, Rig, whole_microseconds};
 
 keys! {
+    PRESSURE: bool = switch("sensors.pressure", true, "", "Whether the pressures of both chambers are measured. Without, nothing trips by them, records have none, and the on-off law must not feed them back.");
     PRESSURE_MIN_PA: f64 = number("sensors.pressure_min_pa", 0.0, 0.0, 1e7, "", "Absolute pressure at raw 0.");
     PRESSURE_MAX_PA: f64 = number("sensors.pressure_max_pa", 1_000_000.0, 1.0, 1e8, "", "Absolute pressure at full scale.");
     SPOOL_MIN_MM: f64 = number("sensors.spool_min_mm", -1.25, -1000.0, 1000.0, "", "Spool displacement at raw 0.");
@@ -34,6 +36,26 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     findings.below(rig, &keys::PRESSURE_MIN_PA, &keys::PRESSURE_MAX_PA, why);
     findings.below(rig, &keys::SPOOL_MIN_MM, &keys::SPOOL_MAX_MM, why);
     check_channel_skew(rig, findings);
+    check_without_pressures(rig, findings);
+}
+
+/// A law that feeds back pressures, and an event of a pressure sensor, need the sensors.
+fn check_without_pressures(rig: &Rig, findings: &mut Findings) {
+    if rig.get(&keys::PRESSURE) {
+        return;
+    }
+    let gain = &controller::keys::PRESSURE_FEEDBACK_GAIN;
+    if rig.get(&controller::keys::LAW) == controller::Law::OnOff && rig.get(gain) != 0.0 {
+        let message = format!(
+            "must be 0 with sensors.pressure = false, is {}: the on-off law has no pressures to feed back; write 0, or take another controller.law, or give the rig its sensors",
+            rig.get(gain)
+        );
+        findings.note(gain, message);
+    }
+    if rig.fault_events().iter().any(|event| event.kind.is_of_pressure_sensor()) {
+        let message = "a pressure sensor cannot come off with sensors.pressure = false; leave the event out";
+        findings.note(&faults::keys::EVENT, message);
+    }
 }
 
 /// All channels of a sample are read before its command goes out.
@@ -106,7 +128,8 @@ impl Converter {
 #[derive(Clone, Debug)]
 pub struct Sensors {
     encoder: Encoder,
-    pressure: Converter,
+    /// None: the pressures are not measured.
+    pressure: Option<Converter>,
     spool: Converter,
     /// The homing switch is closed below this position, m; without a switch below none.
     home_switch: f64,
@@ -121,11 +144,11 @@ impl Sensors {
         let bits = rig.get(&keys::BITS) as u32;
         Sensors {
             encoder: Encoder::new(rig, seed),
-            pressure: Converter {
+            pressure: rig.get(&keys::PRESSURE).then(|| Converter {
                 min: rig.get(&keys::PRESSURE_MIN_PA),
                 max: rig.get(&keys::PRESSURE_MAX_PA),
                 bits,
-            },
+            }),
             spool: Converter {
                 min: rig.get(&keys::SPOOL_MIN_MM) * 1e-3,
                 max: rig.get(&keys::SPOOL_MAX_MM) * 1e-3,
@@ -140,24 +163,24 @@ impl Sensors {
     /// The sensors' reading of a position (m), two pressures (Pa) and a spool position (m).
     pub fn read(&mut self, position: f64, pressures: [f64; 2], spool: f64) -> Sample {
         let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
+        let pressure = |i: usize| self.pressure.as_ref().map_or(0, |of| of.raw(pressures[i], noise[i]));
         Sample {
+            pressure_1: pressure(0),
+            pressure_2: pressure(1),
             position: self.encoder.read(position),
-            pressure_1: self.pressure.raw(pressures[0], noise[0]),
-            pressure_2: self.pressure.raw(pressures[1], noise[1]),
             spool: self.spool.raw(spool, noise[2]),
             home_switch: position < self.home_switch,
         }
     }
 
     /// How far position (m) and pressures (Pa) are from where their readings change, with the noise that
-    /// [`Sensors::read`] would have drawn.
+    /// [`Sensors::read`] would have drawn. A pressure that is not measured never changes.
     pub(crate) fn distances(&mut self, of: &Reading) -> [f64; 3] {
         let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
-        [
-            self.encoder.distance(of.position),
-            self.pressure.distance(of.pressures[0], noise[0]),
-            self.pressure.distance(of.pressures[1], noise[1]),
-        ]
+        let pressure = |i: usize| {
+            self.pressure.as_ref().map_or(f64::INFINITY, |sensor| sensor.distance(of.pressures[i], noise[i]))
+        };
+        [self.encoder.distance(of.position), pressure(0), pressure(1)]
     }
 
     fn noise(&mut self) -> f64 {
@@ -178,6 +201,19 @@ mod tests {
         assert_eq!(converter.raw(0.51e6 / 4095.0, 0.0), 1);
         assert_eq!((converter.raw(-5e5, 0.0), converter.raw(5e6, 0.0)), (0, 4095));
         assert_eq!(converter.raw(1e6, 3.0), 4095, "noise is added before the limits");
+    }
+
+    #[test]
+    fn without_pressure_sensors_both_read_0_and_the_other_sensors_as_before() {
+        let read = |text: &str| {
+            let rig = Rig::read("test", &format!("[sensors]\nnoise_counts = 2.0\n{text}")).expect("valid");
+            let mut sensors = Sensors::new(&rig, 1);
+            (0..50).map(|_| sensors.read(0.1, [5e5; 2], 1e-4)).collect::<Vec<Sample>>()
+        };
+        for (with, without) in read("").into_iter().zip(read("pressure = false\n")) {
+            assert_ne!(with.pressure_1, 0);
+            assert_eq!(without, Sample { pressure_1: 0, pressure_2: 0, ..with });
+        }
     }
 
     #[test]

@@ -125,6 +125,7 @@ impl Rig {
             (id::ENCODER_PM_PER_COUNT, (encoder::mm_per_count(self) * 1e9).round() as i32),
             (id::ENCODER_MODEL, number_of_encoder(self.get(&keys::encoder::MODEL))),
             (id::ENCODER_ZERO_COUNTS, encoder::zero_counts(self)),
+            (id::PRESSURE_SENSORS, i32::from(self.get(&sensors::PRESSURE))),
             (id::SENSOR_BITS, self.whole(&sensors::BITS)),
             (id::PRESSURE_MIN_PA, self.scaled(&sensors::PRESSURE_MIN_PA, 1.0)),
             (id::PRESSURE_MAX_PA, self.scaled(&sensors::PRESSURE_MAX_PA, 1.0)),
@@ -181,7 +182,7 @@ impl Rig {
     fn open_sensors(&self) -> [i32; 2] {
         let [min, max] =
             [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA].map(|end| self.get(end));
-        let watched = self.get(&keys::safety::SENSOR_WATCH);
+        let watched = self.get(&keys::safety::SENSOR_WATCH) && self.get(&keys::sensors::PRESSURE);
         let margin = (max - min) / f64::from(OPEN_SENSOR);
         let low = watched && self.get(&keys::exhaust::PRESSURE_PA) > min + 2.0 * margin;
         let high = watched && 1.5 * self.get(&keys::supply::PRESSURE_PA) < max - margin;

@@ -278,6 +278,25 @@ fn a_pressure_that_the_drive_cannot_have_is_an_open_sensors_where_the_range_show
     assert_eq!(of("[sensors]\npressure_min_pa = 101300\n"), [-1, 4032], "a gauge reads 0 at the exhaust");
     assert_eq!(of("[sensors]\npressure_max_pa = 700000\nbits = 10\n"), [15, 32_767]);
     assert_eq!(of("[safety]\nsensor_watch = false\n"), [-1, 32_767]);
+    assert_eq!(of("[sensors]\npressure = false\n"), [-1, 32_767]);
+}
+
+#[test]
+fn a_rig_without_pressure_sensors_tells_its_controller_and_feeds_nothing_back() {
+    let of = |text: &str| read(text).parameters().get(id::PRESSURE_SENSORS);
+    assert_eq!([of(""), of("[sensors]\npressure = false\n")], [Some(1), Some(0)]);
+    let relay = "[sensors]\npressure = false\n[controller]\nlaw = \"on-off\"\n";
+    let message = only_problem(relay);
+    assert!(
+        message
+            .contains("controller.pressure_feedback_gain: must be 0 with sensors.pressure = false, is 12.4"),
+        "{message}"
+    );
+    assert_eq!(of(&format!("{relay}pressure_feedback_gain = 0\n")), Some(0));
+    let event = "[sensors]\npressure = false\n[[faults.event]]\nkind = \"sensor-open\"\nat_s = 0.1\n";
+    let message = only_problem(&format!("{event}sensor = \"pressure-2\"\n"));
+    assert!(message.contains("faults.event: a pressure sensor cannot come off"), "{message}");
+    assert_eq!(of(&format!("{event}sensor = \"spool\"\n")), Some(0));
 }
 
 #[test]
