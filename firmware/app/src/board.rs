@@ -47,6 +47,11 @@ pub trait Board {
         false
     }
 
+    /// Whether a watchdog resets it that the idle task feeds.
+    fn has_watchdog(&self) -> bool {
+        false
+    }
+
     /// A run begins with the next sample. A simulated plant goes back to its initial state and takes
     /// over the timing; a real board does nothing.
     fn run_begins(&mut self, _: &Config) {}

@@ -114,6 +114,11 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         (log, recovery)
     }
 
+    /// The memory, as a reset leaves it.
+    pub fn into_memory(self) -> M {
+        self.memory
+    }
+
     /// Takes over what was flushed, if the memory holds no event. Once after a reset, before the first
     /// event: numbers go on from those in flash.
     pub fn restore<F: ReadNorFlash>(&mut self, store: &FaultStore, flash: &mut F) -> Restored {

@@ -41,6 +41,7 @@ pub fn run_control<S: Store>(
 #[derive(Debug)]
 pub struct LockStep<S> {
     name: &'static str,
+    has_watchdog: bool,
     store: S,
     sample: Sample,
     tempo: Tempo,
@@ -60,6 +61,7 @@ impl<S: Store> LockStep<S> {
     pub fn new(name: &'static str, store: S) -> LockStep<S> {
         LockStep {
             name,
+            has_watchdog: false,
             store,
             sample: Sample::default(),
             tempo: Tempo::default(),
@@ -70,6 +72,12 @@ impl<S: Store> LockStep<S> {
             now_ms: 0,
             rest_us: 0,
         }
+    }
+
+    /// The same board with a watchdog, which who runs it feeds.
+    #[must_use]
+    pub fn with_watchdog(self) -> LockStep<S> {
+        LockStep { has_watchdog: true, ..self }
     }
 
     /// Takes what the plant has sent.
@@ -158,6 +166,10 @@ impl<S: Store> Board for LockStep<S> {
     fn emulate_inputs(&mut self, inputs: u8) -> bool {
         self.inputs = inputs;
         true
+    }
+
+    fn has_watchdog(&self) -> bool {
+        self.has_watchdog
     }
 
     fn run_begins(&mut self, config: &Config) {

@@ -76,7 +76,8 @@ impl Need {
             | Body::ChangeTake { .. }
             | Body::StartTest { .. }
             | Body::SeekNull
-            | Body::AtNull => Need::Command,
+            | Body::AtNull
+            | Body::TryWatchdog => Need::Command,
         }
     }
 }

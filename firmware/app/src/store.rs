@@ -119,6 +119,11 @@ impl<F: NorFlash, M: BorrowMut<Memory>> FlashStore<F, M> {
         Ok((FlashStore { flash, config, faults, log, boot }, recovery, restored))
     }
 
+    /// What a reset leaves as it is: the flash and the memory.
+    pub fn into_parts(self) -> (F, M) {
+        (self.flash, self.log.into_memory())
+    }
+
     /// The flash, to be looked at.
     #[must_use]
     pub fn flash(&self) -> &F {

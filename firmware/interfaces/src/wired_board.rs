@@ -5,7 +5,7 @@
 //! | failure | becomes | the supervisor trips with |
 //! |---|---|---|
 //! | no count | a count half of all counts away from the one before, at every sample without one | `EncoderStep`, at that sample; the axis loses its reference |
-//! | no conversion | [`NO_CONVERSION`] for both pressures and the spool | `SensorRange`, after `sensor_samples` |
+//! | no conversion | [`NO_CONVERSION`] for both pressures and the spool | `SensorRange`, after `sensor_samples`; nothing without pressure sensors |
 //! | the valve or the translator takes no command | `drive_enable` low until the drive is disabled | `NoMotion`, as the valve should have moved it |
 
 use embedded_hal::digital::{InputPin, OutputPin};
@@ -214,6 +214,11 @@ impl<P: Parts> Board for WiredBoard<P> {
 
     fn may_know_position(&self) -> bool {
         P::Encoder::IS_ABSOLUTE
+    }
+
+    /// The idle task of every board ([`pneudrive_app::runtime::talk`]) has one.
+    fn has_watchdog(&self) -> bool {
+        true
     }
 
     #[inline]

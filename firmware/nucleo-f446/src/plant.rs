@@ -96,7 +96,7 @@ pub fn start(core: CorePeripherals, device: Peripherals, recorder: &'static mut 
     let mut control = Control::with_recorder(recorder);
     let store =
         store(device.FLASH, watchdog).unwrap_or_else(|_| panic!("the plan's layout is that of this flash"));
-    let mut board = LockStep::new("Nucleo-F446RE, plant bus", store);
+    let mut board = LockStep::new("Nucleo-F446RE, plant bus", store).with_watchdog();
     take_up(&mut control, &mut board, &reset);
     let (inputs, outputs, received, sent) = streams(device.DMA1, &mut rcc);
     let port = Port::open(device.USART2, (received, sent), (a.pa2, a.pa3), &mut rcc);

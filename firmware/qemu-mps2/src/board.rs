@@ -17,5 +17,6 @@ pub type EmulatedBoard = LockStep<Kept>;
 /// The board with what it has kept.
 pub fn take_up(memory: &'static mut Memory) -> io::Result<EmulatedBoard> {
     let kept = FlashStore::take_up(BusFlash::open()?, RamFlash::layout(), memory);
-    Ok(LockStep::new("QEMU mps2-an386", kept.expect("the layout is that of this flash").0))
+    let kept = kept.expect("the layout is that of this flash").0;
+    Ok(LockStep::new("QEMU mps2-an386", kept).with_watchdog())
 }

@@ -95,7 +95,9 @@ fn serve(control: &mut Control, hardware: Hardware) -> Result<(), bus::Error> {
         if stands || (outputs.next == Next::Hold && !tempo.in_step) {
             clock.rest(control.config().timing.period_us.get());
         }
-        watchdog.feed();
+        if control.feeds_watchdog() {
+            watchdog.feed();
+        }
     }
     Ok(())
 }

@@ -42,6 +42,7 @@ fn info(sequence: u16, min_version: u16, version: u16) -> Option<Vec<u8>> {
 /// The version that a request came with.
 fn version_of(body: &RequestBody<'_>) -> u16 {
     match body {
+        RequestBody::TryWatchdog => 9,
         RequestBody::MoveRecordsRead { .. } | RequestBody::Io | RequestBody::IoSet { .. } => 8,
         RequestBody::TestRead { .. } => 7,
         RequestBody::Boot => 6,

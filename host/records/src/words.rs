@@ -146,6 +146,7 @@ pub fn fault_name(fault: Fault) -> &'static str {
         Fault::MotionAtNull => "motion-at-null",
         Fault::LateOutput => "late-output",
         Fault::ClockFailed => "clock-failed",
+        Fault::WatchdogTried => "watchdog-tried",
     }
 }
 
@@ -176,6 +177,9 @@ pub fn fault_meaning(code: u8) -> &'static str {
         Some(Fault::Panic) => "the firmware panicked and has reset the board",
         Some(Fault::LateOutput) => "an output came too late",
         Some(Fault::ClockFailed) => "the clock of the board's processor failed, and it has reset itself",
+        Some(Fault::WatchdogTried) => {
+            "the watchdog is tried: it is not fed, and must reset the board; arming the drive ends that"
+        }
         None => "a fault unknown to this version",
     }
 }
@@ -220,6 +224,10 @@ fn not_now(of: u8) -> String {
         }
         None if of == code::INPUTS_ARE_PINS => {
             "the digital inputs of this board are pins; only a rig without pins takes them from a program".to_owned()
+        }
+        None if of == code::NO_WATCHDOG => "this board has no watchdog".to_owned(),
+        None if of == code::IN_FAULT => {
+            "the drive is in a fault; clear it first (`pneudrive device arm`, then `disarm`)".to_owned()
         }
         None if of == code::OTHER_TEST => "the test is from another program; run again".to_owned(),
         None if of == code::OWNED => "another host commands the drive".to_owned(),

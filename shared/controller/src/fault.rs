@@ -34,11 +34,13 @@ pub enum Fault {
     LateOutput = 14,
     /// The clock of the processor failed.
     ClockFailed = 15,
+    /// The watchdog is tried: it is not fed until it has reset the board.
+    WatchdogTried = 16,
 }
 
 impl Fault {
     /// Every fault, in the order of the codes.
-    pub const ALL: [Fault; 15] = [
+    pub const ALL: [Fault; 16] = [
         Fault::Stop,
         Fault::PositionOutside,
         Fault::EncoderStep,
@@ -54,6 +56,7 @@ impl Fault {
         Fault::MotionAtNull,
         Fault::LateOutput,
         Fault::ClockFailed,
+        Fault::WatchdogTried,
     ];
 
     /// The stored and sent code.

@@ -126,6 +126,12 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.state.supervisor.trip(fault);
     }
 
+    /// Whether the watchdog may be fed: not while it is tried.
+    #[must_use]
+    pub fn feeds_watchdog(&self) -> bool {
+        self.state.supervisor.mode() != Mode::Fault(Fault::WatchdogTried)
+    }
+
     /// The axis stands at `counts` now: counts mean positions from here on.
     ///
     /// # Errors

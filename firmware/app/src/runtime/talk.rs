@@ -122,6 +122,10 @@ impl<P: Port, W: Watchdog> Talk<P, W> {
             return Ok(());
         }
         inputs::attend(&mut InPieces(drive));
+        // Nor is anything stored then: writing flash feeds the watchdog, too.
+        if !drive.lock(|drive| drive.parts().0.feeds_watchdog()) {
+            return Ok(());
+        }
         self.watchdog.feed();
         self.tidy_up(drive)
     }

@@ -4,7 +4,7 @@ use core::borrow::BorrowMut;
 
 use pneudrive_controller::parameters::SetError;
 use pneudrive_controller::sequencer::SequenceError;
-use pneudrive_controller::{Mode, Move};
+use pneudrive_controller::{Fault, Mode, Move, Refusal};
 use pneudrive_protocol::session::OLD_HOSTS;
 use pneudrive_protocol::{
     InBoot, InSession, Owner, Refused, ReplyBody, RequestBody, UNTIL_STOPPED, Values, code,
@@ -128,6 +128,7 @@ pub(super) fn carry_out<'a>(
             true => ReplyBody::Done,
             false => ReplyBody::Refused(Refused::NotNow(code::INPUTS_ARE_PINS)),
         }),
+        RequestBody::TryWatchdog => drive.lock(|control, board| done(try_watchdog(control, board))),
         RequestBody::RecordInfo => record_info(drive, scratch),
         RequestBody::RecordRead { first, count } => chunk(drive, first, count, scratch),
         RequestBody::RecordChunk { crc32, first, count } => {
@@ -207,6 +208,21 @@ fn home<'a>(
     control.home(board).map_err(not_now)
 }
 
+fn try_watchdog<'a>(
+    control: &mut Control<impl BorrowMut<Recorder>>,
+    board: &impl Board,
+) -> Result<(), Refused<'a>> {
+    match control.state().supervisor.mode() {
+        _ if !board.has_watchdog() => Err(Refused::NotNow(code::NO_WATCHDOG)),
+        Mode::Disarmed => {
+            control.trip(Fault::WatchdogTried);
+            Ok(())
+        }
+        Mode::Fault(_) => Err(Refused::NotNow(code::IN_FAULT)),
+        _ => Err(not_now(Refusal::NotDisarmed)),
+    }
+}
+
 fn must_not_have_lapsed<'a, R: BorrowMut<Recorder>>(control: &Control<R>) -> Result<(), Refused<'a>> {
     if control.owner_was_silent() { Err(Refused::NotNow(code::HOST_WAS_SILENT)) } else { Ok(()) }
 }
@@ -284,7 +300,7 @@ fn done<'a>(result: Result<(), Refused<'a>>) -> ReplyBody<'a> {
     }
 }
 
-fn not_now<'a>(refusal: pneudrive_controller::Refusal) -> Refused<'a> {
+fn not_now<'a>(refusal: Refusal) -> Refused<'a> {
     Refused::NotNow(refusal.code())
 }
 

@@ -24,6 +24,7 @@ pub struct FakeBoard {
     /// The digital inputs, and the outputs that were driven last.
     pub inputs: u8,
     pub shown: u8,
+    pub has_watchdog: bool,
     pub store: NoStore,
 }
 
@@ -62,6 +63,9 @@ impl Board for FakeBoard {
     }
     fn show(&mut self, outputs: u8) {
         self.shown = outputs;
+    }
+    fn has_watchdog(&self) -> bool {
+        self.has_watchdog
     }
     fn run_begins(&mut self, _: &Config) {
         self.runs += 1;

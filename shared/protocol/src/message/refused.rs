@@ -72,4 +72,8 @@ pub mod code {
     pub const HOST_WAS_SILENT: u8 = 131;
     /// Version 8. The inputs of this board are pins.
     pub const INPUTS_ARE_PINS: u8 = 132;
+    /// Version 9. This board has no watchdog.
+    pub const NO_WATCHDOG: u8 = 133;
+    /// Version 9. The drive is in a fault, which arming leaves.
+    pub const IN_FAULT: u8 = 134;
 }

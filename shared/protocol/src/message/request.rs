@@ -195,6 +195,9 @@ pub enum RequestBody<'a> {
         /// As [`input`](crate::io::input) has their bits.
         inputs: u8,
     },
+    /// Version 9. Feeds the watchdog no more, so that it must reset the board. The drive must be disarmed; it is in a fault
+    /// until then, and arming it ends the trial.
+    TryWatchdog,
 }
 
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
