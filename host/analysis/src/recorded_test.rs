@@ -5,7 +5,7 @@
 //! | moves, length | where the setpoint changes, or in open loop the command; with profiles the rig's own, if they are the recorded ones | its own |
 //! | gains, `controller.*` | the parameters in the header | its own |
 //! | position | the middle of the first sample's count | that of the last row |
-//! | pressures | those of the first sample | those of the last row |
+//! | pressures | those of the first sample; its own where they were not measured | those of the last row |
 //! | temperatures | its own, as no sensor reads them | those of the last row |
 //!
 //! A simulation begins at rest.
@@ -70,12 +70,14 @@ fn from_record(name: &str, file: &TargetFile, rig: &Rig) -> Result<Taken> {
         refuse_other_moves(&test, rig)?;
         notes.insert(0, format!("the initial state is that of {name}; its moves are those of the rig"));
         let start = start_of(file, first, rig)?;
+        notes.extend(start.remark());
         return Ok(Taken { rig: with_gains.with_settings(&start.settings(Some(rig)))?, notes });
     }
     let moves = moves_of(&config, &recorded, first)?;
     let all: Vec<(f64, i32)> =
         moves.iter().map(|one| (f64::from(one.at_sample) * period_s, one.target)).collect();
     let start = start_of(file, first, rig)?;
+    notes.extend(start.remark());
     let duration_s = period_s * (recorded.len() - 1).max(1) as f64;
     notes.insert(0, format!("{} moves and the initial state are those of {name}", all.len()));
     let test = test_of(&all, duration_s, &start, rig);
@@ -103,10 +105,11 @@ fn refuse_other_moves(test: &Sequence, rig: &Rig) -> Result<()> {
 /// The state of a drive at the first sample of its record: in the middle of its count.
 fn start_of(file: &TargetFile, first: RecordedSample, rig: &Rig) -> Result<Start> {
     let [offset, scale] = [file.number("pressure_offset_pa")?, file.positive("pressure_scale_pa")?];
+    let measured = !["pressure_1", "pressure_2"].iter().any(|name| file.is_unknown(name));
     let pressure = |raw: i16| offset + scale * f64::from(raw);
     Ok(Start {
         position_m: 1e-3 * file.positive("mm_per_count")? * encoder::middle(rig, f64::from(first.position)),
-        pressures_pa: [pressure(first.pressure_1), pressure(first.pressure_2)],
+        pressures_pa: measured.then(|| [pressure(first.pressure_1), pressure(first.pressure_2)]),
         temperatures_k: None,
     })
 }
@@ -167,7 +170,7 @@ fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {
     }
     let start = Start {
         position_m: last("position_m"),
-        pressures_pa: ["pressure_1_pa", "pressure_2_pa"].map(last),
+        pressures_pa: Some(["pressure_1_pa", "pressure_2_pa"].map(last)),
         temperatures_k: Some(["temperature_1_k", "temperature_2_k"].map(last)),
     };
     let at = last("time_s");
@@ -179,24 +182,34 @@ fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {
     Ok(Taken { rig: rig.with_settings(&start.settings(None))?, notes: vec![note] })
 }
 
+const KEYS_OF_PRESSURES: [&str; 2] = ["test.pressure_1_pa", "test.pressure_2_pa"];
+const KEYS_OF_TEMPERATURES: [&str; 2] = ["test.temperature_1_k", "test.temperature_2_k"];
+
 /// The state that a simulation begins with.
 struct Start {
     position_m: f64,
-    pressures_pa: [f64; 2],
+    /// None: those of the rig.
+    pressures_pa: Option<[f64; 2]>,
     /// None: those of the rig.
     temperatures_k: Option<[f64; 2]>,
 }
 
 impl Start {
+    /// What of it is not that of the transient.
+    fn remark(&self) -> Option<String> {
+        let why = "its pressures were not measured: those at the start are the rig file's";
+        self.pressures_pa.is_none().then(|| why.to_owned())
+    }
+
     fn settings(&self, rig: Option<&Rig>) -> Vec<String> {
         let own = |key: &str| rig.and_then(|rig| rig.number_at(key));
-        let mut all = vec![
-            ("test.position_m", Some(self.position_m)),
-            ("test.pressure_1_pa", Some(self.pressures_pa[0])),
-            ("test.pressure_2_pa", Some(self.pressures_pa[1])),
-        ];
-        for (i, key) in ["test.temperature_1_k", "test.temperature_2_k"].into_iter().enumerate() {
-            all.push((key, self.temperatures_k.map(|both| both[i]).or_else(|| own(key))));
+        let mut all = vec![("test.position_m", Some(self.position_m))];
+        for (keys, both) in
+            [(KEYS_OF_PRESSURES, self.pressures_pa), (KEYS_OF_TEMPERATURES, self.temperatures_k)]
+        {
+            for (i, key) in keys.into_iter().enumerate() {
+                all.push((key, both.map(|both| both[i]).or_else(|| own(key))));
+            }
         }
         all.into_iter().filter_map(|(key, value)| Some(format!("{key}={:?}", value?))).collect()
     }

@@ -117,6 +117,8 @@ pub struct Replay {
     pub stepper: bool,
     /// Whether the moves are the commands.
     pub open_loop: bool,
+    /// Whether the pressures in the record are none, as the rig had no sensors.
+    pub no_pressures: bool,
     /// What is to be known of the file's header: parameters that only one side has.
     pub notes: Vec<String>,
 }
@@ -274,6 +276,7 @@ fn run(
         tripped,
         stepper,
         open_loop,
+        no_pressures: config.pressure_mask == 0,
         notes: Vec::new(),
     };
     replay.compare(plan);

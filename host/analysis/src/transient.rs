@@ -182,6 +182,12 @@ impl Transient {
         self.channels[SETPOINT].iter().all(|setpoint| setpoint.is_nan())
     }
 
+    /// Whether both pressures are known anywhere: some drives have no sensors of them, and some logs no channels.
+    #[must_use]
+    pub fn has_pressures(&self) -> bool {
+        PRESSURES.iter().all(|&channel| self.channels[channel].iter().any(|kpa| kpa.is_finite()))
+    }
+
     /// Time between two samples, s; 0 of a transient of less than two.
     #[must_use]
     pub fn period_s(&self) -> f64 {

@@ -81,8 +81,9 @@ export class Picture {
     const k = Math.min(placeOf(this.#run.time, time), this.#run.time.length - 1);
     const at = (name) => finiteOr(0, this.#run.curves.get(name)?.[k]);
     const x = this.#movePiston(at('position'));
-    this.#colour('chamber-1', at('pressure 1'), BARREL.left, x - BARREL.left);
-    this.#colour('chamber-2', at('pressure 2'), x + PISTON, BARREL.right - x - PISTON);
+    const pressure = (chamber) => finiteOr(undefined, this.#run.curves.get(`pressure ${chamber}`)?.[k]);
+    this.#colour('chamber-1', pressure(1), BARREL.left, x - BARREL.left);
+    this.#colour('chamber-2', pressure(2), x + PISTON, BARREL.right - x - PISTON);
     this.#moveSpool(at('spool'));
     this.#showFlow('flow-1', at('flow 1'));
     this.#showFlow('flow-2', at('flow 2'));
@@ -115,14 +116,16 @@ export class Picture {
     place(this.#parts.target, { transform: `translate(${this.#pistonAt(mm) + PISTON / 2} ${BARREL.bottom + 3})` });
   }
 
+  /** A chamber whose pressure is not known is grey and has no figure. */
   #colour(id, kpa, x, width) {
     const { supply, exhaust } = this.#rig;
-    const share = Math.min(Math.max((kpa - exhaust) / (supply - exhaust), 0), 1);
-    const colour = pressureColour(share);
+    const isKnown = kpa !== undefined;
+    const share = isKnown ? Math.min(Math.max((kpa - exhaust) / (supply - exhaust), 0), 1) : 0;
+    const colour = isKnown ? pressureColour(share) : NOT_KNOWN;
     place(this.#parts[id], { x, width: Math.max(width, 0), fill: colour });
     place(this.#parts[`${id}-tube`], { stroke: colour });
     const text = this.#parts[`${id}-text`];
-    text.textContent = `${kpa.toFixed(0)} kPa`;
+    text.textContent = isKnown ? `${kpa.toFixed(0)} kPa` : '';
     place(text, { x: x + width / 2, visibility: width > 62 ? 'visible' : 'hidden' });
     text.style.fill = share > 0.72 ? '#ffffff' : '#14202c';
   }
@@ -291,6 +294,9 @@ function finiteOr(other, number) {
 function round(number) {
   return Number.isFinite(number) ? String(Number(number.toPrecision(3))) : '–';
 }
+
+/** The colour of air whose pressure nobody measures. */
+const NOT_KNOWN = '#c8ced6';
 
 /** From the exhaust's pressure to the supply's. */
 function pressureColour(share) {

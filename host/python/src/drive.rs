@@ -181,7 +181,8 @@ impl Drive {
 
     /// How it is: its mode, and its figures as integers.
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let status = self.act(py, None, |client, _| client.status())?;
+        let (status, measured) =
+            self.act(py, None, |client, _| Ok((client.status()?, client.measures_pressures()?)))?;
         let dict = PyDict::new(py);
         dict.set_item("mode", mode(status.mode))?;
         let fault = (status.mode == Mode::Fault).then(|| words::fault_code_name(status.fault));
@@ -192,8 +193,8 @@ impl Drive {
         dict.set_item("position_counts", status.position)?;
         dict.set_item("error_counts", status.error)?;
         dict.set_item("command_counts", status.command)?;
-        dict.set_item("pressure_1_raw", status.pressure_1)?;
-        dict.set_item("pressure_2_raw", status.pressure_2)?;
+        dict.set_item("pressure_1_raw", measured.then_some(status.pressure_1))?;
+        dict.set_item("pressure_2_raw", measured.then_some(status.pressure_2))?;
         dict.set_item("spool_raw", status.spool)?;
         dict.set_item("recorded", status.recorded)?;
         Ok(dict)

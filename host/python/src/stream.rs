@@ -147,7 +147,8 @@ fn is_interruption(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| matches!(Failure::of_cause(cause), Some(Failure::Interrupted)))
 }
 
-/// The columns of rows: as they were sent, and with the scales of the rig. What has no scale is NaN.
+/// The columns of rows: as they were sent, and with the scales of the rig. What has no scale is NaN, and
+/// so is a pressure that is not measured.
 fn columns(rows: &[StreamedSample], units: &Units) -> Columns {
     let int = |name: &str, of: &dyn Fn(&StreamedSample) -> i32| {
         (name.to_owned(), Column::Int(rows.iter().map(of).collect()))
@@ -155,6 +156,10 @@ fn columns(rows: &[StreamedSample], units: &Units) -> Columns {
     let float = |name: &str, of: &dyn Fn(&StreamedSample) -> Option<f64>| {
         let values = rows.iter().map(|row| of(row).unwrap_or(f64::NAN));
         (name.to_owned(), Column::Float(values.collect()))
+    };
+    let raw_pressure = |name: &str, of: &dyn Fn(&StreamedSample) -> i16| match units.raw_pressure(0) {
+        Some(_) => int(name, &|row| of(row).into()),
+        None => float(name, &|_| None),
     };
     let index = rows.iter().map(|row| row.index.into()).collect();
     vec![
@@ -165,8 +170,8 @@ fn columns(rows: &[StreamedSample], units: &Units) -> Columns {
         float("pressure_2_kpa", &|row| units.kilopascals(row.sample.pressure_2)),
         float("spool_mm", &|row| units.spool_millimetres(row.sample.spool)),
         int("position_counts", &|row| row.sample.position),
-        int("pressure_1_raw", &|row| row.sample.pressure_1.into()),
-        int("pressure_2_raw", &|row| row.sample.pressure_2.into()),
+        raw_pressure("pressure_1_raw", &|row| row.sample.pressure_1),
+        raw_pressure("pressure_2_raw", &|row| row.sample.pressure_2),
         int("command_counts", &|row| row.sample.command.into()),
         int("error_counts", &|row| row.sample.error.into()),
         int("spool_raw", &|row| row.sample.spool.into()),

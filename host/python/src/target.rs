@@ -24,8 +24,8 @@ pub struct Target {
 impl Target {
     /// With its columns.
     pub fn of(py: Python<'_>, name: String, file: TargetFile) -> PyResult<Py<Target>> {
-        let samples = file.samples.clone();
-        Py::new(py, (Target { name, file }, Channels::new(move || columns(&samples))))
+        let columns_of = file.clone();
+        Py::new(py, (Target { name, file }, Channels::new(move || columns(&columns_of))))
     }
 
     /// In engineering units.
@@ -34,16 +34,25 @@ impl Target {
     }
 }
 
-/// The columns of the file.
-fn columns(samples: &[(i32, RecordedSample)]) -> Columns {
+/// The columns of the file. A pressure that was not measured is NaN.
+fn columns(file: &TargetFile) -> Columns {
+    let samples = &file.samples;
+    let pressure = |name: &str, of: fn(&RecordedSample) -> i16| {
+        let values = samples.iter().map(|(_, sample)| of(sample));
+        let column = match file.is_unknown(name) {
+            true => Column::Float(values.map(|_| f64::NAN).collect()),
+            false => Column::Int(values.map(i32::from).collect()),
+        };
+        (format!("{name}_raw"), column)
+    };
     let column = |name: &str, of: fn(&RecordedSample) -> i32| {
         (name.to_owned(), Column::Int(samples.iter().map(|(_, sample)| of(sample)).collect()))
     };
     vec![
         ("index".to_owned(), Column::Int(samples.iter().map(|(index, _)| *index).collect())),
         column("position_counts", |sample| sample.position),
-        column("pressure_1_raw", |sample| sample.pressure_1.into()),
-        column("pressure_2_raw", |sample| sample.pressure_2.into()),
+        pressure("pressure_1", |sample| sample.pressure_1),
+        pressure("pressure_2", |sample| sample.pressure_2),
         column("command_counts", |sample| sample.command.into()),
         column("error_counts", |sample| sample.error.into()),
         column("spool_raw", |sample| sample.spool.into()),

@@ -49,6 +49,7 @@ const KEYS: &[(u16, &str, Form)] = &[
     (id::ENCODER_INVERTED, "encoder.polarity", Words(&["1", "-1"])),
     (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count", Scaled(9)),
     (id::ENCODER_MODEL, "encoder.model", Words(&["quadrature", "potentiometer", "ssi"])),
+    (id::PRESSURE_SENSORS, "sensors.pressure", OFF_ON),
     (id::SENSOR_BITS, "sensors.bits", Whole),
     (id::PRESSURE_MIN_PA, "sensors.pressure_min_pa", Whole),
     (id::PRESSURE_MAX_PA, "sensors.pressure_max_pa", Whole),

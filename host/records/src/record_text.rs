@@ -6,7 +6,15 @@ use pneudrive_protocol::{RecordedSample, frame};
 
 use crate::parameter_names::parameter_text;
 use crate::rig_info::{Info, RigParameters};
+use crate::units::lacks_pressures;
 use crate::untrusted::{NAME, sanitised};
+
+/// Key of the channels that were not measured, separated by commas: `pressure_1,spool`. Their columns hold 0; without a
+/// setpoint that of the error does.
+pub const UNKNOWN: &str = "unknown";
+
+/// The channels of a rig without pressure sensors.
+const PRESSURES: [&str; 2] = ["pressure_1", "pressure_2"];
 
 /// Header of the data lines.
 pub(crate) const COLUMNS: &str =
@@ -26,6 +34,9 @@ pub(crate) fn described(
     let mut header: Vec<(String, String)> = Vec::new();
     let mut put = |key: &str, value: String| header.push((key.to_owned(), value));
     put("format", format.to_owned());
+    if lacks_pressures(values) {
+        put(UNKNOWN, PRESSURES.join(","));
+    }
     // A line break in a name would make a header that cannot be read.
     put("test", sanitised(test, NAME));
     put("firmware", sanitised(&info.firmware, NAME));

@@ -11,6 +11,7 @@ use pneudrive_controller::Sequence;
 use pneudrive_protocol::RecordedSample;
 
 use crate::record::Record;
+pub use crate::record_text::UNKNOWN;
 use crate::record_text::{COLUMNS, crc_text, data_lines, described, header_text};
 use crate::rig_info::{Info, RigParameters};
 use crate::stream_file;
@@ -27,10 +28,6 @@ const FORMAT_1: &str = "pneudrive-target 1";
 
 /// Key of a record that was made from the log of another recorder: the name of that log.
 pub const IMPORTED: &str = "imported";
-
-/// Key of such a record for the channels that the log did not have, separated by commas: `pressure_1,spool`. Their
-/// columns hold 0; without a setpoint that of the error does.
-pub const UNKNOWN: &str = "unknown";
 
 /// Key of the header's last line: the CRC of all other lines.
 const CRC: &str = "crc32";
@@ -90,8 +87,8 @@ impl TargetFile {
         self.header.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
     }
 
-    /// Whether the log that this record was made from did not have a channel: `pressure_1`, `pressure_2`, `spool` or
-    /// `setpoint`.
+    /// Whether a channel was not measured, as the rig has no sensor of it or the log that this record was made from did not
+    /// have it: `pressure_1`, `pressure_2`, `spool` or `setpoint`.
     #[must_use]
     pub fn is_unknown(&self, channel: &str) -> bool {
         self.get(UNKNOWN).is_some_and(|unknown| unknown.split(',').any(|name| name == channel))

@@ -1,5 +1,6 @@
 //! Figures of a device in mm, kPa and s, as far as its parameters give the scales; otherwise as they were sent.
 
+use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::id;
 
 use crate::rig_info::RigParameters;
@@ -14,6 +15,8 @@ pub struct Units {
     spool_mm: Option<[f64; 2]>,
     open_loop: bool,
     stepper: bool,
+    /// The rig has no pressure sensors: what is recorded of them is no measurement.
+    no_pressures: bool,
 }
 
 impl Units {
@@ -38,7 +41,12 @@ impl Units {
     /// No scales: figures as the device sends them.
     pub fn raw(parameters: &RigParameters) -> Units {
         let is = |id: u16| parameters.values.get(id) == Some(1);
-        Units { open_loop: is(id::OPEN_LOOP), stepper: is(id::STEPPER), ..Units::default() }
+        Units {
+            open_loop: is(id::OPEN_LOOP),
+            stepper: is(id::STEPPER),
+            no_pressures: lacks_pressures(&parameters.values),
+            ..Units::default()
+        }
     }
 
     /// A position or a distance of the encoder.
@@ -54,9 +62,14 @@ impl Units {
         self.mm_per_count.map(|mm| f64::from(counts) * mm)
     }
 
-    /// An absolute pressure, kPa.
+    /// A raw pressure; None of a rig that measures none.
+    pub fn raw_pressure(&self, raw: i16) -> Option<i16> {
+        (!self.no_pressures).then_some(raw)
+    }
+
+    /// An absolute pressure, kPa; None of a rig that measures none.
     pub fn kilopascals(&self, raw: i16) -> Option<f64> {
-        self.kpa.map(|[scale, at_0]| f64::from(raw) * scale + at_0)
+        self.kpa.filter(|_| !self.no_pressures).map(|[scale, at_0]| f64::from(raw) * scale + at_0)
     }
 
     /// The position of the spool, mm; None of a stepper, which counts steps.
@@ -89,6 +102,7 @@ impl Units {
     /// An absolute pressure.
     pub fn pressure(&self, raw: i16) -> String {
         match self.kilopascals(raw) {
+            _ if self.no_pressures => "not measured".to_owned(),
             Some(kpa) => format!("{kpa:.1} kPa"),
             None => format!("{raw} raw"),
         }
@@ -112,10 +126,14 @@ impl Units {
     }
 }
 
+/// Whether a rig with these parameters has no pressure sensors.
+#[must_use]
+pub fn lacks_pressures(values: &Parameters) -> bool {
+    values.get(id::PRESSURE_SENSORS) == Some(0)
+}
+
 #[cfg(test)]
 mod tests {
-    use pneudrive_controller::Parameters;
-
     use super::*;
 
     fn parameters(changes: &[(u16, i32)]) -> RigParameters {
@@ -141,6 +159,17 @@ mod tests {
         let open = Units::of(&parameters(&[(id::OPEN_LOOP, 1)]));
         assert_eq!(open.setpoint(960), "960 counts", "a setpoint of an open loop is a command");
         assert_eq!(Units::of(&parameters(&[(id::STEPPER, 1)])).spool(-3), "-3 steps");
+    }
+
+    #[test]
+    fn a_pressure_without_a_sensor_is_no_figure() {
+        let without = parameters(&[(id::PRESSURE_SENSORS, 0)]);
+        for units in [Units::of(&without), Units::raw(&without)] {
+            assert_eq!(units.pressure(0), "not measured");
+            assert_eq!((units.kilopascals(0), units.raw_pressure(0)), (None, None));
+        }
+        let units = Units::of(&parameters(&[]));
+        assert_eq!((units.kilopascals(0), units.raw_pressure(0)), (Some(0.0), Some(0)));
     }
 
     #[test]

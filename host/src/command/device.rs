@@ -317,7 +317,16 @@ fn status(client: &mut Client, counts: bool) -> Result<()> {
         say!("error       {}", units.length(status.error));
     }
     say!("command     {}", units.command(status.command.into()));
-    say!("pressures   {} and {}", units.pressure(status.pressure_1), units.pressure(status.pressure_2));
+    match units.raw_pressure(status.pressure_1) {
+        Some(_) => {
+            say!(
+                "pressures   {} and {}",
+                units.pressure(status.pressure_1),
+                units.pressure(status.pressure_2)
+            );
+        }
+        None => say!("pressures   not measured"),
+    }
     say!("spool       {}", units.spool(status.spool));
     say!("recorded    {} samples", status.recorded);
     say!("damaged     {} frames", status.damaged_frames);

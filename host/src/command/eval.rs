@@ -221,11 +221,14 @@ fn notes(transient: &Transient, chambers: Option<&Chambers>) -> Vec<String> {
         None if is_run => notes.push(NOT_CHECKED.to_owned()),
         _ => {}
     }
-    if is_run || chambers.is_some() {
+    let has_pressures = transient.has_pressures();
+    if is_run || chambers.is_some() && has_pressures {
         notes.push("Air is what enters the chambers, in litres at 20 \u{b0}C, 100 kPa and 65 % relative humidity (ANR, ISO 8778), with its minimum and maximum in brackets. Leakage of the valve to the exhaust is not included.".to_owned());
     }
     if !is_run {
-        notes.push(if chambers.is_some() {
+        notes.push(if !has_pressures {
+            "The pressures were not measured: no curve shows them, and the air used by the moves cannot be computed.".to_owned()
+        } else if chambers.is_some() {
             "A record has no flows: its air is computed from pressures and positions, by the energy balance of chambers that exchange no heat with their walls.".to_owned()
         } else {
             "A record has no flows: to compute the air used by the moves, name the rig with --rig, which gives the cylinder."

@@ -33,7 +33,7 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
         std::thread::sleep(due.saturating_sub(begun.elapsed()));
         let status = client.status()?;
         if let Some(csv) = &mut csv {
-            csv.write_all(row(begun.elapsed(), &status).as_bytes())
+            csv.write_all(row(begun.elapsed(), &units, &status).as_bytes())
                 .and_then(|()| csv.flush())
                 .context("cannot write the file")?;
         }
@@ -66,7 +66,8 @@ fn new_csv(path: &Path) -> Result<BufWriter<std::fs::File>> {
     Ok(csv)
 }
 
-fn row(time: Duration, s: &Status) -> String {
+fn row(time: Duration, units: &Units, s: &Status) -> String {
+    let pressure = |raw| units.raw_pressure(raw).map_or(String::new(), |raw| raw.to_string());
     format!(
         "{:.3},{},{},{},{},{},{},{},{},{},{},{}\n",
         time.as_secs_f64(),
@@ -76,8 +77,8 @@ fn row(time: Duration, s: &Status) -> String {
         s.position,
         s.error,
         s.command,
-        s.pressure_1,
-        s.pressure_2,
+        pressure(s.pressure_1),
+        pressure(s.pressure_2),
         s.spool,
         s.recorded,
         s.damaged_frames
@@ -114,9 +115,9 @@ pub(super) fn status_figures(units: &Units, s: &Status) -> Value {
         "error_counts": s.error,
         "error_mm": units.millimetres(s.error),
         "command_counts": s.command,
-        "pressure_1_raw": s.pressure_1,
+        "pressure_1_raw": units.raw_pressure(s.pressure_1),
         "pressure_1_kpa": units.kilopascals(s.pressure_1),
-        "pressure_2_raw": s.pressure_2,
+        "pressure_2_raw": units.raw_pressure(s.pressure_2),
         "pressure_2_kpa": units.kilopascals(s.pressure_2),
         "spool_raw": s.spool,
         "spool_mm": units.spool_millimetres(s.spool),

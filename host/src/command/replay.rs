@@ -88,7 +88,11 @@ fn around(replay: &Replay, first: Difference) -> String {
 
 fn both_sides(replay: &Replay, k: usize, mark: char) -> String {
     let (r, o) = (&replay.recorded[k], &replay.replayed[k]);
-    let inputs = format!("{k:>7} {:>11} {:>5} {:>5}", r.position, r.pressure_1, r.pressure_2);
+    let pressures = match replay.no_pressures {
+        true => format!("{:>5} {:>5}", "-", "-"),
+        false => format!("{:>5} {:>5}", r.pressure_1, r.pressure_2),
+    };
+    let inputs = format!("{k:>7} {:>11} {pressures}", r.position);
     let recorded = format!("{:>8} {:>6} {:>6}", r.command, r.error, r.spool);
     let spool = if replay.stepper { format!(" {:>6}", o.spool) } else { String::new() };
     format!("{mark}{inputs} {recorded} {:>8} {:>6}{spool}", o.command, o.error)

@@ -40,7 +40,7 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Of a run from its flows, of a record from its pressures and its chambers; None where neither is known, or the
+    /// Of a run from its flows, of a record from its pressures and its chambers; None where these are not known, or the
     /// dither of the chambers' rig is not followed.
     pub fn of(transient: &Transient, chambers: Option<&Chambers>) -> Option<Course> {
         if chambers.is_some_and(|chambers| !chambers.follows_dither(transient)) {
@@ -48,7 +48,8 @@ impl Course {
         }
         match &transient.inflow_kg_s {
             Some(inflow) => Some(Course::of_flows(&transient.time, inflow)),
-            None => Some(record::course(transient, chambers?)),
+            None if transient.has_pressures() => Some(record::course(transient, chambers?)),
+            None => None,
         }
     }
 

@@ -7,10 +7,11 @@
 use anyhow::{Context, Result, bail};
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
-use pneudrive_sim::Rig;
 use pneudrive_sim::component::encoder::{self, mm_per_count};
+use pneudrive_sim::{Rig, keys};
 
 use super::moves;
+pub use super::recording::NEEDS_PRESSURES;
 use super::recording::Recording;
 
 /// A rig that tests can be run on.
@@ -63,6 +64,9 @@ impl Recorded {
 /// # Errors
 /// When a test cannot be run or recorded, or the drive does not move in the direction of the valve.
 pub fn run(bench: &mut impl Bench, closed: &Rig, open: &Rig, count: i32) -> Result<Recorded> {
+    if !open.get(&keys::sensors::PRESSURE) {
+        bail!("the rig has no pressure sensors (sensors.pressure = false): {NEEDS_PRESSURES}");
+    }
     Plan { bench, closed, open, count }.run()
 }
 

@@ -47,6 +47,9 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 /// Fewest samples of a record.
 pub(super) const FEWEST_OF_A_RECORD: usize = 50;
 
+/// Why there is no fit without pressures, and what to do.
+pub const NEEDS_PRESSURES: &str = "a fit needs both pressures. From the position alone mass, friction and load, discharge, lap and null of the valve, tubes, dead volumes, leakage, supply pressure and the air at the start cannot be told apart. Put a pressure transmitter at each chamber for the identification (sensors.pressure = true); both may come off again afterwards";
+
 /// A channel in counts.
 #[derive(Clone, Debug, Default)]
 pub struct Channel {
@@ -168,7 +171,7 @@ impl Recording {
         };
         let mut channels = converters.channels(file, &recorded, rig)?;
         if let Some(missing) = ["pressure_1", "pressure_2"].iter().find(|name| file.is_unknown(name)) {
-            bail!("the log that it was imported from has no {missing}; a fit needs both pressures");
+            bail!("it has no {missing}: {NEEDS_PRESSURES}");
         }
         if stepper || file.is_unknown("spool") {
             // SPLLOC is what was asked for, not what was measured.

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_controller::Parameters;
-use pneudrive_controller::parameters::TABLE;
+use pneudrive_controller::parameters::{TABLE, id};
 use pneudrive_protocol::{MAX_VALUES, Refused, ReplyBody, RequestBody, Values};
 use pneudrive_records::parameter_names::{Written, name_of};
 use pneudrive_records::rig_info::RigParameters;
@@ -84,6 +84,15 @@ impl Client {
             ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             other => Err(unexpected(other)),
         })
+    }
+
+    /// Whether the rig has pressure sensors; firmware that does not know of rigs without has.
+    ///
+    /// # Errors
+    /// When the rig does not answer.
+    pub fn measures_pressures(&mut self) -> Result<bool> {
+        let read = self.read_values(id::PRESSURE_SENSORS, id::PRESSURE_SENSORS + 1)?;
+        Ok(read.map_or(true, |values| values != [0]))
     }
 
     /// Changes parameters with consecutive ids: all of them or none.

@@ -49,6 +49,8 @@ pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
         .filter(|&channel| table.channels[channel].is_none())
         .map(|channel| CHANNELS[channel].name)
         .collect();
+    // What the log has was measured, whatever the rig file says; what it does not have was not.
+    file.header.retain(|(key, _)| key != UNKNOWN);
     file.header.insert(1, (IMPORTED.to_owned(), log.name.clone()));
     if !unknown.is_empty() {
         file.header.insert(2, (UNKNOWN.to_owned(), unknown.join(",")));

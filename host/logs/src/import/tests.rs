@@ -102,7 +102,7 @@ fn what_a_log_does_not_have_is_unknown_and_not_0() {
     assert!(transient.channels[POSITION].iter().all(|value| value.is_finite()));
     assert!(transient.is_open_loop());
     let refusal = format!("{:#}", Recording::of("x", &imported.file, &rig).expect_err("no fit"));
-    assert!(refusal.contains("has no pressure_1; a fit needs both pressures"), "{refusal}");
+    assert!(refusal.contains("has no pressure_1: a fit needs both pressures"), "{refusal}");
     assert!(imported.remarks.iter().any(|remark| remark.contains("pressure_1, pressure_2, spool, setpoint")));
 }
 

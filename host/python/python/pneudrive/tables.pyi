@@ -172,6 +172,9 @@ class Encoder(Table):
 
 class Sensors(Table):
     @property
+    def pressure(self) -> bool:
+        """Whether the pressures of both chambers are measured. Without, nothing trips by them, records have none, and the on-off law must not feed them back."""
+    @property
     def pressure_min_pa(self) -> float:
         """Absolute pressure at raw 0, Pa."""
     @property

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
-use pneudrive_analysis::identification::plan::{self, Bench, Recorded};
+use anyhow::{Context, Result, bail};
+use pneudrive_analysis::identification::plan::{self, Bench, NEEDS_PRESSURES, Recorded};
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
+use pneudrive_records::units::lacks_pressures;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::keys;
@@ -26,7 +27,11 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
     let mut client = Client::connect(port)?;
     let count = client.status()?.position;
     client.disarm()?;
-    let open_loop = client.parameters()?.values.get(id::OPEN_LOOP).unwrap_or(0);
+    let parameters = client.parameters()?.values;
+    if lacks_pressures(&parameters) {
+        bail!("the rig at {port} has no pressure sensors (pressure_sensors is 0): {NEEDS_PRESSURES}");
+    }
+    let open_loop = parameters.get(id::OPEN_LOOP).unwrap_or(0);
     let recorded = plan::run(&mut AtPort { client: &mut client, folder }, &closed, &open, count);
     // Even if a test failed, the drive is disarmed and its loop is as before.
     let left = client.disarm().and_then(|()| client.set_parameters(id::OPEN_LOOP, &[open_loop]));
