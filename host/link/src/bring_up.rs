@@ -22,6 +22,7 @@ mod report;
 mod response;
 mod rest;
 pub mod signs;
+mod silence;
 
 use std::time::Duration;
 
@@ -143,6 +144,11 @@ impl BringUp<'_> {
     /// by time.
     fn allows_motion(&self) -> bool {
         self.report.wrong().all(|check| check.name == hand::NAME)
+    }
+
+    /// Whether there are pressure sensors, as far as the parameters say.
+    fn measures_pressures(&self) -> bool {
+        self.parameter(id::PRESSURE_SENSORS) != Some(0)
     }
 
     /// The value of a parameter; None where the firmware does not have it.

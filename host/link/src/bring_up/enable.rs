@@ -14,7 +14,7 @@ use super::{BringUp, Check};
 use crate::failure::Failure;
 
 /// The names of the checks.
-const LINE: &str = "enable line";
+pub(super) const LINE: &str = "enable line";
 const REST: &str = "rest when enabled";
 
 /// Commands of the ramp, percent, and how long each stands, s: time to read a voltmeter.
@@ -50,10 +50,10 @@ impl BringUp<'_> {
         for percent in self.levels() {
             match self.pulses(percent)? {
                 Ok(pair) if thresholds.heard(&pair) => {
-                    let [one, two] = pair.pressures();
                     let saw = format!(
-                        "{:+.0} counts, pressures {one:+.0} and {two:+.0} raw at {percent} %",
-                        pair.counts()
+                        "{:+.0} counts{} at {percent} %",
+                        pair.counts(),
+                        self.in_words(pair.pressures())
                     );
                     self.note(Check::of(LINE, PULSED, saw, NOTHING, vec![UNGATED.to_owned()]));
                     return Ok(());

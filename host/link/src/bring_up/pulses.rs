@@ -11,7 +11,11 @@ use pneudrive_records::words;
 
 use super::response::{Pair, Response, Window};
 use super::signs::Signs;
+use super::silence::Answered;
 use super::{BringUp, Check};
+
+/// The name of this check.
+pub(super) const NAME: &str = "pulses";
 
 /// How long a pulse lasts, s.
 pub(super) const PULSE_S: f64 = 0.1;
@@ -220,7 +224,6 @@ impl BringUp<'_> {
 
     /// Pulses out and back, larger and larger, until the slide has moved, and what their signs say.
     pub(super) fn check_pulses(&mut self, pushed: Option<i32>) -> Result<()> {
-        const NAME: &str = "pulses";
         let thresholds = self.thresholds();
         let plenty = f64::from(self.counts(PLENTY_MM));
         let (mut pair, mut reached) = (Pair::default(), 0);
@@ -236,38 +239,46 @@ impl BringUp<'_> {
                 }
             };
             let moved = pair.counts().abs();
-            let heard = pair.pressures().iter().all(|change| change.abs() >= thresholds.pressure);
+            let heard = !self.measures_pressures()
+                || pair.pressures().iter().all(|change| change.abs() >= thresholds.pressure);
             if moved >= thresholds.counts && (heard || moved >= plenty) {
                 break;
             }
         }
         let did = format!("pulses out and back, the largest of {}", self.pulse_in_words(reached));
         let judged = self.judge(&pair, pushed, &thresholds);
-        let must = "positive command: counts go up, pressure 1 rises against pressure 2, spool goes to plus";
-        self.note(Check::of(NAME, &did, self.words(&pair, &thresholds), must, judged));
+        let pressures = if self.measures_pressures() { " pressure 1 rises against pressure 2," } else { "" };
+        let must = format!("positive command: counts go up,{pressures} spool goes to plus");
+        self.note(Check::of(NAME, &did, self.words(&pair, &thresholds), &must, judged));
         Ok(())
     }
 
     /// What a pair of answers is, in words.
     fn words(&self, pair: &Pair, thresholds: &Thresholds) -> String {
         let moved = pair.counts().round() as i32;
-        let [one, two] = pair.pressures();
+        let pressures = self.in_words(pair.pressures());
         let spool = match pair.spool() {
             _ if self.is_stepper() => "spool counted, not measured".to_owned(),
             change if change.abs() < thresholds.spool => "spool: no transducer seen".to_owned(),
             change => format!("spool {change:+.0} raw"),
         };
-        format!(
-            "{moved:+} counts ({}), pressures {one:+.0} and {two:+.0} raw, {spool}",
-            self.units.length(moved)
-        )
+        format!("{moved:+} counts ({}){pressures}, {spool}", self.units.length(moved))
+    }
+
+    /// Changes of the pressures, behind a comma.
+    pub(super) fn in_words(&self, [one, two]: [f64; 2]) -> String {
+        match self.measures_pressures() {
+            true => format!(", pressures {one:+.0} and {two:+.0} raw"),
+            false => ", pressures not measured".to_owned(),
+        }
     }
 
     /// What is wrong with a pair of answers.
     fn judge(&self, pair: &Pair, pushed: Option<i32>, thresholds: &Thresholds) -> Vec<String> {
         let counts = sign_of(pair.counts(), thresholds.counts);
+        let measured = self.measures_pressures();
         let [one, two] = pair.pressures();
-        let pressures = sign_of(one - two, thresholds.pressure);
+        let pressures = sign_of(one - two, thresholds.pressure).filter(|_| measured);
         let spool = sign_of(pair.spool(), thresholds.spool).filter(|_| !self.is_stepper());
         if (pressures.is_some() || spool.is_some()) && thresholds.creeps(pair) {
             return vec![
@@ -275,12 +286,19 @@ impl BringUp<'_> {
                     .to_owned(),
             ];
         }
-        if let Some(silence) = silence(counts, pressures, spool, pushed) {
+        let answered =
+            Answered { counts: counts.is_some(), spool: spool.is_some(), by_hand: pushed.is_some() };
+        let silence = if measured {
+            answered.silence(pressures.is_some())
+        } else {
+            answered.silence_without_pressures()
+        };
+        if let Some(silence) = silence {
             return vec![silence.to_owned()];
         }
         let mut advice = Vec::new();
         for (name, change, other) in [("pressure 1", one, two), ("pressure 2", two, one)] {
-            if change.abs() < (SILENT * other.abs()).min(thresholds.pressure) {
+            if measured && change.abs() < (SILENT * other.abs()).min(thresholds.pressure) {
                 advice.push(format!(
                     "{name} does not change: its transmitter is not at its chamber, or its wire is stuck"
                 ));
@@ -296,33 +314,6 @@ impl BringUp<'_> {
 /// The sign of a change that is an answer.
 fn sign_of(change: f64, threshold: f64) -> Option<i32> {
     (change.abs() >= threshold).then(|| change.signum() as i32)
-}
-
-/// What it means that something does not answer at all.
-fn silence(
-    counts: Option<i32>,
-    pressures: Option<i32>,
-    spool: Option<i32>,
-    pushed: Option<i32>,
-) -> Option<&'static str> {
-    match (counts, pressures, spool) {
-        (Some(_), Some(_), _) => None,
-        (Some(_), None, _) => Some(
-            "the slide moves, but the pressures do not change: the transmitters are not at the chambers, or their wires are off",
-        ),
-        (None, Some(_), _) if pushed.is_some() => Some(
-            "the pressures change, but the slide stands, and the encoder counted by hand: the slide is blocked, or at its stop, or the pulses are too small (--most)",
-        ),
-        (None, Some(_), _) => Some(
-            "the pressures change, but the encoder does not count: check its supply, its line receiver, the wires of tracks A and B and the pull-up of each (a track that does not switch counts to and fro by one)",
-        ),
-        (None, None, Some(_)) => {
-            Some("the spool moves, but neither pressures nor slide: the air is off, or the tubes are blocked")
-        }
-        (None, None, None) => Some(
-            "nothing answers the command: drive_enable does not reach the amplifier, the amplifier has no supply, the wire of the valve command is off, or the air is off",
-        ),
-    }
 }
 
 /// The swaps that explain the signs, in words.
