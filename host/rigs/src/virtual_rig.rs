@@ -7,6 +7,7 @@
 
 mod caller;
 mod listener;
+mod reset;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,8 +15,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use pneudrive_app::fault_log::{MEMORY_BYTES, Memory};
-use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::fault_log::Memory;
 use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Board, Control, inputs};
 use pneudrive_controller::{Command, Config, Mode, Sample};
@@ -32,6 +32,7 @@ use crate::wiring::{Signals, Wiring, WiringFault};
 use caller::Caller;
 pub use caller::Token;
 pub use listener::Listener;
+use reset::{Watchdog, booted, without_power};
 
 /// How the time of a virtual rig advances.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,7 +105,7 @@ impl VirtualBoard {
             inputs: 0,
             since: Instant::now(),
             failed: None,
-            store: store_in(flash),
+            store: without_power(flash),
         }
     }
 
@@ -148,13 +149,6 @@ fn with_swapped_tubes(rig: &Rig) -> Result<Rig> {
         );
     }
     Ok(rig.with_settings(&[format!("faults.event=[{SWAPPED_TUBES}]")])?)
-}
-
-/// The store in this flash, with memory that has lost its power.
-fn store_in(flash: PersistentFlash) -> FlashStore<PersistentFlash, Box<Memory>> {
-    let memory = Box::new([0; MEMORY_BYTES]);
-    let taken_up = FlashStore::take_up(flash, RamFlash::layout(), memory);
-    taken_up.expect("the layout is that of this flash").0
 }
 
 impl Board for VirtualBoard {
@@ -224,12 +218,17 @@ impl Board for VirtualBoard {
     fn starts_referenced(&self) -> bool {
         true
     }
+
+    fn has_watchdog(&self) -> bool {
+        true
+    }
 }
 
 /// A virtual rig.
 pub struct VirtualRig {
     control: Box<Control>,
     board: VirtualBoard,
+    watchdog: Watchdog,
 }
 
 impl VirtualRig {
@@ -271,15 +270,8 @@ impl VirtualRig {
             bail!("{} is only for the simulator; no firmware has this bug", switch.path);
         }
         let mut board = VirtualBoard::new(rig, seed, pace, flash);
-        let mut control = Box::<Control>::default();
-        control
-            .load_parameters(board.rig.parameters())
-            .map_err(|error| anyhow::anyhow!("{}", error.advice()))?;
-        if board.starts_referenced() {
-            control.set_referenced().map_err(|_| anyhow::anyhow!("a new rig is enabled"))?;
-        }
-        control.take_up(&mut board);
-        Ok(VirtualRig { control, board })
+        let control = booted(&mut board, None)?;
+        Ok(VirtualRig { control, board, watchdog: Watchdog::default() })
     }
 
     /// Calls `tell` with the number of each run as it begins, from 1 on.
@@ -312,6 +304,7 @@ impl VirtualRig {
             }
             let sampled = self.catch_up(&mut listener.callers)?;
             let _ = self.control.tidy_up(&mut self.board);
+            self.obey_watchdog(&mut listener.callers)?;
             if !heard && !sampled {
                 std::thread::sleep(Duration::from_micros(500));
             }

@@ -1,4 +1,4 @@
-//! Wiring faults of a virtual rig, and the hand that pushes its slide.
+//! Faults of the wires and of the board of a virtual rig, and the hand that pushes its slide.
 //!
 //! They lie between the board and the drive, so plant and controller know nothing of them:
 //!
@@ -15,6 +15,7 @@
 //! | pressures-swapped | each transmitter is on the other's input |
 //! | pressure-floats | no transmitter and no pull-down at the input of pressure 1: it picks up the mains |
 //! | enable-open | `drive_enable` does not reach the amplifier: the valve stays at its null |
+//! | watchdog-dead | the watchdog does not reset a board that feeds it no more |
 //!
 //! A polarity that is set on the controller (`encoder.polarity`, `output_inverted`) mends its fault, as on a board.
 
@@ -58,11 +59,13 @@ pub enum WiringFault {
     PressureFloats,
     /// The amplifier is never enabled.
     EnableOpen,
+    /// The watchdog of the board never bites.
+    WatchdogDead,
 }
 
 impl WiringFault {
     /// Every fault and its name.
-    pub const ALL: [(WiringFault, &str); 7] = [
+    pub const ALL: [(WiringFault, &str); 8] = [
         (WiringFault::ValveInverted, "valve-inverted"),
         (WiringFault::TubesSwapped, "tubes-swapped"),
         (WiringFault::EncoderSwapped, "encoder-swapped"),
@@ -70,6 +73,7 @@ impl WiringFault {
         (WiringFault::PressuresSwapped, "pressures-swapped"),
         (WiringFault::PressureFloats, "pressure-floats"),
         (WiringFault::EnableOpen, "enable-open"),
+        (WiringFault::WatchdogDead, "watchdog-dead"),
     ];
 }
 
@@ -107,6 +111,11 @@ pub struct Wiring(Arc<Mutex<Shared>>);
 impl Wiring {
     fn with<T>(&self, act: impl FnOnce(&mut Shared) -> T) -> T {
         act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Whether something is wrong.
+    pub(crate) fn has(&self, fault: WiringFault) -> bool {
+        self.with(|shared| shared.faults.contains(&fault))
     }
 
     /// Wires something wrongly. [`WiringFault::TubesSwapped`] is a matter of the plant and acts only from
@@ -160,10 +169,15 @@ impl Signals {
         }
     }
 
+    /// The clock of the board begins anew: a hand lets go.
+    pub fn restart(&mut self) {
+        (self.push_since, self.disabled_since) = (None, None);
+    }
+
     /// What the controller is given of a sample at this time (us); `disabled`: a hand may push the slide.
     pub fn sensed(&mut self, config: &Config, sample: Sample, time_us: u64, disabled: bool) -> Sample {
         let pushed = self.pushed(time_us, disabled);
-        let has = |fault| self.wiring.with(|shared| shared.faults.contains(&fault));
+        let has = |fault| self.wiring.has(fault);
         let mut seen = Sample { position: sample.position.wrapping_add(pushed), ..sample };
         let first = *self.first.get_or_insert(seen.position);
         if has(WiringFault::EncoderSwapped) && config.encoder_inverted == self.suits[0] {
@@ -184,7 +198,7 @@ impl Signals {
 
     /// What the drive gets of a command.
     pub fn driven(&self, config: &Config, command: Command) -> Command {
-        let has = |fault| self.wiring.with(|shared| shared.faults.contains(&fault));
+        let has = |fault| self.wiring.has(fault);
         let Command { counts, step, .. } = command;
         let inverted = matches!(config.drive, DriveConfig::Dac(dac) if dac.inverted) != self.suits[1];
         if has(WiringFault::EnableOpen) {
