@@ -277,7 +277,7 @@ pub struct Virtual {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Wire something wrongly, to try `device bring-up`: valve-inverted, tubes-swapped, encoder-swapped,
-    /// encoder-pull-up, pressures-swapped, pressure-floats or enable-open; may be repeated
+    /// encoder-pull-up, pressures-swapped, pressure-floats, enable-open or watchdog-dead (of the board); may be repeated
     #[arg(long, value_name = "FAULT")]
     pub wiring: Vec<WiringFault>,
     /// Have a hand push the slide out by 20 mm and back whenever the drive has been disabled for 3 s

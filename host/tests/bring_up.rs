@@ -2,11 +2,16 @@
 
 mod program;
 
+use std::time::Duration;
+
 use anyhow::Result;
+use pneudrive_controller::Move;
 use pneudrive_controller::parameters::id;
 use pneudrive_link::bring_up::{Check, Operator, Options, Report, Verdict, bring_up};
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
+use pneudrive_records::move_records::MoveRecord;
+use pneudrive_rigs::persistent_flash::PersistentFlash;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_rigs::wiring::{Wiring, WiringFault};
 use pneudrive_sim::Rig;
@@ -16,7 +21,10 @@ const FAST: Pace = Pace { fast: true, live: false };
 
 /// A virtual rig with these wires wrong, and its wires.
 fn rig_with(name: &str, faults: &[WiringFault], pace: Pace) -> (Background, Wiring) {
-    let rig = Rig::builtin(name).expect("a built-in rig");
+    rig_of(Rig::builtin(name).expect("a built-in rig"), faults, pace)
+}
+
+fn rig_of(rig: Rig, faults: &[WiringFault], pace: Pace) -> (Background, Wiring) {
     let rig = VirtualRig::wired(rig, 0, pace, faults).expect("a rig");
     let wiring = rig.wiring().clone();
     (Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port")), wiring)
@@ -144,19 +152,161 @@ fn each_wiring_fault_is_found_and_named_and_nothing_else_is() {
             &["sensors at rest: pressure 1 (blind side; A5 of the Nucleo): swings between"],
         ),
         (WiringFault::EnableOpen, &["pulses: nothing answers the command: drive_enable does not reach"]),
+        (WiringFault::WatchdogDead, &["watchdog: the watchdog does not bite"]),
     ];
+    assert_eq!(faults.len(), WiringFault::ALL.len(), "each of them");
     at_once(&faults, |&(fault, says)| {
-        let (rig, wiring) = rig_with("servo-b-tuned", &[fault], FAST);
-        let mut client = Client::connect(rig.port()).expect("an answer");
-        let mut helper = OneWhoSees(wiring);
-        let options = Options { push_wait: std::time::Duration::from_secs(3), ..Options::default() };
-        let report = bring_up(&mut client, &mut helper, options).expect("a report");
-        let found = advice(&report);
-        assert_eq!(found.len(), says.len(), "{fault:?}: {found:#?}");
-        for (found, says) in found.iter().zip(says) {
-            assert!(found.starts_with(says), "{fault:?}: {found}");
-        }
+        assert_found(Rig::builtin("servo-b-tuned").expect("a built-in rig"), fault, says);
     });
+}
+
+/// That a bring-up of a rig with a fault says this, and nothing else.
+fn assert_found(rig: Rig, fault: WiringFault, says: &[&str]) {
+    let (rig, wiring) = rig_of(rig, &[fault], FAST);
+    let mut client = Client::connect(rig.port()).expect("an answer");
+    let report = bring_up(&mut client, &mut OneWhoSees(wiring), SOON).expect("a report");
+    let found = advice(&report);
+    assert_eq!(found.len(), says.len(), "{fault:?}: {found:#?}");
+    for (found, says) in found.iter().zip(says) {
+        assert!(found.starts_with(says), "{fault:?}: {found}");
+    }
+}
+
+/// Nobody waits long.
+const SOON: Options = Options {
+    push_wait: Duration::from_secs(3),
+    most_percent: 30,
+    reach_mm: 40.0,
+    reset_wait: Duration::from_secs(2),
+};
+
+fn without_pressure_sensors(name: &str) -> Rig {
+    let rig = Rig::builtin(name).expect("a built-in rig");
+    rig.with_settings(&["sensors.pressure=false".to_owned()]).expect("valid")
+}
+
+#[test]
+fn a_drive_without_pressure_sensors_is_brought_up_by_the_rest_and_no_pressure_is_shown() {
+    for name in ["servo-b-tuned", "servo-a-tuned"] {
+        let (rig, wiring) = rig_of(without_pressure_sensors(name), &[], FAST);
+        let report = brought_up(&rig, &wiring, true);
+        let text = report.markdown();
+        assert_eq!(advice(&report), [""; 0], "{name}: {text}");
+        let is_open = |check: &&Check| check.verdict == Verdict::NotChecked;
+        let open: Vec<&str> = report.checks.iter().filter(is_open).map(|check| check.name).collect();
+        assert_eq!(open, ["sensors at rest", "drive stage"], "{name}: {text}");
+        assert!(text.contains("the drive has no pressure sensors (sensors.pressure = false)"), "{text}");
+        assert!(text.contains("pressures not measured") && !text.contains("kPa"), "{text}");
+    }
+}
+
+#[test]
+fn without_pressure_sensors_other_wires_are_still_found_by_what_is_left() {
+    for (fault, says) in [
+        (WiringFault::ValveInverted, &["pulses: the valve command is turned"][..]),
+        (WiringFault::TubesSwapped, &["pulses: the tubes are swapped"]),
+        (
+            WiringFault::EncoderSwapped,
+            &[
+                "encoder by hand: the encoder counts the wrong way",
+                "pulses: the encoder counts the wrong way",
+            ],
+        ),
+        (
+            WiringFault::EncoderPullUp,
+            &[
+                "pulses: the spool moves, but the encoder does not count. Without pressure sensors this may be",
+            ],
+        ),
+        (WiringFault::EnableOpen, &["pulses: nothing answers the command, and the encoder counted by hand"]),
+    ] {
+        assert_found(without_pressure_sensors("servo-b-tuned"), fault, says);
+    }
+}
+
+/// Somebody who lets it move, and does something before a watchdog that is not fed bites.
+struct Meddler<F>(Option<F>);
+
+impl<F: FnOnce() + Send + 'static> Operator for Meddler<F> {
+    fn tell(&mut self, text: &str) {
+        if text.starts_with("the board feeds its watchdog no more")
+            && let Some(meddle) = self.0.take()
+        {
+            std::thread::spawn(|| {
+                std::thread::sleep(Duration::from_millis(100));
+                meddle();
+            });
+        }
+    }
+
+    fn done(&mut self, _: &Check) {}
+
+    fn lets_it_move(&mut self, _: &str) -> bool {
+        true
+    }
+
+    fn answers(&mut self, _: &str) -> Option<bool> {
+        None
+    }
+
+    fn goes_on(&mut self) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// What a bring-up finds if the board does this in place of the reset by its watchdog.
+fn found_with(meddle: impl FnOnce(Background, PersistentFlash) + Send + 'static) -> Vec<String> {
+    let flash = PersistentFlash::default();
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let (rig, _) = served(VirtualRig::with_flash(rig, 0, FAST, flash.clone()).expect("a rig"), "127.0.0.1:0");
+    let mut client = Client::connect(rig.port()).expect("an answer");
+    let options = Options { push_wait: Duration::ZERO, ..SOON };
+    let report = bring_up(&mut client, &mut Meddler(Some(|| meddle(rig, flash))), options);
+    advice(&report.expect("a report"))
+}
+
+fn served(rig: VirtualRig, address: &str) -> (Background, Wiring) {
+    let wiring = rig.wiring().clone();
+    (Background::start(rig, Listener::open(&format!("tcp:{address}")).expect("a port")), wiring)
+}
+
+#[test]
+fn a_board_that_never_comes_back_from_its_reset_is_found() {
+    let found = found_with(|rig, _| drop(rig.stop()));
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].starts_with("watchdog: the board does not come back: switch its supply off and on"));
+}
+
+/// Somebody has switched it off and on; the program opens its port again.
+#[test]
+fn a_board_that_comes_back_for_another_reason_is_found() {
+    let found = found_with(|rig, flash| {
+        let address = rig.port().strip_prefix("tcp://").expect("a TCP port").to_owned();
+        rig.stop().expect("no failure");
+        let again = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let again = VirtualRig::with_flash(again, 0, FAST, flash).expect("a rig");
+        let (_again, _) = served(again, &address);
+        std::thread::sleep(Duration::from_secs(10));
+    });
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].starts_with("watchdog: the board was reset by something else"), "{found:?}");
+}
+
+/// The next bring-up finds the trial in the fault log, and no other reset by the watchdog.
+#[test]
+fn a_watchdog_that_was_tried_is_no_fault_of_the_board() {
+    let (rig, wiring) = rig_with("servo-b-tuned", &[], FAST);
+    for _ in 0..2 {
+        let report = brought_up(&rig, &wiring, true);
+        assert_eq!(advice(&report), [""; 0], "{}", report.markdown());
+        let watchdog = report.checks.last().expect("checks");
+        assert_eq!((watchdog.name, watchdog.verdict), ("watchdog", Verdict::Right));
+        let says = "; the fault log says watchdog";
+        assert!(
+            watchdog.saw.starts_with("answers again after 0.") && watchdog.saw.ends_with(says),
+            "{watchdog:?}"
+        );
+    }
 }
 
 /// Somebody who pushes the slide and lets it move, but touches no wire.
@@ -217,9 +367,15 @@ fn a_polarity_that_is_set_as_advised_mends_its_fault() {
 fn the_parameters_are_those_from_before() {
     let (rig, wiring) = rig_with("servo-b-tuned", &[], FAST);
     let mut client = Client::connect(rig.port()).expect("an answer");
+    // Not stored: a reset takes them.
+    client.set_parameters(id::VELOCITY_GAIN, &[77]).expect("disarmed");
+    let record = MoveRecord { number: 3, next: Move::step(0, 5000), dwell: 9 };
+    client.put_move_records(&[record]).expect("disarmed");
     let before = client.parameters().expect("an answer");
-    brought_up(&rig, &wiring, true);
+    let report = brought_up(&rig, &wiring, true);
+    assert_eq!(report.checks.last().expect("checks").name, "watchdog");
     assert_eq!(client.parameters().expect("an answer"), before);
+    assert_eq!(client.move_records().expect("an answer"), [record]);
 }
 
 #[test]
@@ -243,8 +399,10 @@ fn the_command_reports_to_a_file_and_as_json_and_its_exit_code_says_whether_all_
     assert!(printed.ends_with("= 1") && printed.contains("! error: wrong: pulses; "), "{printed}");
     let json = printed.split("\n!").next().expect("the output");
     let json: serde_json::Value = serde_json::from_str(json).expect("JSON");
-    let pulses = json["result"]["checks"].as_array().expect("a list").last().expect("a check");
-    assert_eq!((&pulses["name"], &pulses["verdict"]), (&"pulses".into(), &"wrong".into()));
+    let checks = json["result"]["checks"].as_array().expect("a list");
+    let verdict =
+        |name: &str| &checks.iter().find(|check| check["name"] == name).expect("a check")["verdict"];
+    assert_eq!([verdict("pulses"), verdict("watchdog")], ["wrong", "right"]);
 }
 
 #[test]

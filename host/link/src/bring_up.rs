@@ -9,6 +9,7 @@
 //! | enable line | nothing may | whether `drive_enable` gates the amplifier; the converter's ramp against a voltmeter |
 //! | rest when enabled | nothing may | a valve that is not shut at its null |
 //! | pulses | a few mm | the signs of valve, tubes, encoder and transmitters against each other ([`signs`]) |
+//! | watchdog | nothing may | whether the watchdog resets the board |
 //!
 //! A pulse is an open-loop test of its own: a command for a tenth of a second, which the board ends by itself. Commands rise
 //! from a few percent of the valve until the slide has moved both ways. Whatever surprises ends the bring-up, with the
@@ -23,6 +24,7 @@ mod response;
 mod rest;
 pub mod signs;
 mod silence;
+mod watchdog;
 
 use std::time::Duration;
 
@@ -51,11 +53,19 @@ pub struct Options {
     pub most_percent: u8,
     /// A slide that goes further than this from where it stood is stopped, mm (counts where their length is unknown).
     pub reach_mm: f64,
+    /// How long an answer may take after the watchdog was last fed. It bites within half a second; an emulated board counts
+    /// virtual time.
+    pub reset_wait: Duration,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { push_wait: Duration::from_secs(20), most_percent: 30, reach_mm: 40.0 }
+        Options {
+            push_wait: Duration::from_secs(20),
+            most_percent: 30,
+            reach_mm: 40.0,
+            reset_wait: Duration::from_secs(15),
+        }
     }
 }
 
@@ -113,6 +123,7 @@ pub fn bring_up(client: &mut Client, operator: &mut dyn Operator, options: Optio
     } else {
         bring_up.leave_out_motion("what is wrong above comes first");
     }
+    bring_up.check_watchdog()?;
     Ok(bring_up.report)
 }
 
@@ -190,13 +201,13 @@ impl BringUp<'_> {
         if self.allows_motion() && self.check_enabled_rest()? {
             self.check_pulses(pushed)
         } else {
-            self.note(Check::left_out("pulses", "what is wrong above comes first"));
+            self.note(Check::left_out(pulses::NAME, "what is wrong above comes first"));
             Ok(())
         }
     }
 
     fn leave_out_motion(&mut self, why: &str) {
-        for name in ["enable line", "rest when enabled", "pulses"] {
+        for name in [enable::LINE, "rest when enabled", pulses::NAME] {
             self.note(Check::left_out(name, why));
         }
     }

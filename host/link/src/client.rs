@@ -12,6 +12,7 @@ mod stream;
 mod test;
 mod valve;
 mod version_2;
+mod watchdog;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
@@ -28,6 +29,7 @@ use pneudrive_records::words;
 pub use io::Io;
 pub use owner::Commander;
 pub use record::{Pieces, RecordChanged};
+pub use watchdog::Trial;
 
 use crate::failure::Failure;
 use crate::port::{self, Link};
@@ -160,6 +162,13 @@ impl Client {
 
     /// Finds a rig at the other end.
     fn greeted(mut self) -> Result<Client> {
+        self.greet()?;
+        self.boot = self.number_of_boot()?;
+        Ok(self)
+    }
+
+    /// The first words over a link.
+    fn greet(&mut self) -> Result<()> {
         // Ends a frame that an earlier program left incomplete.
         self.link.write(&[0]).with_context(|| format!("cannot write to {}", self.name))?;
         if self.name.starts_with("tcp://")
@@ -169,8 +178,7 @@ impl Client {
         }
         let info = self.info()?;
         (self.version, self.record_capacity) = (info.version, info.record_capacity);
-        self.boot = self.number_of_boot()?;
-        Ok(self)
+        Ok(())
     }
 
     /// Damaged frames and repeated requests so far.
@@ -316,14 +324,6 @@ impl Client {
             ReplyBody::Status(status) => Ok(*status),
             other => Err(unexpected(other)),
         })
-    }
-
-    /// Stops at once.
-    ///
-    /// # Errors
-    /// When it is not answered.
-    pub fn stop(&mut self) -> Result<()> {
-        self.ask_done(RequestBody::Stop)
     }
 
     /// Sets the encoder's counter: the axis is at `position_counts` now.

@@ -116,14 +116,14 @@ fn version_5(message: &[u8]) -> Option<Vec<u8>> {
     older(message, 5, id::HOMING_SWITCH)
 }
 
-fn version_9(message: &[u8]) -> Option<Vec<u8>> {
+fn version_10(message: &[u8]) -> Option<Vec<u8>> {
     let Request { sequence, body } = decode_request(message).expect("a request");
-    if body == RequestBody::Info { info(sequence, 1, 9) } else { None }
+    if body == RequestBody::Info { info(sequence, 1, 10) } else { None }
 }
 
-fn only_version_9(message: &[u8]) -> Option<Vec<u8>> {
+fn only_version_10(message: &[u8]) -> Option<Vec<u8>> {
     let Request { sequence, .. } = decode_request(message).expect("a request");
-    info(sequence, 9, 9)
+    info(sequence, 10, 10)
 }
 
 #[test]
@@ -303,12 +303,12 @@ fn what_was_meant_for_a_rig_before_its_reset_is_refused_by_name_and_a_new_connec
 #[test]
 fn a_newer_rig_is_talked_to_as_long_as_it_speaks_a_version_that_is_known() {
     let samples = any_samples(&mut Random(7), 100);
-    let rig = SimulatedRig::with_record(&samples).with_firmware(version_9);
+    let rig = SimulatedRig::with_record(&samples).with_firmware(version_10);
     assert_eq!(rig.connect().expect("an answer").record(|_, _| {}).expect("a record").samples, samples);
-    let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_9);
+    let rig = SimulatedRig::with_record(&samples).with_firmware(only_version_10);
     let error = rig.connect().err().expect("no common version").to_string();
     assert!(
-        error.contains("speaks protocol versions 9 to 9, this program 1 to 8; update the older"),
+        error.contains("speaks protocol versions 10 to 10, this program 1 to 9; update the older"),
         "{error}"
     );
 }

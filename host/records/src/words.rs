@@ -20,7 +20,7 @@ pub fn protocol(version: u16) -> String {
             )
         }
         Ordering::Less => {
-            let lacks: [(u16, &str); 7] = [
+            let lacks: [(u16, &str); 8] = [
                 (2, "homing, stored parameters, fault log"),
                 (3, "streams"),
                 (4, "tests that repeat or last for hours"),
@@ -28,6 +28,7 @@ pub fn protocol(version: u16) -> String {
                 (6, "boot numbers"),
                 (7, "moves with profiles"),
                 (8, "move records, digital inputs"),
+                (9, "trial of the watchdog"),
             ];
             let lacks: Vec<&str> =
                 lacks.iter().filter(|(since, _)| version < *since).map(|(_, what)| *what).collect();
@@ -321,20 +322,17 @@ mod tests {
 
     #[test]
     fn a_rig_of_another_version_is_told_with_what_it_lacks() {
-        assert_eq!(protocol(8), "version 8");
-        assert!(protocol(7).contains("is older and has no move records, digital inputs;"));
-        assert!(
-            protocol(6).contains("is older and has no moves with profiles, move records, digital inputs;")
-        );
-        assert!(protocol(5).contains(
-            "is older and has no boot numbers, moves with profiles, move records, digital inputs;"
-        ));
+        assert_eq!(protocol(9), "version 9");
+        assert!(protocol(8).contains("is older and has no trial of the watchdog;"));
+        assert!(protocol(7).contains("is older and has no move records, digital inputs, trial"));
+        assert!(protocol(6).contains("is older and has no moves with profiles, move records, digital"));
+        assert!(protocol(5).contains("is older and has no boot numbers, moves with profiles, move records,"));
         assert!(
             protocol(4).contains("is older and has no single commanding host, atomic changes, boot numbers,")
         );
         assert!(protocol(3).contains("has no tests that repeat or last for hours, single"));
         assert!(protocol(2).contains("has no streams, tests that"));
         assert!(protocol(1).contains("has no homing, stored parameters, fault log, streams, tests"));
-        assert!(protocol(9).starts_with("version 9; this program is older and speaks 8:"));
+        assert!(protocol(10).starts_with("version 10; this program is older and speaks 9:"));
     }
 }

@@ -64,8 +64,8 @@ pub enum DeviceAction {
         #[arg(value_name = "INPUT=VALUE")]
         settings: Vec<String>,
     },
-    /// Check a new board and its wires one by one: sensors, encoder by hand, enable line, then pulses of a few mm that
-    /// show what is swapped. Asks before the cylinder moves. The rig's test is replaced
+    /// Check a new board and its wires one by one: sensors, encoder by hand, enable line, pulses of a few mm that show
+    /// what is swapped, and the watchdog, which resets the board. Asks before the cylinder moves. The rig's test is replaced
     BringUp(BringUp),
 }
 

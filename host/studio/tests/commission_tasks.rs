@@ -209,7 +209,7 @@ fn a_bring_up_asks_before_it_moves_tells_each_check_and_ends_with_its_report() {
         .filter_map(|check| check["name"].as_str())
         .collect();
     assert_eq!(names.first(), Some(&"board"));
-    assert_eq!(names.last(), Some(&"pulses"));
+    assert_eq!(names.last(), Some(&"watchdog"));
     assert_eq!(status(&rig).mode, Mode::Disarmed);
 }
 

@@ -6,6 +6,7 @@ use pneudrive_controller::parameters::id;
 use pneudrive_protocol::{HISTOGRAM_BINS, Mode, Spread};
 use pneudrive_records::words;
 
+use super::watchdog::was_tried;
 use super::{BringUp, Check};
 
 /// Faults of the board itself: a new board has none of them in its log.
@@ -20,7 +21,7 @@ impl BringUp<'_> {
         let logged: Vec<String> = OF_THE_BOARD
             .iter()
             .map(|fault| fault.code())
-            .filter(|code| events.iter().any(|event| event.code == *code))
+            .filter(|code| (0..events.len()).any(|k| events[k].code == *code && !was_tried(&events, k)))
             .map(words::fault_code_name)
             .collect();
         let latched = match status.mode {

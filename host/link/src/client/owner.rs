@@ -129,6 +129,14 @@ impl Client {
         recent.with_context(|| format!("{name}: was it started with another PNEUDRIVE_TOKEN?"))
     }
 
+    /// Stops at once.
+    ///
+    /// # Errors
+    /// When it is not answered.
+    pub fn stop(&mut self) -> Result<()> {
+        self.ask_done(RequestBody::Stop)
+    }
+
     /// Disables the drive.
     ///
     /// # Errors

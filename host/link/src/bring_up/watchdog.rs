@@ -1,0 +1,153 @@
+//! The watchdog: not fed any more, it must reset the board, and the fault log must name it.
+//!
+//! It comes last: what was not stored is lost with the reset, as is the reference of the axis. Parameters and move records are put
+//! back. In a reset the converter of the valve may give any command, so the drive stage must have been seen to obey
+//! `drive_enable`, or somebody must have let the cylinder move.
+
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use pneudrive_controller::Fault;
+use pneudrive_protocol::{Event, Mode};
+use pneudrive_records::move_records::MoveRecord;
+use pneudrive_records::words;
+
+use super::{BringUp, Check, Verdict, enable, pulses};
+use crate::client::Trial;
+
+const NAME: &str = "watchdog";
+
+/// The fault that a board was reset by is logged with its first samples.
+const LOGGED_WITHIN: Duration = Duration::from_secs(1);
+
+const DID: &str = "had the board feed its watchdog no more, drive disabled";
+const MUST: &str = "a reset, which the fault log puts down to the watchdog";
+
+/// What a reset takes from a drive that has not stored it.
+struct Unstored {
+    records: Vec<MoveRecord>,
+    referenced: bool,
+}
+
+impl BringUp<'_> {
+    /// Tries the watchdog of a drive that may move.
+    pub(super) fn check_watchdog(&mut self) -> Result<()> {
+        if let Some(why) = self.why_no_trial()? {
+            self.note(Check::left_out(NAME, &why));
+            return Ok(());
+        }
+        self.operator.goes_on()?;
+        self.operator.tell("the board feeds its watchdog no more: it must reset");
+        let unstored =
+            Unstored { records: self.client.move_records()?, referenced: self.client.status()?.referenced };
+        match self.client.try_watchdog(self.options.reset_wait)? {
+            Trial::NoWatchdog => self.note(Check::left_out(NAME, "this board has no watchdog")),
+            Trial::Reset(after) => self.judge_reset(after, &unstored)?,
+            Trial::NotReset => self.note_failed("still answers, without a reset,", DEAD),
+            Trial::Silent => self.note_failed("does not answer", GONE),
+        }
+        Ok(())
+    }
+
+    fn note_failed(&mut self, how: &str, advice: &str) {
+        let saw = format!("{how} after {:.0} s", self.options.reset_wait.as_secs_f64());
+        self.note(Check::of(NAME, DID, saw, MUST, vec![advice.to_owned()]));
+    }
+
+    /// What keeps the watchdog from being tried.
+    fn why_no_trial(&mut self) -> Result<Option<String>> {
+        let check = |name: &str| self.report.checks.iter().find(|check| check.name == name);
+        let is_ungated = check(enable::LINE).is_some_and(|check| check.verdict == Verdict::Wrong);
+        let was_let = check(pulses::NAME).is_some_and(|check| check.verdict != Verdict::NotChecked);
+        Ok(if is_ungated || !was_let {
+            Some("a reset may move the cylinder: what is open or wrong above comes first".to_owned())
+        } else if !self.client.speaks(9) {
+            Some("its firmware is too old: it needs version 9 of the protocol".to_owned())
+        } else if !self.client.names_its_boot() {
+            Some("the board cannot tell one boot from the next: its flash has failed".to_owned())
+        } else {
+            let status = self.client.status()?;
+            let fault = || {
+                format!(
+                    "the drive is in the fault {}: that comes first",
+                    words::fault_code_name(status.fault)
+                )
+            };
+            (status.mode == Mode::Fault).then(fault)
+        })
+    }
+
+    /// What the fault log says of a reset; then the drive is as it was before.
+    fn judge_reset(&mut self, after: Duration, unstored: &Unstored) -> Result<()> {
+        let newest = self.newest_of_this_boot()?;
+        let reason = newest.map_or("nothing".to_owned(), |event| words::fault_code_name(event.code));
+        let advice = match newest {
+            Some(event) if event.code == Fault::Watchdog.code() => Vec::new(),
+            _ => vec![OTHER_REASON.to_owned()],
+        };
+        let lost = self.put_back(unstored)?;
+        let saw =
+            format!("answers again after {:.2} s; the fault log says {reason}{lost}", after.as_secs_f64());
+        self.note(Check::of(NAME, DID, saw, MUST, advice));
+        Ok(())
+    }
+
+    /// The newest event of the boot that has begun.
+    fn newest_of_this_boot(&mut self) -> Result<Option<Event>> {
+        let begun = Instant::now();
+        loop {
+            let newest = self.client.events()?.first().copied();
+            let of_this_boot = newest.filter(|event| self.client.is_of_this_boot(event));
+            if of_this_boot.is_some() || begun.elapsed() > LOGGED_WITHIN {
+                return Ok(of_this_boot);
+            }
+        }
+    }
+
+    /// Puts parameters and move records back, and leaves the fault. What is lost, in words.
+    fn put_back(&mut self, unstored: &Unstored) -> Result<&'static str> {
+        if self.client.parameters()? != self.parameters {
+            self.client.import_parameters(&self.parameters.values)?;
+        }
+        if self.client.move_records()? != unstored.records {
+            self.client.replace_move_records(&unstored.records)?;
+        }
+        let referenced = self.client.status()?.referenced;
+        // A stepper's spool may have to be sought first; then the fault stays, and says so.
+        if self.client.arm().is_ok() {
+            self.client.disarm()?;
+        }
+        Ok(if unstored.referenced && !referenced { "; the axis has lost its reference" } else { "" })
+    }
+}
+
+/// Whether an event says that the watchdog has reset the board when it was tried: the one before it says that it was to.
+pub(super) fn was_tried(events: &[Event], place: usize) -> bool {
+    let older = events.get(place + 1);
+    older.is_some_and(|older| {
+        older.code == Fault::WatchdogTried.code() && older.boot.wrapping_add(1) == events[place].boot
+    })
+}
+
+const DEAD: &str = "the watchdog does not bite: a program that hangs would leave the valve as it is. Do not run this board: flash the firmware anew, take off a debugger that holds the watchdog, or change the board. `pneudrive device arm` ends the trial";
+const GONE: &str = "the board does not come back: switch its supply off and on, and try again; if it stays so, look at its boot pins (BOOT0 low on the Nucleo), at what its reset line is wired to, and flash the firmware anew";
+const OTHER_REASON: &str = "the board was reset by something else: its supply, its reset line or a debugger; look at `pneudrive device faults`, and try again without a debugger";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn event(code: Fault, boot: u32) -> Event {
+        Event { code: code.code(), boot, ..Event::default() }
+    }
+
+    #[test]
+    fn a_watchdog_that_was_tried_is_told_from_one_that_bit() {
+        let tried = [event(Fault::Watchdog, 3), event(Fault::WatchdogTried, 2)];
+        assert!(was_tried(&tried, 0));
+        let later = [event(Fault::Watchdog, 4), event(Fault::WatchdogTried, 2)];
+        assert!(!was_tried(&later, 0), "the trial had ended before");
+        let bit = [event(Fault::Watchdog, 3), event(Fault::Stop, 2)];
+        assert!(!was_tried(&bit, 0) && !was_tried(&bit[..1], 0));
+    }
+}

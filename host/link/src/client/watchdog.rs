@@ -1,0 +1,125 @@
+//! The trial of a board's watchdog (version 9 of the protocol).
+
+use std::io;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use pneudrive_protocol::{Accumulator, Event, Refused, ReplyBody, Request, RequestBody, code};
+
+use super::answer::{refusal, unexpected};
+use super::{ANSWER_WAIT, Client, stream};
+use crate::port::{self, Link};
+
+/// Between two attempts to open a port that has gone with its board.
+const OPEN_AGAIN: Duration = Duration::from_millis(50);
+
+/// What became of a board whose watchdog is not fed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trial {
+    /// It has no watchdog.
+    NoWatchdog,
+    /// It answered after a reset, so long after the request.
+    Reset(Duration),
+    /// It still answers, and was not reset.
+    NotReset,
+    /// It has not answered at the end.
+    Silent,
+}
+
+/// A link that has been closed.
+struct Closed(Instant);
+
+impl Link for Closed {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        Err(io::ErrorKind::NotConnected.into())
+    }
+
+    fn write(&mut self, _: &[u8]) -> io::Result<()> {
+        Err(io::ErrorKind::NotConnected.into())
+    }
+
+    fn now(&self) -> Duration {
+        self.0.elapsed()
+    }
+}
+
+impl Client {
+    /// Has the board feed its watchdog no more, and waits for so long until it answers after a reset. From then on this
+    /// client talks to the new boot, which knows of no test, no reference and only of what was stored.
+    ///
+    /// # Errors
+    /// When the drive is not disarmed, another host commands it, or the firmware knows no trial.
+    pub fn try_watchdog(&mut self, wait: Duration) -> Result<Trial> {
+        self.needs_version(9, "a trial of the watchdog")?;
+        let name = self.name.clone();
+        let has_watchdog = self.ask_for_any(RequestBody::TryWatchdog, |reply| match reply {
+            // The answer was lost, and the board was reset before it was asked again.
+            ReplyBody::Done | ReplyBody::Refused(Refused::OtherBoot { .. }) => Ok(true),
+            ReplyBody::Refused(Refused::NotNow(code::NO_WATCHDOG)) => Ok(false),
+            ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
+            other => Err(unexpected(other)),
+        })?;
+        if !has_watchdog {
+            return Ok(Trial::NoWatchdog);
+        }
+        let begun = Instant::now();
+        let mut answers = false;
+        while begun.elapsed() < wait {
+            match self.boot_now() {
+                Ok(Some(boot)) if boot != self.boot => {
+                    let after = begun.elapsed();
+                    self.begin_anew(boot)?;
+                    return Ok(Trial::Reset(after));
+                }
+                Ok(boot) => answers = boot.is_some(),
+                Err(_) => {
+                    answers = false;
+                    self.open_again();
+                }
+            }
+        }
+        Ok(if answers { Trial::NotReset } else { Trial::Silent })
+    }
+
+    /// Whether an event of the fault log is of the boot that this client talks to.
+    #[must_use]
+    pub fn is_of_this_boot(&self, event: &Event) -> bool {
+        event.boot == self.boot
+    }
+
+    /// The number of the boot, asked for once; None without an answer.
+    fn boot_now(&mut self) -> Result<Option<u32>> {
+        self.sequence = self.sequence.wrapping_add(1);
+        let sequence = self.sequence;
+        self.send(Request { sequence, body: RequestBody::Boot })?;
+        let deadline = self.link.now() + ANSWER_WAIT;
+        self.hear(deadline, |reply| match reply.body {
+            ReplyBody::Boot { number } if reply.sequence == sequence => Some(number),
+            _ => None,
+        })
+    }
+
+    /// Opens the port again, if it is there: that of a board with USB goes at its reset.
+    fn open_again(&mut self) {
+        // A port that is still held could not be opened again.
+        self.link = Box::new(Closed(Instant::now()));
+        std::thread::sleep(OPEN_AGAIN);
+        let Ok(link) = port::open(&self.name) else { return };
+        self.link = link;
+        self.accumulator = Accumulator::new();
+        self.heard = Vec::new().into_iter();
+        // A board that does not answer yet is asked again.
+        let _ = self.greet();
+    }
+
+    /// Nothing that was known of the boot before holds in this one.
+    fn begin_anew(&mut self, boot: u32) -> Result<()> {
+        self.boot = boot;
+        (self.commands, self.test_crc32, self.last_sample) = (false, None, None);
+        (self.known, self.meant) = (None, None);
+        self.unasked = stream::Unasked::default();
+        let info = self.info()?;
+        (self.version, self.record_capacity) = (info.version, info.record_capacity);
+        Ok(())
+    }
+}
