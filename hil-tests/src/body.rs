@@ -7,6 +7,7 @@ pub mod records;
 mod run;
 pub mod soak;
 pub mod stream;
+pub mod watchdog;
 
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -34,6 +35,20 @@ pub fn closed_loop(start: Start) {
         let rig = rig(name, &["test.duration_s=5", moves]);
         assert_equal_in_every_integer(&*start(&rig), &rig);
     }
+}
+
+/// A drive without pressure sensors: whatever its inputs read, it records none, and replays.
+///
+/// # Panics
+/// When its record is not the simulation, or does not replay equal.
+pub fn without_pressure_sensors(start: Start) {
+    let rig = rig("servo-b-tuned", &["sensors.pressure=false", "test.duration_s=1"]);
+    let target = start(&rig);
+    assert_equal_in_every_integer(&*target, &rig);
+    let mut client = target.connect().expect("a rig that answers");
+    let replay = replayed(&mut client);
+    assert_eq!((replay.first, replay.no_pressures), (None, true), "{}", target.name());
+    assert!(replay.recorded.iter().all(|sample| [sample.pressure_1, sample.pressure_2] == [0, 0]));
 }
 
 /// Moves with every profile, with feed-forward: each rung makes the same setpoints, and a replay makes them again from the

@@ -185,6 +185,16 @@ fn the_watchdog_ends_a_stalled_loop_and_the_drive_comes_up_disabled_with_the_rea
 }
 
 #[test]
+fn the_watchdog_of_the_emulated_board_bites_when_it_is_tried() {
+    body::watchdog::a_watchdog_that_is_tried_resets_the_board(emulated_board);
+}
+
+#[test]
+fn the_emulated_board_without_pressure_sensors_records_none() {
+    body::without_pressure_sensors(emulated_board);
+}
+
+#[test]
 fn a_late_sample_trips_the_emulated_board_by_name() {
     body::jitter::a_late_sample_trips_by_name(|rig| Box::new(started(rig)));
 }

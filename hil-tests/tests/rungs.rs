@@ -52,6 +52,16 @@ fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_the_virtual_rig() {
 }
 
 #[test]
+fn a_virtual_rig_without_pressure_sensors_records_none() {
+    body::without_pressure_sensors(virtual_rig);
+}
+
+#[test]
+fn the_watchdog_of_the_virtual_rig_bites_when_it_is_tried() {
+    body::watchdog::a_watchdog_that_is_tried_resets_the_board(virtual_rig);
+}
+
+#[test]
 fn profiles_of_the_virtual_rig_are_those_of_the_simulation_and_replay() {
     body::profiles(virtual_rig);
 }

@@ -1,9 +1,12 @@
 //! A board of chips on SPI: drivers, clock and control as on a microcontroller, the plant at the pins of the modelled chips.
 
+use std::time::Duration;
+
 use pneudrive_controller::Fault;
 use pneudrive_hil_tests::body::{self, rig};
 use pneudrive_hil_tests::wired::{Chip, Loss, WiredTarget};
 use pneudrive_hil_tests::{Delayed, Target};
+use pneudrive_link::client::Trial;
 use pneudrive_protocol::Mode;
 use pneudrive_sim::Rig;
 
@@ -48,6 +51,20 @@ fn an_error_beyond_16_bits_is_limited_in_the_record_of_a_board_of_chips() {
 #[test]
 fn a_drive_whose_first_move_comes_late_stays_where_it_is_on_a_board_of_chips() {
     body::a_late_first_move(wired);
+}
+
+#[test]
+fn a_board_of_chips_without_pressure_sensors_records_none() {
+    body::without_pressure_sensors(wired);
+}
+
+/// The modelled microcontroller has none.
+#[test]
+fn a_board_of_chips_without_a_watchdog_says_so() {
+    let target = wired(&rig("servo-b", &[]));
+    let mut client = target.connect().expect("a board that answers");
+    assert_eq!(client.try_watchdog(Duration::from_secs(1)).expect("disarmed"), Trial::NoWatchdog);
+    assert_eq!(client.status().expect("an answer").mode, Mode::Disarmed);
 }
 
 #[test]

@@ -36,6 +36,17 @@ fn a_short_run_of_the_flashed_image_is_the_simulation() {
 }
 
 #[test]
+fn the_watchdog_of_the_flashed_image_bites_when_it_is_tried() {
+    body::watchdog::a_watchdog_that_is_tried_resets_the_board(fast);
+    body::watchdog::a_watchdog_that_is_tried_resets_the_board(slow);
+}
+
+#[test]
+fn the_flashed_image_without_pressure_sensors_records_none() {
+    body::without_pressure_sensors(fast);
+}
+
+#[test]
 fn the_record_of_the_flashed_image_is_the_simulation_in_closed_loop() {
     body::closed_loop(fast);
     body::closed_loop(slow);
