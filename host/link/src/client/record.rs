@@ -147,10 +147,19 @@ impl Client {
     /// # Errors
     /// When there is none yet.
     pub fn record_head(&mut self) -> Result<RecordHead> {
+        self.record_head_while(|| Ok(()))
+    }
+
+    /// The same, as long as `goes_on` says so: it is asked again and again while the rig computes the CRC.
+    ///
+    /// # Errors
+    /// As [`Client::record_head`]; that of `goes_on`.
+    pub fn record_head_while(&mut self, mut goes_on: impl FnMut() -> Result<()>) -> Result<RecordHead> {
         let (mut head, mut complete) = self.ask_record_info()?;
         // The rig computes the CRC of its record piece by piece.
         let deadline = self.link.now() + DIGESTING;
         while !complete && self.link.now() < deadline {
+            goes_on()?;
             if matches!(self.status()?.mode, Mode::Armed | Mode::Running) {
                 break;
             }

@@ -18,16 +18,17 @@ const BUSY: &str = "not now: the record is being read";
 pub fn record(client: &mut Client, orders: &mut Orders<'_>, teller: &Teller<'_>) -> Result<Value> {
     let info = client.info()?;
     let parameters = client.parameters()?;
-    let head = client.record_head()?;
-    let test = client.test()?;
-    let none = Pieces::none(head.samples);
-    let record = client.download(&head, none, |_, _| {
+    let mut hear = || {
         let heard = orders.goes_on();
         if orders.has_refused() {
             teller.tell(BUSY);
         }
         heard.map_err(Error::from)
-    })?;
+    };
+    let head = client.record_head_while(&mut hear)?;
+    let test = client.test()?;
+    let none = Pieces::none(head.samples);
+    let record = client.download(&head, none, |_, _| hear())?;
     let file = TargetFile::new(&record, &info, &parameters)?.with_test(test.as_ref());
     let name = format!("TARGET-{:08x}.DAT", head.crc32);
     Ok(json!({ "name": name, "text": file.to_text(), "samples": file.samples.len() }))
