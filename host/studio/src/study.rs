@@ -4,11 +4,12 @@
 //! POST /api/study  ->  { "at": { "what", "done", "all" } } ...  ->  { "found": ... } or { "refused": ... }
 //! ```
 //!
-//! There is one study at a time. It is called off when its page stops reading: cancelled, closed or gone.
+//! There is one study at a time. It is called off when its page stops reading: cancelled, closed or gone. It then ends the
+//! runs that have begun, and the next one begins behind it: there is never more than one thread for studies.
 
 use std::convert::Infallible;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::body::Body;
 use axum::extract::State;
@@ -21,6 +22,7 @@ use futures_util::stream::unfold;
 use pneudrive_page::refusal::Refusal;
 use pneudrive_page::study::{Audience, Study, choices};
 use serde_json::{Value, json};
+use tokio::sync::Mutex;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 
 use crate::refused::Refused;
@@ -31,7 +33,7 @@ struct Desk {
     /// Whether a page waits.
     taken: AtomicBool,
     /// Held by the thread that works; one that was called off ends its last run first.
-    work: Mutex<()>,
+    work: Arc<Mutex<()>>,
 }
 
 /// The routes of studies.
@@ -58,9 +60,14 @@ impl Drop for Waiting {
 async fn begin(State(desk): State<Arc<Desk>>, Json(body): Json<Value>) -> Result<Response, Refused> {
     let study = Study::read(&body)?;
     let waiting = take(&desk)?;
+    // A page that goes while it waits here has begun nothing.
+    let alone = desk.work.clone().lock_owned().await;
     let (sender, receiver) = unbounded_channel();
     let waits = waiting.waits.clone();
-    std::thread::spawn(move || work(&study, &desk, &waits, &sender));
+    std::thread::spawn(move || {
+        work(&study, &waits, &sender);
+        drop(alone);
+    });
     let lines = unfold((waiting, receiver), |(waiting, mut receiver)| async move {
         let line: Value = receiver.recv().await?;
         Some((Ok::<_, Infallible>(format!("{line}\n")), (waiting, receiver)))
@@ -77,8 +84,7 @@ fn take(desk: &Arc<Desk>) -> Result<Waiting, Refusal> {
 }
 
 /// Works while the page waits. Nobody hears a line that is sent after that.
-fn work(study: &Study, desk: &Desk, waits: &AtomicBool, lines: &UnboundedSender<Value>) {
-    let _alone = desk.work.lock().unwrap_or_else(PoisonError::into_inner);
+fn work(study: &Study, waits: &AtomicBool, lines: &UnboundedSender<Value>) {
     let done = study.work(Audience {
         hears: &mut |at| drop(lines.send(json!({ "at": at }))),
         waits: &|| waits.load(Ordering::Relaxed),

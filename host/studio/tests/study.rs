@@ -1,9 +1,9 @@
 //! Studies over HTTP: progress line by line, one at a time, called off when nobody reads.
 
 mod visitor;
+mod wire;
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::io::{BufRead, Read};
 use std::time::{Duration, Instant};
 
 use axum::http::{Method, StatusCode};
@@ -11,7 +11,8 @@ use pneudrive_page::study::{Audience, Study};
 use pneudrive_sim::rig::builtin;
 use serde_json::{Value, json};
 
-use visitor::{TOKEN, ask_as_page, studio};
+use visitor::{ask_as_page, studio};
+use wire::{asked, status};
 
 /// A sweep of so many short runs.
 fn sweep(points: u32) -> Value {
@@ -48,37 +49,16 @@ fn a_study_that_cannot_be_is_refused_with_the_reason() {
     assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY);
 }
 
-/// A page that asks for a study, and reads as long as it likes.
-fn asked(host: &str, body: &Value) -> BufReader<TcpStream> {
-    let mut stream = TcpStream::connect(host).expect("it listens");
-    stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a socket");
-    let body = body.to_string();
-    write!(
-        stream,
-        "POST /api/study HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {TOKEN}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
-        body.len()
-    )
-    .expect("sent");
-    BufReader::new(stream)
-}
-
-/// Its status line.
-fn status(page: &mut BufReader<TcpStream>) -> String {
-    let mut line = String::new();
-    page.read_line(&mut line).expect("a status");
-    line
-}
-
 #[test]
 fn there_is_one_study_at_a_time_and_it_ends_with_its_page() {
     let studio = studio();
     let host = studio.local_address().to_string();
     std::thread::spawn(move || studio.serve());
     // Minutes of runs.
-    let mut first = asked(&host, &sweep(10_000));
+    let mut first = asked(&host, "/api/study", &sweep(10_000));
     assert!(status(&mut first).contains("200"));
     assert!(first.by_ref().lines().any(|line| line.expect("a line").contains("\"done\":0")));
-    let mut second = asked(&host, &sweep(2));
+    let mut second = asked(&host, "/api/study", &sweep(2));
     assert!(status(&mut second).contains("409"));
     let mut text = String::new();
     second.read_to_string(&mut text).expect("a reason");
@@ -87,7 +67,7 @@ fn there_is_one_study_at_a_time_and_it_ends_with_its_page() {
     // The studio notices, ends its run, and takes the next study.
     let begun = Instant::now();
     loop {
-        let mut third = asked(&host, &sweep(2));
+        let mut third = asked(&host, "/api/study", &sweep(2));
         if status(&mut third).contains("200") {
             let mut text = String::new();
             third.read_to_string(&mut text).expect("lines");
@@ -97,4 +77,31 @@ fn there_is_one_study_at_a_time_and_it_ends_with_its_page() {
         assert!(begun.elapsed() < Duration::from_secs(20), "the first study goes on without its page");
         std::thread::sleep(Duration::from_millis(50));
     }
+}
+
+/// Threads of this program.
+#[cfg(target_os = "linux")]
+fn threads() -> usize {
+    std::fs::read_dir("/proc/self/task").expect("a list of threads").count()
+}
+
+/// A study that is called off ends the run that has begun, here some seconds.
+#[cfg(target_os = "linux")]
+#[test]
+fn studies_that_are_begun_and_called_off_again_and_again_take_no_more_threads() {
+    let studio = studio();
+    let host = studio.local_address().to_string();
+    std::thread::spawn(move || studio.serve());
+    let mut long = sweep(10_000);
+    long["settings"] = json!(["test.duration_s=250"]);
+    let before = threads();
+    for _ in 0..40 {
+        let page = asked(&host, "/api/study", &long);
+        std::thread::sleep(Duration::from_millis(50));
+        drop(page);
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // Those of the server and of one study, and of the other tests here.
+    let more = threads().saturating_sub(before);
+    assert!(more < 20, "{more} more threads");
 }
