@@ -6,6 +6,12 @@ export { Refused };
 
 const STORED = 'pneudrive-token';
 
+/** So many connections a browser opens to one server; what is asked for beyond them waits. */
+const CONNECTIONS = 6;
+
+/** Those that are left to orders to the drive, so that a stop waits for nothing else: that, and the order before it. */
+const FOR_ORDERS = 2;
+
 /** Takes the token out of the address, where it would stay in the history of the browser. */
 function token() {
   const given = new URLSearchParams(location.hash.slice(1)).get('token');
@@ -18,31 +24,62 @@ function token() {
 
 const AUTHORIZATION = `Bearer ${token()}`;
 
-async function ask(path, options) {
+let taken = 0;
+const waiting = [];
+
+/** Waits for a connection that is not left to orders. */
+async function takeConnection() {
+  while (taken >= CONNECTIONS - FOR_ORDERS) await new Promise((resolve) => { waiting.push(resolve); });
+  taken += 1;
+}
+
+function leaveConnection() {
+  taken -= 1;
+  waiting.shift()?.();
+}
+
+async function fetched(path, options) {
   const headers = { Authorization: AUTHORIZATION, 'Content-Type': 'application/json' };
   const answer = await fetch(path, { ...options, headers });
   if (answer.ok) return answer;
   throw new Refused(answer.status, await answer.json().catch(() => ({})));
 }
 
+/** Asks, and reads the answer with `read`. */
+async function ask(path, options, read) {
+  if (path === '/api/order') return read(await fetched(path, options));
+  await takeConnection();
+  try {
+    return await read(await fetched(path, options));
+  } finally {
+    leaveConnection();
+  }
+}
+
+const posted = (body, signal) => ({ method: 'POST', body: JSON.stringify(body), signal });
+
 export async function get(path) {
-  return (await ask(path)).json();
+  return ask(path, {}, (answer) => answer.json());
 }
 
 export async function post(path, body, signal) {
-  const answer = await ask(path, { method: 'POST', body: JSON.stringify(body), signal });
-  return answer.status === 202 ? null : answer.json();
+  return ask(path, posted(body, signal), (answer) => (answer.status === 202 ? null : answer.json()));
 }
 
 /** Posts, and takes lines of JSON as they come. */
 export async function* lines(path, signal, body = {}) {
-  const answer = await ask(path, { method: 'POST', body: JSON.stringify(body), signal });
-  const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
-  let heard = '';
-  for (let { done, value } = await reader.read(); !done; { done, value } = await reader.read()) {
-    const parts = (heard + value).split('\n');
-    heard = parts.pop();
-    for (const part of parts) yield JSON.parse(part);
+  await takeConnection();
+  try {
+    const answer = await fetched(path, posted(body, signal));
+    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+    let heard = '';
+    for (let { done, value } = await reader.read(); !done; { done, value } = await reader.read()) {
+      const parts = (heard + value).split('\n');
+      heard = parts.pop();
+      for (const part of parts) yield JSON.parse(part);
+    }
+  } finally {
+    leaveConnection();
   }
 }
 
@@ -58,6 +95,5 @@ export async function study(body, signal, told) {
 
 /** Posts, and takes numbers over time: `{ head, time, columns: [{ name, unit, values }] }`. */
 export async function postForColumns(path, body, signal) {
-  const answer = await ask(path, { method: 'POST', body: JSON.stringify(body), signal });
-  return columnsOf(await answer.arrayBuffer());
+  return columnsOf(await ask(path, posted(body, signal), (answer) => answer.arrayBuffer()));
 }

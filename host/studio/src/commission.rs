@@ -4,6 +4,9 @@
 //! reads, it commands the drive, and no other page does; when it stops reading, the drive is disarmed. Any page that shows the
 //! token may stop the drive.
 //!
+//! A stop never waits for other requests: the thread of the page that commands takes it, or, where none does, a thread that has
+//! nothing else to do.
+//!
 //! ```text
 //! page -> /api/order -> Order -> pilot -> rig      at once, without an answer
 //!      -> /api/ask   -> Order -> pilot -> rig      parameters, record, bring-up: answered when it is done
@@ -20,6 +23,7 @@ mod ramp;
 mod record;
 mod samples;
 mod seen;
+mod stop;
 
 use std::convert::Infallible;
 use std::sync::mpsc::{Sender, channel};
@@ -34,7 +38,6 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use futures_util::stream::unfold;
-use pneudrive_link::client::Client;
 use pneudrive_page::refusal::Refusal;
 use serde_json::{Value, json};
 use tokio::sync::oneshot;
@@ -44,15 +47,17 @@ use asked::{Numbered, Orders, Questions};
 use order::{Arrived, Order};
 use pilot::steer;
 use seen::Seen;
+use stop::Stopper;
 
 /// Between two lines to the page.
 const LINE: Duration = Duration::from_millis(50);
 
 /// The rig at a port, and the page that commands it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Drive {
     /// None where the studio was started without one.
     port: Option<String>,
+    stopper: Option<Stopper>,
     helm: Mutex<Helm>,
 }
 
@@ -69,13 +74,13 @@ impl Drive {
     /// The rig at a port, if there is one.
     #[must_use]
     pub fn new(port: Option<String>) -> Drive {
-        Drive { port, helm: Mutex::default() }
+        let stopper = port.clone().map(Stopper::at);
+        Drive { port, stopper, helm: Mutex::default() }
     }
 
     /// The port.
     fn port(&self) -> Result<String, Refusal> {
-        let message = "start the studio with --port to commission a rig";
-        self.port.clone().ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, message))
+        self.port.clone().ok_or_else(no_port)
     }
 
     /// Hands an order to the thread of the page that commands, if its number is allowed to give it.
@@ -188,12 +193,9 @@ async fn order(
 
 /// Stops a drive that no page commands; another program may have set it going.
 async fn stop_without_page(drive: &Drive) -> Result<StatusCode, Refused> {
-    let port = drive.port()?;
-    let stopped = tokio::task::spawn_blocking(move || Client::connect(&port)?.stop()).await;
-    match stopped.map_err(anyhow::Error::from).flatten() {
-        Ok(()) => Ok(StatusCode::ACCEPTED),
-        Err(error) => Err(Refusal::of(&error).into()),
-    }
+    let stopper = drive.stopper.as_ref().ok_or_else(no_port)?;
+    stopper.stop().await.map_err(|why| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, why))?;
+    Ok(StatusCode::ACCEPTED)
 }
 
 /// Hands on what is answered, and waits for the answer.
@@ -208,6 +210,10 @@ async fn ask(
     }
     let busy = || Refusal::new(StatusCode::CONFLICT, "not now: the drive is busy, or its link has ended");
     Ok(Json(answer.await.unwrap_or_else(|_| Err(busy()))?))
+}
+
+fn no_port() -> Refusal {
+    Refusal::new(StatusCode::NOT_FOUND, "start the studio with --port to commission a rig")
 }
 
 fn not_commanding() -> Refusal {

@@ -21,6 +21,9 @@ use crate::token::Token;
 /// Threads for simulations: one for a run, one for its neighbours, and two for those that nobody waits for any more.
 const THREADS: usize = 4;
 
+/// Threads that take requests in and hand answers out: while one reads a long body, an order to the drive goes on.
+const DOORS: usize = 2;
+
 /// What a studio is started with.
 #[derive(Debug)]
 pub struct Options {
@@ -105,7 +108,7 @@ impl Studio {
     /// When the system refuses threads or sockets.
     pub fn serve(self) -> Result<()> {
         let mut runtime = tokio::runtime::Builder::new_multi_thread();
-        let runtime = runtime.worker_threads(1).max_blocking_threads(THREADS).enable_all().build()?;
+        let runtime = runtime.worker_threads(DOORS).max_blocking_threads(THREADS).enable_all().build()?;
         let router = self.router();
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(self.listener)?;
