@@ -6,6 +6,7 @@ mod visitor;
 use std::time::{Duration, Instant};
 
 use axum::http::StatusCode;
+use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use serde_json::{Value, json};
@@ -132,17 +133,27 @@ fn the_drive_goes_to_a_place_slowly_and_holds_it() {
     assert!((reached - from - 25.0).abs() < 2.0, "{end}");
 }
 
+/// Its moves would mean something else.
 #[test]
-fn a_rig_with_another_clock_than_the_page_is_not_moved() {
+fn a_test_that_was_designed_for_another_calibration_is_refused_with_the_key() {
     let (rig, runtime) = (rig(), runtime());
     let studio = studio_at(Some(rig.port()));
+    let mut other = Client::connect(rig.port()).expect("a rig");
     let mut page = Page::open(&studio, &runtime).expect("a page");
-    let mut more = rig_of_page();
-    more["rig"]["settings"] = json!(["controller.period_s=0.002", "controller.delay_s=0.0005"]);
-    page.order("run", more);
-    let line = page.wait_for(|line| line["message"] != "");
-    assert!(line["message"].as_str().is_some_and(|why| why.contains("controller.period_s")), "{line}");
-    assert_eq!(status(&rig).mode, Mode::Disarmed);
+    let mut refused = |settings: &[&str], key: &str| {
+        let mut more = rig_of_page();
+        more["rig"]["settings"] = json!(settings);
+        page.order("release", Value::Null);
+        page.wait_for(|line| line["message"] == "");
+        page.order("run", more);
+        let line = page.wait_for(|line| line["message"] != "");
+        assert!(line["message"].as_str().is_some_and(|why| why.contains(key)), "{key}: {line}");
+        assert_eq!(status(&rig).mode, Mode::Disarmed, "{key}");
+    };
+    refused(&["controller.period_s=0.002", "controller.delay_s=0.0005"], "controller.period_s");
+    refused(&["encoder.mm_per_count=0.0125"], "encoder.mm_per_count");
+    other.change_parameters(&[(id::ON_ARRIVAL, 1)]).expect("a parameter of the drive");
+    refused(&[], "controller.exit_on_dead_band");
 }
 
 #[test]

@@ -330,6 +330,7 @@ impl<'a> Pilot<'a> {
             (id::OPEN_LOOP, "controller.loop"),
             (id::PERIOD_US, "controller.period_s"),
             (id::STEPPER, "operator.model"),
+            (id::ON_ARRIVAL, "controller.exit_on_dead_band"),
             (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count"),
         ] {
             if there.values.get(id) != here.get(id) {
