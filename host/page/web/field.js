@@ -1,7 +1,7 @@
 // The field of one key: its name, a slider, its value with its unit, where that comes from, and what is wrong with it.
 
 import { sliderFor } from './slider.js';
-import { html } from './svg.js';
+import { html, say } from './svg.js';
 
 /** A field. `told.changed(key, text, isDone)` hears of every change; text null: back to the file's value. */
 export class Field {
@@ -36,9 +36,10 @@ export class Field {
     if (this.#scale && value && document.activeElement !== this.#slider) {
       this.#slider.value = this.#scale.stepOf(value.number);
     }
-    this.#origin.textContent = isChanged ? 'changed' : (value?.origin ?? 'none');
+    const origin = isChanged ? 'changed' : (value?.origin ?? 'none');
+    say(this.#origin, origin);
     this.#origin.title = isChanged ? 'set on this page' : (value?.origin_in_words ?? this.#key.preset);
-    this.#origin.className = `origin ${this.#origin.textContent}`;
+    this.#origin.className = `origin ${origin}`;
     this.#reset.hidden = !isChanged;
   }
 
@@ -49,7 +50,7 @@ export class Field {
 
   /** Shows what is wrong; nothing for an empty message. */
   complain(message) {
-    this.#problem.textContent = message;
+    say(this.#problem, message);
     this.element.classList.toggle('wrong', message !== '');
     this.#input.setAttribute('aria-invalid', String(message !== ''));
   }

@@ -51,7 +51,8 @@ export class Inspector {
   #tellProblemsElsewhere(problems) {
     const hidden = problems.filter((one) => ![...this.#fields.keys()].some((path) => belongs(one, path, this.#keys)));
     const lines = hidden.map((one) => html('p', { class: 'problem' }, `${one.key}: ${one.message}`));
-    this.#element.querySelector('.elsewhere').replaceChildren(...lines);
+    const place = this.#element.querySelector('.elsewhere');
+    if (lines.length || place.firstChild) place.replaceChildren(...lines);
   }
 }
 

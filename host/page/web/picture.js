@@ -2,7 +2,7 @@
 
 import { COMPONENTS } from './components.js';
 import { placeOf } from './scale.js';
-import { place, svg } from './svg.js';
+import { place, say, svg } from './svg.js';
 
 const BARREL = { left: 440, right: 706, top: 78, bottom: 150 };
 const PISTON = 14;
@@ -61,7 +61,7 @@ export class Picture {
       sensing: text('encoder.model') === 'potentiometer' ? 'potentiometer' : `${round(1e3 * number('encoder.mm_per_count'))} µm a count`,
       faults: text('name'),
     };
-    for (const [id, word] of Object.entries(words)) this.#parts[`${id}-text`].textContent = word;
+    for (const [id, word] of Object.entries(words)) say(this.#parts[`${id}-text`], word);
     this.#parts['rod-left'].toggleAttribute('hidden', text('actuator.model') !== 'symmetric');
   }
 
@@ -87,7 +87,7 @@ export class Picture {
     this.#moveSpool(at('spool'));
     this.#showFlow('flow-1', at('flow 1'));
     this.#showFlow('flow-2', at('flow 2'));
-    this.#parts['command-text'].textContent = `${at('command').toFixed(0)} counts`;
+    say(this.#parts['command-text'], `${at('command').toFixed(0)} counts`);
     const now = this.#parts.x(time);
     place(this.#parts.now, { x1: now, x2: now });
     this.#moveTarget(finiteOr(undefined, this.#run.curves.get('setpoint')?.[k]));
@@ -105,7 +105,7 @@ export class Picture {
     place(this.#parts.rod, { x: x + PISTON, width: end - x - PISTON });
     place(this.#parts['rod-left'], { x: x - 150, width: 150 });
     place(this.#parts.load, { transform: `translate(${end - 706} 0)` });
-    this.#parts['position-text'].textContent = `${mm.toFixed(2)} mm`;
+    say(this.#parts['position-text'], `${mm.toFixed(2)} mm`);
     place(this.#parts['position-text'], { x: x + PISTON / 2 });
     return x;
   }
@@ -125,7 +125,7 @@ export class Picture {
     place(this.#parts[id], { x, width: Math.max(width, 0), fill: colour });
     place(this.#parts[`${id}-tube`], { stroke: colour });
     const text = this.#parts[`${id}-text`];
-    text.textContent = isKnown ? `${kpa.toFixed(0)} kPa` : '';
+    say(text, isKnown ? `${kpa.toFixed(0)} kPa` : '');
     place(text, { x: x + width / 2, visibility: width > 62 ? 'visible' : 'hidden' });
     text.style.fill = share > 0.72 ? '#ffffff' : '#14202c';
   }
@@ -134,7 +134,7 @@ export class Picture {
   #moveSpool(mm) {
     const share = Math.min(Math.max(mm / this.#rig.travel, -1.2), 1.2);
     place(this.#parts.spool, { transform: `translate(${-SPOOL_REACH * share} 0)` });
-    this.#parts['spool-text'].textContent = `${mm.toFixed(3)} mm`;
+    say(this.#parts['spool-text'], `${mm.toFixed(3)} mm`);
   }
 
   /** An arrow in the direction of the air, the stronger the more of it. */
@@ -306,9 +306,13 @@ function pressureColour(share) {
 
 /** A small curve, on the scale of `by` where that is another one in the same unit. */
 function outline(time, values, x, { top, bottom }, isStepped, by = values) {
-  const finite = [...by].filter(Number.isFinite);
-  if (finite.length === 0) return '';
-  const [low, high] = [Math.min(...finite), Math.max(...finite)];
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of by) {
+    if (!Number.isFinite(value)) continue;
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  if (low > high) return '';
   const y = (value) => bottom - ((bottom - top) * (Math.min(Math.max(value, low - 0.1 * (high - low)), high + 0.1 * (high - low)) - low)) / (high - low || 1);
   const every = Math.max(1, Math.floor(time.length / 300));
   const points = [];

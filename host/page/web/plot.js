@@ -26,6 +26,9 @@ export class Plot {
   #drag = null;
   #frame = 0;
   #after = [];
+  /** The size of the element, pixels, and the colours: asked for once, as every question makes the browser lay out the page. */
+  #size = null;
+  #palette = null;
   /** How long it took to draw, ms, for the newest frames. */
   drawing = [];
 
@@ -33,8 +36,14 @@ export class Plot {
     this.#element = element;
     this.#told = told;
     element.append(this.#curves, this.#marks);
-    new ResizeObserver(() => this.#redraw()).observe(element);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.#redraw());
+    new ResizeObserver(([{ contentRect: { width, height } }]) => {
+      this.#size = { width: Math.round(width), height: Math.round(height) };
+      this.#redraw();
+    }).observe(element);
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+      this.#palette = null;
+      this.#redraw();
+    });
     this.#listen();
   }
 
@@ -100,14 +109,21 @@ export class Plot {
   }
 
   #draw() {
-    const { width, height, context } = fitted(this.#curves, this.#element);
-    this.#drawn = this.#drawPanels(context, width, height);
+    this.#size ??= { width: this.#element.clientWidth, height: this.#element.clientHeight };
+    this.#palette ??= colours(this.#element);
+    // A view that is hidden has no size, and nothing is drawn in it.
+    if (!this.#isVisible) return;
+    this.#drawn = this.#drawPanels(fitted(this.#curves, this.#size), this.#size, this.#palette);
+  }
+
+  get #isVisible() {
+    return this.#size !== null && this.#size.width > 0 && this.#size.height > 0;
   }
 
   /** Draws all graphs that are shown; tells where they are. */
-  #drawPanels(context, width, height) {
+  #drawPanels(context, { width, height }, palette) {
     const panels = PANELS.filter((panel) => this.#shown.has(panel.id));
-    const view = { ...this.view, colours: colours(this.#element) };
+    const view = { ...this.view, colours: palette };
     view.ticks = ticks(view.from, view.to, (width - LEFT - LEGEND) / 90);
     const share = (height - BOTTOM) / panels.reduce((sum, panel) => sum + panel.height, 0);
     let top = 0;
@@ -122,11 +138,11 @@ export class Plot {
 
   /** The cursor, and the values at it. */
   #drawMarks() {
-    const { context } = fitted(this.#marks, this.#element);
+    if (!this.#isVisible || this.#palette === null) return;
+    const context = fitted(this.#marks, this.#size);
     if (!this.#run) return;
-    const palette = colours(this.#element);
-    for (const drawn of this.#drawn) this.#drawLegend(context, palette, drawn);
-    this.#drawSelection(context, palette);
+    for (const drawn of this.#drawn) this.#drawLegend(context, this.#palette, drawn);
+    this.#drawSelection(context, this.#palette);
   }
 
   #drawLegend(context, palette, { panel, box, x, y }) {
@@ -166,7 +182,7 @@ export class Plot {
     context.globalAlpha = 0.15;
     context.fillStyle = palette.text;
     const { from, to } = this.#drag;
-    context.fillRect(Math.min(from, to), 0, Math.abs(to - from), this.#marks.clientHeight);
+    context.fillRect(Math.min(from, to), 0, Math.abs(to - from), this.#size.height);
     context.globalAlpha = 1;
   }
 
@@ -188,7 +204,7 @@ export class Plot {
       const ground = getComputedStyle(this.#element).getPropertyValue('--surface').trim();
       const context = new VectorContext(width, height, ground);
       const palette = colours(this.#element);
-      for (const drawn of this.#drawPanels(context, width, height)) this.#drawLegend(context, palette, drawn);
+      for (const drawn of this.#drawPanels(context, { width, height }, palette)) this.#drawLegend(context, palette, drawn);
       return context.element;
     });
   }
@@ -284,16 +300,15 @@ function inColoursOfPaper(work) {
   }
 }
 
-/** A canvas as large as its element, cleared, in pixels of the page. */
-function fitted(canvas, element) {
-  const { clientWidth: width, clientHeight: height } = element;
+/** The context of a canvas of this size, cleared, in pixels of the page. */
+function fitted(canvas, { width, height }) {
   const scale = devicePixelRatio;
   const [wide, tall] = [Math.round(width * scale), Math.round(height * scale)];
   if (canvas.width !== wide || canvas.height !== tall) [canvas.width, canvas.height] = [wide, tall];
   const context = canvas.getContext('2d');
   context.setTransform(scale, 0, 0, scale, 0, 0);
   context.clearRect(0, 0, width, height);
-  return { width, height, context };
+  return context;
 }
 
 /** Colours of channels, from the style sheet: `--curve-pressure-1`. */

@@ -1,35 +1,36 @@
-// The list of what is on the graphs. What has not changed keeps its place: a button that was replaced between the press of
-// a mouse and its release would not be clicked.
+// The list of the runs that are on the graphs.
 
-import { html } from './svg.js';
+import { html, say } from './svg.js';
 
 export class Runs {
-  #list;
-  #now = html('li', { class: 'now' }, html('span', {}));
-  /** The entry of each run and record. */
-  #entries = new WeakMap();
+  #element;
+  /** The run of the page, which changes with every movement of a slider. */
+  #now = html('span', {});
+  #nowRow = html('li', { class: 'now' }, this.#now);
+  #rows = [];
 
-  constructor(list) {
-    this.#list = list;
+  constructor(element) {
+    this.#element = element;
   }
 
-  /** Shows the run that follows the sliders, and what can be dismissed below: `kind`, `label`, `of`, and what then to do. */
-  show(run, others) {
-    const now = this.#now.firstChild;
-    if (run && now.textContent !== run.label) now.textContent = run.label;
-    const wanted = [...(run ? [this.#now] : []), ...others.map((other) => this.#entry(other))];
-    for (const gone of [...this.#list.children].filter((entry) => !wanted.includes(entry))) gone.remove();
-    wanted.forEach((entry, place) => {
-      if (this.#list.children[place] !== entry) this.#list.insertBefore(entry, this.#list.children[place] ?? null);
+  /** Shows them: the label of the run of the page, or null, and `{ kind, label, dismiss }` of each of the others. */
+  show(now, others) {
+    if (now !== null) say(this.#now, now);
+    const before = [...this.#rows];
+    this.#rows = others.map((other) => {
+      const place = before.findIndex(({ kind, label }) => kind === other.kind && label === other.label);
+      return place < 0 ? rowOf(other) : Object.assign(before.splice(place, 1)[0], { dismiss: other.dismiss });
     });
+    const elements = [...(now === null ? [] : [this.#nowRow]), ...this.#rows.map(({ element }) => element)];
+    const { children } = this.#element;
+    const isSame = elements.length === children.length && elements.every((one, place) => one === children[place]);
+    if (!isSame) this.#element.replaceChildren(...elements);
   }
+}
 
-  #entry({ kind, label, of, dismissed }) {
-    if (!this.#entries.has(of)) {
-      const dismiss = html('button', { type: 'button', 'aria-label': `Dismiss ${label}` }, '×');
-      dismiss.addEventListener('click', dismissed);
-      this.#entries.set(of, html('li', { class: kind }, html('span', {}, label), dismiss));
-    }
-    return this.#entries.get(of);
-  }
+function rowOf(run) {
+  const button = html('button', { type: 'button', 'aria-label': `Dismiss ${run.label}` }, '×');
+  const row = { ...run, element: html('li', { class: run.kind }, html('span', {}, run.label), button) };
+  button.addEventListener('click', () => row.dismiss());
+  return row;
 }

@@ -1,4 +1,5 @@
-// The run that follows a slider: one request at a time, and only for the newest change; then its neighbours.
+// The run that follows a slider: one request at a time, and only for the newest change; then what is wrong with it, and its
+// neighbours.
 
 import { Refused, post, postForColumns } from './server.js';
 
@@ -27,19 +28,30 @@ class Newest {
     }
     this.#busy = false;
   }
+
+  /** What waits is not done. */
+  forget() {
+    this.#waiting = null;
+  }
 }
 
 /** A pause of this length ends a movement of a slider, ms: only then are the neighbours worth their time. */
 const PAUSE = 60;
 
-/** Tells `told` of the check, the run and the neighbours of the newest rig that it was given. */
+/** While a slider moves, the fields beside the curves are brought up to date no more often than this, ms. */
+const FIELDS = 250;
+
+/** Tells `told` of the run, the check and the neighbours of the newest rig that it was given. */
 export class Simulation {
   #told;
-  #checks = new Newest((rig) => this.#check(rig));
+  #checks = new Newest((asked) => this.#check(asked));
   #runs = new Newest((asked, isNewest) => this.#run(asked, isNewest));
   #neighbours = new AbortController();
   #pause = 0;
   #areNeighboursDue = false;
+  #checked = 0;
+  /** Counts the rigs that were given up. */
+  #given = 0;
 
   /** `told` has the functions `check`, `run`, `neighbours` and `failed`. */
   constructor(told) {
@@ -53,31 +65,55 @@ export class Simulation {
 
   /** `since` is when the change was made, as `performance.now()` has it. */
   ask(rig, since = performance.now()) {
+    this.#leaveNeighbours();
+    this.#runs.ask({ rig, since, given: this.#given });
+  }
+
+  /** There is another rig: nothing that was asked for before is told any more. */
+  giveUp() {
+    this.#leaveNeighbours();
+    this.#given += 1;
+    this.#runs.forget();
+    this.#checks.forget();
+  }
+
+  #leaveNeighbours() {
     clearTimeout(this.#pause);
     this.#neighbours.abort();
     this.#areNeighboursDue = false;
-    this.#checks.ask(rig);
-    this.#runs.ask({ rig, since });
   }
 
-  async #check(rig) {
+  async #check({ rig, given }) {
     try {
-      this.#told.check(await post('/api/check', rig));
+      const found = await post('/api/check', rig);
+      if (given === this.#given) this.#told.check(found);
     } catch (error) {
-      this.#told.failed(error);
+      if (given === this.#given) this.#told.failed(error);
     }
   }
 
-  async #run({ rig, since }, isNewest) {
+  /** The curves first: what the fields say comes after them. */
+  async #run(asked, isNewest) {
+    const { rig, since, given } = asked;
+    let hasFailed = false;
     try {
-      this.#told.run(await postForColumns('/api/run', rig), rig, since);
-      if (!isNewest()) return;
-      this.#areNeighboursDue = true;
-      this.#pause = setTimeout(() => this.#askNeighbours(rig), PAUSE);
+      const run = await postForColumns('/api/run', rig);
+      if (given !== this.#given) return;
+      this.#told.run(run, rig, since);
+      if (isNewest()) {
+        this.#areNeighboursDue = true;
+        this.#pause = setTimeout(() => this.#askNeighbours(rig), PAUSE);
+      }
     } catch (error) {
+      if (given !== this.#given) return;
       // What is wrong with the rig, the check tells at its field.
-      if (!(error instanceof Refused) || error.problems.length === 0) this.#told.failed(error);
+      hasFailed = !(error instanceof Refused) || error.problems.length === 0;
+      if (hasFailed) this.#told.failed(error);
     }
+    const isDue = isNewest() || performance.now() - this.#checked > FIELDS;
+    if (!isDue || hasFailed) return;
+    this.#checked = performance.now();
+    this.#checks.ask(asked);
   }
 
   async #askNeighbours(rig) {

@@ -9,14 +9,15 @@ import { History } from './history.js';
 import { Inspector } from './inspector.js';
 import { Picture } from './picture.js';
 import { Plot } from './plot.js';
+import { Player } from './player.js';
 import { Records } from './records.js';
-import { Runs } from './runs.js';
 import { placeOf } from './scale.js';
+import { Runs } from './runs.js';
 import { Refused, get, lines, post, postForColumns, study } from './server.js';
 import { Simulation } from './simulation.js';
 import { showSpectra } from './spectrum.js';
 import { Study } from './study.js';
-import { html } from './svg.js';
+import { html, say } from './svg.js';
 import { Toolbar } from './toolbar.js';
 import { choose, offerViews } from './views.js';
 
@@ -37,7 +38,7 @@ class Studio {
   /** The run of the last change that is done: no movement of a slider is about to replace it. */
   #kept = null;
   #ghosts = [];
-  #playing = null;
+  #runs = new Runs(part('runs'));
   /** Where the values of the rig come from: how many are given, computed, typical, and so on. */
   #origins = '';
   /** What has just been done. */
@@ -49,7 +50,6 @@ class Studio {
     const changes = { changed: (...change) => this.#change(...change), chosen: (id) => this.#choose(id) };
     this.inspector = new Inspector(part('inspector'), keys, changes);
     this.picture = new Picture(part('picture'), changes);
-    this.runs = new Runs(part('runs'));
     this.plot = new Plot(part('plot'), { cursor: (time) => this.#moveTo(time) });
     this.simulation = new Simulation({
       check: (found) => this.#checked(found),
@@ -83,11 +83,13 @@ class Studio {
     this.#listen();
   }
 
+    new Player(part('play'), this.plot, () => this.#run?.time.at(-1) ?? 0);
   /** Begins with a rig; `news` is told until something is changed. */
   async open(rig, news = '') {
     this.#rig = rig;
     this.#news = news;
     this.#history = new History();
+    this.simulation.giveUp();
     this.#ghosts = [];
     this.records.clear();
     this.#run = null;
@@ -96,6 +98,7 @@ class Studio {
     this.#state.fileValues = found.values ?? {};
     this.#state.rig = rig.name;
     this.plot.zoom();
+    if (this.#rig !== rig) return;
     this.#simulate();
   }
 
@@ -144,10 +147,10 @@ class Studio {
       this.picture.moveTo(this.plot.cursor);
       part('command').value = found.command;
       this.#origins = found.origins;
-      part('state').textContent = this.#news || found.origins;
+      say(part('state'), this.#news || found.origins);
     } else {
       const count = found.problems.length;
-      part('state').textContent = `${count} ${count === 1 ? 'problem' : 'problems'}: the curves are those of the last valid rig`;
+      say(part('state'), `${count} ${count === 1 ? 'problem' : 'problems'}: the curves are those of the last valid rig`);
     }
     part('state').classList.toggle('wrong', found.problems.length > 0);
     this.#inspect();
@@ -193,10 +196,14 @@ class Studio {
   #show(drawn) {
     // While a rig is followed, its curves are on the graphs.
     if (this.#run && !this.commission?.follows) this.plot.show([...this.records.runs, ...this.#ghosts, this.#run], drawn);
-    const entry = (kind, label, of, dismiss) => ({ kind, label, of, dismissed: () => { dismiss(); this.#show(); } });
-    const ghost = (one) => entry('ghost', one.label, one, () => { this.#ghosts = this.#ghosts.filter((other) => other !== one); });
-    const record = (one) => entry('record', one.name, one, () => this.records.dismiss(one));
-    this.runs.show(this.#run, [...this.records.all.map(record), ...this.#ghosts.map(ghost).reverse()]);
+    const ghosts = this.#ghosts.map((one) => ({ kind: 'ghost', label: one.label, dismiss: () => this.#dismiss(one) }));
+    const records = this.records.all.map((one) => ({ kind: 'record', label: one.name, dismiss: () => this.records.dismiss(one) }));
+    this.#runs.show(this.#run?.label ?? null, [...records, ...ghosts.reverse()]);
+  }
+
+  #dismiss(ghost) {
+    this.#ghosts = this.#ghosts.filter((other) => other !== ghost);
+    this.#show();
   }
 
   /** Offers to commission the rig at a port. */
@@ -227,35 +234,14 @@ class Studio {
 
   #moveTo(time) {
     this.picture.moveTo(time);
-    part('instant').textContent = `${time.toFixed(3)} s`;
-    part('readout').textContent = this.plot.readout();
+    say(part('instant'), `${time.toFixed(3)} s`);
+    say(part('readout'), this.plot.readout());
   }
 
   #failed(error) {
     const text = error instanceof Refused ? error.message : 'the studio does not answer; start it again and reload this page';
     part('state').textContent = text;
     part('state').classList.add('wrong');
-  }
-
-  #play() {
-    if (this.#playing) return this.#pause();
-    const begun = { at: performance.now(), from: this.plot.cursor };
-    const end = this.#run?.time.at(-1) ?? 0;
-    if (begun.from >= end) begun.from = 0;
-    part('play').textContent = 'Pause';
-    const step = (now) => {
-      const time = begun.from + (now - begun.at) / 1e3;
-      this.plot.moveTo(time);
-      if (time >= end) return this.#pause();
-      this.#playing = requestAnimationFrame(step);
-    };
-    this.#playing = requestAnimationFrame(step);
-  }
-
-  #pause() {
-    cancelAnimationFrame(this.#playing);
-    this.#playing = null;
-    part('play').textContent = 'Play';
   }
 
   #travel(way) {
@@ -323,7 +309,6 @@ class Studio {
   }
 
   #listen() {
-    part('play').addEventListener('click', () => this.#play());
     part('undo').addEventListener('click', () => this.#travel(() => this.#history.undo()));
     part('redo').addEventListener('click', () => this.#travel(() => this.#history.redo()));
     part('save').addEventListener('click', () => this.#save());

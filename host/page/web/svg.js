@@ -20,6 +20,11 @@ function filled(element, attributes, children) {
   return element;
 }
 
+/** Gives an element a text, if it has another one: the same text again would be laid out again. */
+export function say(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 /** Sets attributes that change while the picture moves. */
 export function place(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);

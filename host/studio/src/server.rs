@@ -8,6 +8,7 @@ use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
 use axum::routing::{get, post};
+use axum::serve::ListenerExt;
 use pneudrive_page::answer::REQUESTS;
 use pneudrive_page::rigs::Opened;
 
@@ -112,6 +113,8 @@ impl Studio {
         let router = self.router();
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(self.listener)?;
+            // What is left of an answer would wait for the browser to acknowledge what it has.
+            let listener = listener.tap_io(|stream| drop(stream.set_nodelay(true)));
             axum::serve(listener, router).await?;
             Ok(())
         })

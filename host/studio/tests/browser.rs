@@ -13,7 +13,7 @@ use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
 use chromium::Browser;
-use opened::{drop_file, keep_picture, page, page_of, page_with};
+use opened::{drop_file, hold, hold_nothing, keep_picture, page, page_of, page_with, rest};
 
 /// The field of the moving mass.
 const MASS: &str = "[data-key=\"load.mass_kg\"]";
@@ -65,6 +65,55 @@ fn a_wrong_value_is_told_at_its_field_as_one_types_and_undo_takes_a_right_one_ba
     assert_eq!(page.evaluate("ghost === document.querySelector('#runs .ghost')"), json!(true));
     page.click("#runs .ghost button");
     page.wait_until("document.querySelectorAll('#runs .ghost').length === 0");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// Chooses another rig.
+fn choose_rig(page: &mut Browser, name: &str) {
+    page.evaluate(&format!(
+        "(() => {{ const rigs = document.getElementById('rigs'); rigs.value = '{name}'; rigs.dispatchEvent(new Event('change')); }})()"
+    ));
+}
+
+/// Answers that were asked for with the rig before.
+#[test]
+fn what_is_found_of_one_rig_is_not_shown_as_that_of_the_next() {
+    let mut page = page();
+    page.click("#picture [data-id=load] .title");
+    let change = |page: &mut Browser| {
+        page.wait_until(&format!("document.querySelector('{MASS} input[type=text]')"));
+        page.type_into(&format!("{MASS} input[type=text]"), "3");
+        page.press("Enter", 13, false);
+    };
+    // Its neighbours come while the next rig is opened.
+    hold(&mut page, &["/api/check", "/api/neighbours"]);
+    change(&mut page);
+    page.wait_until("held['/api/neighbours'].length === 1");
+    let checks = page.evaluate("held['/api/check'].length").as_u64().expect("a number");
+    choose_rig(&mut page, "servo-c");
+    page.wait_until(&format!("held['/api/check'].length > {checks}"));
+    page.evaluate("letGo('/api/neighbours')");
+    rest(&mut page);
+    assert!(!page.text("#state").contains("does not answer"), "{}", page.text("#state"));
+    hold_nothing(&mut page);
+    page.wait_until("document.getElementById('command').value === 'pneudrive simulate servo-c --out sim'");
+    page.wait_until("studio.simulation.isAtRest");
+    // Its run comes when the next rig is there.
+    page.evaluate("held['/api/run'] = []");
+    change(&mut page);
+    page.wait_until("held['/api/run'].length === 1");
+    choose_rig(&mut page, "servo-b-tuned");
+    rest(&mut page);
+    page.evaluate(
+        "window.labels = []; new MutationObserver(() => labels.push(document.querySelector('#runs .now')?.textContent)) \
+         .observe(document.getElementById('runs'), { childList: true, characterData: true, subtree: true })",
+    );
+    page.evaluate("letGo('/api/run')");
+    rest(&mut page);
+    hold_nothing(&mut page);
+    page.wait_until("studio.simulation.isAtRest && document.querySelector('#runs .now')?.textContent === 'as in the file'");
+    let labels = page.evaluate("labels.filter((label) => label?.includes('load.mass_kg'))");
+    assert_eq!(labels, json!([]), "the run of the rig before");
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 

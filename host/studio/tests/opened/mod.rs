@@ -58,3 +58,41 @@ pub fn drop_file(page: &mut Browser, name: &str, text: &str) {
         json!(text)
     ));
 }
+
+/// Drops a file or a folder of this machine on the page, as a hand does.
+pub fn drop_path(page: &mut Browser, path: &Path) {
+    let data = json!({ "items": [], "files": [path], "dragOperationsMask": 1 });
+    for kind in ["dragEnter", "dragOver", "drop"] {
+        page.call("Input.dispatchDragEvent", json!({ "type": kind, "x": 500, "y": 400, "data": data }));
+    }
+}
+
+/// Chooses a file or a folder of this machine in a field for files.
+pub fn choose_path(page: &mut Browser, field: &str, path: &Path) {
+    let expression = format!("document.querySelector({field:?})");
+    let found = page.call("Runtime.evaluate", json!({ "expression": expression }));
+    let object = &found["result"]["objectId"];
+    page.call("DOM.setFileInputFiles", json!({ "files": [path], "objectId": object }));
+}
+
+/// From now on the page waits for the answers of these requests: `held[path]` has those that wait, `letGo(path)` hands the
+/// first of them over.
+pub fn hold(page: &mut Browser, paths: &[&str]) {
+    page.evaluate(&format!(
+        "(() => {{ const ask = window.fetch; window.held = {{}}; for (const path of {}) held[path] = []; \
+         window.letGo = (path) => held[path].shift()(); \
+         window.fetch = async (path, options) => {{ const answer = await ask(path, options); \
+         if (path in held) await new Promise((go) => held[path].push(go)); return answer; }}; }})()",
+        json!(paths)
+    ));
+}
+
+/// What comes from now on is handed over at once.
+pub fn hold_nothing(page: &mut Browser) {
+    page.evaluate("for (const path of Object.keys(held)) { const all = held[path]; delete held[path]; all.forEach((go) => go()); }");
+}
+
+/// Time in which the page would do what it must not.
+pub fn rest(page: &mut Browser) {
+    page.evaluate("new Promise((go) => setTimeout(go, 400))");
+}
