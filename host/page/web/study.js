@@ -87,7 +87,6 @@ export class Study {
 
   #choose(name) {
     this.#task = name;
-    const { tasks, form, about: words, file, at } = this.#parts;
     at.textContent = '';
     for (const button of tasks) button.setAttribute('aria-pressed', String(button.dataset.task === name));
     words.textContent = TASKS[name].about;
@@ -95,6 +94,9 @@ export class Study {
     form.replaceChildren(this.#forms[name].element);
     this.show();
   }
+    const { tasks, form, about: words, file, at, command, size, problem } = this.#parts;
+    // The plan is that of another task.
+    if (name !== this.#task) [this.#plan, command.value, size.textContent, problem.textContent, file.disabled] = [{}, '', '', '', true];
 
   /** What would be asked for. */
   #body() {
@@ -106,12 +108,13 @@ export class Study {
     this.#pause = setTimeout(() => this.#ask(), PAUSE);
   }
 
-  /** Asks what the study would be; only the newest answer counts. */
+  /** Asks what the study would be; an answer counts as long as nothing has changed since. */
   async #ask() {
-    this.#asked += 1;
     const number = this.#asked;
-    const { command, size, problem, start } = this.#parts;
+    const { command, size, problem, start, file } = this.#parts;
     try {
+    // An answer that is on its way is of what was asked for before.
+    this.#asked += 1;
       const plan = await this.#server.post('/api/plan', this.#body());
       if (number !== this.#asked) return;
       this.#plan = plan;
@@ -124,6 +127,7 @@ export class Study {
       [command.value, size.textContent, problem.textContent] = ['', '', reasonOf(error)];
     }
     start.disabled = !this.#end && problem.textContent !== '';
+      file.disabled = !plan.file;
   }
 
   async #start() {
