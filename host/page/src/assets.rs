@@ -53,6 +53,7 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("parameters.js", SCRIPT),
     asset!("bring-up.js", SCRIPT),
     asset!("export.js", SCRIPT),
+    asset!("incoming.js", SCRIPT),
     asset!("player.js", SCRIPT),
     asset!("runs.js", SCRIPT),
     asset!("views.js", SCRIPT),

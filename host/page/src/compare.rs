@@ -1,4 +1,5 @@
-//! A TARGET file laid over the run of the page, aligned if that is asked for, with their deviation: what `overlay` does.
+//! A TARGET file or a run folder laid over the run of the page, aligned if that is asked for, with their deviation: what
+//! `overlay` does.
 
 use pneudrive_analysis::alignment::Align;
 use pneudrive_analysis::deviation::{deviations, table};
@@ -33,23 +34,55 @@ enum AlignName {
     Correlation,
 }
 
-/// A TARGET file or a streamed run.
+/// What lies over a run.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Record {
-    /// The name of the file.
+    /// The name of the file or of the folder.
     pub name: String,
-    /// Its text.
-    pub text: String,
+    #[serde(flatten)]
+    content: Content,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Content {
+    /// A TARGET file or a streamed run.
+    File { text: String },
+    /// A run folder: its run.json and its trace.csv.
+    Folder { run_json: String, trace_csv: String },
 }
 
 impl Record {
     /// Its transient.
     ///
     /// # Errors
-    /// When the file is damaged or is none.
+    /// When the file or the folder is damaged or is none.
     pub(crate) fn transient(&self) -> Result<Transient, Refusal> {
-        let read = || Transient::of_target(&self.name, &TargetFile::from_text(&self.text)?);
-        read().map_err(|error| Refusal::wrong(format!("{}: {error:#}", self.name)))
+        match &self.content {
+            Content::File { .. } => {
+                let transient = Transient::of_target(&self.name, &self.target()?);
+                transient.map_err(|error| Refusal::wrong(format!("{}: {error:#}", self.name)))
+            }
+            Content::Folder { run_json, trace_csv } => {
+                let run = StoredRun::of_files(&self.name, run_json, trace_csv);
+                let run = run.map_err(|error| Refusal::wrong(format!("{error:#}")))?;
+                Ok(Transient::of_run(&self.name, &run))
+            }
+        }
+    }
+
+    /// Its file, as a rig has recorded it.
+    ///
+    /// # Errors
+    /// When it is damaged, or a simulated run.
+    pub(crate) fn target(&self) -> Result<TargetFile, Refusal> {
+        match &self.content {
+            Content::File { text } => TargetFile::from_text(text)
+                .map_err(|error| Refusal::wrong(format!("{}: {error:#}", self.name))),
+            Content::Folder { .. } => {
+                Err(Refusal::wrong(format!("{} is a simulated run, and no record of a rig", self.name)))
+            }
+        }
     }
 }
 

@@ -3,11 +3,20 @@
 import { asked } from './dialog.js';
 import { html } from './svg.js';
 
-/** Asks for the rig to compare with; resolves to its name, to '' for the file as it was opened, or to null. */
-export function askForOther(opened, names) {
+/**
+ * Asks for the rig to compare with; resolves to its name, to '' for the file as it was opened, or to null. `chooseRun` is called
+ * where the folder of a run is to be laid over the run of the page instead.
+ */
+export function askForOther(opened, names, chooseRun) {
   const options = names.filter((name) => name !== opened).map((name) => html('option', { value: name }, name));
   const choice = html('select', { id: 'other-rig' }, html('option', { value: '' }, `${opened} as it was opened`), ...options);
-  const content = [html('label', { for: 'other-rig' }, 'Compare this rig, key by key, with'), choice];
+  const folder = html('button', { type: 'button', title: 'As simulate --out writes it; or drop it on the page' }, 'Run folder…');
+  folder.addEventListener('click', () => {
+    folder.closest('dialog').dispatchEvent(new Event('cancel'));
+    chooseRun();
+  });
+  const content = [html('label', { for: 'other-rig' }, 'Compare this rig, key by key, with'), choice,
+    html('p', {}, 'Or lay a simulated run over its curves: ', folder)];
   return asked('Compare', content, 'Compare', () => choice.value);
 }
 

@@ -1,5 +1,7 @@
 // Records that lie over the run, and how far the simulation is from each.
 
+import { Refused } from './answer.js';
+
 /** The ways to lay a record over the run, as `overlay --align` has them. */
 export const ALIGNMENTS = [
   ['start', 'by the start of the test'],
@@ -12,7 +14,7 @@ export class Records {
   #told;
   #records = [];
   #align = 'start';
-  /** What was asked for last, by the name of the record: its text and the number of the question. */
+  /** What was asked for last, by the name of the record: its content and the number of the question. */
   #asked = new Map();
   #count = 0;
 
@@ -27,7 +29,7 @@ export class Records {
     return this.#records.map(({ run }) => run);
   }
 
-  /** The records themselves: name, text, shift and deviation. */
+  /** The records themselves: name, content, shift and deviation. The content is what `incoming.js` gives. */
   get all() {
     return this.#records;
   }
@@ -61,35 +63,40 @@ export class Records {
 
   /** Compares each with the newest run, those that are on their way as well. */
   compareAgain() {
-    for (const [name, { text }] of [...this.#asked]) this.lay({ name, text });
+    for (const { content } of [...this.#asked.values()]) this.lay(content);
   }
 
-  /** Lays a record over the run, or one that lies there anew; an answer that is overtaken, or of no use any more, is ignored. */
-  async lay({ name, text }) {
+  /** Lays a record or a run folder over the run, or one that lies there anew; an answer that is overtaken, or of no use any more, is ignored. */
+  async lay(content) {
+    const { name } = content;
     this.#count += 1;
     const number = this.#count;
     const isNewest = () => this.#asked.get(name)?.number === number;
-    this.#asked.set(name, { text, number });
+    this.#asked.set(name, { content, number });
     try {
-      const { head, time, columns } = await this.#ask({ name, text }, this.#align);
+      const { head, time, columns } = await this.#ask(content, this.#align);
       if (!isNewest()) return;
       const curves = new Map(columns.map((column) => [column.name, column.values]));
       const units = new Map(columns.map((column) => [column.name, column.unit]));
       const run = { label: name, time, curves, units, isRecord: true };
-      const record = { name, text, shift: head.shift_s, deviation: head.deviation, run };
+      const record = { name, content, shift: head.shift_s, deviation: head.deviation, run };
       this.#records = [...this.#records.filter((other) => other.name !== name), record];
       this.#told.changed();
     } catch (error) {
       if (!isNewest()) return;
       this.#forget(name);
-      this.#told.failed(error);
+      this.#told.failed(error.status === 413 ? tooLong(name) : error);
     }
   }
 
   /** After a failure: what lies over the run is compared again with the next one, and what does not is forgotten. */
   #forget(name) {
     const before = this.#records.find((record) => record.name === name);
-    if (before) this.#asked.get(name).text = before.text;
+    if (before) this.#asked.get(name).content = before.content;
     else this.#asked.delete(name);
   }
+}
+
+function tooLong(name) {
+  return new Refused(413, { error: `${name} is longer than the 16 MiB that the studio takes; \`pneudrive overlay\` takes longer ones` });
 }

@@ -6,6 +6,7 @@ import { asked, isAsking, told } from './dialog.js';
 import { askForOther, showDifferences } from './difference.js';
 import { showAlone, showDeviations, showJudged } from './figures.js';
 import { History } from './history.js';
+import { chosenFiles, chosenFolder, dropped } from './incoming.js';
 import { Inspector } from './inspector.js';
 import { Picture } from './picture.js';
 import { Plot } from './plot.js';
@@ -76,7 +77,7 @@ class Studio {
     this.study = new Study(part('study'), part('exhibit'), { get, post, study }, {
       rig: () => this.#asked(),
       state: () => this.#state,
-      records: () => this.records.all,
+      records: () => this.records.all.map(({ content }) => content).filter(({ text }) => text !== undefined),
       open: () => part('file').click(),
       take: (settings) => this.#take(settings),
     });
@@ -284,13 +285,13 @@ class Studio {
   #showSpectra() {
     const { from, to } = this.plot.view;
     const ask = (channel, record) => postForColumns('/api/spectrum', { ...this.#asked(), channel, record, from_s: from, to_s: to });
-    const records = this.records.all.map(({ name, text }) => ({ name, text }));
+    const records = this.records.all.map(({ content }) => content);
     return showSpectra(ask, records, `From ${from.toFixed(4)} s to ${to.toFixed(4)} s, the part in view`);
   }
 
   /** Holds the rig against another, key by key. */
   async #compareWith() {
-    const name = await askForOther(this.#rig.name, this.#names);
+    const name = await askForOther(this.#rig.name, this.#names, () => part('folder').click());
     if (name === null) return;
     try {
       const other = name === '' ? this.#rig : await get(`/api/rigs/${name}`);
@@ -316,20 +317,27 @@ class Studio {
     part('rigs').addEventListener('change', async ({ target }) => this.open(await get(`/api/rigs/${target.value}`)));
     part('compare').addEventListener('click', () => this.#compareWith());
     part('open').addEventListener('click', () => part('file').click());
-    part('file').addEventListener('change', ({ target }) => this.#openFile(target.files[0]));
+    part('file').addEventListener('change', ({ target }) => this.#takeIn(chosenFiles(target.files), target));
+    part('folder').addEventListener('change', ({ target }) => this.#takeIn(chosenFolder(target.files).then((run) => [run]), target));
     document.addEventListener('dragover', (event) => event.preventDefault());
     document.addEventListener('drop', (event) => {
       event.preventDefault();
-      this.#openFile(event.dataTransfer.files[0]);
+      this.#takeIn(dropped(event.dataTransfer));
     });
     document.addEventListener('keydown', (event) => this.#key(event));
   }
 
-  async #openFile(file) {
-    if (!file) return;
-    const opened = { name: file.name, text: await file.text() };
-    if (file.name.endsWith('.toml')) await this.open(opened);
-    else await this.records.lay(opened);
+  /** Opens a rig file, and lays records and run folders over the run; `chosen` may be chosen again. */
+  async #takeIn(incoming, chosen = null) {
+    try {
+      for (const content of await incoming) {
+        const isRig = content.text !== undefined && content.name.endsWith('.toml');
+        await (isRig ? this.open(content) : this.records.lay(content));
+      }
+    } catch (error) {
+      this.#failed(error);
+    }
+    if (chosen) chosen.value = '';
   }
 
   async #copy() {

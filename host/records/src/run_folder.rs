@@ -137,6 +137,14 @@ mod tests {
             }
             let stored = StoredRun::read(folder.path()).expect("a run folder");
             assert_eq!((stored.spacing, stored.accuracy), (Some(spacing), Some(accuracy)));
+            let texts =
+                [RUN, TRACE].map(|name| std::fs::read_to_string(folder.path().join(name)).expect("there"));
+            let sent = StoredRun::of_files("sim", &texts[0], &texts[1]).expect("the files of a run");
+            assert_eq!((&sent.rig, sent.windows, sent.band.is_none()), (&stored.rig, stored.windows, true));
+            assert!(sent.into_columns().eq(stored.into_columns()), "{}", rig.name());
+            let changed = format!("{}1\n", texts[1].trim_end());
+            let error = StoredRun::of_files("sim", &texts[0], &changed).expect_err("changed").to_string();
+            assert!(error.starts_with("sim/trace.csv does not belong to run.json"), "{error}");
         }
     }
 }

@@ -14,7 +14,7 @@ use pneudrive_page::rigs::Opened;
 
 use crate::commission::{self, Drive};
 use crate::files::{self, Files};
-use crate::guard::{Guard, MOST_BYTES, watch};
+use crate::guard::{Guard, MOST_BYTES, MOST_BYTES_OF_RECORD, watch};
 use crate::served;
 use crate::study;
 use crate::token::Token;
@@ -24,6 +24,9 @@ const THREADS: usize = 4;
 
 /// Threads that take requests in and hand answers out: while one reads a long body, an order to the drive goes on.
 const DOORS: usize = 2;
+
+/// Requests that bring a record.
+const WITH_RECORD: [&str; 2] = ["compare", "spectrum"];
 
 /// What a studio is started with.
 #[derive(Debug)]
@@ -124,6 +127,8 @@ impl Studio {
 /// What the page can answer itself.
 fn requests() -> Router {
     REQUESTS.into_iter().fold(Router::new(), |router, name| {
-        router.route(&format!("/api/{name}"), post(move |body| served::request(name, body)))
+        let most = if WITH_RECORD.contains(&name) { MOST_BYTES_OF_RECORD } else { MOST_BYTES };
+        let answered = post(move |body| served::request(name, body)).layer(DefaultBodyLimit::max(most));
+        router.route(&format!("/api/{name}"), answered)
     })
 }

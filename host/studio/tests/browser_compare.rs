@@ -4,6 +4,7 @@
 
 mod chromium;
 mod opened;
+mod simulated;
 
 use pneudrive_analysis::channel::Channel;
 use pneudrive_analysis::spectrum::{Spectrum, Window};
@@ -15,7 +16,8 @@ use pneudrive_sim::{Accuracy, Rig, run};
 use serde_json::{Value, json};
 
 use chromium::Browser;
-use opened::{drop_file, keep_picture, page};
+use opened::{choose_path, drop_file, drop_path, hold, hold_nothing, keep_picture, page, rest};
+use simulated::simulate;
 
 /// A record of a virtual rig whose true values differ from the file's.
 const RECORD: &str = include_str!("../../tests/fixtures/TARGET-2.DAT");
@@ -77,6 +79,60 @@ fn spectra_of_the_run_and_of_the_record_have_the_peaks_of_the_command() {
         );
     }
     keep_picture(&mut page, "studio-spectrum.png");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// A comparison that comes when its record was taken away is of no use any more.
+#[test]
+fn a_record_that_is_dismissed_while_it_is_compared_does_not_come_back() {
+    let mut page = page_with_record();
+    hold(&mut page, &["/api/compare"]);
+    page.click("#picture [data-id=load] .title");
+    page.type_into("[data-key=\"load.mass_kg\"] input[type=text]", "3");
+    page.press("Enter", 13, false);
+    page.wait_until("held['/api/compare'].length === 1");
+    assert_eq!(page.evaluate("document.querySelectorAll('#runs .record').length"), json!(1));
+    page.click("#runs .record button");
+    hold_nothing(&mut page);
+    rest(&mut page);
+    assert_eq!(page.evaluate("document.querySelectorAll('#runs .record, table.deviation').length"), json!(0));
+    assert_eq!(page.evaluate("document.getElementById('align').hidden"), json!(true));
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_run_folder_is_dropped_or_chosen_and_lies_over_the_run_as_a_file_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [heavier, none] = ["heavier", "none"].map(|name| folder.path().join(name));
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    simulate(&rig.with_settings(&["load.mass_kg=3".to_owned()]).expect("a rig"), &heavier);
+    std::fs::create_dir(&none).expect("a folder");
+    let mut page = page();
+    for is_dropped in [true, false] {
+        if is_dropped {
+            drop_path(&mut page, &heavier)
+        } else {
+            choose_path(&mut page, "#folder", &heavier)
+        }
+        page.wait_until(
+            "document.querySelector('#runs .record') && document.querySelector('table.deviation')",
+        );
+        assert_eq!(page.text("#runs .record span"), "heavier");
+        assert!(page.text("table.deviation caption").ends_with("from heavier"));
+        // It is compared with every run of the page, as a record is.
+        let before = page.text("table.deviation");
+        let table = "document.querySelector('table.deviation')?.textContent";
+        page.click("#picture [data-id=load] .title");
+        page.type_into("[data-key=\"load.mass_kg\"] input[type=text]", "2.2");
+        page.press("Enter", 13, false);
+        page.wait_until(&format!("({table} ?? {0}) !== {0}", json!(before)));
+        page.click("#undo");
+        page.wait_until(&format!("{table} === {}", json!(before)));
+        page.click("#runs .record button");
+        page.wait_until("!document.querySelector('#runs .record')");
+    }
+    drop_path(&mut page, &none);
+    page.wait_until("document.getElementById('state').textContent === 'none is not the folder of a run: it has no run.json'");
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 

@@ -1,5 +1,6 @@
 //! A rig checked, simulated and saved.
 
+mod simulated;
 mod visitor;
 
 use std::fs;
@@ -13,6 +14,7 @@ use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig, run};
 use serde_json::{Value, json};
 
+use simulated::simulate;
 use visitor::{ask_as_page, post_rig, studio, studio_with};
 
 /// Head, times, and the columns by name.
@@ -216,4 +218,38 @@ fn a_damaged_record_is_refused_with_its_name() {
         assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY);
         assert!(answer.json()["error"].as_str().is_some_and(|why| why.starts_with("TARGET01.DAT: ")));
     }
+}
+
+#[test]
+fn a_run_folder_is_compared_with_the_run_as_overlay_does_it_and_a_damaged_one_refused() {
+    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let rig = |settings: &[&str]| {
+        let settings: Vec<String> = settings.iter().map(|one| (*one).to_owned()).collect();
+        Rig::read_with("servo-b-tuned", text, &settings).expect("a rig")
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    simulate(&rig(&["load.mass_kg=3"]), folder.path());
+    let [run_json, trace_csv] =
+        ["run.json", "trace.csv"].map(|name| fs::read_to_string(folder.path().join(name)).expect("there"));
+    let compare = |path: &str, trace: &str| {
+        let record = json!({ "name": "heavier", "run_json": run_json, "trace_csv": trace });
+        let mut body = json!({ "name": "servo-b-tuned", "text": text, "record": record });
+        (body["channel"], body["from_s"], body["to_s"]) = (json!("position"), json!(0.0), json!(0.5));
+        ask_as_page(&studio(), Method::POST, path, Some(body))
+    };
+    let answer = compare("/api/compare", &trace_csv);
+    assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+    let (head, ..) = columns(&answer.body);
+    let [heavier, here] = [&["load.mass_kg=3"][..], &[]].map(|settings| {
+        let rig = rig(settings);
+        Transient::of_run("a run", &StoredRun::of(&rig, &run(&rig, Accuracy::of(&rig)).expect("a run")))
+    });
+    let expected = deviation::table("", &deviation::deviations(&heavier, &here));
+    assert_eq!(head["deviation"]["rows"], json!(expected.rows));
+    assert_eq!(compare("/api/spectrum", &trace_csv).status, StatusCode::OK);
+    let truncated = &trace_csv[..trace_csv.trim_end().rfind('\n').expect("rows") + 1];
+    let refused = compare("/api/compare", truncated);
+    assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
+    let why = refused.json()["error"].as_str().expect("a reason").to_owned();
+    assert!(why.starts_with("heavier/trace.csv has") && why.contains("truncated"), "{why}");
 }

@@ -3,7 +3,7 @@
 mod visitor;
 
 use axum::http::{Method, StatusCode};
-use pneudrive_studio::guard::MOST_BYTES;
+use pneudrive_studio::guard::{MOST_BYTES, MOST_BYTES_OF_RECORD};
 use pneudrive_studio::token::Token;
 use pneudrive_studio::{Opened, Options, Studio};
 
@@ -114,6 +114,22 @@ fn a_body_longer_than_any_rig_file_is_refused() {
         let body = serde_json::json!({ "name": "long", "text": "#".repeat(MOST_BYTES), "settings": [] });
         let answer = ask_as_page(&studio, Method::POST, path, Some(body));
         assert_eq!(answer.status, StatusCode::PAYLOAD_TOO_LARGE, "{path}");
+    }
+}
+
+/// A run folder is longer than a rig file.
+#[test]
+fn a_body_with_a_record_may_be_longer_and_is_bounded_as_well() {
+    let studio = studio();
+    for path in ["/api/compare", "/api/spectrum"] {
+        let status = |length: usize| {
+            let record =
+                serde_json::json!({ "name": "long", "run_json": "{}", "trace_csv": "#".repeat(length) });
+            let body = serde_json::json!({ "name": "a rig", "text": "", "record": record });
+            ask_as_page(&studio, Method::POST, path, Some(body)).status
+        };
+        assert_eq!(status(MOST_BYTES), StatusCode::UNPROCESSABLE_ENTITY, "{path}: it is read");
+        assert_eq!(status(MOST_BYTES_OF_RECORD), StatusCode::PAYLOAD_TOO_LARGE, "{path}");
     }
 }
 

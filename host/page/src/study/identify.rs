@@ -5,7 +5,6 @@ use pneudrive_analysis::identification::parameter::{Parameter, usual};
 use pneudrive_analysis::identification::recording::Recording;
 use pneudrive_analysis::identification::{Identification, identify_while, report};
 use pneudrive_analysis::wanted::Wanted;
-use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, Rig};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -75,10 +74,9 @@ impl Asks {
     }
 
     fn recordings(&self, rig: &Rig) -> Result<Vec<Recording>, Refusal> {
-        let recording = |Record { name, text }: &Record| {
-            let file =
-                TargetFile::from_text(text).map_err(|error| Refusal::wrong(format!("{name}: {error:#}")))?;
-            Recording::of(name, &file, rig).map_err(|error| Refusal::wrong(format!("{error:#}")))
+        let recording = |record: &Record| {
+            let recording = Recording::of(&record.name, &record.target()?, rig);
+            recording.map_err(|error| Refusal::wrong(format!("{error:#}")))
         };
         self.records.iter().map(recording).collect()
     }

@@ -15,7 +15,7 @@ use serde_json::Map;
 use crate::judged::{Judged, Spacing};
 
 use super::checksum::checksum;
-use super::json_file::read_json;
+use super::json_file::{json_of, read_json};
 use super::replacement::settle;
 use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS};
 use crate::band::Band;
@@ -106,24 +106,40 @@ impl StoredRun {
             bail!("{} is not a run folder: it has no run.json", folder.display());
         }
         let description = read_json(&json_path)?;
-        let mm_per_count = scale_of(&json_path, &description)?;
-        let text = read_text(&folder.join(TRACE))?;
+        let trace = read_text(&folder.join(TRACE))?;
+        let run = StoredRun::of_texts(folder, &description, &trace)?;
+        let band = read_band(folder, &description, &run.columns[0])?;
+        Ok(StoredRun { band, ..run })
+    }
+
+    /// A run folder that is not on this machine, by the texts of its run.json and its trace.csv; without its band. `name` is for
+    /// messages.
+    ///
+    /// # Errors
+    /// As [`StoredRun::read`].
+    pub fn of_files(name: &str, run_json: &str, trace: &str) -> Result<StoredRun> {
+        let folder = Path::new(name);
+        StoredRun::of_texts(folder, &json_of(&folder.join(RUN), run_json)?, trace)
+    }
+
+    fn of_texts(folder: &Path, description: &serde_json::Value, trace: &str) -> Result<StoredRun> {
+        let json_path = folder.join(RUN);
+        let mm_per_count = scale_of(&json_path, description)?;
         let (extras, columns) =
-            columns_of(&text).with_context(|| folder.join(TRACE).display().to_string())?;
-        let window = |key: &str| of_key(&json_path, &description, key, whole_window, WHOLE_WINDOW);
+            columns_of(trace).with_context(|| folder.join(TRACE).display().to_string())?;
+        let window = |key: &str| of_key(&json_path, description, key, whole_window, WHOLE_WINDOW);
         let windows = [window(WINDOWS[0].path)?, window(WINDOWS[1].path)?];
-        check_rows(folder, &description, columns[0].len())?;
-        check(folder, &description, TRACE, &text)?;
-        let band = read_band(folder, &description, &columns[0])?;
+        check_rows(folder, description, columns[0].len())?;
+        check(folder, description, TRACE, trace)?;
         Ok(StoredRun {
             rig: description["rig"].as_str().unwrap_or("run").to_owned(),
-            numbered: Numbered::of(&description),
+            numbered: Numbered::of(description),
             mm_per_count,
             open_loop: description["keys"]["controller.loop"] == OPEN,
             windows,
-            band,
-            spacing: spacing_of(&description),
-            accuracy: accuracy_of(&description),
+            band: None,
+            spacing: spacing_of(description),
+            accuracy: accuracy_of(description),
             has_checksum: !description[CHECKSUMS][TRACE].is_null(),
             extras,
             columns,
