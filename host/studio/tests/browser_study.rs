@@ -120,15 +120,7 @@ fn gains_are_found_taken_over_with_the_run_before_as_ghost_and_taken_back() {
 }
 
 /// An open loop with two strokes: what the mass and the friction show themselves in.
-const STROKES: &str = "\
-[controller]
-loop = \"open\"
-[operator]
-dither_mm = 0.0
-[test]
-moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
-duration_s = 0.45
-";
+const STROKES: &str = include_str!("../../tests/fixtures/strokes.toml");
 
 /// What a rig of this file has recorded whose mass and viscous friction are others than the file's.
 fn record() -> String {

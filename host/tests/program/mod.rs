@@ -9,15 +9,7 @@ use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
 use pneudrive_sim::Rig;
 
 /// A rig file: an open loop with two strokes, without dither, half a second.
-pub const STROKES: &str = "\
-[controller]
-loop = \"open\"
-[operator]
-dither_mm = 0.0
-[test]
-moves = [[0.0, 0], [0.05, 1200], [0.2, -1200], [0.35, 0]]
-duration_s = 0.45
-";
+pub const STROKES: &str = include_str!("../fixtures/strokes.toml");
 
 /// Runs `pneudrive` in a folder with arguments as typed.
 pub fn pneudrive(folder: &Path, arguments: &str) -> Output {
