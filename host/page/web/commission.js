@@ -20,7 +20,8 @@ const QUIET = ['alive', 'retract', 'extend'];
 
 /**
  * The panel of the drive. `told.rig()` is the rig of the page; `told.seen(run, begun, cursor)` hears what is to be on the graphs,
- * `told.ended()` that they are free, `told.recorded({ name, text })` of a record.
+ * `told.ended()` that they are free, `told.recorded({ name, text })` of a record, `told.identify(name)` that the values of the rig
+ * are to be found from it; `told.hasRecord(name)` says whether it lies on the page.
  */
 export class Commission {
   #element;
@@ -34,6 +35,8 @@ export class Commission {
   #alive = 0;
   #held = 0;
   #isRecording = false;
+  /** The name of the record that was taken last. */
+  #recorded = null;
   /** The last message of the server; null when the next one counts, whatever it is. */
   #said = null;
   /** Whether what is told stays when the server takes its message back: letting a button go is no answer to it. */
@@ -77,7 +80,7 @@ export class Commission {
       html('p', { class: 'row' }, this.#jog('retract', '◀ Retract'), this.#jog('extend', 'Extend ▶'), html('small', {}, `while held, ${jog} mm/s`)),
       html('p', { class: 'row' }, html('label', { for: 'go-mm' }, 'Go to'), this.#parts.mm, 'mm', button('go', 'Go', go_there), html('small', {}, `${go} mm/s`)),
       html('p', { class: 'row' }, button('home', 'Home', () => this.#order('home')), button('run', 'Run the test of this page', () => this.#run()),
-        button('record', 'Record', () => this.#record())),
+        button('record', 'Record', () => this.#record()), button('identify', 'Identify', () => this.#told.identify(this.#recorded))),
       html('p', { class: 'remark' }, 'Esc and the red button stop the drive. It is disarmed when this page is closed, hidden or cut off. This is not a safety function: a machine with people near it needs a hardware emergency stop.'),
       this.#scope.show(), this.#parameters.show(), this.#bringUp.show(),
     );
@@ -86,6 +89,11 @@ export class Commission {
   /** The rig of the page may be another. */
   designChanged() {
     this.#parameters.designChanged();
+  }
+
+  /** The page may have other records. */
+  recordsChanged() {
+    if (this.#parts.identify) this.#parts.identify.disabled = this.#recorded === null || !this.#told.hasRecord(this.#recorded);
   }
 
   get commands() {
@@ -190,6 +198,7 @@ export class Commission {
       const record = await this.#ask('record');
       offer(record.name, new Blob([record.text], { type: 'text/plain' }));
       this.#scope.turn(false);
+      this.#recorded = record.name;
       await this.#told.recorded(record);
       if (!this.#scope.isOfPage) this.#tell('The last run was not the test of this page, so the simulation below its record is that of another move.');
     } catch (error) {

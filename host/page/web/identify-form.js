@@ -8,6 +8,8 @@ export class IdentifyForm {
   #records = html('ul', { class: 'records' });
   #unknowns = html('div', { class: 'choices' });
   #boxes = [];
+  /** The names of records that are not used. */
+  #unused = new Set();
 
   constructor(_, __, told) {
     this.#told = told;
@@ -20,8 +22,18 @@ export class IdentifyForm {
 
   /** The page has other records. */
   show() {
-    const names = this.#told.records().map(({ name }) => html('li', {}, name));
+    const names = this.#told.records().map(({ name }) => {
+      const box = html('input', { type: 'checkbox', value: name, checked: !this.#unused.has(name) });
+      box.addEventListener('input', () => (box.checked ? this.#unused.delete(name) : this.#unused.add(name)));
+      return html('li', {}, html('label', {}, box, ` ${name}`));
+    });
     this.#records.replaceChildren(...(names.length ? names : [html('li', {}, 'none: drop a TARGET file, or open one')]));
+  }
+
+  /** Uses this record alone. */
+  useOnly(record) {
+    this.#unused = new Set(this.#told.records().map(({ name }) => name).filter((name) => name !== record));
+    this.show();
   }
 
   /** The plan tells what may be unknown. */
@@ -40,7 +52,7 @@ export class IdentifyForm {
   body() {
     const chosen = this.#boxes.filter(({ box }) => box.checked).map(({ path }) => path);
     if (this.#boxes.length && !chosen.length) throw new Error('choose what is unknown');
-    const records = this.#told.records().map(({ name, text }) => ({ name, text }));
+    const records = this.#told.records().filter(({ name }) => !this.#unused.has(name));
     return { records, fit: chosen.length === this.#boxes.length ? [] : chosen };
   }
 }

@@ -62,6 +62,8 @@ class Studio {
       rig: () => this.#asked(),
       seen: (...seen) => this.#followRig(...seen),
       recorded: (record) => this.records.lay(record),
+      hasRecord: (name) => this.records.all.some((record) => record.name === name),
+      identify: (name) => this.#identify(name),
       ended: () => this.#leaveRig(),
     });
     this.records = new Records((record, align) => postForColumns('/api/compare', { ...this.#asked(), record, align }), {
@@ -274,6 +276,13 @@ class Studio {
     this.#show();
     showDeviations(part('figures'), this.records.all.map(({ deviation }) => deviation));
     this.study?.show();
+    this.commission.recordsChanged();
+  }
+
+  /** Hands the record of the rig to the study that finds the rig's values from it. */
+  #identify(name) {
+    choose('study');
+    this.study.identify(name);
   }
 
   /** What a report says beside its graphs. */

@@ -61,6 +61,14 @@ export class Study {
   }
 
   #build(element) {
+  /** Finds the values of the rig from one record of the page; while another study is at work, that is shown. */
+  identify(record) {
+    if (this.#end) return;
+    this.#choose('identify');
+    this.#forms.identify.useOnly(record);
+    this.#start();
+  }
+
     const tasks = Object.entries(TASKS).map(([name, { title }]) => {
       const button = html('button', { type: 'button', 'data-task': name, 'aria-pressed': 'false' }, title);
       button.addEventListener('click', () => this.#choose(name));

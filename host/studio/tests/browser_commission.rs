@@ -5,6 +5,9 @@
 mod chromium;
 mod opened;
 
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
@@ -15,15 +18,20 @@ use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
 use chromium::Browser;
-use opened::{keep_picture, page_with, rest};
+use opened::{drop_file, keep_picture, page_with, rest};
 
 /// A page that commands a virtual rig in real time, and the wires of that.
 fn commanding(name: &str) -> (Browser, Background, Wiring) {
-    let rig = Rig::builtin(name).expect("a built-in rig");
-    let rig = VirtualRig::new(rig, 0, Pace { fast: false, live: true }).expect("a rig");
+    let text = builtin(name).expect("a built-in rig");
+    commanding_rig(name, text, Rig::builtin(name).expect("a built-in rig"), true)
+}
+
+/// The same, with a rig on the page that may be another than the real one; `live`: its plant goes on between its runs.
+fn commanding_rig(name: &str, text: &str, real: Rig, live: bool) -> (Browser, Background, Wiring) {
+    let rig = VirtualRig::new(real, 0, Pace { fast: false, live }).expect("a rig");
     let wiring = rig.wiring().clone();
     let rig = Background::start(rig, Listener::open("tcp:127.0.0.1:0").expect("a port"));
-    let mut page = page_with(name, builtin(name).expect("a built-in rig"), Some(rig.port()));
+    let mut page = page_with(name, text, Some(rig.port()));
     page.click("#to-commission");
     page.click("#commission button.main");
     wait_for_mode(&mut page, "disarmed");
@@ -33,6 +41,9 @@ fn commanding(name: &str) -> (Browser, Background, Wiring) {
 fn wait_for_mode(page: &mut Browser, mode: &str) {
     page.wait_until(&format!("document.querySelector('#commission .mode').textContent === '{mode}'"));
 }
+
+/// An open loop with two strokes: what the mass and the friction show themselves in.
+const STROKES: &str = include_str!("../../tests/fixtures/strokes.toml");
 
 /// Clicks the button of the panel whose text begins so.
 fn press(page: &mut Browser, text: &str) {
@@ -109,6 +120,111 @@ fn a_test_is_run_recorded_saved_and_laid_over_its_simulation() {
     press(&mut page, "Show live");
     page.wait_until("!document.querySelector('.scope [role=status]').textContent.startsWith('The graphs')");
     assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_record_is_handed_to_the_identification_with_one_button() {
+    let file = Rig::read("rig.toml", STROKES).expect("a rig");
+    let real = file.with_numbers(&[("load.mass_kg", 1.8), ("load.viscous_n_s_per_m", 26.0)]).expect("a rig");
+    let (mut page, _rig, _) = commanding_rig("rig.toml", STROKES, real, false);
+    page.evaluate(
+        "window.saved = []; HTMLAnchorElement.prototype.click = function () { saved.push(this.download); }",
+    );
+    let identify =
+        "[...document.querySelectorAll('#commission button')].find((one) => one.textContent === 'Identify')";
+    assert_eq!(page.evaluate(&format!("{identify}.disabled")), json!(true), "there is no record yet");
+    // A record that was not taken from here, and that cannot be fitted with this rig.
+    drop_file(&mut page, "OTHER.DAT", include_str!("../../tests/fixtures/TARGET-2.DAT"));
+    page.wait_until("document.querySelector('#runs .record')");
+    assert_eq!(page.evaluate(&format!("{identify}.disabled")), json!(true), "it is not of this drive");
+    // Two unknowns take no minute.
+    page.click("#to-study");
+    page.click("#study [data-task=identify]");
+    page.wait_until("document.querySelector('#study .choices input')");
+    page.evaluate(
+        "for (const box of document.querySelectorAll('#study .choices input')) if (!['load.mass_kg', 'load.viscous_n_s_per_m'].includes(box.value)) box.click()",
+    );
+    page.click("#to-commission");
+    press(&mut page, "Run the test");
+    wait_for_mode(&mut page, "running");
+    wait_for_mode(&mut page, "holding");
+    press(&mut page, "Record");
+    press(&mut page, "Identify");
+    let record = page.evaluate("saved[0]").as_str().expect("a record").to_owned();
+    let command = format!(
+        "pneudrive identify rig.toml {record} --fit load.mass_kg,load.viscous_n_s_per_m --out identified"
+    );
+    page.wait_until(&format!("document.getElementById('study-command').value === {}", json!(command)));
+    page.wait_until("document.getElementById('study-at').textContent.startsWith('done in')");
+    assert_eq!(page.text("#exhibit code"), command);
+    let found = page.text("#study-take + small");
+    let mass = found.strip_prefix("load.mass_kg=").and_then(|rest| rest.split(',').next());
+    let mass: f64 = mass.expect("a mass").parse().expect("a number");
+    assert!((mass - 1.8).abs() < 0.018, "{found}");
+    // The page commands the drive all the time.
+    page.click("#to-commission");
+    wait_for_mode(&mut page, "holding");
+    // Once the record is dismissed, there is nothing to be found from it.
+    page.evaluate("for (const button of document.querySelectorAll('#runs .record button')) button.click()");
+    page.wait_until(&format!("{identify}.disabled"));
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// Whether the buttons that jog can be pressed.
+fn can_jog(page: &mut Browser) -> bool {
+    let enabled =
+        page.evaluate("[...document.querySelectorAll('#commission .jog')].map((one) => !one.disabled)");
+    assert!(enabled == json!([true, true]) || enabled == json!([false, false]), "{enabled}");
+    enabled == json!([true, true])
+}
+
+/// A jog arms the drive by itself, so a drive that is disarmed can be jogged; one that has tripped or is not this page's
+/// cannot.
+#[test]
+fn the_jog_is_disabled_where_the_drive_must_not_move() {
+    let (mut page, rig, _) = commanding("servo-b-tuned");
+    page.wait_until("!document.querySelector('#commission .jog').disabled");
+    assert!(can_jog(&mut page));
+    page.press("Escape", 27, false);
+    wait_for_mode(&mut page, "fault");
+    assert!(!can_jog(&mut page), "it has tripped");
+    let place = page.middle("#commission .jog");
+    page.mouse("mousePressed", place);
+    rest(&mut page);
+    page.mouse("mouseReleased", place);
+    assert_eq!(Client::connect(rig.port()).expect("a rig").status().expect("a status").mode, Mode::Fault);
+    press(&mut page, "Arm");
+    wait_for_mode(&mut page, "armed");
+    assert!(can_jog(&mut page));
+    press(&mut page, "Leave");
+    wait_for_mode(&mut page, "not connected");
+    assert!(!can_jog(&mut page), "nobody commands it");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// A browser opens six connections to a server.
+#[test]
+fn a_stop_waits_for_no_slow_request_of_the_page() {
+    let (mut page, rig, _) = commanding("servo-b-tuned");
+    let mut other = Client::connect(rig.port()).expect("a rig");
+    press(&mut page, "Arm");
+    wait_for_mode(&mut page, "armed");
+    page.evaluate(
+        "import('/server.js').then(async ({ get, post }) => { const rig = await get('/api/rigs/servo-b-tuned'); \
+         window.slow = new AbortController(); window.ended = 0; \
+         for (let k = 0; k < 12; k += 1) post('/api/neighbours', { ...rig, settings: ['test.duration_s=250'] }, slow.signal).finally(() => { ended += 1; }).catch(() => {}); })",
+    );
+    rest(&mut page);
+    let begun = Instant::now();
+    page.press("Escape", 27, false);
+    while other.status().expect("a status").mode != Mode::Fault {
+        assert!(begun.elapsed() < Duration::from_secs(3), "the stop waits");
+        sleep(Duration::from_millis(10));
+    }
+    assert_eq!(page.evaluate("ended"), json!(0), "the slow requests were over before the stop");
+    page.evaluate("slow.abort()");
+    wait_for_mode(&mut page, "fault");
+    assert!(page.text("#commission").contains("a stop was requested"));
 }
 
 /// The time of the cursor, s, and the position there, mm.
