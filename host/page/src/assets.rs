@@ -64,4 +64,6 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("numbers.js", SCRIPT),
     asset!("exhibit.js", SCRIPT),
     asset!("chart.js", SCRIPT),
+    asset!("parallel.js", SCRIPT),
+    asset!("axis.js", SCRIPT),
 ];

@@ -6,15 +6,15 @@ import { html } from './svg.js';
 
 /**
  * Shows a report; the first graph stands before the tables. `command` is what it is of, `actions` are buttons for what can be
- * done with it.
+ * done with it, `more` are figures behind the first one.
  */
-export function showReport(element, { title, notes, tables, figures }, command, actions) {
+export function showReport(element, { title, notes, tables, figures }, command, actions, more = []) {
   const [first, ...others] = notes;
   const [lead, ...rest] = figures;
   element.replaceChildren(
     html('h2', { tabindex: -1 }, title), html('code', {}, command), ...(first ? [html('p', { class: 'verdict' }, first)] : []),
     html('p', { class: 'row' }, ...actions),
-    ...(lead ? [chartOf(lead)] : []),
+    ...(lead ? [chartOf(lead)] : []), ...more,
     ...others.map((note) => html('p', { class: 'remark' }, note)),
     ...tables.map((table) => html('div', { class: 'wide', tabindex: 0, role: 'region', 'aria-label': table.heading }, tableOf(table, false))),
     ...rest.map(chartOf));

@@ -9,11 +9,11 @@ import { History } from './history.js';
 import { chosenFiles, chosenFolder, dropped } from './incoming.js';
 import { Inspector } from './inspector.js';
 import { Picture } from './picture.js';
-import { Plot } from './plot.js';
 import { Player } from './player.js';
+import { Plot } from './plot.js';
 import { Records } from './records.js';
-import { placeOf } from './scale.js';
 import { Runs } from './runs.js';
+import { placeOf } from './scale.js';
 import { Refused, get, lines, post, postForColumns, study } from './server.js';
 import { Simulation } from './simulation.js';
 import { showSpectra } from './spectrum.js';
@@ -83,25 +83,25 @@ class Studio {
       open: () => part('file').click(),
       take: (settings) => this.#take(settings),
     });
+    new Player(part('play'), this.plot, () => this.#run?.time.at(-1) ?? 0);
     this.#listen();
   }
 
-    new Player(part('play'), this.plot, () => this.#run?.time.at(-1) ?? 0);
   /** Begins with a rig; `news` is told until something is changed. */
   async open(rig, news = '') {
+    this.simulation.giveUp();
     this.#rig = rig;
     this.#news = news;
     this.#history = new History();
-    this.simulation.giveUp();
     this.#ghosts = [];
     this.records.clear();
     this.#run = null;
     this.#kept = null;
     const found = await post('/api/check', { ...rig, settings: [] });
+    if (this.#rig !== rig) return;
     this.#state.fileValues = found.values ?? {};
     this.#state.rig = rig.name;
     this.plot.zoom();
-    if (this.#rig !== rig) return;
     this.#simulate();
   }
 

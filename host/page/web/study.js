@@ -4,6 +4,7 @@ import { showNothing, showReport } from './exhibit.js';
 import { offer } from './export.js';
 import { IdentifyForm } from './identify-form.js';
 import { about } from './numbers.js';
+import { parallelOf } from './parallel.js';
 import { SweepForm } from './sweep-form.js';
 import { TuneForm } from './tune-form.js';
 import { html } from './svg.js';
@@ -60,7 +61,6 @@ export class Study {
     this.#changed();
   }
 
-  #build(element) {
   /** Finds the values of the rig from one record of the page; while another study is at work, that is shown. */
   identify(record) {
     if (this.#end) return;
@@ -69,6 +69,7 @@ export class Study {
     this.#start();
   }
 
+  #build(element) {
     const tasks = Object.entries(TASKS).map(([name, { title }]) => {
       const button = html('button', { type: 'button', 'data-task': name, 'aria-pressed': 'false' }, title);
       button.addEventListener('click', () => this.#choose(name));
@@ -94,6 +95,9 @@ export class Study {
   }
 
   #choose(name) {
+    const { tasks, form, about: words, file, at, command, size, problem } = this.#parts;
+    // The plan is that of another task.
+    if (name !== this.#task) [this.#plan, command.value, size.textContent, problem.textContent, file.disabled] = [{}, '', '', '', true];
     this.#task = name;
     at.textContent = '';
     for (const button of tasks) button.setAttribute('aria-pressed', String(button.dataset.task === name));
@@ -102,9 +106,6 @@ export class Study {
     form.replaceChildren(this.#forms[name].element);
     this.show();
   }
-    const { tasks, form, about: words, file, at, command, size, problem } = this.#parts;
-    // The plan is that of another task.
-    if (name !== this.#task) [this.#plan, command.value, size.textContent, problem.textContent, file.disabled] = [{}, '', '', '', true];
 
   /** What would be asked for. */
   #body() {
@@ -113,6 +114,8 @@ export class Study {
 
   #changed() {
     clearTimeout(this.#pause);
+    // An answer that is on its way is of what was asked for before.
+    this.#asked += 1;
     this.#pause = setTimeout(() => this.#ask(), PAUSE);
   }
 
@@ -121,11 +124,10 @@ export class Study {
     const number = this.#asked;
     const { command, size, problem, start, file } = this.#parts;
     try {
-    // An answer that is on its way is of what was asked for before.
-    this.#asked += 1;
       const plan = await this.#server.post('/api/plan', this.#body());
       if (number !== this.#asked) return;
       this.#plan = plan;
+      file.disabled = !plan.file;
       command.value = plan.command;
       size.textContent = plan.size;
       problem.textContent = '';
@@ -135,7 +137,6 @@ export class Study {
       [command.value, size.textContent, problem.textContent] = ['', '', reasonOf(error)];
     }
     start.disabled = !this.#end && problem.textContent !== '';
-      file.disabled = !plan.file;
   }
 
   async #start() {
@@ -175,14 +176,16 @@ export class Study {
     at.textContent = words;
   }
 
-  #found(task, command, { name, text }, { page, settings }) {
+  #found(task, command, { name, text }, { page, settings, result }) {
     const take = html('button', { type: 'button', class: 'main', id: 'study-take' }, TASKS[task].take);
     take.addEventListener('click', () => {
       if (this.#weigh()) this.#told.take(settings);
     });
     this.#offered = { take, what: html('small', {}), settings, rig: { name, text } };
     this.#weigh();
-    showReport(this.#exhibit, page, command, [take, this.#offered.what]);
+    // A single key has a graph of its own.
+    const hasMany = task === 'sweep' && result.rows.length > 1 && Object.keys(result.rows[0].levels).length > 1;
+    showReport(this.#exhibit, page, command, [take, this.#offered.what], hasMany ? [parallelOf(result)] : []);
   }
 
   /** Whether what was found can be taken over: by the rig it was found for, and by no other. */

@@ -21,7 +21,7 @@ use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
 use chromium::Browser;
-use opened::{drop_file, keep_picture, page, page_of};
+use opened::{drop_file, hold, hold_nothing, keep_picture, page, page_of, rest};
 
 /// The view of studies, with this task.
 fn open_task(page: &mut Browser, task: &str) {
@@ -71,6 +71,94 @@ fn a_sweep_is_cancelled_and_another_shows_its_points_and_the_best_is_taken_over(
     assert_eq!(page.evaluate("document.querySelectorAll('#exhibit canvas').length"), json!(1));
     page.click("#study-take");
     page.wait_until("document.getElementById('command').value.includes('--set load.mass_kg=')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// Every point is a line over axes, on which a part selects: by keys and by the pointer.
+#[test]
+fn points_over_many_keys_are_selected_on_parallel_axes() {
+    let mut page = page();
+    open_task(&mut page, "sweep");
+    page.click("#sweep-more");
+    page.evaluate(
+        "(() => { const key = document.querySelectorAll('#study .vary select')[1]; key.value = 'operator.model'; key.dispatchEvent(new Event('change', { bubbles: true })); })()",
+    );
+    page.type_into("#study .steps", "3");
+    page.type_into("#sweep-runs", "1");
+    page.wait_until("document.getElementById('study-size').textContent === '12 points'");
+    page.click("#study-start");
+    page.wait_until("document.querySelector('#exhibit .parallel')");
+    page.evaluate("document.querySelector('.parallel').scrollIntoView({ block: 'center' })");
+    let told = |page: &mut Browser| page.text(".parallel [role=status]");
+    assert_eq!(told(&mut page), "12 of 12 points selected");
+    let lines = "document.querySelector('.parallel .selected').getAttribute('d').split('M').length - 1";
+    assert_eq!(page.evaluate(lines), json!(12));
+    let end = |place: u32| format!("document.querySelectorAll('.parallel [role=slider]')[{place}]");
+    assert_eq!(page.evaluate(&format!("{}.ariaLabel", end(0))), json!("load.mass_kg, least"));
+    page.evaluate(&format!("{}.focus()", end(0)));
+    page.press("ArrowUp", 38, false);
+    assert_eq!(told(&mut page), "8 of 12 points selected", "without the lightest");
+    assert_eq!(page.evaluate(lines), json!(8));
+    page.evaluate(&format!("{}.focus()", end(3)));
+    page.press("End", 35, false);
+    for _ in 0..3 {
+        page.press("ArrowDown", 40, false);
+    }
+    assert_eq!(told(&mut page), "2 of 12 points selected", "of one operator");
+    assert_eq!(page.evaluate(&format!("{}.ariaValueText", end(3))), json!("solenoid"));
+    page.click(".parallel .axis .ground");
+    assert_eq!(told(&mut page), "3 of 12 points selected", "of all masses");
+    let [x, y] = page.middle(".parallel .axis .ground");
+    for (kind, by) in
+        [("mousePressed", -20.0), ("mouseMoved", 0.0), ("mouseMoved", 20.0), ("mouseReleased", 20.0)]
+    {
+        page.mouse(kind, [x, y + by]);
+    }
+    assert!(
+        told(&mut page).starts_with("1 of 12 points selected: load.mass_kg 2, operator.model solenoid, ")
+    );
+    keep_picture(&mut page, "studio-sweep.png");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// The answer for the task before comes when another one was chosen.
+#[test]
+fn the_plan_of_one_task_is_not_shown_as_that_of_another() {
+    let mut page = page();
+    hold(&mut page, &["/api/plan"]);
+    page.click("#to-study");
+    page.wait_until("held['/api/plan'].length === 1");
+    page.evaluate("document.querySelector('#study [data-task=identify]').click(); letGo('/api/plan')");
+    rest(&mut page);
+    assert_eq!(value(&mut page, "study-command"), "");
+    assert_eq!(page.text("#study .problem"), "");
+    hold_nothing(&mut page);
+    page.wait_until("document.getElementById('study-command').value === 'pneudrive identify servo-b-tuned --out identified'");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn what_was_found_for_one_rig_is_not_taken_over_by_another() {
+    let mut page = page();
+    open_task(&mut page, "sweep");
+    page.type_into("#study .steps", "2");
+    page.type_into("#sweep-runs", "1");
+    page.wait_until("document.getElementById('study-size').textContent === '2 points'");
+    page.click("#study-start");
+    page.wait_until("document.getElementById('study-take')?.disabled === false");
+    for (rig, is_its_own) in [("servo-c", false), ("servo-b-tuned", true)] {
+        page.evaluate(&format!(
+            "(() => {{ const rigs = document.getElementById('rigs'); rigs.value = '{rig}'; rigs.dispatchEvent(new Event('change')); }})()"
+        ));
+        page.wait_until(&format!("document.getElementById('study-take').disabled !== {is_its_own}"));
+        let words = page.text("#study-take + small");
+        assert_eq!(words == "found for another rig", !is_its_own, "{words}");
+        page.evaluate("document.getElementById('study-take').click()");
+        rest(&mut page);
+        let command = value(&mut page, "command");
+        assert_eq!(command.contains("--set"), is_its_own, "{command}");
+        page.click("#to-study");
+    }
     assert_eq!(page.complaints, Vec::<String>::new());
 }
 
