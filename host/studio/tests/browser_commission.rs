@@ -18,7 +18,7 @@ use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
 use chromium::Browser;
-use opened::{drop_file, keep_picture, page_with, rest};
+use opened::{drop_file, keep_picture, leave_unknown, page_with, rest};
 
 /// A page that commands a virtual rig in real time, and the wires of that.
 fn commanding(name: &str) -> (Browser, Background, Wiring) {
@@ -140,10 +140,7 @@ fn a_record_is_handed_to_the_identification_with_one_button() {
     // Two unknowns take no minute.
     page.click("#to-study");
     page.click("#study [data-task=identify]");
-    page.wait_until("document.querySelector('#study .choices input')");
-    page.evaluate(
-        "for (const box of document.querySelectorAll('#study .choices input')) if (!['load.mass_kg', 'load.viscous_n_s_per_m'].includes(box.value)) box.click()",
-    );
+    leave_unknown(&mut page, &["load.mass_kg", "load.viscous_n_s_per_m"]);
     page.click("#to-commission");
     press(&mut page, "Run the test");
     wait_for_mode(&mut page, "running");

@@ -21,7 +21,7 @@ use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
 use chromium::Browser;
-use opened::{drop_file, hold, hold_nothing, keep_picture, page, page_of, rest};
+use opened::{drop_file, hold, hold_nothing, keep_picture, leave_unknown, page, page_of, rest};
 
 /// The view of studies, with this task.
 fn open_task(page: &mut Browser, task: &str) {
@@ -225,15 +225,6 @@ fn record() -> String {
     let (info, parameters) = (client.info().expect("a rig"), client.parameters().expect("parameters"));
     let record = client.record(|_, _| {}).expect("a record");
     TargetFile::new(&record, &info, &parameters).expect("a TARGET file").to_text()
-}
-
-/// Leaves these alone of all that may be unknown.
-fn leave_unknown(page: &mut Browser, keys: &[&str]) {
-    page.wait_until("document.querySelector('#study .choices input')");
-    page.evaluate(&format!(
-        "for (const box of document.querySelectorAll('#study .choices input')) if (box.checked !== {}.includes(box.value)) box.click()",
-        json!(keys)
-    ));
 }
 
 #[test]

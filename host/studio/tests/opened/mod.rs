@@ -96,3 +96,12 @@ pub fn hold_nothing(page: &mut Browser) {
 pub fn rest(page: &mut Browser) {
     page.evaluate("new Promise((go) => setTimeout(go, 400))");
 }
+
+/// In the form of an identification, leaves these alone of all that may be unknown.
+pub fn leave_unknown(page: &mut Browser, keys: &[&str]) {
+    page.wait_until("document.querySelector('#study .choices input')");
+    page.evaluate(&format!(
+        "for (const box of document.querySelectorAll('#study .choices input')) if (box.checked !== {}.includes(box.value)) box.click()",
+        json!(keys)
+    ));
+}
