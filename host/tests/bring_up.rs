@@ -187,7 +187,7 @@ fn without_pressure_sensors(name: &str) -> Rig {
 
 #[test]
 fn a_drive_without_pressure_sensors_is_brought_up_by_the_rest_and_no_pressure_is_shown() {
-    for name in ["servo-b-tuned", "servo-a-tuned"] {
+    at_once(&["servo-b-tuned", "servo-a-tuned"], |name| {
         let (rig, wiring) = rig_of(without_pressure_sensors(name), &[], FAST);
         let report = brought_up(&rig, &wiring, true);
         let text = report.markdown();
@@ -197,12 +197,12 @@ fn a_drive_without_pressure_sensors_is_brought_up_by_the_rest_and_no_pressure_is
         assert_eq!(open, ["sensors at rest", "drive stage"], "{name}: {text}");
         assert!(text.contains("the drive has no pressure sensors (sensors.pressure = false)"), "{text}");
         assert!(text.contains("pressures not measured") && !text.contains("kPa"), "{text}");
-    }
+    });
 }
 
 #[test]
 fn without_pressure_sensors_other_wires_are_still_found_by_what_is_left() {
-    for (fault, says) in [
+    let faults = [
         (WiringFault::ValveInverted, &["pulses: the valve command is turned"][..]),
         (WiringFault::TubesSwapped, &["pulses: the tubes are swapped"]),
         (
@@ -219,9 +219,8 @@ fn without_pressure_sensors_other_wires_are_still_found_by_what_is_left() {
             ],
         ),
         (WiringFault::EnableOpen, &["pulses: nothing answers the command, and the encoder counted by hand"]),
-    ] {
-        assert_found(without_pressure_sensors("servo-b-tuned"), fault, says);
-    }
+    ];
+    at_once(&faults, |&(fault, says)| assert_found(without_pressure_sensors("servo-b-tuned"), fault, says));
 }
 
 /// Somebody who lets it move, and does something before a watchdog that is not fed bites.

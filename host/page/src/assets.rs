@@ -55,7 +55,6 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("export.js", SCRIPT),
     asset!("incoming.js", SCRIPT),
     asset!("player.js", SCRIPT),
-    asset!("runs.js", SCRIPT),
     asset!("views.js", SCRIPT),
     asset!("study.js", SCRIPT),
     asset!("sweep-form.js", SCRIPT),
