@@ -103,7 +103,7 @@ pub fn change(u: &mut Unstructured<'_>) -> Result<Vec<u8>> {
 pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Result<RequestBody<'a>> {
     use RequestBody as Body;
     let crc32 = if u.ratio(7, 8)? { named } else { u.arbitrary()? };
-    Ok(match u.int_in_range(0..=39u8)? {
+    Ok(match u.int_in_range(0..=41u8)? {
         0 => Body::Info,
         1 => Body::Status,
         2 => Body::ConfigGet { first_id: id(u)?, count: u.arbitrary()? },
@@ -150,7 +150,7 @@ pub fn body<'a>(u: &mut Unstructured<'a>, named: u32, room: &'a mut Room) -> Res
         37 => Body::Io,
         38 => Body::IoSet { inputs: u.arbitrary()? },
         39 => Body::TryWatchdog,
-        _ if u.ratio(1, 2)? => Body::Boot,
+        40 => Body::Boot,
         _ => Body::Token { token: text(u)? },
     })
 }
