@@ -179,6 +179,20 @@ fn a_converter_that_is_gone_trips_as_an_open_sensor_does() {
     assert_eq!(trip_after(Loss::Off(Chip::Mcp3208)), (203, Some(Fault::SensorRange), true));
 }
 
+/// The converter is not there, and what its wire reads is no pressure.
+#[test]
+fn without_pressure_sensors_a_drive_runs_without_their_converter_and_none_is_seen() {
+    let rig = rig("servo-b-tuned", &["sensors.pressure=false", "test.duration_s=0.5"]);
+    let target = WiredTarget::start(&rig).expect("a board");
+    target.lose_supply(200, Loss::Off(Chip::Mcp3208));
+    let mut client = target.connect().expect("a board that answers");
+    body::start_run(&mut client, &rig);
+    while client.status().expect("the port is served").mode == Mode::Running {}
+    let status = client.status().expect("an answer");
+    assert_ne!(status.mode, Mode::Fault);
+    assert_eq!((status.pressure_1, status.pressure_2), (0, 0));
+}
+
 #[test]
 fn parameters_of_an_absolute_encoder_do_not_home_an_axis_whose_edges_are_counted() {
     let target = WiredTarget::start(&rig("servo-b-tuned", &[])).expect("a board");

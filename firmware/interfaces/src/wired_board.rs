@@ -183,6 +183,8 @@ impl<P: Parts> Board for WiredBoard<P> {
         let position = self.latch(config.encoder_inverted);
         let [pressure_1, pressure_2, spool] = self.convert();
         let home_switch = self.home_switch.is_low().unwrap_or(false);
+        // Inputs without a sensor float.
+        let [pressure_1, pressure_2] = [pressure_1, pressure_2].map(|raw| raw & config.pressure_mask);
         Sample { position, pressure_1, pressure_2, spool, home_switch }
     }
 

@@ -65,7 +65,8 @@ const WIDE: [(u16, i32); 6] = [
 
 /// Makes parameters go together: the defaults for those that do not.
 fn reconcile(parameters: &mut Parameters) {
-    let together: [&[u16]; 6] = [
+    let together: [&[u16]; 7] = [
+        &[id::PRESSURE_SENSORS],
         &[id::PERIOD_US, id::DELAY_US, id::PULSE_WIDTH_US, id::DIRECTION_SETUP_US],
         &[id::POSITION_MIN_COUNTS, id::POSITION_MAX_COUNTS],
         &[id::END_MIN_COUNTS, id::END_MAX_COUNTS],

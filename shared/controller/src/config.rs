@@ -33,7 +33,7 @@ pub struct Config {
     pub drive: DriveConfig,
     /// Whether the board turns the sign of its encoder.
     pub encoder_inverted: bool,
-    /// The bits of a raw pressure that are kept: all, or none without sensors.
+    /// The bits of a converted pressure that a board passes on: all, or none without sensors.
     pub pressure_mask: i16,
 }
 
@@ -267,10 +267,10 @@ fn homing(parameters: &Parameters, period_us: NonZeroU32) -> HomingConfig {
 const NONE_IS_HIGH: i32 = 32_767;
 
 /// Raw pressures at or below the first, or at or above the second, are those of a sensor that is open or shorted.
-/// Without sensors every reading is allowed, that of a converter which does not answer, too.
+/// Without sensors every reading is allowed.
 fn sensor_ends(parameters: &Parameters) -> [i32; 2] {
     match parameters.scalar(id::SENSOR_HIGH_RAW) {
-        _ if !has_pressure_sensors(parameters) => [i32::MIN, NONE_IS_HIGH + 1],
+        _ if !has_pressure_sensors(parameters) => [i16::MIN.into(), NONE_IS_HIGH + 1],
         NONE_IS_HIGH => [parameters.scalar(id::SENSOR_LOW_RAW), NONE_IS_HIGH + 1],
         high => [parameters.scalar(id::SENSOR_LOW_RAW), high],
     }
@@ -287,7 +287,7 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
         position_min: get(id::POSITION_MIN_COUNTS),
         position_max: get(id::POSITION_MAX_COUNTS),
         encoder_step: get(id::ENCODER_STEP_COUNTS).unsigned_abs(),
-        sensor_low,
+        sensor_low: sensor_low as i16,
         sensor_high,
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
         null_motion: get(id::ENCODER_STEP_COUNTS).unsigned_abs().saturating_mul(NULL_SAMPLES) / 100,

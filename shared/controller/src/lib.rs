@@ -295,8 +295,8 @@ impl State {
             position,
             velocity: motion.velocity,
             acceleration: motion.acceleration,
-            pressure_1: input.pressure_1 & config.pressure_mask,
-            pressure_2: input.pressure_2 & config.pressure_mask,
+            pressure_1: input.pressure_1,
+            pressure_2: input.pressure_2,
             spool: match config.drive {
                 DriveConfig::Dac(_) => input.spool,
                 DriveConfig::Stepper { .. } => self.spool.counted().steps(),

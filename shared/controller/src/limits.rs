@@ -35,8 +35,8 @@ pub struct Limits {
     pub position_max: i32,
     /// Furthest step of the encoder in one sample, counts.
     pub encoder_step: u32,
-    /// A raw pressure at or below it is that of an open sensor; -1: none is. `i32::MIN` without sensors.
-    pub sensor_low: i32,
+    /// A raw pressure at or below it is that of an open sensor; -1: none is. The least number without sensors.
+    pub sensor_low: i16,
     /// A raw pressure at or above it is that of a shorted sensor; 32768: none is.
     pub sensor_high: i32,
     /// Samples that a pressure must stay there.
@@ -115,8 +115,8 @@ impl Limits {
     }
 
     fn are_pressures(&self, raw_1: i16, raw_2: i16) -> bool {
-        let is_pressure = |raw: i32| self.sensor_low < raw && raw < self.sensor_high;
-        is_pressure(raw_1.into()) && is_pressure(raw_2.into())
+        let is_pressure = |raw: i16| self.sensor_low < raw && i32::from(raw) < self.sensor_high;
+        is_pressure(raw_1) && is_pressure(raw_2)
     }
 }
 

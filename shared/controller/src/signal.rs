@@ -5,9 +5,9 @@
 pub struct Sample {
     /// Encoder count; positive means extension. Unit: counts.
     pub position: i32,
-    /// Chamber 1 (blind side) pressure as converted, 0 to 2^bits - 1; anything without sensors.
+    /// Chamber 1 (blind side) pressure as converted, 0 to 2^bits - 1; 0 without sensors.
     pub pressure_1: i16,
-    /// Chamber 2 (rod side) pressure as converted, 0 to 2^bits - 1; anything without sensors.
+    /// Chamber 2 (rod side) pressure as converted, 0 to 2^bits - 1; 0 without sensors.
     pub pressure_2: i16,
     /// Spool displacement as converted, 0 to 2^bits - 1.
     pub spool: i16,
