@@ -178,11 +178,13 @@ impl Rig {
 
     /// The raw pressures of an open and of a shorted sensor, where no pressure of the drive is read so: the
     /// chambers stay above the exhaust, and below one and a half times the supply. An open wire does not reach the end
-    /// of the converter: leakage and offset leave it up to a hundredth of the range away.
+    /// of the converter: leakage and offset leave it up to a hundredth of the range away. The ends are those of a rig with
+    /// sensors whether it has them or not: without them the controller ignores the ends, and sensors that are put on later
+    /// are watched.
     fn open_sensors(&self) -> [i32; 2] {
         let [min, max] =
             [&keys::sensors::PRESSURE_MIN_PA, &keys::sensors::PRESSURE_MAX_PA].map(|end| self.get(end));
-        let watched = self.get(&keys::safety::SENSOR_WATCH) && self.get(&keys::sensors::PRESSURE);
+        let watched = self.get(&keys::safety::SENSOR_WATCH);
         let margin = (max - min) / f64::from(OPEN_SENSOR);
         let low = watched && self.get(&keys::exhaust::PRESSURE_PA) > min + 2.0 * margin;
         let high = watched && 1.5 * self.get(&keys::supply::PRESSURE_PA) < max - margin;
