@@ -66,7 +66,7 @@ impl Seen {
         self.is_enabled = is_enabled(status.mode);
         self.referenced = status.referenced;
         self.run_s = units.seconds(status.index).filter(|_| status.mode == Mode::Running);
-        if has_sampled(status) {
+        if has_sampled(status, units) {
             self.take_figures(status, units);
         }
     }
@@ -128,7 +128,7 @@ impl<'a> Teller<'a> {
         let now_s = self.now_s();
         let mut seen = self.seen();
         seen.take(status, &self.units);
-        if is_sample && has_sampled(status) {
+        if is_sample && has_sampled(status, &self.units) {
             let row = seen.row();
             seen.samples.look(now_s, &row);
         }
@@ -154,9 +154,11 @@ impl Drop for End<'_> {
 }
 
 /// Whether the figures of a status come from a sample. Between arming or a start and the first sample they are all zero.
-fn has_sampled(status: &Status) -> bool {
+/// Those of a drive without pressure sensors may be so at rest, too, and are taken as they are.
+fn has_sampled(status: &Status, units: &Units) -> bool {
     let raw = [status.pressure_1, status.pressure_2, status.spool, status.command];
-    status.index > 0 || status.position != 0 || raw.iter().any(|raw| *raw != 0)
+    let measures_pressures = units.raw_pressure(0).is_some();
+    !measures_pressures || status.index > 0 || status.position != 0 || raw.iter().any(|raw| *raw != 0)
 }
 
 /// Whether a drive in a mode may be moved by its valve.
@@ -177,6 +179,9 @@ fn mode_name(mode: Mode) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use pneudrive_controller::parameters::id;
+    use pneudrive_records::rig_info::RigParameters;
+
     use super::*;
 
     #[test]
@@ -187,6 +192,25 @@ mod tests {
         assert_eq!((seen.mode, seen.position, seen.look), ("armed", Some(98.7), 1));
         seen.take(&Status { mode: Mode::Running, index: 1, ..Status::default() }, &units);
         assert_eq!((seen.mode, seen.position), ("running", None), "a rig without scales tells no mm");
+    }
+
+    #[test]
+    fn zeros_of_a_drive_without_pressure_sensors_are_figures() {
+        let mut parameters = RigParameters::default();
+        parameters.values.set(id::PRESSURE_SENSORS, 0).expect("a parameter");
+        let seen = Mutex::new(Seen::default());
+        let mut teller = Teller::new(&seen, Units::of(&parameters));
+        teller.look(&Status { mode: Mode::Disarmed, ..Status::default() }, true);
+        assert_eq!(teller.seen().position, Some(0.0));
+        assert_eq!(teller.seen().pressures, [None; 2]);
+        assert!(!teller.seen().line()["samples"].is_null(), "its samples are shown");
+
+        parameters.values.set(id::PRESSURE_SENSORS, 1).expect("a parameter");
+        *teller.seen() = Seen::default();
+        teller.units = Units::of(&parameters);
+        teller.look(&Status { mode: Mode::Disarmed, ..Status::default() }, true);
+        assert_eq!(teller.seen().position, None);
+        assert!(teller.seen().line()["samples"].is_null());
     }
 
     #[test]
