@@ -13,6 +13,9 @@ use crate::port::{self, Link};
 /// Between two attempts to open a port that has gone with its board.
 const OPEN_AGAIN: Duration = Duration::from_millis(50);
 
+/// A board that has answered so lately is there, although the last look at it was lost.
+const STILL_THERE: Duration = Duration::from_secs(1);
+
 /// What became of a board whose watchdog is not fed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trial {
@@ -63,7 +66,7 @@ impl Client {
             return Ok(Trial::NoWatchdog);
         }
         let begun = Instant::now();
-        let mut answers = false;
+        let mut answered = None;
         while begun.elapsed() < wait {
             match self.boot_now() {
                 Ok(Some(boot)) if boot != self.boot => {
@@ -71,14 +74,12 @@ impl Client {
                     self.begin_anew(boot)?;
                     return Ok(Trial::Reset(after));
                 }
-                Ok(boot) => answers = boot.is_some(),
-                Err(_) => {
-                    answers = false;
-                    self.open_again();
-                }
+                Ok(Some(_)) => answered = Some(Instant::now()),
+                Ok(None) => {}
+                Err(_) => self.open_again(),
             }
         }
-        Ok(if answers { Trial::NotReset } else { Trial::Silent })
+        Ok(without_reset(answered.map(|at| at.elapsed())))
     }
 
     /// Whether an event of the fault log is of the boot that this client talks to.
@@ -121,5 +122,25 @@ impl Client {
         let info = self.info()?;
         (self.version, self.record_capacity) = (info.version, info.record_capacity);
         Ok(())
+    }
+}
+
+/// What became of a board of which no reset was seen, by how long ago it answered last; None: never.
+fn without_reset(silent_for: Option<Duration>) -> Trial {
+    match silent_for {
+        Some(silent) if silent <= STILL_THERE => Trial::NotReset,
+        _ => Trial::Silent,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_that_was_lost_at_the_end_is_no_silence() {
+        assert_eq!(without_reset(Some(Duration::from_millis(300))), Trial::NotReset);
+        assert_eq!(without_reset(Some(Duration::from_secs(3))), Trial::Silent);
+        assert_eq!(without_reset(None), Trial::Silent);
     }
 }
