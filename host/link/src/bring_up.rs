@@ -175,7 +175,7 @@ impl BringUp<'_> {
     /// The checks for which the drive is enabled, in open loop. Parameters are put back whatever becomes of them.
     fn move_it(&mut self, pushed: Option<i32>) -> Result<()> {
         let question = format!(
-            "The cylinder will move: pulses of up to {}, until the slide has moved both ways; it is stopped beyond {:.0} mm. Air on, nobody in reach, emergency stop at hand. Enable the drive?",
+            "The cylinder will move: pulses of up to {}, until the slide has moved both ways; it is stopped beyond {:.0} mm. Air on, nobody in reach, emergency stop at hand. At the end the watchdog resets the board; the slide may jerk then. Enable the drive?",
             self.pulse_in_words(i32::from(self.options.most_percent)),
             self.options.reach_mm
         );

@@ -195,6 +195,7 @@ fn a_bring_up_asks_before_it_moves_tells_each_check_and_ends_with_its_report() {
     });
     assert_eq!(code, StatusCode::OK, "{report}");
     assert!(asked[0].starts_with("The cylinder will move") && asked[1].contains("drive_enable"), "{asked:?}");
+    assert!(asked[0].contains("the watchdog resets the board; the slide may jerk then"), "{asked:?}");
     assert_eq!(report["wrong"], json!([]), "{report}");
     let text = report["text"].as_str().expect("a text");
     assert!(

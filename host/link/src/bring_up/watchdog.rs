@@ -37,7 +37,7 @@ impl BringUp<'_> {
             return Ok(());
         }
         self.operator.goes_on()?;
-        self.operator.tell("the board feeds its watchdog no more: it must reset");
+        self.operator.tell("the board feeds its watchdog no more: it must reset; stay out of reach");
         let unstored =
             Unstored { records: self.client.move_records()?, referenced: self.client.status()?.referenced };
         match self.client.try_watchdog(self.options.reset_wait)? {
