@@ -100,9 +100,12 @@ impl Interval<'_> {
         };
         let is_over = match limit_cycle {
             LimitCycle::None { .. } | LimitCycle::Sustained(_) => true,
-            LimitCycle::Undecided(Doubt::DyingOut { .. } | Doubt::JustStopped | Doubt::Sticking { .. }) => {
-                self.stands() || turned_back()
-            }
+            LimitCycle::Undecided(
+                Doubt::DyingOut { .. }
+                | Doubt::JustStopped
+                | Doubt::Sticking { .. }
+                | Doubt::PressuresUnknown,
+            ) => self.stands() || turned_back(),
             LimitCycle::Undecided(_) => self.stands(),
         };
         is_over.then_some(furthest.max(0.0))

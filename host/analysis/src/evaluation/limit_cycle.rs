@@ -15,7 +15,8 @@
 //! The drive comes to rest if it does not move at the end of the move for a quarter of the move, for 0.2 s, and for the
 //! length of the longest cycle before, and if its pressures come to rest, too. For the latter, this time is divided into
 //! three parts: the mean pressures must change by less than 7 kPa/s from the second part to the third, or by less than
-//! 0.7 of their change from the first to the second. A drive that sticks while its pressures still change will jump.
+//! 0.7 of their change from the first to the second. A drive that sticks while its pressures still change will jump. Where
+//! neither pressure was measured, it cannot be told whether the drive comes to rest or sticks.
 //!
 //! Everything else cannot be decided: the record is too short.
 
@@ -70,6 +71,8 @@ pub enum Doubt {
         /// How fast, kPa/s.
         kpa_s: f64,
     },
+    /// The drive is at rest, but nobody has measured its pressures: it may stick, and jump later.
+    PressuresUnknown,
     /// It moves, and has not turned back lately.
     Moving,
     /// Too few cycles to distinguish a sustained oscillation from one that decays.
@@ -98,6 +101,9 @@ impl fmt::Display for Doubt {
             Doubt::Sticking { kpa_s } => {
                 write!(f, "it is at rest at the end, but its pressures still change by {kpa_s:.0} kPa/s")
             }
+            Doubt::PressuresUnknown => f.write_str(
+                "it is at rest at the end, but without its pressures it is not known whether it only sticks",
+            ),
             Doubt::Moving => f.write_str("it still moves at the end"),
             Doubt::FewCycles => {
                 write!(f, "it oscillates at the end, but for fewer than {FEWEST} whole cycles")
@@ -163,7 +169,9 @@ impl LimitCycle {
         let slowest = cycles(&earlier).map(|cycle| cycle.duration_s()).fold(0.0, f64::max);
         if rest_s >= REST_S.max(REST_PART * duration(time)).max(slowest) {
             let still_since = time.partition_point(|t| *t < time[time.len() - 1] - rest_s);
-            return match still_changing(pressures.map(|pressure| &pressure[still_since..]), rest_s) {
+            let at_rest = pressures.map(|pressure| &pressure[still_since..]);
+            return match still_changing(at_rest, rest_s) {
+                _ if !is_any_known(at_rest) => LimitCycle::Undecided(Doubt::PressuresUnknown),
                 Some(kpa_s) => LimitCycle::Undecided(Doubt::Sticking { kpa_s }),
                 None => LimitCycle::None { below_mm: still_mm, for_s: rest_s },
             };
@@ -246,6 +254,11 @@ pub(super) fn rest(time: &[f64], position: &[f64], band_mm: f64) -> f64 {
     };
     let samples = position.iter().rev().take_while(still).count();
     duration(&time[time.len() - samples..])
+}
+
+/// Whether a pressure was measured at any time.
+fn is_any_known(pressures: [&[f64]; 2]) -> bool {
+    pressures.into_iter().flatten().any(|kpa| kpa.is_finite())
 }
 
 /// How fast pressures (kPa) over a time (s) change at its end if they do not come to rest, kPa/s.

@@ -274,6 +274,25 @@ fn a_drive_that_stands_while_its_pressures_go_on_changing_is_not_known_to_rest()
     assert!(matches!(dithered, LimitCycle::None { .. }), "{dithered:?}");
 }
 
+/// A drive without pressure sensors may stick as any other; its swing is seen all the same.
+#[test]
+fn a_drive_that_stands_is_not_known_to_rest_where_no_pressure_is_measured() {
+    let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * PERIOD_S).collect();
+    let (known, unknown) = (vec![400.0; time.len()], vec![f64::NAN; time.len()]);
+    let still = vec![100.0; time.len()];
+    let seen =
+        |position: &[f64], pressures: [&[f64]; 2]| LimitCycle::of(&time, position, pressures, COUNT_MM);
+    let found = seen(&still, [&unknown, &unknown]);
+    assert_eq!(found, LimitCycle::Undecided(Doubt::PressuresUnknown));
+    assert!(Doubt::PressuresUnknown.to_string().contains("without its pressures"));
+    for one_known in [[&known[..], &unknown[..]], [&unknown[..], &known[..]]] {
+        assert!(matches!(seen(&still, one_known), LimitCycle::None { .. }));
+    }
+    let counted = |mm: f64| (mm / COUNT_MM).floor() * COUNT_MM;
+    let swing: Vec<f64> = time.iter().map(|&t| counted(100.0 + sine(5.0, 6.0, 0.0)(t))).collect();
+    assert!(matches!(seen(&swing, [&unknown, &unknown]), LimitCycle::Sustained(_)));
+}
+
 #[test]
 fn of_two_moves_the_worse_is_the_undecided_one_then_the_larger_swing() {
     let none = LimitCycle::None { below_mm: 0.03, for_s: 0.5 };
