@@ -21,7 +21,7 @@ pub fn a_watchdog_that_is_tried_resets_the_board(start: Start) {
     let target = start(&rig);
     let mut client = target.connect().expect("a board that answers");
     client.save_parameters().expect("disarmed");
-    let trial = client.try_watchdog(WAIT).expect("disarmed");
+    let trial = client.try_watchdog(WAIT, &mut || Ok(())).expect("disarmed");
     assert!(matches!(trial, Trial::Reset(_)), "{}: {trial:?}", target.name());
     let begun = Instant::now();
     let logged = loop {

@@ -40,7 +40,8 @@ impl BringUp<'_> {
         self.operator.tell("the board feeds its watchdog no more: it must reset; stay out of reach");
         let unstored =
             Unstored { records: self.client.move_records()?, referenced: self.client.status()?.referenced };
-        match self.client.try_watchdog(self.options.reset_wait)? {
+        let trial = self.client.try_watchdog(self.options.reset_wait, &mut || self.operator.goes_on())?;
+        match trial {
             Trial::NoWatchdog => self.note(Check::left_out(NAME, "this board has no watchdog")),
             Trial::Reset(after) => self.judge_reset(after, &unstored)?,
             Trial::NotReset => self.note_failed("still answers, without a reset,", DEAD),

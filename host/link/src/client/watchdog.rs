@@ -3,7 +3,7 @@
 use std::io;
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail};
 use pneudrive_protocol::{Accumulator, Event, Refused, ReplyBody, Request, RequestBody, code};
 
 use super::answer::{refusal, unexpected};
@@ -15,6 +15,8 @@ const OPEN_AGAIN: Duration = Duration::from_millis(50);
 
 /// A board that has answered so lately is there, although the last look at it was lost.
 const STILL_THERE: Duration = Duration::from_secs(1);
+
+const TRIAL_STAYS_ON: &str = "the trial of the watchdog stays on: the board is reset, or remains in the fault watchdog-tried; arming it ends the trial";
 
 /// What became of a board whose watchdog is not fed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,27 +49,44 @@ impl Link for Closed {
 }
 
 impl Client {
-    /// Has the board feed its watchdog no more, and waits for so long until it answers after a reset. From then on this
-    /// client talks to the new boot, which knows of no test, no reference and only of what was stored.
+    /// Has the board feed its watchdog no more, and waits for so long until it answers after a reset, while `goes_on` lets it.
+    /// From then on this client talks to the new boot, which knows of no test, no reference and only of what was stored.
     ///
     /// # Errors
-    /// When the drive is not disarmed, another host commands it, or the firmware knows no trial.
-    pub fn try_watchdog(&mut self, wait: Duration) -> Result<Trial> {
+    /// When the drive is not disarmed, another host commands it, the firmware knows no trial, or the board cannot tell one boot
+    /// from the next; nothing is tried then. When `goes_on` ends the wait: the trial stays on.
+    pub fn try_watchdog(&mut self, wait: Duration, goes_on: &mut dyn FnMut() -> Result<()>) -> Result<Trial> {
         self.needs_version(9, "a trial of the watchdog")?;
+        if !self.names_its_boot() {
+            bail!(
+                "{}: the board cannot tell one boot from the next, so a reset by its watchdog would not be seen: its flash has failed",
+                self.name
+            );
+        }
+        Ok(match self.begins_trial()? {
+            true => self.wait_for_reset(wait, goes_on)?,
+            false => Trial::NoWatchdog,
+        })
+    }
+
+    /// Asks for the trial. Whether the board has a watchdog to try.
+    fn begins_trial(&mut self) -> Result<bool> {
         let name = self.name.clone();
-        let has_watchdog = self.ask_for_any(RequestBody::TryWatchdog, |reply| match reply {
+        self.ask_for_any(RequestBody::TryWatchdog, |reply| match reply {
             // The answer was lost, and the board was reset before it was asked again.
             ReplyBody::Done | ReplyBody::Refused(Refused::OtherBoot { .. }) => Ok(true),
             ReplyBody::Refused(Refused::NotNow(code::NO_WATCHDOG)) => Ok(false),
             ReplyBody::Refused(refused) => Err(refusal(&name, refused)),
             other => Err(unexpected(other)),
-        })?;
-        if !has_watchdog {
-            return Ok(Trial::NoWatchdog);
-        }
+        })
+    }
+
+    /// Asks for the number of the boot until it is another one.
+    fn wait_for_reset(&mut self, wait: Duration, goes_on: &mut dyn FnMut() -> Result<()>) -> Result<Trial> {
         let begun = Instant::now();
         let mut answered = None;
         while begun.elapsed() < wait {
+            goes_on().context(TRIAL_STAYS_ON)?;
             match self.boot_now() {
                 Ok(Some(boot)) if boot != self.boot => {
                     let after = begun.elapsed();

@@ -23,6 +23,7 @@ pub use line::{Faults, Random};
 #[derive(Default)]
 pub struct CreepingBoard {
     pub store: NoStore,
+    pub has_watchdog: bool,
     position: i32,
     now_us: u64,
 }
@@ -49,6 +50,9 @@ impl Board for CreepingBoard {
     }
     fn host_clock_ms(&self) -> Option<u64> {
         None
+    }
+    fn has_watchdog(&self) -> bool {
+        self.has_watchdog
     }
 }
 
