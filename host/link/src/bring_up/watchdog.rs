@@ -10,6 +10,7 @@ use anyhow::Result;
 use pneudrive_controller::Fault;
 use pneudrive_protocol::{Event, Mode};
 use pneudrive_records::move_records::MoveRecord;
+use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::words;
 
 use super::{BringUp, Check, Verdict, enable, pulses};
@@ -25,6 +26,7 @@ const MUST: &str = "a reset, which the fault log puts down to the watchdog";
 
 /// What a reset takes from a drive that has not stored it.
 struct Unstored {
+    parameters: RigParameters,
     records: Vec<MoveRecord>,
     referenced: bool,
 }
@@ -38,8 +40,11 @@ impl BringUp<'_> {
         }
         self.operator.goes_on()?;
         self.operator.tell("the board feeds its watchdog no more: it must reset; stay out of reach");
-        let unstored =
-            Unstored { records: self.client.move_records()?, referenced: self.client.status()?.referenced };
+        let unstored = Unstored {
+            parameters: self.client.parameters()?,
+            records: self.client.move_records()?,
+            referenced: self.client.status()?.referenced,
+        };
         let trial = self.client.try_watchdog(self.options.reset_wait, &mut || self.operator.goes_on())?;
         match trial {
             Trial::NoWatchdog => self.note(Check::left_out(NAME, "this board has no watchdog")),
@@ -80,13 +85,16 @@ impl BringUp<'_> {
 
     /// What the fault log says of a reset; then the drive is as it was before.
     fn judge_reset(&mut self, after: Duration, unstored: &Unstored) -> Result<()> {
-        let newest = self.newest_of_this_boot()?;
+        let newest = self.newest_of_this_boot();
+        // Whatever becomes of the log: the drive is as it was, or the report says that it is not.
+        let lost = self.put_back(unstored).unwrap_or(NOT_PUT_BACK);
+        self.leave_fault()?;
+        let newest = newest?;
         let reason = newest.map_or("nothing".to_owned(), |event| words::fault_code_name(event.code));
         let advice = match newest {
             Some(event) if event.code == Fault::Watchdog.code() => Vec::new(),
             _ => vec![OTHER_REASON.to_owned()],
         };
-        let lost = self.put_back(unstored)?;
         let saw =
             format!("answers again after {:.2} s; the fault log says {reason}{lost}", after.as_secs_f64());
         self.note(Check::of(NAME, DID, saw, MUST, advice));
@@ -105,20 +113,25 @@ impl BringUp<'_> {
         }
     }
 
-    /// Puts parameters and move records back, and leaves the fault. What is lost, in words.
+    /// Puts parameters and move records back. What is lost, in words.
     fn put_back(&mut self, unstored: &Unstored) -> Result<&'static str> {
-        if self.client.parameters()? != self.parameters {
-            self.client.import_parameters(&self.parameters.values)?;
+        if self.client.parameters()? != unstored.parameters {
+            self.client.import_parameters(&unstored.parameters.values)?;
         }
         if self.client.move_records()? != unstored.records {
             self.client.replace_move_records(&unstored.records)?;
         }
         let referenced = self.client.status()?.referenced;
+        Ok(if unstored.referenced && !referenced { "; the axis has lost its reference" } else { "" })
+    }
+
+    /// Leaves the fault that the board was reset by.
+    fn leave_fault(&mut self) -> Result<()> {
         // A stepper's spool may have to be sought first; then the fault stays, and says so.
         if self.client.arm().is_ok() {
             self.client.disarm()?;
         }
-        Ok(if unstored.referenced && !referenced { "; the axis has lost its reference" } else { "" })
+        Ok(())
     }
 }
 
@@ -131,7 +144,8 @@ pub(super) fn was_tried(events: &[Event], place: usize) -> bool {
 }
 
 const DEAD: &str = "the watchdog does not bite: a program that hangs would leave the valve as it is. Do not run this board: flash the firmware anew, take off a debugger that holds the watchdog, or change the board. `pneudrive device arm` ends the trial";
-const GONE: &str = "the board does not come back: switch its supply off and on, and try again; if it stays so, look at its boot pins (BOOT0 low on the Nucleo), at what its reset line is wired to, and flash the firmware anew";
+const GONE: &str = "the board does not come back: switch its supply off and on, and try again; if it stays so, look at its boot pins (BOOT0 low on the Nucleo), at what its reset line is wired to, and flash the firmware anew. Once it is back, parameters and move records that were not stored are lost: import them again";
+const NOT_PUT_BACK: &str = "; parameters and move records could not be put back: import them again";
 const OTHER_REASON: &str = "the board was reset by something else: its supply, its reset line or a debugger; look at `pneudrive device faults`, and try again without a debugger";
 
 #[cfg(test)]
