@@ -53,8 +53,8 @@ pub struct Options {
     pub most_percent: u8,
     /// A slide that goes further than this from where it stood is stopped, mm (counts where their length is unknown).
     pub reach_mm: f64,
-    /// How long an answer may take after the watchdog was last fed. It bites within half a second; an emulated board counts
-    /// virtual time.
+    /// How long an answer may take after the watchdog was last fed, and then the reason in the fault log. The watchdog bites
+    /// within half a second; an emulated board counts virtual time.
     pub reset_wait: Duration,
 }
 

@@ -18,8 +18,8 @@ use crate::client::Trial;
 
 const NAME: &str = "watchdog";
 
-/// The fault that a board was reset by is logged with its first samples.
-const LOGGED_WITHIN: Duration = Duration::from_secs(1);
+/// Between two looks at the fault log.
+const LOOK_AGAIN: Duration = Duration::from_millis(50);
 
 const DID: &str = "had the board feed its watchdog no more, drive disabled";
 const MUST: &str = "a reset, which the fault log puts down to the watchdog";
@@ -101,15 +101,18 @@ impl BringUp<'_> {
         Ok(())
     }
 
-    /// The newest event of the boot that has begun.
+    /// The newest event of the boot that has begun. The fault that a board was reset by is logged with its first samples, which
+    /// may take an emulated board seconds.
     fn newest_of_this_boot(&mut self) -> Result<Option<Event>> {
         let begun = Instant::now();
         loop {
-            let newest = self.client.events()?.first().copied();
+            self.operator.goes_on()?;
+            let newest = self.client.events().ok().and_then(|events| events.first().copied());
             let of_this_boot = newest.filter(|event| self.client.is_of_this_boot(event));
-            if of_this_boot.is_some() || begun.elapsed() > LOGGED_WITHIN {
+            if of_this_boot.is_some() || begun.elapsed() > self.options.reset_wait {
                 return Ok(of_this_boot);
             }
+            std::thread::sleep(LOOK_AGAIN);
         }
     }
 
