@@ -9,7 +9,7 @@
 //! | enable line | nothing may | whether `drive_enable` gates the amplifier; the converter's ramp against a voltmeter |
 //! | rest when enabled | nothing may | a valve that is not shut at its null |
 //! | pulses | a few mm | the signs of valve, tubes, encoder and transmitters against each other ([`signs`]) |
-//! | watchdog | nothing may | whether the watchdog resets the board |
+//! | watchdog | nothing may; the slide may jerk | whether the watchdog resets the board |
 //!
 //! A pulse is an open-loop test of its own: a command for a tenth of a second, which the board ends by itself. Commands rise
 //! from a few percent of the valve until the slide has moved both ways. Whatever surprises ends the bring-up, with the
