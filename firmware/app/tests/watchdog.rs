@@ -77,6 +77,24 @@ fn a_request_that_means_the_boot_before_is_refused() {
     assert_eq!(bench.mode(), Mode::Disarmed);
 }
 
+/// Nor must one that the line brings late within the boot, when the drive is disarmed once more.
+#[test]
+fn a_late_copy_within_a_boot_is_no_second_trial() {
+    let mut bench = watched();
+    bench.board.store.boot = 4;
+    (bench.session, bench.boot) = (7, 4);
+    let trial = bench.frame(RequestBody::TryWatchdog);
+    assert!(!bench.send(&trial).is_empty(), "it is answered");
+    assert_eq!(bench.mode(), Mode::Fault(Fault::WatchdogTried));
+    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(RequestBody::Disarm);
+    assert!(bench.send(&trial).is_empty(), "a copy gets no answer");
+    assert_eq!(bench.mode(), Mode::Disarmed);
+    assert!(bench.app.control.feeds_watchdog());
+    bench.done(RequestBody::TryWatchdog);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::WatchdogTried), "a request of its own is one");
+}
+
 /// A line on which nothing comes.
 struct Silence;
 
