@@ -74,7 +74,7 @@ impl<S: Store> LockStep<S> {
         }
     }
 
-    /// The same board with a watchdog, which who runs it feeds.
+    /// The same board with a watchdog, which its caller feeds.
     #[must_use]
     pub fn with_watchdog(self) -> LockStep<S> {
         LockStep { has_watchdog: true, ..self }
