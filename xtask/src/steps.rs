@@ -171,7 +171,7 @@ fn pages(tally: &mut Tally) {
     tests(
         tally,
         "the studio in a browser",
-        &in_browser(&["browser", "browser_compare", "browser_commission", "browser_study"]),
+        &in_browser(&["browser", "browser_compare", "browser_commission", "browser_stop", "browser_study"]),
     );
     if axe::is_there() {
         tests_by(tally, "the studio for everybody", || {

@@ -47,6 +47,7 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("report.js", SCRIPT),
     asset!("dialog.js", SCRIPT),
     asset!("commission.js", SCRIPT),
+    asset!("orders.js", SCRIPT),
     asset!("scope.js", SCRIPT),
     asset!("recent.js", SCRIPT),
     asset!("trigger.js", SCRIPT),

@@ -5,6 +5,7 @@
 
 import { BringUp } from './bring-up.js';
 import { offer } from './export.js';
+import { Orders } from './orders.js';
 import { Parameters } from './parameters.js';
 import { Scope } from './scope.js';
 import { html } from './svg.js';
@@ -31,7 +32,7 @@ export class Commission {
   #ask;
   #number = null;
   #end = null;
-  #orders = Promise.resolve();
+  #orders;
   #alive = 0;
   #held = 0;
   #isRecording = false;
@@ -54,6 +55,7 @@ export class Commission {
     this.#parameters = new Parameters({ ask, rig: told.rig });
     this.#bringUp = new BringUp({ ask, order: (...order) => this.#order(...order) });
     this.#ask = ask;
+    this.#orders = new Orders(server.post, { stopped: (problem) => this.#stopped(problem) });
   }
 
   /** Builds the panel. */
@@ -107,8 +109,12 @@ export class Commission {
 
   /** Stops the drive at once, whoever commands it. */
   stop() {
+    this.#orders.stop();
     this.#release();
-    this.#server.post('/api/order', { order: 'stop' }).catch((error) => this.#tell(error.message));
+  }
+
+  #stopped(problem) {
+    this.#tell(problem);
   }
 
   /** Gives the drive up; it is disarmed. */
@@ -132,6 +138,8 @@ export class Commission {
   #ended() {
     clearInterval(this.#alive);
     this.#release();
+    // What the page does not read any more must not hold the command.
+    this.#end.abort();
     [this.#number, this.#end] = [null, null];
     this.#parts.link.textContent = 'Take command';
     this.#parts.mode.textContent = 'not connected';
@@ -179,15 +187,15 @@ export class Commission {
     this.#bringUp.enable(isFree && !look.is_enabled);
   }
 
-  /** One order after the other: a button that was let go must not be overtaken by its last confirmation. */
-  #order(order, more = {}) {
+  async #order(order, more = {}, isWanted = () => true) {
     if (order !== 'alive') this.#stays = order === 'release';
-    const send = async () => {
-      await this.#server.post('/api/order', { number: this.#number, order, ...more });
+    try {
+      const isSent = await this.#orders.give(this.#number, order, more, isWanted);
       // The same refusal may follow again.
-      if (!QUIET.includes(order)) this.#said = null;
-    };
-    this.#orders = this.#orders.then(send).catch((error) => { if (this.commands) this.#tell(error.message); });
+      if (isSent && !QUIET.includes(order)) this.#said = null;
+    } catch (error) {
+      if (this.commands) this.#tell(error.message);
+    }
   }
 
   /** Takes the record of the last test: as a file, and over the run of the page. */
@@ -217,16 +225,17 @@ export class Commission {
     const button = html('button', { type: 'button', class: 'jog', disabled: true }, text);
     const hold = () => {
       if (this.#held || button.disabled) return;
-      const confirm = () => this.#order(order, { rig: this.#told.rig() });
       // Takes back what was told of the order before.
       this.#order('release');
       this.#tell('');
-      confirm();
-      this.#held = setInterval(() => {
+      const confirm = () => this.#order(order, { rig: this.#told.rig() }, () => this.#held === held);
+      const held = setInterval(() => {
         // Whoever holds it does not see the drive any more.
         if (document.hidden) return this.#release();
         confirm();
       }, HELD);
+      this.#held = held;
+      confirm();
     };
     const release = () => this.#release();
     button.addEventListener('pointerdown', hold);

@@ -1,0 +1,59 @@
+//! The orders of the page to the drive, and the stop, which waits for none of them.
+//!
+//! Needs Chromium, so `cargo xtask test web` runs it, and `cargo test --workspace` does not.
+
+mod chromium;
+mod opened;
+
+use serde_json::json;
+
+use opened::page;
+
+/// Orders with a server that answers when it is told to: `sent` has what has come there.
+const ORDERS: &str = "import('/orders.js').then(({ Orders }) => {
+  window.sent = [];
+  window.answers = [];
+  window.stopped = [];
+  const post = (path, { order, number }) => {
+    sent.push(number === undefined ? order : `${order} ${number}`);
+    return new Promise((resolve, reject) => answers.push({ resolve, reject }));
+  };
+  window.orders = new Orders(post, { stopped: (problem) => stopped.push(problem) });
+  window.settled = () => new Promise((go) => setTimeout(go));
+})";
+
+#[test]
+fn a_confirmation_is_out_once_and_is_not_sent_when_its_button_was_let_go() {
+    let mut page = page();
+    page.evaluate(ORDERS);
+    page.evaluate(
+        "window.isHeld = true; orders.give(1, 'release'); \
+         for (let k = 0; k < 5; k += 1) { orders.give(1, 'extend', {}, () => isHeld); orders.give(1, 'alive'); } settled()",
+    );
+    assert_eq!(page.evaluate("sent"), json!(["release 1"]));
+    page.evaluate("answers.shift().resolve(); settled()");
+    page.evaluate("answers.shift().resolve(); settled()");
+    page.evaluate("answers.shift().resolve(); settled()");
+    assert_eq!(page.evaluate("sent"), json!(["release 1", "extend 1", "alive 1"]));
+    page.evaluate(
+        "orders.give(1, 'alive'); orders.give(1, 'extend', {}, () => isHeld); isHeld = false; orders.give(1, 'release'); settled()",
+    );
+    page.evaluate("answers.shift().resolve(); settled()");
+    let all = json!(["release 1", "extend 1", "alive 1", "alive 1", "release 1"]);
+    assert_eq!(page.evaluate("sent"), all, "nobody holds it");
+}
+
+#[test]
+fn what_waits_when_the_drive_is_stopped_is_not_carried_out_and_it_is_stopped_again() {
+    let mut page = page();
+    page.evaluate(ORDERS);
+    page.evaluate(
+        "orders.give(1, 'arm'); orders.give(1, 'run'); settled().then(() => { orders.stop(); orders.give(2, 'home'); return settled(); })",
+    );
+    assert_eq!(page.evaluate("sent"), json!(["arm 1", "stop"]), "the stop waits for nothing");
+    page.evaluate("answers.splice(0).forEach(({ resolve }) => resolve()); settled()");
+    assert_eq!(page.evaluate("sent"), json!(["arm 1", "stop", "stop"]), "the first may have come before");
+    page.evaluate("answers.shift().reject(new Error('no rig')); settled()");
+    assert_eq!(page.evaluate("sent"), json!(["arm 1", "stop", "stop", "home 2"]), "made behind the stop");
+    assert_eq!(page.evaluate("stopped"), json!(["", "no rig"]));
+}
