@@ -49,6 +49,7 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("commission.js", SCRIPT),
     asset!("orders.js", SCRIPT),
     asset!("scope.js", SCRIPT),
+    asset!("state-line.js", SCRIPT),
     asset!("recent.js", SCRIPT),
     asset!("trigger.js", SCRIPT),
     asset!("parameters.js", SCRIPT),

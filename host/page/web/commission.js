@@ -21,7 +21,7 @@ const QUIET = ['alive', 'retract', 'extend'];
 
 /**
  * The panel of the drive. `told.rig()` is the rig of the page; `told.seen(run, begun, cursor)` hears what is to be on the graphs,
- * `told.ended()` that they are free, `told.recorded({ name, text })` of a record, `told.identify(name)` that the values of the rig
+ * `told.ended()` that they are free, `told.alarm(text)` what every view must show, or '', `told.recorded({ name, text })` of a record, `told.identify(name)` that the values of the rig
  * are to be found from it; `told.hasRecord(name)` says whether it lies on the page.
  */
 export class Commission {
@@ -113,8 +113,9 @@ export class Commission {
     this.#release();
   }
 
+  /** A drive that was not stopped is told of in every view, until it is stopped or is seen at rest. */
   #stopped(problem) {
-    this.#tell(problem);
+    this.#told.alarm(problem && `NOT STOPPED: ${problem}`);
   }
 
   /** Gives the drive up; it is disarmed. */
@@ -157,6 +158,7 @@ export class Commission {
       return;
     }
     if (line.bring_up) this.#bringUp.heard(line.bring_up);
+    if (['disarmed', 'fault'].includes(line.mode)) this.#stopped('');
     this.#parts.mode.textContent = line.mode;
     this.#parts.mode.className = `mode ${line.mode}`;
     this.#parts.why.textContent = line.fault || (line.referenced ? '' : 'the axis is not referenced: home it first');

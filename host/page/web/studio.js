@@ -17,12 +17,15 @@ import { placeOf } from './scale.js';
 import { Refused, get, lines, post, postForColumns, study } from './server.js';
 import { Simulation } from './simulation.js';
 import { showSpectra } from './spectrum.js';
+import { StateLine } from './state-line.js';
 import { Study } from './study.js';
 import { html, say } from './svg.js';
 import { Toolbar } from './toolbar.js';
 import { choose, offerViews } from './views.js';
 
 const part = (id) => document.getElementById(id);
+
+const stateLine = new StateLine(part('state'));
 
 /** Ghosts that stay: more of them are no picture any more. */
 const MOST_GHOSTS = 6;
@@ -65,6 +68,7 @@ class Studio {
       hasRecord: (name) => this.records.all.some((record) => record.name === name),
       identify: (name) => this.#identify(name),
       ended: () => this.#leaveRig(),
+      alarm: (text) => stateLine.alarm(text),
     });
     this.records = new Records((record, align) => postForColumns('/api/compare', { ...this.#asked(), record, align }), {
       changed: () => this.#recordsChanged(),
@@ -150,12 +154,11 @@ class Studio {
       this.picture.moveTo(this.plot.cursor);
       part('command').value = found.command;
       this.#origins = found.origins;
-      say(part('state'), this.#news || found.origins);
+      stateLine.show(this.#news || found.origins, found.problems.length > 0);
     } else {
       const count = found.problems.length;
-      say(part('state'), `${count} ${count === 1 ? 'problem' : 'problems'}: the curves are those of the last valid rig`);
+      stateLine.show(`${count} ${count === 1 ? 'problem' : 'problems'}: the curves are those of the last valid rig`, true);
     }
-    part('state').classList.toggle('wrong', found.problems.length > 0);
     this.#inspect();
     this.study.show();
     this.commission.designChanged();
@@ -243,8 +246,7 @@ class Studio {
 
   #failed(error) {
     const text = error instanceof Refused ? error.message : 'the studio does not answer; start it again and reload this page';
-    part('state').textContent = text;
-    part('state').classList.add('wrong');
+    stateLine.show(text, true);
   }
 
   #travel(way) {
@@ -389,7 +391,4 @@ async function begin() {
   await studio.open(opened);
 }
 
-begin().catch((error) => {
-  part('state').textContent = error.message;
-  part('state').classList.add('wrong');
-});
+begin().catch((error) => stateLine.show(error.message, true));

@@ -7,7 +7,7 @@ mod opened;
 
 use serde_json::json;
 
-use opened::page;
+use opened::{page, page_with};
 
 /// Orders with a server that answers when it is told to: `sent` has what has come there.
 const ORDERS: &str = "import('/orders.js').then(({ Orders }) => {
@@ -56,4 +56,15 @@ fn what_waits_when_the_drive_is_stopped_is_not_carried_out_and_it_is_stopped_aga
     page.evaluate("answers.shift().reject(new Error('no rig')); settled()");
     assert_eq!(page.evaluate("sent"), json!(["arm 1", "stop", "stop", "home 2"]), "made behind the stop");
     assert_eq!(page.evaluate("stopped"), json!(["", "no rig"]));
+}
+
+/// Nothing listens at the port, and the page stands in another view.
+#[test]
+fn a_stop_that_fails_is_told_in_every_view() {
+    let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let mut page = page_with("servo-b-tuned", text, Some("tcp://127.0.0.1:1"));
+    page.press("Escape", 27, false);
+    page.wait_until("document.querySelector('#state.wrong')?.textContent.startsWith('NOT STOPPED: ')");
+    page.click("#to-study");
+    assert!(page.text("#state").starts_with("NOT STOPPED: "));
 }
