@@ -8,13 +8,14 @@
 //! nothing else to do.
 //!
 //! ```text
-//! page -> /api/order -> Order -> pilot -> rig      at once, without an answer
+//! page -> /api/order -> Order -> pilot -> rig      at once, without an answer; a stop is answered when it is done
 //!      -> /api/ask   -> Order -> pilot -> rig      parameters, record, bring-up: answered when it is done
 //!      <- /api/drive <- Seen  <- pilot <- rig      looks, samples, what a bring-up shows
 //! ```
 
 mod asked;
 mod bring_up;
+mod ended;
 mod live;
 mod order;
 mod parameters;
@@ -182,13 +183,15 @@ async fn order(
     Json(ordered): Json<Numbered<Orders>>,
 ) -> Result<StatusCode, Refused> {
     let is_stop = matches!(ordered.of_page, Orders::Stop);
-    let order = ordered.of_page.order()?;
+    let (stopped, told) = oneshot::channel();
+    let order = ordered.of_page.order(stopped)?;
     let allowed = |number: u32| is_stop || Some(number) == ordered.number;
-    match drive.send(order, allowed) {
-        true => Ok(StatusCode::ACCEPTED),
-        false if is_stop => stop_without_page(&drive).await,
-        false => Err(not_commanding().into()),
+    let is_sent = drive.send(order, allowed);
+    if !is_stop {
+        return if is_sent { Ok(StatusCode::ACCEPTED) } else { Err(not_commanding().into()) };
     }
+    // The thread of the page may end before it comes to the stop.
+    if is_sent && told.await.is_ok() { Ok(StatusCode::ACCEPTED) } else { stop_without_page(&drive).await }
 }
 
 /// Stops a drive that no page commands; another program may have set it going.

@@ -3,6 +3,7 @@
 mod commanding;
 mod visitor;
 
+use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
 use axum::http::StatusCode;
@@ -76,6 +77,18 @@ fn a_drive_that_no_page_commands_is_stopped_as_well() {
     assert_eq!(other.status().expect("a status").mode, Mode::Fault);
     let arm = json!({ "order": "arm" });
     assert_eq!(request(&studio, &runtime, "/api/order", &arm).status(), StatusCode::CONFLICT);
+}
+
+/// What is at the port takes a connection and says nothing.
+#[test]
+fn a_stop_that_has_not_come_to_the_drive_is_not_taken_for_done() {
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = format!("tcp://{}", port.local_addr().expect("an address"));
+    std::thread::spawn(move || port.incoming().for_each(drop));
+    let runtime = runtime();
+    let studio = studio_at(Some(&address));
+    let page = Page::open(&studio, &runtime).expect("a page");
+    assert_eq!(page.order("stop", Value::Null), StatusCode::INTERNAL_SERVER_ERROR);
 }
 
 /// 10 mm/s, and what the drive does on a step of half a millimetre.

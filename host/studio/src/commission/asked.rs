@@ -9,7 +9,7 @@ use pneudrive_page::refusal::Refusal;
 use pneudrive_sim::Rig;
 use serde::Deserialize;
 
-use super::order::{Direction, Order, Task};
+use super::order::{Direction, Order, Stopped, Task};
 
 /// What a page asks for, with the number of the page; only stopping goes without.
 #[derive(Debug, Deserialize)]
@@ -38,16 +38,16 @@ pub enum Orders {
 }
 
 impl Orders {
-    /// As the thread of the page takes it.
+    /// As the thread of the page takes it; `stopped` hears of a stop that is done.
     ///
     /// # Errors
     /// When the rig that it brings is wrong, or a place is no number.
-    pub fn order(self) -> Result<Order, Refusal> {
+    pub fn order(self, stopped: Stopped) -> Result<Order, Refusal> {
         Ok(match self {
             Orders::Alive => Order::Alive,
             Orders::Arm => Order::Arm,
             Orders::Disarm => Order::Disarm,
-            Orders::Stop => Order::Stop,
+            Orders::Stop => Order::Stop(stopped),
             Orders::Home => Order::Home,
             Orders::Release => Order::Release,
             Orders::Abort => Order::Abort,

@@ -6,7 +6,8 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::Status;
 use serde_json::{Value, json};
 
-use super::order::{Ended, Orders};
+use super::ended::Ended;
+use super::order::Orders;
 use super::seen::Teller;
 
 /// Runs the checks; the page follows them, and its answer is the report.

@@ -1,7 +1,6 @@
 //! What a page asks of the thread that talks to the rig, and how that thread hears of it.
 
 use std::collections::VecDeque;
-use std::fmt::{self, Display, Formatter};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -10,6 +9,8 @@ use pneudrive_page::refusal::Refusal;
 use pneudrive_sim::Rig;
 use serde_json::Value;
 use tokio::sync::oneshot;
+
+use super::ended::Ended;
 
 /// How long a page may say nothing while it has armed the drive, or while a bring-up is on.
 pub const PAGE_SILENCE: Duration = Duration::from_millis(1500);
@@ -27,7 +28,7 @@ pub enum Order {
     /// Disable it.
     Disarm,
     /// Stop at once, with a fault.
-    Stop,
+    Stop(Stopped),
     /// Find the stop or the switch.
     Home,
     /// Run the test of a rig.
@@ -89,6 +90,9 @@ pub enum Task {
 /// Where the answer goes.
 pub type Reply = oneshot::Sender<Result<Value, Refusal>>;
 
+/// Who waits until the drive is stopped; dropped where it is not.
+pub type Stopped = oneshot::Sender<()>;
+
 /// The orders of the page that commands.
 #[derive(Debug)]
 pub struct Orders<'a> {
@@ -101,43 +105,19 @@ pub struct Orders<'a> {
     is_gone: bool,
     /// Whether an order came meanwhile that would have moved the drive, and that was not carried out.
     has_refused: bool,
+    /// Those who wait for a stop that was taken and is still to be done.
+    stops: Vec<Stopped>,
 }
 
 /// The page has gone.
 #[derive(Debug)]
 pub struct Gone;
 
-/// Why the page ends what takes longer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// It stops the drive.
-    Stopped,
-    /// It asks for no more than the end.
-    Aborted,
-    /// It says nothing any more.
-    Silent,
-    /// It has gone.
-    Gone,
-}
-
-impl Display for Ended {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Ended::Stopped => "ended: the drive was stopped",
-            Ended::Aborted => "ended by the page; the drive is disarmed",
-            Ended::Silent => "ended: the page was silent",
-            Ended::Gone => "ended: the page has gone",
-        })
-    }
-}
-
-impl std::error::Error for Ended {}
-
 impl<'a> Orders<'a> {
     /// The orders that come through a channel.
     pub fn of(from: &'a Receiver<Arrived>) -> Orders<'a> {
         let (waiting, heard) = (VecDeque::new(), Instant::now());
-        Orders { from, waiting, heard, is_gone: false, has_refused: false }
+        Orders { from, waiting, heard, is_gone: false, has_refused: false, stops: Vec::new() }
     }
 
     /// Takes in what has come. Of a page that has gone no more than the end of a motion counts.
@@ -224,7 +204,7 @@ impl<'a> Orders<'a> {
     pub fn goes_on(&mut self) -> Result<(), Ended> {
         self.hear();
         while let Some(Arrived { order, .. }) = self.waiting.pop_front() {
-            self.goes_on_with(&order)?;
+            self.goes_on_with(order)?;
         }
         self.is_there()
     }
@@ -236,7 +216,7 @@ impl<'a> Orders<'a> {
                 Ok(Some(Arrived { order: Order::Answer(number, answer), .. })) if number == question => {
                     return Ok(answer);
                 }
-                Ok(Some(Arrived { order, .. })) => self.goes_on_with(&order)?,
+                Ok(Some(Arrived { order, .. })) => self.goes_on_with(order)?,
                 Ok(None) => self.is_there()?,
                 Err(Gone) => return Err(Ended::Gone),
             }
@@ -248,17 +228,25 @@ impl<'a> Orders<'a> {
         std::mem::take(&mut self.has_refused)
     }
 
-    fn goes_on_with(&mut self, order: &Order) -> Result<(), Ended> {
-        ends(order)?;
-        self.has_refused |= moves(order);
-        Ok(())
+    /// Those who wait for a stop that has ended what takes longer, and that is still to be done.
+    pub fn stops(&mut self) -> Vec<Stopped> {
+        std::mem::take(&mut self.stops)
+    }
+
+    fn goes_on_with(&mut self, order: Order) -> Result<(), Ended> {
+        let goes_on = ends(&order);
+        self.has_refused |= moves(&order);
+        if let Order::Stop(stopped) = order {
+            self.stops.push(stopped);
+        }
+        goes_on
     }
 }
 
 /// Whether an order ends what takes longer.
 fn ends(order: &Order) -> Result<(), Ended> {
     match order {
-        Order::Stop => Err(Ended::Stopped),
+        Order::Stop(_) => Err(Ended::Stopped),
         Order::Disarm | Order::Abort => Err(Ended::Aborted),
         _ => Ok(()),
     }
@@ -266,7 +254,7 @@ fn ends(order: &Order) -> Result<(), Ended> {
 
 /// Whether a button is not held any more, behind an order.
 fn lets_go(order: &Order) -> bool {
-    matches!(order, Order::Release | Order::Disarm | Order::Stop)
+    matches!(order, Order::Release | Order::Disarm | Order::Stop(_))
 }
 
 /// Whether an order enables or moves the drive.
@@ -277,6 +265,8 @@ fn moves(order: &Order) -> bool {
 #[cfg(test)]
 mod tests {
     use std::sync::mpsc::channel;
+
+    use tokio::sync::oneshot::error::TryRecvError;
 
     use super::*;
 
@@ -294,13 +284,36 @@ mod tests {
             "it was not armed, and that is told"
         );
         for (order, ended) in
-            [(Order::Stop, Ended::Stopped), (Order::Abort, Ended::Aborted), (Order::Disarm, Ended::Aborted)]
+            [(stop(), Ended::Stopped), (Order::Abort, Ended::Aborted), (Order::Disarm, Ended::Aborted)]
         {
             sender.send(Arrived::now(order)).expect("it listens");
             assert_eq!(orders.goes_on(), Err(ended));
         }
         drop(sender);
         assert_eq!(orders.goes_on(), Err(Ended::Gone));
+    }
+
+    /// A stop that nobody waits for.
+    fn stop() -> Order {
+        Order::Stop(oneshot::channel().0)
+    }
+
+    #[test]
+    fn who_waits_for_a_stop_hears_of_it_when_it_is_done_or_that_it_is_not() {
+        let (sender, receiver) = channel();
+        let mut orders = Orders::of(&receiver);
+        let (stopped, mut told) = oneshot::channel();
+        sender.send(Arrived::now(Order::Stop(stopped))).expect("it listens");
+        assert_eq!(orders.goes_on(), Err(Ended::Stopped));
+        assert_eq!(told.try_recv(), Err(TryRecvError::Empty), "it is not done yet");
+        let mut stops = orders.stops();
+        stops.pop().expect("one waits").send(()).expect("it listens");
+        assert_eq!(told.try_recv(), Ok(()));
+        assert!(stops.is_empty() && orders.stops().is_empty());
+        let (stopped, mut told) = oneshot::channel();
+        sender.send(Arrived::now(Order::Stop(stopped))).expect("it listens");
+        drop((sender, receiver));
+        assert_eq!(told.try_recv(), Err(TryRecvError::Closed), "the thread has ended before");
     }
 
     /// A button that is clicked twice answers its own question once, and never the next one.
@@ -343,7 +356,7 @@ mod tests {
             (Order::Alive, Ok(()), Ok(())),
             (Order::Release, Ok(()), Err(Ended::Aborted)),
             (Order::Disarm, Err(Ended::Aborted), Err(Ended::Aborted)),
-            (Order::Stop, Err(Ended::Stopped), Err(Ended::Stopped)),
+            (stop(), Err(Ended::Stopped), Err(Ended::Stopped)),
         ] {
             let (sender, receiver) = channel();
             let mut orders = Orders::of(&receiver);

@@ -26,8 +26,9 @@ use pneudrive_sim::Rig;
 use serde_json::Value;
 
 use super::bring_up::bring_up;
+use super::ended::Ended;
 use super::live::Live;
-use super::order::{Arrived, Direction, Ended, Gone, JOG_SILENCE, Order, Orders, Task};
+use super::order::{Arrived, Direction, Gone, JOG_SILENCE, Order, Orders, Stopped, Task};
 use super::parameters;
 use super::ramp::slow_move;
 use super::record::record;
@@ -183,7 +184,7 @@ impl<'a> Pilot<'a> {
             Order::Alive | Order::Answer(..) | Order::Abort => Ok(()),
             Order::Arm => self.arm(),
             Order::Disarm => self.disarm(),
-            Order::Stop => self.client.stop(),
+            Order::Stop(stopped) => self.stop(vec![stopped]),
             Order::Home => self.home(),
             Order::Run(rig) => self.run(&rig, Purpose::Test),
             Order::Go(to_mm, rig) => self.go(to_mm, GO_MM_PER_S, &rig, Purpose::Place),
@@ -213,8 +214,9 @@ impl<'a> Pilot<'a> {
 
     /// Carries out the order that has ended what takes longer.
     fn end(&mut self, ended: Option<&Ended>) {
+        let stops = self.orders.stops();
         let (what, done) = match ended {
-            Some(Ended::Stopped) => ("stopped", self.client.stop()),
+            _ if !stops.is_empty() => ("stopped", self.stop(stops)),
             Some(Ended::Aborted) => ("disarmed", self.disarm()),
             // The page is not there any more, which is noticed at the next look.
             _ => return,
@@ -240,6 +242,16 @@ impl<'a> Pilot<'a> {
         // Its last request may have had no answer; then the drive is still enabled.
         self.is_ours |= self.client.commands();
         made
+    }
+
+    /// Stops the drive; those who wait for it hear of it, or that it is not done.
+    fn stop(&mut self, waiting: Vec<Stopped>) -> Result<()> {
+        self.client.stop()?;
+        for stopped in waiting {
+            // Who has gone meanwhile hears nothing.
+            let _ = stopped.send(());
+        }
+        Ok(())
     }
 
     fn arm(&mut self) -> Result<()> {

@@ -14,7 +14,7 @@ const BUSY: &str = "not now: the record is being read";
 /// Downloads the record; its name in the answer is that of its CRC, so the same record has the same name.
 ///
 /// # Errors
-/// When there is none, the rig does not answer, or the page ends it ([`Ended`](super::order::Ended)).
+/// When there is none, the rig does not answer, or the page ends it ([`Ended`](super::ended::Ended)).
 pub fn record(client: &mut Client, orders: &mut Orders<'_>, teller: &Teller<'_>) -> Result<Value> {
     let info = client.info()?;
     let parameters = client.parameters()?;
