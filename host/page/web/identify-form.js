@@ -30,6 +30,13 @@ export class IdentifyForm {
     this.#records.replaceChildren(...(names.length ? names : [html('li', {}, 'none: drop a TARGET file, or open one')]));
   }
 
+  /** Another rig is opened, which may have other unknowns. */
+  opened() {
+    this.#boxes = [];
+    this.#unused.clear();
+    this.#unknowns.replaceChildren();
+  }
+
   /** Uses this record alone. */
   useOnly(record) {
     this.#unused = new Set(this.#told.records().map(({ name }) => name).filter((name) => name !== record));

@@ -101,6 +101,7 @@ class Studio {
     this.records.clear();
     this.#run = null;
     this.#kept = null;
+    this.study.opened();
     const found = await post('/api/check', { ...rig, settings: [] });
     if (this.#rig !== rig) return;
     this.#state.fileValues = found.values ?? {};

@@ -33,6 +33,8 @@ export class Study {
   #pause = 0;
   #asked = 0;
   #plan = {};
+  /** Whether the problem that is shown is that of the plan: the next plan takes no other back. */
+  #isOfPlan = false;
   /** What was found last: its button, the words beside it, what it takes over, and the rig it is of. */
   #offered = null;
 
@@ -50,6 +52,11 @@ export class Study {
     const told = { ...this.#told, changed: () => this.#changed() };
     for (const [name, { form: Form }] of Object.entries(TASKS)) this.#forms[name] = new Form(keys, choices, told);
     this.#choose('sweep');
+  }
+
+  /** Another rig is opened: what was chosen for the one before says nothing of it. */
+  opened() {
+    for (const form of Object.values(this.#forms)) form.opened?.();
   }
 
   /** The page has another rig, other values or other records. */
@@ -122,21 +129,42 @@ export class Study {
   /** Asks what the study would be; an answer counts as long as nothing has changed since. */
   async #ask() {
     const number = this.#asked;
-    const { command, size, problem, start, file } = this.#parts;
+    const { command, size, problem, start } = this.#parts;
     try {
       const plan = await this.#server.post('/api/plan', this.#body());
       if (number !== this.#asked) return;
-      this.#plan = plan;
-      file.disabled = !plan.file;
-      command.value = plan.command;
-      size.textContent = plan.size;
-      problem.textContent = '';
-      this.#forms[this.#task].planned?.(plan);
+      this.#planned(plan);
+      if (this.#isOfPlan) problem.textContent = '';
+      start.disabled = false;
     } catch (error) {
       if (number !== this.#asked) return;
       [command.value, size.textContent, problem.textContent] = ['', '', reasonOf(error)];
+      this.#isOfPlan = true;
+      start.disabled = !this.#end;
     }
-    start.disabled = !this.#end && problem.textContent !== '';
+  }
+
+  #planned(plan) {
+    const { command, size, file } = this.#parts;
+    this.#plan = plan;
+    file.disabled = !plan.file;
+    command.value = plan.command;
+    size.textContent = plan.size;
+    this.#forms[this.#task].planned?.(plan);
+  }
+
+  /** What is to be started, and its plan: what stands below the form may be that of what was typed before. */
+  async #settle(signal) {
+    clearTimeout(this.#pause);
+    this.#asked += 1;
+    for (;;) {
+      const body = this.#body();
+      const plan = await this.#server.post('/api/plan', body);
+      signal.throwIfAborted();
+      this.#planned(plan);
+      // The plan tells which unknowns there are.
+      if (JSON.stringify(this.#body().fit) === JSON.stringify(body.fit)) return { body, command: plan.command };
+    }
   }
 
   async #start() {
@@ -145,10 +173,7 @@ export class Study {
     const { signal } = this.#end;
     this.#working('Cancel', 'beginning…');
     try {
-      const body = this.#body();
-      // What stands below the form may be the plan of what was typed before.
-      const { command } = await this.#server.post('/api/plan', body);
-      signal.throwIfAborted();
+      const { body, command } = await this.#settle(signal);
       const begun = performance.now();
       const progress = new Progress(begun);
       const found = await this.#server.study(body, signal, (at) => this.#tell(progress.heard(at)));
@@ -156,7 +181,7 @@ export class Study {
       this.#found(task, command, body, found);
     } catch (error) {
       this.#working('Start', signal.aborted ? 'cancelled: nothing has changed' : '');
-      if (!signal.aborted) this.#parts.problem.textContent = reasonOf(error);
+      if (!signal.aborted) [this.#parts.problem.textContent, this.#isOfPlan] = [reasonOf(error), false];
     }
     this.#end = null;
   }

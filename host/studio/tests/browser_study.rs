@@ -256,3 +256,33 @@ fn values_are_found_from_a_record_with_their_intervals_and_taken_over() {
     page.wait_until("!document.getElementById('command').value.includes('--set')");
     assert_eq!(page.complaints, Vec::<String>::new());
 }
+
+/// The plan of the task is due when the study has failed already.
+#[test]
+fn why_a_study_has_failed_stays_until_the_next_one_begins() {
+    let mut page = page();
+    open_task(&mut page, "sweep");
+    page.evaluate(
+        "document.querySelector('#study [data-task=identify]').click(); document.getElementById('study-start').click()",
+    );
+    let why = "drop a TARGET file of the rig on the page first";
+    page.wait_until(&format!("document.querySelector('#study .problem').textContent === '{why}'"));
+    rest(&mut page);
+    assert_eq!(page.text("#study .problem"), why);
+    assert_eq!(page.evaluate("document.getElementById('study-start').disabled"), json!(false));
+}
+
+#[test]
+fn what_is_unknown_of_one_rig_is_not_chosen_for_another() {
+    let mut page = page();
+    open_task(&mut page, "identify");
+    leave_unknown(&mut page, &["load.mass_kg"]);
+    page.wait_until("document.getElementById('study-command').value.includes('--fit load.mass_kg ')");
+    page.evaluate("(() => { const rigs = document.getElementById('rigs'); rigs.value = 'servo-c'; rigs.dispatchEvent(new Event('change')); })()");
+    page.wait_until(
+        "document.getElementById('study-command').value === 'pneudrive identify servo-c --out identified'",
+    );
+    let unchecked = "[...document.querySelectorAll('#study .choices input')].filter((box) => !box.checked)";
+    page.wait_until("document.querySelector('#study .choices input')");
+    assert_eq!(page.evaluate(&format!("{unchecked}.length")), json!(0));
+}
