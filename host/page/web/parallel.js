@@ -12,35 +12,55 @@ export function parallelOf({ rows, best }) {
     ...Object.keys(rows[0].levels).map((name) => ({ name, values: rows.map(({ levels }) => levels[name]) })),
     ...Object.keys(rows[0].metrics).map((name) => ({ name, values: rows.map(({ metrics }) => metrics[name].value) })),
   ].filter(({ values }) => values.some((value) => value !== null));
+  const places = rows.map((_, row) => row);
+  const isDoubtful = (row) => remarksOn(rows[row]).length > 0;
   const apart = (WIDTH - 2 * MARGIN) / Math.max(columns.length - 1, 1);
-  const selected = svg('path', { class: 'selected' });
+  const [selected, doubted] = ['selected', 'selected doubtful'].map((kind) => svg('path', { class: kind }));
   const told = html('p', { role: 'status' });
   const axes = columns.map(({ name, values }, k) => new Axis(name, values, MARGIN + k * apart, () => select()));
-  const pathOf = (places) => places.map((row) => `M${columns.map(({ values }, k) =>
+  const pathOf = (drawn) => drawn.map((row) => `M${columns.map(({ values }, k) =>
     `${axes[k].x.toFixed(1)} ${axes[k].yOf(values[row]).toFixed(1)}`).join('L')}`).join('');
   const select = () => {
-    const chosen = rows.map((_, row) => row).filter((row) => columns.every(({ values }, k) => axes[k].selects(values[row])));
-    place(selected, { d: pathOf(chosen) });
-    say(told, wordsOf(chosen, columns, rows.length));
+    const chosen = places.filter((row) => columns.every(({ values }, k) => axes[k].selects(values[row])));
+    place(selected, { d: pathOf(chosen.filter((row) => !isDoubtful(row))) });
+    place(doubted, { d: pathOf(chosen.filter(isDoubtful)) });
+    say(told, wordsOf(chosen, rows));
   };
-  const all = svg('path', { class: 'all', d: pathOf(rows.map((_, row) => row)) });
+  const all = svg('path', { class: 'all', d: pathOf(places.filter((row) => !isDoubtful(row))) });
+  const others = svg('path', { class: 'all doubtful', d: pathOf(places.filter(isDoubtful)) });
   const bestRow = rows.findIndex(({ point }) => point === best);
-  const bestOne = bestRow < 0 ? [] : [svg('path', { class: 'best', d: pathOf([bestRow]) })];
+  const bestOne = bestRow < 0 ? [] : [svg('path', { class: isDoubtful(bestRow) ? 'best doubtful' : 'best', d: pathOf([bestRow]) })];
   // Names that stand beside each other would run into one another.
   const names = columns.map(({ name }, k) => svg('text', { class: 'name', x: axes[k].x, y: k % 2 ? 30 : 14, 'text-anchor': 'middle' }, name));
   const hasGaps = columns.some(({ values }) => values.includes(null));
   const none = hasGaps ? [svg('text', { x: MARGIN - 14, y: BOTTOM + NONE + 4, 'text-anchor': 'end' }, 'no value')] : [];
   select();
-  return html('figure', { class: 'parallel' }, html('figcaption', {}, `Each line is a point${bestOne.length ? '; the thick one is the best' : ''}`),
+  const thick = bestOne.length ? '; the thick one is the best' : '';
+  const dashed = places.some(isDoubtful) ? '; dashed: not decided, tripped, failed, or breaks a constraint' : '';
+  return html('figure', { class: 'parallel' }, html('figcaption', {}, `Each line is a point${thick}${dashed}`),
     svg('svg', { viewBox: `0 0 ${WIDTH} ${BOTTOM + NONE + TOP / 4}`, role: 'group', 'aria-label': 'Points over parallel axes' },
-      all, selected, ...bestOne, ...names, ...none, ...axes.map(({ element }) => element)),
+      all, others, selected, doubted, ...bestOne, ...names, ...none, ...axes.map(({ element }) => element)),
     html('p', { class: 'across' }, 'Drag along an axis, or move its ends with the arrow keys, to select points; click on it to take all of it again.'), told);
 }
 
-/** Which points are selected; of a single one its values. */
-function wordsOf(chosen, columns, all) {
-  if (chosen.length !== 1) return `${chosen.length} of ${all} points selected`;
-  return `1 of ${all} points selected: ${columns.map(({ name, values }) => `${name} ${textOf(values[chosen[0]])}`).join(', ')}`;
+/** Why the figures of a point are not to be taken as they are. */
+function remarksOn({ decided, fault, failure, allowed }) {
+  const isWhole = !fault && !failure;
+  return [fault, failure, decided === false && 'not decided', isWhole && allowed === false && 'breaks a constraint'].filter(Boolean);
+}
+
+/** Which points are selected; of a single one its values, with their ranges over the rig and its neighbours. */
+function wordsOf(chosen, rows) {
+  if (chosen.length !== 1) return `${chosen.length} of ${rows.length} points selected`;
+  const row = rows[chosen[0]];
+  const levels = Object.entries(row.levels).map(([name, value]) => `${name} ${textOf(value)}`);
+  const figures = Object.entries(row.metrics).map(([name, metric]) => `${name} ${rangeOf(metric)}`);
+  return `1 of ${rows.length} points selected: ${[...levels, ...figures, ...remarksOn(row)].join(', ')}`;
+}
+
+function rangeOf({ value, least, most }) {
+  const hasRange = least !== null && most !== null && textOf(least) !== textOf(most);
+  return hasRange ? `${textOf(value)} (${textOf(least)} to ${textOf(most)})` : textOf(value);
 }
 
 function textOf(value) {

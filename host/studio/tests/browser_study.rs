@@ -91,7 +91,7 @@ fn points_over_many_keys_are_selected_on_parallel_axes() {
     page.evaluate("document.querySelector('.parallel').scrollIntoView({ block: 'center' })");
     let told = |page: &mut Browser| page.text(".parallel [role=status]");
     assert_eq!(told(&mut page), "12 of 12 points selected");
-    let lines = "document.querySelector('.parallel .selected').getAttribute('d').split('M').length - 1";
+    let lines = "[...document.querySelectorAll('.parallel .selected')].reduce((sum, one) => sum + one.getAttribute('d').split('M').length - 1, 0)";
     assert_eq!(page.evaluate(lines), json!(12));
     let end = |place: u32| format!("document.querySelectorAll('.parallel [role=slider]')[{place}]");
     assert_eq!(page.evaluate(&format!("{}.ariaLabel", end(0))), json!("load.mass_kg, least"));
@@ -285,4 +285,30 @@ fn what_is_unknown_of_one_rig_is_not_chosen_for_another() {
     let unchecked = "[...document.querySelectorAll('#study .choices input')].filter((box) => !box.checked)";
     page.wait_until("document.querySelector('#study .choices input')");
     assert_eq!(page.evaluate(&format!("{unchecked}.length")), json!(0));
+}
+
+#[test]
+fn a_point_that_is_not_sound_is_dashed_and_its_remarks_and_ranges_are_told() {
+    let mut page = page();
+    page.evaluate(
+        "import('/parallel.js').then(({ parallelOf }) => { \
+         const row = (point, more) => ({ point, levels: { mass: point }, metrics: { overshoot: { value: 1, least: null, most: null } }, decided: true, fault: '', failure: '', allowed: true, ...more }); \
+         const ranged = { overshoot: { value: 1, least: 0.5, most: 2 } }; \
+         window.told = (...rows) => { const made = parallelOf({ rows, best: null }); \
+         return [made.querySelector('[role=status]').textContent, ['.all:not(.doubtful)', '.all.doubtful'].map((kind) => made.querySelector(kind).getAttribute('d').split('M').length - 1)]; }; \
+         window.rows = [row(0), row(1, { decided: false, metrics: ranged }), row(2, { fault: 'overrun', allowed: false }), row(3, { allowed: false })]; })",
+    );
+    assert_eq!(page.evaluate("told(...rows)"), json!(["4 of 4 points selected", [1, 3]]));
+    for (place, words) in [
+        "mass 0, overshoot 1",
+        "mass 1, overshoot 1 (0.5 to 2), not decided",
+        "mass 2, overshoot 1, overrun",
+        "mass 3, overshoot 1, breaks a constraint",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let told = page.evaluate(&format!("told(rows[{place}])[0]"));
+        assert_eq!(told, json!(format!("1 of 1 points selected: {words}")));
+    }
 }
