@@ -12,6 +12,7 @@ use pneudrive_controller::Observation;
 use pneudrive_records::band::CHANNELS;
 use pneudrive_records::judged::{FailedNeighbours, Judged, Spacing};
 use pneudrive_records::run_folder::{self, Existing, StoredRun};
+use pneudrive_records::units::lacks_pressures;
 use pneudrive_records::words;
 use pneudrive_sim::trace::{EXTRAS, Extra};
 use pneudrive_sim::{Accuracy, Decision, Recording, run_recorded};
@@ -304,11 +305,13 @@ impl Run {
         Ok(dict)
     }
 
-    /// The integers of the controller, a sample each: what every rung repeats in every bit.
+    /// The integers of the controller, a sample each: what every rung repeats in every bit. A pressure that the rig does not
+    /// measure is NaN.
     #[getter]
     fn samples(&self, py: Python<'_>) -> PyResult<Py<Channels>> {
         let judged = Arc::clone(&self.judged);
-        Py::new(py, Channels::new(move || integers(&judged.run.observations)))
+        let measures_pressures = !lacks_pressures(&self.rig.rig.parameters());
+        Py::new(py, Channels::new(move || integers(&judged.run.observations, measures_pressures)))
     }
 
     /// The channels in mm, kPa and counts over time.
@@ -352,13 +355,17 @@ impl Run {
     }
 }
 
-/// Columns of what the controller saw and made of it.
-fn integers(observations: &[Observation]) -> Columns {
+/// Columns of what the controller saw and made of it. A pressure that was not measured is NaN.
+fn integers(observations: &[Observation], measures_pressures: bool) -> Columns {
     let column = |name: &str, of: fn(&Observation) -> i32| {
         (name.to_owned(), Column::Int(observations.iter().map(of).collect()))
     };
     let long = |name: &str, of: fn(&Observation) -> i64| {
         (name.to_owned(), Column::Long(observations.iter().map(of).collect()))
+    };
+    let pressure = |name: &str, of: fn(&Observation) -> i32| match measures_pressures {
+        true => column(name, of),
+        false => (name.to_owned(), Column::Float(vec![f64::NAN; observations.len()])),
     };
     vec![
         long("index", |seen| seen.index.into()),
@@ -368,8 +375,8 @@ fn integers(observations: &[Observation]) -> Columns {
         column("command_counts", |seen| seen.command.into()),
         long("velocity", |seen| seen.velocity),
         long("acceleration", |seen| seen.acceleration),
-        column("pressure_1_raw", |seen| seen.pressure_1.into()),
-        column("pressure_2_raw", |seen| seen.pressure_2.into()),
+        pressure("pressure_1_raw", |seen| seen.pressure_1.into()),
+        pressure("pressure_2_raw", |seen| seen.pressure_2.into()),
         column("spool_raw", |seen| seen.spool.into()),
     ]
 }

@@ -153,3 +153,16 @@ def test_a_trip_is_told_with_its_meaning() -> None:
     assert run.trip.fault == "encoder-step"
     assert run.trip.sample > 0
     assert run.trip.meaning
+
+
+def test_a_pressure_that_is_not_measured_is_no_number() -> None:
+    with_sensors, without = (
+        Rig("servo-b-tuned", sensors__pressure=measured, test__duration_s=1.0).simulate(ensemble=1, decide=False).samples
+        for measured in (True, False)
+    )
+    for name in ("pressure_1_raw", "pressure_2_raw"):
+        assert with_sensors[name].dtype == np.int32
+        assert len(without[name]) == len(with_sensors[name]) > 0
+        assert np.isnan(without[name]).all()
+    for name in ("position_counts", "command_counts"):
+        assert np.array_equal(without[name], with_sensors[name]), name
