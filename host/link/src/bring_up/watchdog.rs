@@ -40,12 +40,12 @@ impl BringUp<'_> {
             return Ok(());
         }
         self.operator.goes_on()?;
-        self.operator.tell("the board feeds its watchdog no more: it must reset; stay out of reach");
         let unstored = Unstored {
             parameters: self.client.parameters()?,
             records: self.client.move_records()?,
             referenced: self.client.status()?.referenced,
         };
+        self.operator.tell("the board feeds its watchdog no more: it must reset; stay out of reach");
         let trial = self.client.try_watchdog(self.options.reset_wait, &mut || self.operator.goes_on())?;
         match trial {
             Trial::NoWatchdog => self.note(Check::left_out(NAME, "this board has no watchdog")),
