@@ -21,3 +21,11 @@ export function offer(name, content) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
+
+/** Copies what a field holds; its button tells that it is done. */
+export async function copyFrom(field, button) {
+  field.select();
+  await navigator.clipboard.writeText(field.value).catch(() => document.execCommand('copy'));
+  button.textContent = 'Copied';
+  setTimeout(() => { button.textContent = 'Copy'; }, 1500);
+}

@@ -50,3 +50,10 @@ export class History {
     this.settings = this.#kept;
   }
 }
+
+/** A change as `--set` takes it. A number with a unit of its own goes to the key without its unit. */
+export function settingOf(key, text) {
+  const hasUnit = key.unit && ['number', 'integer'].includes(key.kind.type) && Number.isNaN(Number(text)) && /\d/.test(text);
+  const isWord = key.kind.type === 'text' && !text.startsWith('"');
+  return `${hasUnit ? key.stem : key.path}=${isWord ? JSON.stringify(text) : text}`;
+}

@@ -65,6 +65,13 @@ export class Picture {
     this.#parts['rod-left'].toggleAttribute('hidden', text('actuator.model') !== 'symmetric');
   }
 
+  /** Takes away the words and the run of a rig. */
+  forget() {
+    [this.#rig, this.#run] = [null, null];
+    for (const [id, shown] of Object.entries(this.#parts)) if (id.endsWith('-text')) say(shown, '');
+    for (const outlined of [this.#parts.wanted, this.#parts.moved]) place(outlined, { d: '' });
+  }
+
   /** Takes the run that the picture shows. */
   follow(run) {
     this.#run = run;

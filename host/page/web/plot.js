@@ -204,7 +204,8 @@ export class Plot {
       const ground = getComputedStyle(this.#element).getPropertyValue('--surface').trim();
       const context = new VectorContext(width, height, ground);
       const palette = colours(this.#element);
-      for (const drawn of this.#drawPanels(context, { width, height }, palette)) this.#drawLegend(context, palette, drawn);
+      const panels = this.#drawPanels(context, { width, height }, palette);
+      if (this.#run) for (const drawn of panels) this.#drawLegend(context, palette, drawn);
       return context.element;
     });
   }

@@ -4,8 +4,9 @@ import { Commission } from './commission.js';
 import { componentOf } from './components.js';
 import { asked, isAsking, told } from './dialog.js';
 import { askForOther, showDifferences } from './difference.js';
+import { copyFrom } from './export.js';
 import { showAlone, showDeviations, showJudged } from './figures.js';
-import { History } from './history.js';
+import { History, settingOf } from './history.js';
 import { chosenFiles, chosenFolder, dropped } from './incoming.js';
 import { Inspector } from './inspector.js';
 import { Picture } from './picture.js';
@@ -104,10 +105,25 @@ class Studio {
     this.study.opened();
     const found = await post('/api/check', { ...rig, settings: [] });
     if (this.#rig !== rig) return;
+    if (!found.values) this.#showNoRun();
     this.#state.fileValues = found.values ?? {};
     this.#state.rig = rig.name;
     this.plot.zoom();
     this.#simulate();
+  }
+
+  /** Takes away what is of the rig before: this one has no run, so far. */
+  #showNoRun() {
+    this.#origins = '';
+    part('command').value = '';
+    this.#state = { ...this.#state, values: {}, used: new Set() };
+    part('figures').replaceChildren();
+    if (!this.commission.follows) {
+      this.plot.show([]);
+      say(part('readout'), '');
+      this.picture.forget();
+    }
+    this.#show();
   }
 
   /** The rig as the server takes it. */
@@ -158,7 +174,8 @@ class Studio {
       stateLine.show(this.#news || found.origins, found.problems.length > 0);
     } else {
       const count = found.problems.length;
-      stateLine.show(`${count} ${count === 1 ? 'problem' : 'problems'}: the curves are those of the last valid rig`, true);
+      const shown = this.#run ? 'the curves are those of the last valid rig' : 'there is no run';
+      stateLine.show(`${count} ${count === 1 ? 'problem' : 'problems'}: ${shown}`, true);
     }
     this.#inspect();
     this.study.show();
@@ -206,6 +223,7 @@ class Studio {
     const ghosts = this.#ghosts.map((one) => ({ kind: 'ghost', label: one.label, dismiss: () => this.#dismiss(one) }));
     const records = this.records.all.map((one) => ({ kind: 'record', label: one.name, dismiss: () => this.records.dismiss(one) }));
     this.#runs.show(this.#run?.label ?? null, [...records, ...ghosts.reverse()]);
+    this.toolbar.update();
   }
 
   #dismiss(ghost) {
@@ -248,6 +266,7 @@ class Studio {
   #failed(error) {
     const text = error instanceof Refused ? error.message : 'the studio does not answer; start it again and reload this page';
     stateLine.show(text, true);
+    if (!this.#run) this.#showNoRun();
   }
 
   #travel(way) {
@@ -275,7 +294,6 @@ class Studio {
   }
 
   #recordsChanged() {
-    this.toolbar.update();
     this.#show();
     showDeviations(part('figures'), this.records.all.map(({ deviation }) => deviation));
     this.study?.show();
@@ -325,7 +343,7 @@ class Studio {
     part('undo').addEventListener('click', () => this.#travel(() => this.#history.undo()));
     part('redo').addEventListener('click', () => this.#travel(() => this.#history.redo()));
     part('save').addEventListener('click', () => this.#save());
-    part('copy').addEventListener('click', () => this.#copy());
+    part('copy').addEventListener('click', () => copyFrom(part('command'), part('copy')));
     part('rigs').addEventListener('change', async ({ target }) => this.open(await get(`/api/rigs/${target.value}`)));
     part('compare').addEventListener('click', () => this.#compareWith());
     part('open').addEventListener('click', () => part('file').click());
@@ -352,13 +370,6 @@ class Studio {
     if (chosen) chosen.value = '';
   }
 
-  async #copy() {
-    part('command').select();
-    await navigator.clipboard.writeText(part('command').value).catch(() => document.execCommand('copy'));
-    part('copy').textContent = 'Copied';
-    setTimeout(() => { part('copy').textContent = 'Copy'; }, 1500);
-  }
-
   #key(event) {
     const { key, shiftKey } = event;
     if (!(event.ctrlKey || event.metaKey) || isAsking()) return;
@@ -369,13 +380,6 @@ class Studio {
     event.preventDefault();
     actions[key]();
   }
-}
-
-/** A change as `--set` takes it. A number with a unit of its own goes to the key without its unit. */
-function settingOf(key, text) {
-  const hasUnit = key.unit && ['number', 'integer'].includes(key.kind.type) && Number.isNaN(Number(text)) && /\d/.test(text);
-  const isWord = key.kind.type === 'text' && !text.startsWith('"');
-  return `${hasUnit ? key.stem : key.path}=${isWord ? JSON.stringify(text) : text}`;
 }
 
 async function begin() {

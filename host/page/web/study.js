@@ -1,7 +1,7 @@
 // The view of studies: a task, its progress, and what it has found.
 
 import { showNothing, showReport } from './exhibit.js';
-import { offer } from './export.js';
+import { copyFrom, offer } from './export.js';
 import { IdentifyForm } from './identify-form.js';
 import { about } from './numbers.js';
 import { parallelOf } from './parallel.js';
@@ -86,7 +86,7 @@ export class Study {
     start.addEventListener('click', () => (this.#end ? this.#end.abort() : this.#start()));
     const command = html('input', { id: 'study-command', readonly: true, spellcheck: 'false' });
     const copy = html('button', { type: 'button' }, 'Copy');
-    copy.addEventListener('click', () => this.#copy());
+    copy.addEventListener('click', () => copyFrom(command, copy));
     const file = html('button', { type: 'button', hidden: true }, 'Save sweep.toml');
     file.addEventListener('click', () => offer(this.#plan.file.name, new Blob([this.#plan.file.text], { type: 'application/toml' })));
     const bar = html('progress', { max: 1, 'aria-label': 'Progress' });
@@ -223,13 +223,6 @@ export class Study {
     const words = isSame ? settings.join(', ') || 'nothing to take over' : 'found for another rig';
     if (what.textContent !== words) what.textContent = words;
     return !take.disabled;
-  }
-
-  async #copy() {
-    this.#parts.command.select();
-    await navigator.clipboard.writeText(this.#parts.command.value).catch(() => document.execCommand('copy'));
-    this.#parts.copy.textContent = 'Copied';
-    setTimeout(() => { this.#parts.copy.textContent = 'Copy'; }, 1500);
   }
 }
 

@@ -11,6 +11,8 @@ export class Toolbar {
   #told;
   #records;
   #align;
+  /** The buttons that need a run. */
+  #ofRun;
 
   /** `told` has `run()`, `name()`, `described()` for a report, and `spectrum()`. */
   constructor(element, plot, records, told) {
@@ -18,18 +20,24 @@ export class Toolbar {
     this.#records = records;
     this.#told = told;
     this.#align = this.#alignment();
+    const [csv, report] = this.#ofRun = [
+      button('CSV', 'The curves of this run as a table', () => this.#offer('csv', toCsv(told.run()))),
+      button('Report', 'Figures and graphs as a page to print', () => this.#report()),
+    ];
     element.append(...PANELS.map(({ id }) => this.#toggle(id)), this.#align,
       button('whole time', 'All samples of the runs', () => plot.zoom(), 'plain'),
       button('Spectrum…', 'Which frequencies a channel holds, in the part that is in view', () => told.spectrum()),
-      button('CSV', 'The curves of this run as a table', () => this.#offer('csv', toCsv(told.run()))),
+      csv,
       button('PNG', 'The graphs as a picture', async () => this.#offer('png', await plot.toPng())),
       button('SVG', 'The graphs as a drawing, in the colours of paper', () => this.#offer('svg', toFile(plot.toSvg()))),
-      button('Report', 'Figures and graphs as a page to print', () => this.#report()));
+      report);
+    this.update();
   }
 
-  /** Shows what depends on the records. */
+  /** Shows what depends on the run and the records. */
   update() {
     this.#align.hidden = this.#records.all.length === 0;
+    for (const one of this.#ofRun) one.disabled = this.#told.run() === null;
   }
 
   #toggle(id) {

@@ -270,3 +270,22 @@ fn a_virtual_rig_is_armed_jogged_run_over_its_simulation_and_stopped() {
     assert!(page.text("#commission").contains("a stop was requested"));
     assert_eq!(page.complaints, Vec::<String>::new());
 }
+
+/// The curves and figures of the rig before would stand under its name.
+#[test]
+fn a_rig_with_a_problem_has_no_run_and_none_is_shown_for_it() {
+    let mut page = page();
+    drop_file(&mut page, "wrong.toml", "name = \"wrong\"\n[load]\nmass_kg = -1\n");
+    page.wait_until("document.getElementById('state').textContent.endsWith(': there is no run')");
+    assert_eq!(page.evaluate("document.getElementById('command').value"), json!(""));
+    assert_eq!(page.text("#figures"), "");
+    assert_eq!(page.text("#runs"), "");
+    assert_eq!(page.text("#readout"), "");
+    let disabled = "[...document.querySelectorAll('#channels button')].filter((one) => one.disabled).map((one) => one.textContent)";
+    assert_eq!(page.evaluate(disabled), json!(["CSV", "Report"]));
+    let text = builtin("servo-b-tuned").expect("a built-in rig");
+    drop_file(&mut page, "right.toml", text);
+    page.wait_until("document.querySelector('#figures table') && document.querySelector('#runs .now')");
+    assert_eq!(page.evaluate(disabled), json!([]));
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
