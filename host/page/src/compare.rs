@@ -8,7 +8,7 @@ use pneudrive_records::run_folder::StoredRun;
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::{Accuracy, run};
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::asked::Asked;
 use crate::columns::{Column, Columns};
@@ -71,6 +71,14 @@ impl Record {
         }
     }
 
+    /// Its name; of a run folder with the rig whose run it is, as its run.json has it.
+    fn title(&self) -> String {
+        let Content::Folder { run_json, .. } = &self.content else { return self.name.clone() };
+        let description: Option<Value> = serde_json::from_str(run_json).ok();
+        let rig = description.as_ref().and_then(|description| description["rig"].as_str());
+        rig.map_or_else(|| self.name.clone(), |rig| format!("{}, a run of {rig}", self.name))
+    }
+
     /// Its file, as a rig has recorded it.
     ///
     /// # Errors
@@ -100,7 +108,7 @@ pub fn answer(Compared { asked, record, align }: &Compared) -> Result<Vec<u8>, R
         return Err(Refusal::wrong(format!("{} and the simulation have no time in common", record.name)));
     }
     let shifted = if shift == 0.0 { String::new() } else { format!(", shifted by {:.3} ms", 1e3 * shift) };
-    let heading = format!("deviation of the simulation, one run, from {}{shifted}", record.name);
+    let heading = format!("deviation of the simulation, one run, from {}{shifted}", record.title());
     let head =
         json!({ "name": record.name, "shift_s": shift, "deviation": to_json(&table(&heading, &found)) });
     Ok(curves(&recorded).to_bytes(head))

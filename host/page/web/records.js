@@ -67,7 +67,8 @@ export class Records {
   }
 
   /** Lays a record or a run folder over the run, or one that lies there anew; an answer that is overtaken, or of no use any more, is ignored. */
-  async lay(content) {
+  async lay(given) {
+    const content = this.#named(given);
     const { name } = content;
     this.#count += 1;
     const number = this.#count;
@@ -87,6 +88,18 @@ export class Records {
       this.#forget(name);
       this.#told.failed(error.status === 413 ? tooLong(name) : error);
     }
+  }
+
+  /** Run folders are often called alike: another run under the same name gets a name of its own. */
+  #named(content) {
+    if (content.run_json === undefined) return content;
+    const isFree = (name) => {
+      const there = this.#asked.get(name)?.content;
+      return !there || (there.run_json === content.run_json && there.trace_csv === content.trace_csv);
+    };
+    let name = content.name;
+    for (let number = 2; !isFree(name); number += 1) name = `${content.name} (${number})`;
+    return name === content.name ? content : { ...content, name };
   }
 
   /** After a failure: what lies over the run is compared again with the next one, and what does not is forgotten. */

@@ -118,7 +118,8 @@ fn a_run_folder_is_dropped_or_chosen_and_lies_over_the_run_as_a_file_does() {
             "document.querySelector('#runs .record') && document.querySelector('table.deviation')",
         );
         assert_eq!(page.text("#runs .record span"), "heavier");
-        assert!(page.text("table.deviation caption").ends_with("from heavier"));
+        let of = format!("from heavier, a run of {}", rig.name());
+        assert!(page.text("table.deviation caption").ends_with(&of), "{of}");
         // It is compared with every run of the page, as a record is.
         let before = page.text("table.deviation");
         let table = "document.querySelector('table.deviation')?.textContent";
@@ -209,4 +210,22 @@ fn graphs_are_taken_away_as_a_drawing_and_figures_first_as_a_report() {
         std::fs::write(std::path::Path::new(&folder).join("report.html"), text).expect("written");
     }
     assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// `simulate --out run` of two designs, in folders beside each.
+#[test]
+fn two_runs_whose_folders_are_called_alike_lie_beside_each_other() {
+    let mut page = page();
+    page.evaluate(
+        "import('/records.js').then(({ Records }) => { \
+         const ask = async () => ({ head: { shift_s: 0, deviation: null }, time: [], columns: [] }); \
+         window.laid = new Records(ask, { changed() {}, failed() {} }); \
+         window.run = (text) => laid.lay({ name: 'run', run_json: text, trace_csv: '' }); })",
+    );
+    page.evaluate("run('a').then(() => run('b')).then(() => run('a')).then(() => laid.lay({ name: 'run', text: 'c' }))");
+    let names = "laid.all.map(({ name, content }) => [name, content.run_json ?? content.text]).sort()";
+    let text = page.evaluate(names);
+    assert_eq!(text, json!([["run", "c"], ["run (2)", "b"]]), "a file is laid anew");
+    page.evaluate("laid.clear(); run('a').then(() => run('b')).then(() => laid.compareAgain())");
+    assert_eq!(page.evaluate(names), json!([["run", "a"], ["run (2)", "b"]]));
 }

@@ -246,6 +246,8 @@ fn a_run_folder_is_compared_with_the_run_as_overlay_does_it_and_a_damaged_one_re
     });
     let expected = deviation::table("", &deviation::deviations(&heavier, &here));
     assert_eq!(head["deviation"]["rows"], json!(expected.rows));
+    let heading = head["deviation"]["heading"].as_str().expect("a heading");
+    assert!(heading.ends_with(&format!("from heavier, a run of {}", rig(&[]).name())), "{heading}");
     assert_eq!(compare("/api/spectrum", &trace_csv).status, StatusCode::OK);
     let truncated = &trace_csv[..trace_csv.trim_end().rfind('\n').expect("rows") + 1];
     let refused = compare("/api/compare", truncated);
