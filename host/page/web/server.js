@@ -27,10 +27,26 @@ const AUTHORIZATION = `Bearer ${token()}`;
 let taken = 0;
 const waiting = [];
 
-/** Waits for a connection that is not left to orders. */
-async function takeConnection() {
-  while (taken >= CONNECTIONS - FOR_ORDERS) await new Promise((resolve) => { waiting.push(resolve); });
+/** Waits for a connection that is not left to orders, as long as the signal lets it. */
+async function takeConnection(signal) {
+  signal?.throwIfAborted();
+  while (taken >= CONNECTIONS - FOR_ORDERS) await turn(signal);
   taken += 1;
+}
+
+function turn(signal) {
+  return new Promise((resolve, reject) => {
+    const come = () => {
+      signal?.removeEventListener('abort', leave);
+      resolve();
+    };
+    const leave = () => {
+      waiting.splice(waiting.indexOf(come), 1);
+      reject(signal.reason);
+    };
+    waiting.push(come);
+    signal?.addEventListener('abort', leave, { once: true });
+  });
 }
 
 function leaveConnection() {
@@ -48,7 +64,7 @@ async function fetched(path, options) {
 /** Asks, and reads the answer with `read`. */
 async function ask(path, options, read) {
   if (path === '/api/order') return read(await fetched(path, options));
-  await takeConnection();
+  await takeConnection(options.signal);
   try {
     return await read(await fetched(path, options));
   } finally {
@@ -68,10 +84,11 @@ export async function post(path, body, signal) {
 
 /** Posts, and takes lines of JSON as they come. */
 export async function* lines(path, signal, body = {}) {
-  await takeConnection();
+  await takeConnection(signal);
+  let reader = null;
   try {
     const answer = await fetched(path, posted(body, signal));
-    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+    reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
     let heard = '';
     for (let { done, value } = await reader.read(); !done; { done, value } = await reader.read()) {
       const parts = (heard + value).split('\n');
@@ -79,6 +96,8 @@ export async function* lines(path, signal, body = {}) {
       for (const part of parts) yield JSON.parse(part);
     }
   } finally {
+    // Whoever leaves before the end leaves the connection open otherwise.
+    await reader?.cancel().catch(() => {});
     leaveConnection();
   }
 }

@@ -68,3 +68,21 @@ fn a_stop_that_fails_is_told_in_every_view() {
     page.click("#to-study");
     assert!(page.text("#state").starts_with("NOT STOPPED: "));
 }
+
+#[test]
+fn a_stream_that_is_left_and_a_request_that_is_called_off_hold_no_connection() {
+    let mut page = page();
+    page.evaluate(
+        "window.ended = 0; window.fetch = async (path) => ({ ok: true, status: 200, json: () => new Promise(() => {}), \
+         body: new ReadableStream({ start: (sink) => sink.enqueue(new TextEncoder().encode('{}\\n')), cancel: () => { ended += 1; } }) })",
+    );
+    page.evaluate(
+        "import('/server.js').then(async ({ lines }) => { for (let k = 0; k < 9; k += 1) for await (const line of lines('/a')) break; })",
+    );
+    assert_eq!(page.evaluate("ended"), json!(9), "more than there are connections");
+    page.evaluate(
+        "import('/server.js').then(({ post }) => { for (let k = 0; k < 9; k += 1) post('/a', {}); \
+         const end = new AbortController(); window.waits = post('/a', {}, end.signal).catch(({ name }) => name); end.abort(); })",
+    );
+    assert_eq!(page.evaluate("waits"), json!("AbortError"));
+}
