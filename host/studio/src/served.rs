@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use axum::Json;
+use axum::body::Bytes;
 use axum::extract::Path;
-use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use pneudrive_page::assets::ASSETS;
 use pneudrive_page::refusal::Refusal;
@@ -40,21 +41,36 @@ pub async fn keys() -> Json<Value> {
     Json(keys::table())
 }
 
-/// A request of the page, answered on a thread of its own; given up when the page has gone or asks something else.
+/// A request of the page, read and answered on a thread of its own, as its record may be long; given up when the page has gone or asks something else.
 ///
 /// # Errors
 /// With the reason why it is not carried out.
-pub async fn request(name: &'static str, Json(body): Json<Value>) -> Result<Response, Refused> {
+pub async fn request(name: &'static str, headers: HeaderMap, body: Bytes) -> Result<Response, Refused> {
+    refuse_form(&headers)?;
     let wanted = WhileWanted(Arc::new(AtomicBool::new(true)));
     let flag = wanted.0.clone();
     let done = tokio::task::spawn_blocking(move || {
         let wanted = || flag.load(Ordering::Relaxed);
-        if wanted() { answer(name, &body, &wanted) } else { Err(Refusal::gone()) }
+        if !wanted() {
+            return Err(Refusal::gone());
+        }
+        let body: Value = serde_json::from_slice(&body).map_err(|error| Refusal::malformed(&error))?;
+        answer(name, &body, &wanted)
     });
     match done.await.unwrap_or_else(|error| Err(Refusal::of(&error.into())))? {
         Answer::Json(value) => Ok(Json(value).into_response()),
         Answer::Columns(bytes) => Ok(([(CONTENT_TYPE, "application/octet-stream")], bytes).into_response()),
     }
+}
+
+/// Refuses what is not said to be JSON: a form of another page can send none.
+fn refuse_form(headers: &HeaderMap) -> Result<(), Refusal> {
+    let kind = headers.get(CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+    let kind = kind.split(';').next().unwrap_or_default().trim();
+    if kind.eq_ignore_ascii_case("application/json") {
+        return Ok(());
+    }
+    Err(Refusal::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "send the request as application/json"))
 }
 
 /// Sets a flag to false when the request that it belongs to is dropped.

@@ -128,7 +128,8 @@ impl Studio {
 fn requests() -> Router {
     REQUESTS.into_iter().fold(Router::new(), |router, name| {
         let most = if WITH_RECORD.contains(&name) { MOST_BYTES_OF_RECORD } else { MOST_BYTES };
-        let answered = post(move |body| served::request(name, body)).layer(DefaultBodyLimit::max(most));
+        let answered = post(move |headers, body| served::request(name, headers, body))
+            .layer(DefaultBodyLimit::max(most));
         router.route(&format!("/api/{name}"), answered)
     })
 }

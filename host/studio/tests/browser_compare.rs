@@ -222,7 +222,9 @@ fn two_runs_whose_folders_are_called_alike_lie_beside_each_other() {
          window.laid = new Records(ask, { changed() {}, failed() {} }); \
          window.run = (text) => laid.lay({ name: 'run', run_json: text, trace_csv: '' }); })",
     );
-    page.evaluate("run('a').then(() => run('b')).then(() => run('a')).then(() => laid.lay({ name: 'run', text: 'c' }))");
+    page.evaluate(
+        "run('a').then(() => run('b')).then(() => run('a')).then(() => laid.lay({ name: 'run', text: 'c' }))",
+    );
     let names = "laid.all.map(({ name, content }) => [name, content.run_json ?? content.text]).sort()";
     let text = page.evaluate(names);
     assert_eq!(text, json!([["run", "c"], ["run (2)", "b"]]), "a file is laid anew");

@@ -105,6 +105,11 @@ fn a_body_that_is_not_json_is_refused() {
     let headers = [("host", host.as_str()), ("authorization", &bearer), ("content-type", "text/plain")];
     let answer = ask(&studio, Method::POST, "/api/check", &headers, b"{}".to_vec());
     assert_eq!(answer.status, StatusCode::UNSUPPORTED_MEDIA_TYPE);
+    let headers = [("host", host.as_str()), ("authorization", &bearer), ("content-type", "application/json")];
+    let answer = ask(&studio, Method::POST, "/api/check", &headers, b"{".to_vec());
+    assert_eq!(answer.status, StatusCode::BAD_REQUEST);
+    let why = answer.json()["error"].as_str().expect("a reason").to_owned();
+    assert!(why.starts_with("the request cannot be read"), "{why}");
 }
 
 #[test]
