@@ -48,6 +48,8 @@ pub const ASSETS: &[(&str, &str, &str)] = &[
     asset!("dialog.js", SCRIPT),
     asset!("commission.js", SCRIPT),
     asset!("orders.js", SCRIPT),
+    asset!("measures.js", SCRIPT),
+    asset!("save.js", SCRIPT),
     asset!("scope.js", SCRIPT),
     asset!("state-line.js", SCRIPT),
     asset!("recent.js", SCRIPT),

@@ -47,10 +47,10 @@ export class Plot {
     this.#listen();
   }
 
-  /** Shows runs, the newest last: `{ label, time, curves, band, isGhost }`. `drawn` is called once they are. */
-  show(runs, drawn = () => {}) {
+  /** Shows runs, the newest last: `{ label, time, curves, band, isGhost }`. `drawn` is called once they are, if it is given. */
+  show(runs, drawn = null) {
     this.#runs = runs;
-    this.#after.push(drawn);
+    if (drawn) this.#after.push(drawn);
     this.#redraw();
   }
 

@@ -2,18 +2,20 @@
 
 import { Commission } from './commission.js';
 import { componentOf } from './components.js';
-import { asked, isAsking, told } from './dialog.js';
+import { isAsking } from './dialog.js';
 import { askForOther, showDifferences } from './difference.js';
 import { copyFrom } from './export.js';
 import { showAlone, showDeviations, showJudged } from './figures.js';
 import { History, settingOf } from './history.js';
 import { chosenFiles, chosenFolder, dropped } from './incoming.js';
 import { Inspector } from './inspector.js';
+import { measureChange } from './measures.js';
 import { Picture } from './picture.js';
 import { Player } from './player.js';
 import { Plot } from './plot.js';
 import { Records } from './records.js';
 import { Runs } from './runs.js';
+import { save } from './save.js';
 import { placeOf } from './scale.js';
 import { Refused, get, lines, post, postForColumns, study } from './server.js';
 import { Simulation } from './simulation.js';
@@ -199,7 +201,7 @@ class Studio {
     this.#run = { label: rig.settings.join(', ') || 'as in the file', head, time, curves, units };
     if (this.#history.isKept(rig.settings)) this.#kept = this.#run;
     if (!this.commission.follows) this.picture.follow(this.#run);
-    this.#show(() => performance.measure('change to picture', { start: since }));
+    this.#show(() => measureChange(since));
     showAlone(part('figures'), head);
     this.records.outdate();
     this.#moveTo(this.plot.cursor);
@@ -274,23 +276,8 @@ class Studio {
     this.#simulate();
   }
 
-  async #save() {
-    const name = /\.toml$/.test(this.#rig.name) ? this.#rig.name.split('/').at(-1) : `${this.#rig.name}.toml`;
-    const field = html('input', { id: 'file-name', value: name, autocomplete: 'off', spellcheck: 'false' });
-    const content = [html('label', { for: 'file-name' }, 'Name of the rig file'), field];
-    const file = await asked('Save', content, 'Save', () => field.value.trim());
-    if (file) await this.#write(file, false);
-  }
-
-  async #write(file, replace) {
-    try {
-      const saved = await post('/api/save', { ...this.#asked(), file, replace });
-      await this.open(saved, `${file} is saved`);
-    } catch (error) {
-      if (error.status !== 409) return told('Not saved', error.message);
-      const question = [html('p', {}, `${error.message}. Replace it?`)];
-      if (await asked('Replace the file?', question, 'Replace')) await this.#write(file, true);
-    }
+  #save() {
+    return save(this.#asked(), (saved) => this.open(saved, `${saved.name} is saved`));
   }
 
   #recordsChanged() {
@@ -344,7 +331,7 @@ class Studio {
     part('redo').addEventListener('click', () => this.#travel(() => this.#history.redo()));
     part('save').addEventListener('click', () => this.#save());
     part('copy').addEventListener('click', () => copyFrom(part('command'), part('copy')));
-    part('rigs').addEventListener('change', async ({ target }) => this.open(await get(`/api/rigs/${target.value}`)));
+    part('rigs').addEventListener('change', () => this.#openChosen(part('rigs').value));
     part('compare').addEventListener('click', () => this.#compareWith());
     part('open').addEventListener('click', () => part('file').click());
     part('file').addEventListener('change', ({ target }) => this.#takeIn(chosenFiles(target.files), target));
@@ -355,6 +342,17 @@ class Studio {
       this.#takeIn(dropped(event.dataTransfer));
     });
     document.addEventListener('keydown', (event) => this.#key(event));
+  }
+
+  /** Opens a rig of the list, unless another one has been chosen or opened meanwhile. */
+  async #openChosen(name) {
+    const before = this.#rig;
+    try {
+      const rig = await get(`/api/rigs/${name}`);
+      if (part('rigs').value === name && this.#rig === before) await this.open(rig);
+    } catch (error) {
+      if (part('rigs').value === name) this.#failed(error);
+    }
   }
 
   /** Opens a rig file, and lays records and run folders over the run; `chosen` may be chosen again. */
