@@ -11,7 +11,7 @@ import { html } from './svg.js';
 export function asked(title, content, agree, take = () => true, decline = 'Cancel') {
   const cancel = html('button', { type: 'button', hidden: decline === '' }, decline);
   const form = html('form', { method: 'dialog' }, html('h2', { id: 'dialog-title' }, title), ...content,
-    html('p', { class: 'buttons' }, cancel, html('button', { class: 'main' }, agree)));
+    html('p', { class: 'buttons' }, cancel, html('button', { class: 'main' }, agree)), ...stopOf());
   const dialog = html('dialog', { id: 'dialog', 'aria-labelledby': 'dialog-title' }, form);
   document.body.append(dialog);
   dialog.showModal();
@@ -28,6 +28,15 @@ export function asked(title, content, agree, take = () => true, decline = 'Cance
     cancel.addEventListener('click', () => answer(null));
     dialog.addEventListener('cancel', () => answer(null));
   });
+}
+
+/** The page behind a question takes no clicks, and a drive must be stopped in any case. */
+function stopOf() {
+  const stop = document.getElementById('stop');
+  if (stop.hidden) return [];
+  const button = html('button', { type: 'button', class: 'stop', title: stop.title }, stop.textContent);
+  button.addEventListener('click', () => stop.click());
+  return [button];
 }
 
 /** Tells something: a text, or elements. */

@@ -5,9 +5,6 @@
 mod chromium;
 mod opened;
 
-use std::thread::sleep;
-use std::time::{Duration, Instant};
-
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
@@ -197,31 +194,6 @@ fn the_jog_is_disabled_where_the_drive_must_not_move() {
     wait_for_mode(&mut page, "not connected");
     assert!(!can_jog(&mut page), "nobody commands it");
     assert_eq!(page.complaints, Vec::<String>::new());
-}
-
-/// A browser opens six connections to a server.
-#[test]
-fn a_stop_waits_for_no_slow_request_of_the_page() {
-    let (mut page, rig, _) = commanding("servo-b-tuned");
-    let mut other = Client::connect(rig.port()).expect("a rig");
-    press(&mut page, "Arm");
-    wait_for_mode(&mut page, "armed");
-    page.evaluate(
-        "import('/server.js').then(async ({ get, post }) => { const rig = await get('/api/rigs/servo-b-tuned'); \
-         window.slow = new AbortController(); window.ended = 0; \
-         for (let k = 0; k < 12; k += 1) post('/api/neighbours', { ...rig, settings: ['test.duration_s=250'] }, slow.signal).finally(() => { ended += 1; }).catch(() => {}); })",
-    );
-    rest(&mut page);
-    let begun = Instant::now();
-    page.press("Escape", 27, false);
-    while other.status().expect("a status").mode != Mode::Fault {
-        assert!(begun.elapsed() < Duration::from_secs(3), "the stop waits");
-        sleep(Duration::from_millis(10));
-    }
-    assert_eq!(page.evaluate("ended"), json!(0), "the slow requests were over before the stop");
-    page.evaluate("slow.abort()");
-    wait_for_mode(&mut page, "fault");
-    assert!(page.text("#commission").contains("a stop was requested"));
 }
 
 /// The time of the cursor, s, and the position there, mm.
