@@ -227,7 +227,7 @@ fn two_runs_whose_folders_are_called_alike_lie_beside_each_other() {
     );
     let names = "laid.all.map(({ name, content }) => [name, content.run_json ?? content.text]).sort()";
     let text = page.evaluate(names);
-    assert_eq!(text, json!([["run", "c"], ["run (2)", "b"]]), "a file is laid anew");
+    assert_eq!(text, json!([["run (2)", "b"], ["run", "c"]]), "a file is laid anew");
     page.evaluate("laid.clear(); run('a').then(() => run('b')).then(() => laid.compareAgain())");
-    assert_eq!(page.evaluate(names), json!([["run", "a"], ["run (2)", "b"]]));
+    assert_eq!(page.evaluate(names), json!([["run (2)", "b"], ["run", "a"]]));
 }
