@@ -20,7 +20,7 @@ pub trait Board {
     fn build(&self) -> &'static str;
 
     /// Latches the encoder, then converts pressures and spool. Positive position means extension:
-    /// an inverted encoder is turned here.
+    /// an inverted encoder is turned here. A pressure without a sensor is 0 (`pressure_mask`).
     fn read_sensors(&mut self, config: &Config) -> Sample;
 
     /// Drives the valve and gates the amplifier. The board forms the converter's code

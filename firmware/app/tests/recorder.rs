@@ -31,29 +31,6 @@ fn a_chunk_is_that_of_the_record_that_is_named_or_is_refused() {
     assert_eq!(bench.ask(named(second)), other, "the next run has begun");
 }
 
-/// The board of the bench reads 100 and 200 raw.
-#[test]
-fn without_pressure_sensors_status_record_and_stream_have_no_pressure() {
-    for (sensors, expected) in [(1, [100, 200]), (0, [0, 0])] {
-        let mut bench = Bench::referenced();
-        let mut room = [0; 4];
-        let values = Values::fill(&mut room, [sensors]).expect("room");
-        bench.done(RequestBody::ConfigSet { first_id: id::PRESSURE_SENSORS, values });
-        bench.armed(9, 1, 2);
-        bench.samples(4);
-        bench.done(RequestBody::Start);
-        bench.samples(12);
-        let status = bench.ask_for(RequestBody::Status, |reply| match reply {
-            ReplyBody::Status(status) => [status.pressure_1, status.pressure_2],
-            other => panic!("{other:?}"),
-        });
-        assert_eq!(status, expected);
-        let (_, samples) = bench.record();
-        assert_eq!(samples.len(), 12, "and those from before the start");
-        assert!(samples.iter().all(|sample| [sample.pressure_1, sample.pressure_2] == expected));
-    }
-}
-
 #[test]
 fn a_test_runs_from_download_to_done_and_is_recorded_from_its_first_sample() {
     let mut bench = Bench::referenced();
