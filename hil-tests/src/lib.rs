@@ -69,6 +69,15 @@ pub trait Target {
         false
     }
 
+    /// Sets the digital inputs, as [`pneudrive_protocol::io::input`] has their bits: by a request, or at the pins of a board
+    /// that has them.
+    ///
+    /// # Errors
+    /// When it does not answer.
+    fn set_inputs(&self, client: &mut Client, inputs: u8) -> Result<()> {
+        client.set_inputs(inputs)
+    }
+
     /// What its runs have cost, where that is known.
     fn cost(&self) -> Option<String> {
         None

@@ -36,6 +36,9 @@ const A: usize = 0;
 const B: usize = 1;
 const C: usize = 2;
 
+/// Pins of port C with the digital inputs, in the order of their bits.
+const INPUTS: [u32; 8] = [2, 3, 4, 5, 6, 8, 9, 12];
+
 /// Channel 4 of DMA1: its stream 5 fills memory from USART2, its stream 6 empties it.
 const RECEIVER: u32 = 5;
 const SENDER: u32 = 6;
@@ -96,6 +99,8 @@ pub struct Board {
     rcc: Rcc,
     pwr: Pwr,
     ports: [Port; 3],
+    /// The levels at the digital inputs.
+    inputs: u8,
     encoder: EncoderTimer,
     pulses: PulseTimer,
     timer: ControlTimer,
@@ -144,6 +149,7 @@ impl Board {
             rcc: Rcc::new(Cause::Power),
             pwr: Pwr::default(),
             ports: after_reset(),
+            inputs: 0,
             encoder: EncoderTimer::new(tracks_at(shown)),
             pulses: PulseTimer::new(NO_CLOCK.apb1_timers),
             timer: ControlTimer::new(NO_CLOCK.apb1_timers, 0),
@@ -177,6 +183,7 @@ impl Board {
         (self.dma_1, self.dma_2) = (Dma::default(), Dma::default());
         (self.dac, self.system) = (Dac::default(), System::default());
         self.adc = Adc::new(self.adc_stuck);
+        self.set_inputs(self.inputs);
         self.watchdog = Watchdog::new(self.corner.watchdog_hz);
         let cells = self.flash.cells().to_vec();
         self.flash = Flash::new(cells, self.corner);
@@ -243,6 +250,14 @@ impl Board {
         match self.bench.sample_due(sample, self.matched[1], driven) {
             Ok(()) => self.show(),
             Err(broken) => self.stop = Some(Stop::Broken(format!("the plant stopped: {broken}"))),
+        }
+    }
+
+    /// Wires the digital inputs, as `pneudrive_protocol::io::input` has their bits.
+    pub fn set_inputs(&mut self, inputs: u8) {
+        self.inputs = inputs;
+        for (bit, pin) in INPUTS.into_iter().enumerate() {
+            self.ports[C].wire(pin, Some(inputs & 1 << bit != 0));
         }
     }
 

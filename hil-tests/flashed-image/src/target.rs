@@ -125,6 +125,10 @@ impl Target for FlashedTarget {
         &self.port
     }
 
+    fn set_inputs(&self, _: &mut Client, inputs: u8) -> Result<()> {
+        self.with(move |machine| machine.board().set_inputs(inputs))
+    }
+
     fn cost(&self) -> Option<String> {
         let cost = self.with(|machine| machine.cost).ok()?;
         let a_second = cost.samples as f64 / cost.took.as_secs_f64().max(1e-9);

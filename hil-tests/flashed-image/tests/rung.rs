@@ -47,6 +47,27 @@ fn the_flashed_image_without_pressure_sensors_records_none() {
 }
 
 #[test]
+fn move_records_of_the_flashed_image_begin_by_the_levels_at_its_pins() {
+    body::records::records_begin_by_their_numbers(fast);
+}
+
+#[test]
+fn a_stop_at_a_pin_of_the_flashed_image_always_wins() {
+    body::records::a_stop_by_an_input_always_wins(fast);
+    body::records::a_stop_by_an_input_always_wins(slow);
+}
+
+#[test]
+fn pins_or_a_host_own_the_flashed_image_and_never_both() {
+    body::records::a_drive_has_one_owner(fast);
+}
+
+#[test]
+fn a_power_cut_while_a_table_is_saved_in_its_flash_leaves_the_old_or_the_new() {
+    body::records::a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new(supplied);
+}
+
+#[test]
 fn the_record_of_the_flashed_image_is_the_simulation_in_closed_loop() {
     body::closed_loop(fast);
     body::closed_loop(slow);

@@ -34,7 +34,7 @@ fn record(number: u8, dwell: u32) -> MoveRecord {
     MoveRecord { number, next: Move::step(0, target), dwell }
 }
 
-/// A drive with its records, whose inputs are set through the port.
+/// A drive with its records.
 struct Bench {
     target: Box<dyn Target>,
     client: Client,
@@ -74,7 +74,7 @@ impl Bench {
 
     /// The inputs change, and stay so until they count.
     fn input(&mut self, inputs: u8) {
-        self.client.set_inputs(inputs).expect("a rig without pins");
+        self.target.set_inputs(&mut self.client, inputs).expect("a rig that answers");
         self.until("settled", |io| io.settled == inputs);
     }
 
