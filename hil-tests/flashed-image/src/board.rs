@@ -13,6 +13,8 @@ mod bus;
 pub use bus::{BIT_BAND, PERIPHERALS};
 mod idle;
 
+use pneudrive_protocol::io::input;
+
 use crate::bench::{Bench, Driven};
 use crate::peripheral::adc::Adc;
 use crate::peripheral::control_timer::{ControlTimer, Matches};
@@ -28,7 +30,7 @@ use crate::peripheral::system::System;
 use crate::peripheral::usart::Usart;
 use crate::peripheral::watchdog::Watchdog;
 use crate::register::Words;
-use crate::tap::Tap;
+use crate::tap::{Begun, Tap};
 use crate::time::{Corner, Ticks};
 
 /// Ports of pins.
@@ -247,6 +249,9 @@ impl Board {
         let steps = std::mem::take(&mut self.steps);
         let volts = self.ports[A].is_analogue(4).then(|| self.dac.volts());
         let driven = Driven { enabled: self.enabled(), volts, steps };
+        if driven.enabled && !self.bench.lives() && self.inputs & input::START != 0 {
+            self.bench.begin(Begun::Homing);
+        }
         match self.bench.sample_due(sample, self.matched[1], driven) {
             Ok(()) => self.show(),
             Err(broken) => self.stop = Some(Stop::Broken(format!("the plant stopped: {broken}"))),

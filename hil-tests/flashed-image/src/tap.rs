@@ -10,7 +10,7 @@ use pneudrive_protocol::{Accumulator, InBoot, ReplyBody, RequestBody, decode_rep
 pub enum Begun {
     /// A run of the test: the next sample is its first.
     Run,
-    /// A homing run.
+    /// A homing run, or what the inputs start: the plant goes on as it stands.
     Homing,
 }
 
