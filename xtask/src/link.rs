@@ -30,20 +30,21 @@ pub fn states(tally: &mut Tally) {
         "runs runs 2 1 1 0 deep",
     ];
     for bounds in BOUNDS_OF_CI.into_iter().chain(wider) {
-        all_states(tally, bounds);
+        all_states(tally, bounds, &["--release"]);
     }
 }
 
-/// Those within the bounds of CI.
+/// Those within the bounds of CI, with what its tests have built already.
 pub fn states_in_short(tally: &mut Tally) {
     for bounds in BOUNDS_OF_CI {
-        all_states(tally, bounds);
+        all_states(tally, bounds, &[]);
     }
 }
 
-fn all_states(tally: &mut Tally, bounds: &str) {
-    let run_it = ["run", "--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
+fn all_states(tally: &mut Tally, bounds: &str, profile: &[&str]) {
+    let run_it = ["--package", "pneudrive-protocol-model", "--example", "link_states", "--"];
+    let bounds_of_it: Vec<&str> = bounds.split(' ').collect();
     tally.check(&format!("states of the link: {bounds}"), || {
-        run(&mut in_root(&[&run_it[..], &bounds.split(' ').collect::<Vec<_>>()].concat()))
+        run(&mut in_root(&[&["run"], profile, &run_it, &bounds_of_it].concat()))
     });
 }
