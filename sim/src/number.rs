@@ -29,8 +29,6 @@ pub(crate) trait Number:
     fn lane(self, i: usize) -> f64;
     /// Made of one, or two.
     fn of(lane: impl FnMut(usize) -> f64) -> Self;
-    /// What is known to hold, or not to, for all of them.
-    fn truth(holds: bool) -> Self::Truth;
     /// self > other.
     fn above(self, other: Self) -> Self::Truth;
     /// self >= other.
@@ -148,11 +146,6 @@ impl Number for f64 {
     }
 
     #[inline(always)]
-    fn truth(holds: bool) -> bool {
-        holds
-    }
-
-    #[inline(always)]
     fn above(self, other: f64) -> bool {
         self > other
     }
@@ -214,12 +207,6 @@ impl Number for Pair {
     #[inline(always)]
     fn of(mut lane: impl FnMut(usize) -> f64) -> Pair {
         Pair::new([lane(0), lane(1)])
-    }
-
-    #[inline(always)]
-    fn truth(holds: bool) -> Pair {
-        // All bits set, or none.
-        Pair::splat(f64::from_bits(if holds { u64::MAX } else { 0 }))
     }
 
     #[inline(always)]

@@ -160,6 +160,21 @@ impl Gas {
         })
     }
 
+    /// The same times `factor`.
+    #[inline(always)]
+    pub(crate) fn flow_function_of_air_times<N: Number>(
+        &self,
+        factor: N,
+        upstream: N,
+        downstream: N,
+    ) -> FlowFunction<N> {
+        self.flow_function_by(upstream, downstream, |exner| {
+            let square = exner * exner;
+            let fourth = factor * (square * square);
+            [fourth, fourth * exner]
+        })
+    }
+
     /// The same with w^(e-1) and w^e by `powers`.
     #[inline(always)]
     fn flow_function_by<N: Number>(
