@@ -1,7 +1,8 @@
 //! The predictor of Newton's method: where its iteration starts.
 //!
-//! Between two jumps flows change smoothly with time. The parabola through the last three solutions comes close to
-//! the next one, which saves an iteration.
+//! Between two jumps flows change smoothly with time, the smoother where each is taken over the root of its land's
+//! conductance: a flow through a land that is narrow goes with that, and the spool moves faster than pressures do. The
+//! parabola through the last three solutions comes close to the next one, which saves an iteration.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};
@@ -10,7 +11,7 @@ use crate::number::{Number, Pair};
 /// The farthest extrapolation, over the time span of the three solutions.
 const MAX_EXTRAPOLATION: f64 = 8.0;
 
-/// w_n, s and e of the nodes.
+/// w_n of the nodes, and s and e over the roots of their conductances.
 type Unknowns = [Pair; 3];
 
 /// The last three solutions, the latest first, at different instants.
@@ -29,21 +30,22 @@ impl Predictor {
     /// The solution that the parabola predicts for now, by Newton's divided differences; the last one without three
     /// solutions close enough.
     #[inline(always)]
-    pub fn predict(&self, nodes: &Nodes) -> Nodes {
+    pub fn predict(&self, nodes: &Nodes, around: &Surroundings) -> Nodes {
         let [last, middle, first] = self.at;
         let (dt, span) = (self.now - last, last - first);
         if dt == 0.0 || last == middle || dt.abs() > MAX_EXTRAPOLATION * span.abs() {
             return *nodes;
         }
         let (rise, fall) = self.weights(dt);
+        let [supply, exhaust] = roots(around);
         let [a, b, c] = &self.solutions;
         let at = |i: usize| a[i] + pair(rise) * (a[i] - b[i]) - pair(fall) * (b[i] - c[i]);
         // A land that is shut stays so.
         let flow = |before: Pair, ahead: Pair| Pair::choose(before.simd_eq(Pair::ZERO), Pair::ZERO, ahead);
         Nodes {
             exner: at(0).larger(pair(0.5) * nodes.exner),
-            supply: flow(nodes.supply, at(1)),
-            exhaust: flow(nodes.exhaust, at(2)),
+            supply: flow(nodes.supply, supply * at(1)),
+            exhaust: flow(nodes.exhaust, exhaust * at(2)),
             ..*nodes
         }
     }
@@ -62,7 +64,7 @@ impl Predictor {
     }
 
     #[inline(always)]
-    pub fn note(&mut self, nodes: &Nodes) {
+    pub fn note(&mut self, nodes: &Nodes, around: &Surroundings) {
         let Nodes { exner, supply, exhaust, .. } = *nodes;
         if self.now != self.at[0] {
             self.at = [self.now, self.at[0], self.at[1]];
@@ -70,8 +72,15 @@ impl Predictor {
             self.solutions[2] = self.solutions[1];
             self.solutions[1] = self.solutions[0];
         }
-        self.solutions[0] = [exner, supply, exhaust];
+        let roots = roots(around);
+        self.solutions[0] = [exner, supply / roots[0], exhaust / roots[1]];
     }
+}
+
+/// Of the conductances of the lands; above zero where one is shut.
+#[inline(always)]
+fn roots(around: &Surroundings) -> [Pair; 2] {
+    [around.valve.supply, around.valve.exhaust].map(|land| land.larger(pair(f64::MIN_POSITIVE)).root())
 }
 
 impl Network {

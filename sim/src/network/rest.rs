@@ -87,12 +87,12 @@ impl Network {
     /// Newton's method by tangents from where the solution is going or was last, else by secants.
     #[inline(always)]
     pub(super) fn by_newton(&mut self, around: &Surroundings) -> bool {
-        let mut nodes = self.predictor.predict(&self.nodes);
+        let mut nodes = self.predictor.predict(&self.nodes, around);
         let found =
             self.newton(around, &mut nodes, Slope::Tangent) || self.newton_from_last(around, &mut nodes);
         if found {
             self.nodes = nodes;
-            self.predictor.note(&nodes);
+            self.predictor.note(&nodes, around);
         }
         found
     }
