@@ -39,14 +39,15 @@ impl Network {
         self.begin(around, nodes);
         let mut left = slopes.max_iterations();
         if slopes == Slope::Tangent && self.may_be_usual(around) {
-            let outcome = match self.mach == 0.0 {
+            let (outcome, corrections) = match self.mach == 0.0 {
                 true => self.newton_of_usual::<true>(around, nodes, left),
                 false => self.newton_of_usual_at_speed(around, nodes, left),
             };
+            self.work.iterations += u64::from(corrections);
             match outcome {
                 Outcome::Found => return true,
                 Outcome::Lost => return false,
-                Outcome::Unusual(iterations) => left = iterations,
+                Outcome::Unusual => left -= corrections,
             }
         }
         self.newton_in_general(around, nodes, slopes, left)
@@ -95,7 +96,12 @@ impl Network {
 
     /// Where air approaches its restrictions at a speed.
     #[inline(never)]
-    fn newton_of_usual_at_speed(&mut self, around: &Surroundings, nodes: &mut Nodes, most: u32) -> Outcome {
+    fn newton_of_usual_at_speed(
+        &self,
+        around: &Surroundings,
+        nodes: &mut Nodes,
+        most: u32,
+    ) -> (Outcome, u32) {
         self.newton_of_usual::<false>(around, nodes, most)
     }
 
@@ -246,7 +252,7 @@ mod tests {
             let (mut usual, mut general) = (begin, begin);
             // The second time takes the pressures to the last digits, too.
             for _ in 0..2 {
-                let outcome = match approach {
+                let (outcome, _) = match approach {
                     false => network.newton_of_usual::<true>(&around, &mut usual, 40),
                     true => network.newton_of_usual::<false>(&around, &mut usual, 40),
                 };
