@@ -139,6 +139,7 @@ impl Assembly {
     }
 
     /// Where the spool is, m.
+    #[inline]
     pub fn spool(&self, t: f64, x: &StateVector) -> f64 {
         self.parts.operator.position(t, self.spool_state_at(t, x))
     }

@@ -36,13 +36,15 @@ pub struct Plant {
     channel_skew_us: u64,
     /// Request in force.
     request: Request,
-    /// Request that takes effect at the output of the present sample, until it has.
+    /// Request that takes effect at the output of the present sample, until it has; none where it changes nothing.
     due: Option<Request>,
     /// Whether the command changed at the last output: then it will at the next one, as a rule, and
     /// a step beyond that would be wasted.
     restless: bool,
     /// Number of the sample taken last.
     k: u64,
+    /// Its time, s.
+    sample_time: f64,
 }
 
 /// Allowed error of a flow over the tolerance, kg/s: in a step of half a millisecond a sixth of what the mass in a
@@ -104,12 +106,13 @@ impl Plant {
         }
         let scale = scale_of(&parts.load.friction);
         let assembly = Assembly::new(parts, &x);
+        let start_us = rig.microseconds(&keys::controller::START_S);
         Plant {
             assembly,
             integrator: Integration::of_parts(accuracy.method, accuracy.tolerance, scale, x),
             sensors: Sensors::new(rig, seed),
             sensor_faults: SensorFaults::new(&rig.fault_events()),
-            start_us: rig.microseconds(&keys::controller::START_S),
+            start_us,
             period_us: u64::from(rig.period_us().get()),
             delay_us: rig.microseconds(&keys::controller::DELAY_S),
             channel_skew_us: rig.microseconds(&keys::sensors::CHANNEL_SKEW_S),
@@ -117,6 +120,7 @@ impl Plant {
             due: None,
             restless: false,
             k: 0,
+            sample_time: seconds(start_us),
         }
     }
 
@@ -134,7 +138,7 @@ impl Plant {
     /// When the integration fails before the last channel.
     #[inline]
     pub fn reading(&mut self) -> Result<Reading, IntegrationError> {
-        let now = self.sample_time_of(self.k);
+        let now = self.sample_time;
         if self.k == 0 && self.start_us > 0 {
             self.run_to(now)?;
         }
@@ -168,8 +172,8 @@ impl Plant {
         let x = self.integrator.state(t);
         Reading {
             position: x[slot::POSITION],
-            pressures: self.assembly.sensed_pressures(&x),
-            spool: self.assembly.spool(t, &x),
+            pressures: self.assembly.sensed_pressures(x),
+            spool: self.assembly.spool(t, x),
         }
     }
 
@@ -183,6 +187,7 @@ impl Plant {
     }
 
     /// What the sensors make of a reading at the present sample instant.
+    #[inline]
     pub fn sample_of(&mut self, reading: &Reading) -> Sample {
         let sample = self.sensors.read(reading.position, reading.pressures, reading.spool);
         self.sensor_faults.corrupt(self.k * self.period_us, sample)
@@ -199,14 +204,17 @@ impl Plant {
     }
 
     /// Has `command` take effect at the output of the present sample.
+    #[inline]
     pub fn command(&mut self, command: Command) {
-        self.due = Some(Request { counts: command.counts, step: command.step });
+        let request = Request { counts: command.counts, step: command.step };
+        self.due = Some(request).filter(|request| self.changes(*request));
+        self.restless &= self.due.is_some();
     }
 
     /// From the present sample on the supply has another pressure, Pa absolute; within the range of
     /// `supply.pressure_pa`.
     pub fn set_supply_pressure(&mut self, pressure: f64) {
-        let at = self.sample_time_of(self.k);
+        let at = self.sample_time;
         let set =
             |assembly: &mut Assembly, x: &mut StateVector| assembly.set_supply_pressure(at, x, pressure);
         self.integrator.interrupt(&mut self.assembly, at, set);
@@ -214,24 +222,26 @@ impl Plant {
 
     /// The target of a continuous controller changes at the present sample, in counts.
     pub fn set_target(&mut self, target: i32) {
-        let at = self.sample_time_of(self.k);
+        let at = self.sample_time;
         self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.set_target(at, x, target));
     }
 
     /// The command of a continuous controller at the present sample, counts.
     pub fn continuous_command(&mut self) -> Option<f64> {
         self.assembly.parts.continuous.as_ref()?;
-        let x = self.integrator.state(self.sample_time_of(self.k));
-        self.assembly.follow(&x)
+        let x = self.integrator.state(self.sample_time);
+        self.assembly.follow(x)
     }
 
     /// To sample k + 1.
     ///
     /// # Errors
     /// When the integration fails.
+    #[inline]
     pub fn next_sample(&mut self) -> Result<(), IntegrationError> {
-        self.run_to(self.sample_time_of(self.k + 1))?;
-        self.k += 1;
+        let next = self.time_of((self.k + 1) * self.period_us);
+        self.run_to(next)?;
+        (self.k, self.sample_time) = (self.k + 1, next);
         Ok(())
     }
 
@@ -255,18 +265,21 @@ impl Plant {
         let t = self.plant_time(t);
         self.run_to(t)?;
         let x = self.integrator.state(t);
-        let pressures = slot::EXNER.map(|i| self.assembly.parts.gas.pressure(x[i]));
+        let pressures = self.assembly.pressures(x);
         Ok((x[slot::POSITION], x[slot::VELOCITY], pressures))
     }
 
     /// To `t`, by way of the present sample's output if that is due. How far a step may reach beyond
     /// depends on the outputs alone, not on where the caller stops.
+    #[inline]
     fn run_to(&mut self, t: f64) -> Result<(), IntegrationError> {
-        let output = self.output_time_of(self.k);
+        if self.due.is_none() && self.integrator.has_passed(t) { Ok(()) } else { self.run_on_to(t) }
+    }
+
+    fn run_on_to(&mut self, t: f64) -> Result<(), IntegrationError> {
         if let Some(request) = self.due {
-            let changes = self.changes(request);
-            let horizon = if changes { output } else { f64::INFINITY };
-            self.integrator.integrate_to(&mut self.assembly, t.min(output), horizon)?;
+            let output = self.output_time_of(self.k);
+            self.integrator.integrate_to(&mut self.assembly, t.min(output), output)?;
             if t < output {
                 return Ok(());
             }
@@ -282,21 +295,19 @@ impl Plant {
 
     fn drive(&mut self, at: f64, request: Request) {
         self.due = None;
-        self.restless = self.changes(request);
-        if self.restless {
-            self.request = request;
-            self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.drive(at, x, request));
-        }
+        self.restless = true;
+        self.request = request;
+        self.integrator.interrupt(&mut self.assembly, at, |assembly, x| assembly.drive(at, x, request));
     }
 
     fn snapshot(&mut self, t: f64) -> Snapshot {
-        let x = self.integrator.state(t);
-        self.assembly.follow(&x);
-        let Effects { air, actuator_force, friction_force, acceleration } = self.assembly.effects(&x);
         let [one, two] = slot::MASS.map(|mass| self.integrator.derivative_of(mass, t));
+        let x = self.integrator.state(t);
+        self.assembly.follow(x);
+        let Effects { air, actuator_force, friction_force, acceleration } = self.assembly.effects(x);
         let flows = match one.zip(two) {
             Some((one, two)) => self.assembly.port_flows_of(Pair::new([one, two]), &air),
-            None => self.assembly.port_flows(t, &x),
+            None => self.assembly.port_flows(t, x),
         };
         Snapshot {
             position: x[slot::POSITION],
@@ -304,7 +315,7 @@ impl Plant {
             acceleration,
             pressures: air.pressure.to_array(),
             temperatures: air.temperature.to_array(),
-            spool: self.assembly.spool(t, &x),
+            spool: self.assembly.spool(t, x),
             spool_command: self.assembly.parts.operator.commanded(),
             mass_flows: flows.to_array(),
             actuator_force,
@@ -316,8 +327,8 @@ impl Plant {
     pub fn look_into_valve(&mut self, t: f64) -> ValveState {
         let t = self.plant_time(t);
         let x = self.integrator.state(t);
-        self.assembly.follow(&x);
-        self.assembly.valve_state(t, &x)
+        self.assembly.follow(x);
+        self.assembly.valve_state(t, x)
     }
 
     /// The mass flows of [`Plant::look`] by the network's equations, kg/s. For tests: those of a row are the slopes
@@ -326,21 +337,17 @@ impl Plant {
     pub fn solved_flows(&mut self, t: f64) -> [f64; 2] {
         let t = self.plant_time(t);
         let x = self.integrator.state(t);
-        self.assembly.follow(&x);
-        self.assembly.port_flows(t, &x).to_array()
+        self.assembly.follow(x);
+        self.assembly.port_flows(t, x).to_array()
     }
 
     /// One evaluation of the right-hand side in the state of the present sample, `later` seconds after it: the
     /// acceleration of the load, m/s^2. For benchmarks; what it finds of the flows stays.
     #[doc(hidden)]
     pub fn evaluate(&mut self, later: f64) -> f64 {
-        let t = self.sample_time_of(self.k);
+        let t = self.sample_time;
         let x = self.integrator.state(t);
-        self.assembly.derivative(t + later, &x)[slot::VELOCITY]
-    }
-
-    fn sample_time_of(&self, k: u64) -> f64 {
-        self.time_of(k * self.period_us)
+        self.assembly.derivative(t + later, x)[slot::VELOCITY]
     }
 
     fn output_time_of(&self, k: u64) -> f64 {

@@ -119,7 +119,7 @@ fn a_mass_that_sticks_has_no_velocity_at_all_while_the_force_on_it_grows() {
         if pulled.contact == Contact::Stuck {
             looks += 1;
             assert_eq!(x[1], 0.0, "at {t}");
-            assert!(pulled.applied(t, &x).abs() <= STATIC * (1.0 + 1e-12), "at {t}");
+            assert!(pulled.applied(t, x).abs() <= STATIC * (1.0 + 1e-12), "at {t}");
         }
     }
     assert!(looks > 13_000, "it sticks most of the time: {looks}");

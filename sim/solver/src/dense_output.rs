@@ -26,14 +26,38 @@ impl<const N: usize> DenseOutput<N> {
     }
 
     pub fn at_part(&self, theta: f64) -> [f64; N] {
-        let [r1, r2, r3, r4, r5, r6] = &self.coefficients;
-        let rest = 1.0 - theta;
-        let mut x = *r1;
-        for i in 0..self.n_moving.min(N) {
-            let quartic = r4[i] + rest * (r5[i] + theta * r6[i]);
-            x[i] += theta * (r2[i] + rest * (r3[i] + theta * quartic));
+        let mut x = self.coefficients[0];
+        for (i, x) in x.iter_mut().enumerate().take(self.n_moving) {
+            *x = self.state_at_part(i, theta);
         }
         x
+    }
+
+    /// Brings the states that move to `t`. How many they are is one of FEW, SOME and N, each with a loop of known length.
+    #[inline]
+    pub fn bring_to<const FEW: usize, const SOME: usize>(&self, t: f64, x: &mut [f64; N]) {
+        let theta = (t - self.start) / self.width;
+        match self.n_moving {
+            n if n <= FEW => self.bring_first_to::<FEW>(theta, x),
+            n if n <= SOME => self.bring_first_to::<SOME>(theta, x),
+            _ => self.bring_first_to::<N>(theta, x),
+        }
+    }
+
+    /// Not inlined: beside loops of other lengths the compiler does not vectorise all of it.
+    #[inline(never)]
+    fn bring_first_to<const M: usize>(&self, theta: f64, x: &mut [f64; N]) {
+        for (i, x) in x.iter_mut().enumerate().take(M) {
+            *x = self.state_at_part(i, theta);
+        }
+    }
+
+    #[inline(always)]
+    fn state_at_part(&self, state: usize, theta: f64) -> f64 {
+        let [r1, r2, r3, r4, r5, r6] = &self.coefficients;
+        let rest = 1.0 - theta;
+        let quartic = r4[state] + rest * (r5[state] + theta * r6[state]);
+        r1[state] + theta * (r2[state] + rest * (r3[state] + theta * quartic))
     }
 
     /// dx/dt of one state.

@@ -43,8 +43,10 @@ pub struct Integrator<
     /// The step that was accepted last, and whether it led to t in the present modes.
     step: AcceptedStep<N>,
     has_step: bool,
-    /// The state that was requested last, as long as it is valid.
-    read: Option<(f64, [f64; N])>,
+    /// The state that was requested last, and its time; not a number where it is none. States that rest are always
+    /// those of now.
+    read: [f64; N],
+    read_at: f64,
     /// The event at t, until it has been handled.
     pending: Option<Event>,
     /// The step size for the allowed error.
@@ -91,7 +93,8 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             guards: None,
             step: AcceptedStep::NONE,
             has_step: false,
-            read: None,
+            read: x,
+            read_at: f64::NAN,
             pending: None,
             step_size: FIRST_STEP,
             other_step_size: FIRST_STEP,
@@ -111,15 +114,24 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
 
     /// The state at `t`, which must lie in the last step of [`Integrator::integrate_to`].
     #[must_use]
-    pub fn state(&mut self, t: f64) -> [f64; N] {
-        if let Some((at, x)) = self.read
-            && at == t
-        {
-            return x;
+    #[inline]
+    pub fn state(&mut self, t: f64) -> &[f64; N] {
+        if self.read_at != t {
+            self.read_at = t;
+            if self.has_step && t < self.now.t {
+                self.step.dense.bring_to::<FEW, SOME>(t, &mut self.read);
+            } else {
+                self.read = self.now.x;
+            }
         }
-        let x = if self.has_step && t < self.now.t { self.step.dense.at(t) } else { self.now.x };
-        self.read = Some((t, x));
-        x
+        &self.read
+    }
+
+    /// Whether the last step has gone beyond `t`, so that [`Integrator::integrate_to`] has nothing to do.
+    #[must_use]
+    #[inline]
+    pub fn has_passed(&self, t: f64) -> bool {
+        t < self.now.t
     }
 
     /// The derivative of one state at `t`, as in [`Integrator::state`]; None where it may have jumped.
@@ -181,7 +193,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             std::mem::swap(&mut self.step_size, &mut self.other_step_size);
         }
         self.has_step = false;
-        self.read = None;
+        self.forget_read();
         self.guards = None;
         self.control = StepControl::default();
         if after == Derivative::Discontinuous {
@@ -246,8 +258,12 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             }
         }
         self.has_step = true;
-        self.read = None;
+        self.forget_read();
         Ok(())
+    }
+
+    fn forget_read(&mut self) {
+        (self.read, self.read_at) = (self.now.x, f64::NAN);
     }
 
     #[inline(always)]

@@ -154,7 +154,7 @@ impl SpoolBench {
         self.integrator.integrate_to(&mut self.on_bench, t, t)?;
         self.at = t;
         let x = self.integrator.state(t);
-        Ok(self.on_bench.0.position(t, self.on_bench.spool_state_at(t, &x)))
+        Ok(self.on_bench.0.position(t, self.on_bench.spool_state_at(t, x)))
     }
 
     /// Advances by `duration` and returns the spool position at `samples` instants of it, m, each in the middle of its part.

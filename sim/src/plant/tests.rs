@@ -19,15 +19,15 @@ fn states_that_are_said_to_rest_have_no_derivative_and_guards_that_are_said_to_s
                 let counts = [0, 700, -1500, 2048][usize::from(k.unsigned_abs() / 25 % 4)];
                 plant.command(Command { counts, step: counts.signum() as i8, drive_enable: true });
                 plant.next_sample().expect("a sample");
-                let t = plant.sample_time_of(plant.k);
+                let t = plant.sample_time;
                 let x = plant.integrator.state(t);
                 let n_moving = plant.assembly.n_moving();
                 samples[n_moving] += 1;
-                let slope = plant.assembly.derivative(t, &x);
+                let slope = plant.assembly.derivative(t, x);
                 assert!(slope[n_moving..].iter().all(|rate| *rate == 0.0), "{name} at {t} s");
                 let n_guards = plant.assembly.n_guards();
                 with_guards[n_guards] += 1;
-                let guards = plant.assembly.guards(t, &x);
+                let guards = plant.assembly.guards(t, x);
                 assert!(guards[n_guards..].iter().all(|guard| *guard == 1.0), "{name} at {t} s");
             }
         }

@@ -38,7 +38,7 @@ impl Transient {
     /// The state at `t`, and the command there in m of spool travel.
     fn look(&mut self, t: f64) -> (StateVector, f64) {
         self.integrator.integrate_to(&mut self.assembly, t, f64::INFINITY).expect("a transient");
-        let x = self.integrator.state(t);
+        let x = *self.integrator.state(t);
         self.assembly.follow(&x);
         (x, self.assembly.parts.operator.commanded())
     }

@@ -60,7 +60,7 @@ fn after(vessel: &mut Vessel, pressure: f64, until: f64) -> Air {
     let start = Air::state_of(&vessel.gas, pressure, 294.0, VOLUME);
     let mut integrator = Integrator::<2, 0, 0>::new(Method::DormandPrince, 1e-12, [1e-5, 1.0], start);
     integrator.integrate_to(vessel, until, until).expect("smooth");
-    vessel.air(&integrator.state(until))
+    vessel.air(integrator.state(until))
 }
 
 #[test]

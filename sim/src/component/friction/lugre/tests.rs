@@ -42,7 +42,7 @@ fn led<V: Fn(f64) -> f64>(model: LuGre, velocity: V, times: &[f64]) -> Vec<State
     let mut integrator = Integrator::<2, 0, 0>::new(Method::DormandPrince, 1e-11, [1e-3, 1.0], [0.0; 2]);
     let mut state_at = |t: f64| {
         integrator.integrate_to(&mut led, t, t).expect("a solution");
-        integrator.state(t)
+        *integrator.state(t)
     };
     times.iter().map(|&t| state_at(t)).collect()
 }
@@ -120,7 +120,7 @@ fn pushed(
     let scale = [0.1, 1.0, 1e-3, 1.0];
     let mut integrator = Integrator::<4, 0, 0>::new(Method::DormandPrince, tolerance, scale, [0.0; 4]);
     integrator.integrate_to(&mut Pushed(model, force), until, until)?;
-    Ok((integrator.state(until), integrator.statistics().n_rhs_evaluations))
+    Ok((*integrator.state(until), integrator.statistics().n_rhs_evaluations))
 }
 
 #[test]
