@@ -10,10 +10,13 @@ pub fn unit_interval(random: &mut impl Rng) -> f64 {
 }
 
 /// A normal draw (Box and Muller) with this standard deviation; nothing is drawn for 0.
+#[inline(always)]
 pub fn normal(random: &mut impl Rng, deviation: f64) -> f64 {
-    if deviation == 0.0 {
-        return 0.0;
-    }
+    if deviation == 0.0 { 0.0 } else { draw(random, deviation) }
+}
+
+#[inline(never)]
+fn draw(random: &mut impl Rng, deviation: f64) -> f64 {
     let (radius, angle) = (1.0 - unit_interval(random), unit_interval(random));
     deviation * (-2.0 * libm::log(radius)).sqrt() * libm::cos(2.0 * PI * angle)
 }

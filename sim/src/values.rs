@@ -199,7 +199,8 @@ pub(crate) fn field<'a>(table: &'a Fields, name: &str) -> Option<&'a Value> {
 
 /// The instant of a whole number of microseconds, s: rounded once.
 pub(crate) fn seconds(microseconds: u64) -> f64 {
-    microseconds as f64 / 1e6
+    // A signed number becomes a float in one instruction; no time is too large for it.
+    microseconds as i64 as f64 / 1e6
 }
 
 /// Seconds as whole microseconds, if they are (to a thousandth of one).

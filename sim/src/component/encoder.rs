@@ -233,6 +233,7 @@ impl Encoder {
     }
 
     /// Its count at a position, m.
+    #[inline]
     pub fn read(&mut self, position: f64) -> i32 {
         let noise = self.noise();
         match &self.absolute {
@@ -252,6 +253,7 @@ impl Encoder {
         }
     }
 
+    #[inline]
     fn noise(&mut self) -> f64 {
         match &mut self.absolute {
             Some(absolute) => normal(&mut absolute.random, absolute.noise_counts),
@@ -291,6 +293,7 @@ fn distance_to_count(position: f64, pulse: f64) -> f64 {
 
 /// The count of a quadrature encoder at a position, both in the same unit.
 #[must_use]
+#[inline]
 pub fn count(position: f64, pulse: f64) -> i32 {
     let pulses = position / pulse + 1e-9;
     // Towards zero, and from there down.

@@ -92,23 +92,26 @@ pub struct Reading {
 #[derive(Clone, Copy, Debug)]
 pub struct Converter {
     /// Value at raw 0.
-    pub min: f64,
-    /// Value at full scale.
-    pub max: f64,
-    /// Bits, at most 15.
-    pub bits: u32,
+    min: f64,
+    /// Value at full scale, less that.
+    span: f64,
+    /// Raw value at full scale.
+    full_scale: i32,
 }
 
 impl Converter {
-    fn full_scale(&self) -> f64 {
-        f64::from((1u32 << self.bits) - 1)
+    /// With a value at raw 0, one at full scale, and bits, at most 15.
+    #[must_use]
+    pub fn new(min: f64, max: f64, bits: u32) -> Converter {
+        Converter { min, span: max - min, full_scale: (1 << bits) - 1 }
     }
 
     /// How far `x` is from where its raw value changes, with `noise` counts on it.
     fn distance(&self, x: f64, noise: f64) -> f64 {
-        let per_count = (self.max - self.min) / self.full_scale();
+        let full_scale = f64::from(self.full_scale);
+        let per_count = self.span / full_scale;
         let counts = (x - self.min) / per_count + 0.5 + noise;
-        let place = counts.clamp(1.0, self.full_scale()) - counts;
+        let place = counts.clamp(1.0, full_scale) - counts;
         let between = counts - counts.floor();
         // Beyond an end nothing changes until the first or last step.
         let steps = if place == 0.0 { between.min(1.0 - between) } else { place.abs() };
@@ -117,10 +120,11 @@ impl Converter {
 
     /// The raw value of `x` with `noise` counts on it.
     #[must_use]
+    #[inline]
     pub fn raw(&self, x: f64, noise: f64) -> i16 {
-        let counts = (x - self.min) / (self.max - self.min) * self.full_scale();
-        // What is not negative is rounded down by the cast.
-        (counts + 0.5 + noise).clamp(0.0, self.full_scale()) as i16
+        let counts = (x - self.min) / self.span * f64::from(self.full_scale);
+        // The cast rounds towards zero: what is not negative, down.
+        ((counts + 0.5 + noise) as i32).clamp(0, self.full_scale) as i16
     }
 }
 
@@ -144,16 +148,14 @@ impl Sensors {
         let bits = rig.get(&keys::BITS) as u32;
         Sensors {
             encoder: Encoder::new(rig, seed),
-            pressure: rig.get(&keys::PRESSURE).then(|| Converter {
-                min: rig.get(&keys::PRESSURE_MIN_PA),
-                max: rig.get(&keys::PRESSURE_MAX_PA),
-                bits,
+            pressure: rig.get(&keys::PRESSURE).then(|| {
+                Converter::new(rig.get(&keys::PRESSURE_MIN_PA), rig.get(&keys::PRESSURE_MAX_PA), bits)
             }),
-            spool: Converter {
-                min: rig.get(&keys::SPOOL_MIN_MM) * 1e-3,
-                max: rig.get(&keys::SPOOL_MAX_MM) * 1e-3,
+            spool: Converter::new(
+                rig.get(&keys::SPOOL_MIN_MM) * 1e-3,
+                rig.get(&keys::SPOOL_MAX_MM) * 1e-3,
                 bits,
-            },
+            ),
             home_switch: rig.get(&keys::HOME_SWITCH_MM).map_or(f64::NEG_INFINITY, |mm| mm * 1e-3),
             noise_counts: rig.get(&keys::NOISE_COUNTS),
             random: ChaCha8Rng::seed_from_u64(seed),
@@ -161,6 +163,7 @@ impl Sensors {
     }
 
     /// The sensors' reading of a position (m), two pressures (Pa) and a spool position (m).
+    #[inline]
     pub fn read(&mut self, position: f64, pressures: [f64; 2], spool: f64) -> Sample {
         let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
         let pressure = |i: usize| self.pressure.as_ref().map_or(0, |of| of.raw(pressures[i], noise[i]));
@@ -183,6 +186,7 @@ impl Sensors {
         [self.encoder.distance(of.position), pressure(0), pressure(1)]
     }
 
+    #[inline]
     fn noise(&mut self) -> f64 {
         normal(&mut self.random, self.noise_counts)
     }
@@ -194,7 +198,7 @@ mod tests {
 
     #[test]
     fn converters_round_to_the_nearest_and_stop_at_their_ends() {
-        let converter = Converter { min: 0.0, max: 1e6, bits: 12 };
+        let converter = Converter::new(0.0, 1e6, 12);
         assert_eq!(converter.raw(0.0, 0.0), 0);
         assert_eq!(converter.raw(1e6, 0.0), 4095);
         assert_eq!(converter.raw(0.49e6 / 4095.0, 0.0), 0);

@@ -28,7 +28,12 @@ impl SensorFaults {
     }
 
     /// The sample taken at `us`, with the faults applied.
+    #[inline]
     pub fn corrupt(&mut self, us: u64, sample: Sample) -> Sample {
+        if self.events.is_empty() { sample } else { self.apply(us, sample) }
+    }
+
+    fn apply(&mut self, us: u64, sample: Sample) -> Sample {
         let kinds = || self.events.iter().filter(|event| event.at_us <= us).map(|event| event.kind);
         let lost = kinds().any(|kind| kind == FaultKind::EncoderLoss);
         let count = if lost { self.last_count.unwrap_or(sample.position) } else { sample.position };
