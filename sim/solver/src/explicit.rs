@@ -112,7 +112,9 @@ impl<const N: usize> Progress<N> {
 
 /// h times the fastest rate of decay: the last two stages are slopes at the same time, at states that
 /// differ by little (Hairer, Norsett, Wanner II, IV.2).
-#[inline(always)]
+///
+/// Not inlined: the compiler would begin the sums of all methods and sizes before it knows which one is needed.
+#[inline(never)]
 fn stiffness_of<const M: usize>(tableau: &Tableau, stages: &[[f64; M]; MAX_STAGES], sizes: &[f64; M]) -> f64 {
     let last = tableau.last_stage();
     let apart = combined(tableau.apart, stages, 1.0);
