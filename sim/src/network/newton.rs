@@ -50,7 +50,9 @@ impl Network {
                 Outcome::Unusual => left -= corrections,
             }
         }
-        self.newton_in_general(around, nodes, slopes, left)
+        let found = self.newton_in_general(around, nodes, slopes, left);
+        nodes.carried = nodes.temperature;
+        found
     }
 
     /// The same for flows of any pattern.

@@ -13,14 +13,7 @@
 //! Behind a port that gives air back T_b is the temperature f_c T_c of that air; else it is f_s T_s, and d is zero. T_p is
 //! the temperature of the air in the port. The factors f are 1 where air is at rest in front of a restriction.
 //!
-//! With M the flow in the supply tube, the first line gives ds = -(rho + alpha dw + tau dM), and the others with that
-//!
-//! ```text
-//! r_2 + g dw + b dm + v_2 dM = 0
-//! r_3 + c dw + q dm + v_3 dM = 0
-//! ```
-//!
-//! which Cramer's rule solves. The ds of both nodes add up to dM.
+//! Two of three slopes over a node's s, e and M are zero in the first line. M, the flow in the supply tube, joins the nodes.
 
 mod approach;
 mod elimination;
@@ -102,7 +95,7 @@ impl Network {
             let found = at.settle(&correction.change, error);
             at = at.after(&correction.change, found);
             if found {
-                nodes.temperature = known.mixed::<AT_REST>(&at, &correction);
+                [nodes.carried, nodes.temperature] = known.temperatures::<AT_REST>(&at, &correction);
                 outcome = Outcome::Found;
                 break;
             }
@@ -141,14 +134,14 @@ impl Known<'_> {
     fn correction<const AT_REST: bool>(&self, at: &Unknowns) -> Option<Correction> {
         let Unknowns { exner: w, supply: s, exhaust: e } = *at;
         let (a, least) = (-e, pair(NO_FLOW));
-        let ahead = pair(self.supply.exner * (self.decays[0] * s.reduce_add()).exponential());
+        let ahead = pair(self.supply.exner * fall(self.decays[0], s.reduce_add()));
         let from_supply = if AT_REST { Approach::NONE } else { self.from_supply(ahead, s) };
         let falls = (ahead * from_supply.factor).above(w) & w.above(pair(self.outside));
         if !Pair::all(s.above(least) & a.above(least) & falls) {
             return None;
         }
         let back = a - s;
-        let behind = self.chambers.exner * (pair(self.decays[1]) * back).exponential();
+        let behind = self.chambers.exner * fall(self.decays[1], back);
         let from_chamber = if AT_REST { Approach::NONE } else { self.from_chamber(behind, back) };
         let approaches = [from_supply, from_chamber];
         let (change, total) = solve::<AT_REST>(&[
@@ -165,9 +158,9 @@ impl Known<'_> {
         Pair::choose(self.charging, pair(0.0), back).above(pair(0.0))
     }
 
-    /// T_n after the last correction, K.
+    /// f_s T_s, which air that charges carries on, and T_n, both after the last correction, K.
     #[inline(always)]
-    fn mixed<const AT_REST: bool>(&self, at: &Unknowns, correction: &Correction) -> Pair {
+    fn temperatures<const AT_REST: bool>(&self, at: &Unknowns, correction: &Correction) -> [Pair; 2] {
         let Correction { change, total, approaches: [supply, chamber] } = correction;
         let (mut warm, mut own) = (pair(self.supply.temperature), self.chambers.temperature);
         if !AT_REST {
@@ -177,8 +170,14 @@ impl Known<'_> {
         }
         let gives_back = self.gives_back(-(at.supply + at.exhaust));
         let d = Pair::choose(gives_back, warm - own, pair(0.0));
-        warm - d - d * (at.supply / at.exhaust)
+        [warm, warm - d - d * (at.supply / at.exhaust)]
     }
+}
+
+/// w behind a tube over that in front of it; a tube that is none takes no time.
+#[inline(always)]
+fn fall<N: Number>(decay: f64, flow: N) -> N {
+    if decay == 0.0 { N::from(1.0) } else { (N::from(decay) * flow).exponential() }
 }
 
 impl Unknowns {
