@@ -13,7 +13,7 @@
 //! Behind a port that gives air back T_b is the temperature f_c T_c of that air; else it is f_s T_s, and d is zero. T_p is
 //! the temperature of the air in the port. The factors f are 1 where air is at rest in front of a restriction.
 //!
-//! Two of three slopes over a node's s, e and M are zero in the first line. M, the flow in the supply tube, joins the nodes.
+//! The pressures behind the tubes depend on the flows: w_sv on M, that of both nodes from the supply, and w_v on m.
 
 mod approach;
 mod elimination;

@@ -1,5 +1,5 @@
-//! How air that flows to a restriction is raised by its speed, as [`crate::network`] says it: for air P^2 is w^7, and behind a
-//! tube w goes with exp(decay mdot).
+//! How air that flows to a restriction is raised by its speed, as [`crate::network`] says it: for air P^2 is w^7, and
+//! behind a tube w goes with exp(decay mdot).
 //!
 //! ```text
 //! f = 1 + (n-1)/2 min(1, R T mdot^2/(n A_p^2 P^2))

@@ -1,4 +1,5 @@
-//! The elimination of a node's unknowns from its three lines, by Cramer's rule with the first one divided by its slope over s:
+//! The elimination of a node's unknowns from its three lines, by Cramer's rule with the first one divided by its slope
+//! over s:
 //!
 //! ```text
 //! alpha dw +       ds         = -(rho + tau dM)
@@ -9,7 +10,7 @@
 use super::Unknowns;
 use super::lines::Line;
 use crate::network::nodes::pair;
-use crate::number::{Number, Pair};
+use crate::number::Pair;
 
 /// The numerators of dw, ds and dm.
 type Numerators = [Pair; 3];
