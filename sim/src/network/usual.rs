@@ -135,14 +135,14 @@ impl Known<'_> {
         let Unknowns { exner: w, supply: s, exhaust: e } = *at;
         let (a, least) = (-e, pair(NO_FLOW));
         let ahead = pair(self.supply.exner * fall(self.decays[0], s.reduce_add()));
-        let from_supply = if AT_REST { Approach::NONE } else { self.from_supply(ahead, s) };
+        let from_supply = if AT_REST { Approach::NONE } else { self.approach_to_lands(ahead, s) };
         let falls = (ahead * from_supply.factor).above(w) & w.above(pair(self.outside));
         if !Pair::all(s.above(least) & a.above(least) & falls) {
             return None;
         }
         let back = a - s;
         let behind = self.chambers.exner * fall(self.decays[1], back);
-        let from_chamber = if AT_REST { Approach::NONE } else { self.from_chamber(behind, back) };
+        let from_chamber = if AT_REST { Approach::NONE } else { self.approach_to_port(behind, back) };
         let approaches = [from_supply, from_chamber];
         let (change, total) = solve::<AT_REST>(&[
             self.supply_line::<AT_REST>((w, s), ahead, &from_supply),

@@ -20,13 +20,13 @@ pub(super) struct Approach {
 impl Known<'_> {
     /// That of the air in front of the lands, at w = `ahead`.
     #[inline(always)]
-    pub fn from_supply(&self, ahead: Pair, flow: Pair) -> Approach {
+    pub fn approach_to_lands(&self, ahead: Pair, flow: Pair) -> Approach {
         self.approach(self.speeds[0], ahead, flow, self.decays[0])
     }
 
     /// That of the air which a chamber gives back, at w = `behind`.
     #[inline(always)]
-    pub fn from_chamber(&self, behind: Pair, back: Pair) -> Approach {
+    pub fn approach_to_port(&self, behind: Pair, back: Pair) -> Approach {
         self.approach(self.speeds[1], behind, back, self.decays[1]).only(back.above(pair(0.0)))
     }
 
