@@ -99,7 +99,6 @@ impl Network {
             if lost || !self.by_search(around) {
                 return Nodes::NOT_NUMBERS;
             }
-            self.nodes.carried = self.nodes.temperature;
         }
         self.started = true;
         self.far = false;
@@ -107,10 +106,11 @@ impl Network {
         if self.found >= CALM {
             self.failures = 0;
         }
-        if around.valve.port.is_none() {
-            self.nodes.carried = self.carried();
-        }
-        self.nodes
+        let carried = match around.valve.port {
+            Some(_) => self.nodes.temperature,
+            None => self.carried(),
+        };
+        Nodes { carried, ..self.nodes }
     }
 
     /// The solution that air at rest comes to as it begins to move. Where it cannot be followed there: nested
