@@ -28,6 +28,7 @@
 //!
 //! docs/identification.md has the proof: how often the intervals hold what a virtual rig hides.
 
+mod approach;
 mod assumed;
 pub mod causes;
 pub mod conductance;

@@ -7,13 +7,11 @@ use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+use super::approach::approach;
 use super::causes::{self, Explanation};
 use super::found::{Found, found_at, refined};
 use super::least_squares::{Minimum, minimise};
 use super::model::{Model, first_noise};
-
-/// Shares of each transient that the fit takes one after the other.
-const STAGES: [f64; 3] = [0.35, 0.65, 1.0];
 
 /// Number of times that a search is restarted.
 const RESTARTS: usize = 2;
@@ -92,18 +90,6 @@ fn from_elsewhere(
         from = best.minimum.u.clone();
     }
     Ok(best)
-}
-
-/// From a point to near a minimum, stage by stage; never to where more is left than at the point.
-fn approach(model: &mut Model, from: Vec<f64>, progress: &mut dyn FnMut(&str)) -> Vec<f64> {
-    model.fine = false;
-    let mut u = from.clone();
-    for share in STAGES {
-        model.share = share;
-        progress(&format!("the first {:.0} % of each transient", 100.0 * share));
-        u = minimise(model, &u, false, progress).map_or(u, |minimum| minimum.u);
-    }
-    if model.mean_square(&u) <= model.mean_square(&from) { u } else { from }
 }
 
 /// The best of the points that lie beside one along a parameter.
