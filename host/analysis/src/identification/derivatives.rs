@@ -210,6 +210,10 @@ impl Problem for Model<'_> {
     fn limits(&self) -> Vec<Limit> {
         Model::limits(self)
     }
+
+    fn longest(&self, unknown: usize) -> f64 {
+        Model::longest(self, unknown)
+    }
 }
 
 #[cfg(test)]

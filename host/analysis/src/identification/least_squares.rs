@@ -28,6 +28,8 @@ pub trait Problem {
     fn jacobian(&self, u: &[f64], at: &DVector<f64>) -> Option<DMatrix<f64>>;
     /// What the unknowns keep.
     fn limits(&self) -> Vec<Limit>;
+    /// Longest step along an unknown: beyond it the linear model is not to be trusted.
+    fn longest(&self, unknown: usize) -> f64;
 }
 
 /// Where a search ended.
@@ -72,9 +74,6 @@ const IDLE_STEPS: usize = 3;
 
 /// A rough search ends where a step gains less than this part of the sum.
 const ROUGH_GAIN: f64 = 5e-3;
-
-/// Longest step of a parameter: beyond it the linear model is not to be trusted.
-const LONGEST: f64 = 0.3;
 
 /// Damping at the start of a search that has far to go, and of one that is near.
 const DAMPING: [f64; 2] = [1e-3, 1e-8];
@@ -173,7 +172,8 @@ impl Search {
                 self.minimum.converged = true;
                 return;
             }
-            let u: Vec<f64> = self.minimum.u.iter().zip(&limited(step)).map(|(u, d)| u + d).collect();
+            let step = limited(step, problem);
+            let u: Vec<f64> = self.minimum.u.iter().zip(&step).map(|(u, d)| u + d).collect();
             if self.take(problem, u) {
                 return;
             }
@@ -212,10 +212,10 @@ fn damped(normal: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
     matrix
 }
 
-/// The step, shortened where a parameter would go further than can be trusted.
-fn limited(step: DVector<f64>) -> DVector<f64> {
-    let longest = step.amax();
-    if longest > LONGEST { step * (LONGEST / longest) } else { step }
+/// The step, shortened where an unknown would go further than can be trusted.
+fn limited(step: DVector<f64>, problem: &impl Problem) -> DVector<f64> {
+    let longest = step.iter().enumerate().map(|(i, d)| d.abs() / problem.longest(i)).fold(0.0, f64::max);
+    if longest > 1.0 { step / longest } else { step }
 }
 
 #[cfg(test)]
@@ -245,6 +245,10 @@ mod tests {
 
         fn limits(&self) -> Vec<Limit> {
             self.limits.clone()
+        }
+
+        fn longest(&self, _: usize) -> f64 {
+            0.3
         }
     }
 
@@ -276,6 +280,13 @@ mod tests {
     fn a_search_goes_on_along_points_that_cannot_be_evaluated() {
         let minimum = minimise(&from(-1.2), &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
         assert!(minimum.converged && (minimum.u[0] - 1.0).abs() < 1e-3, "{:?}", minimum.u);
+    }
+
+    #[test]
+    fn a_step_keeps_its_direction_where_it_is_as_long_as_is_trusted() {
+        let valley = from(-9.0);
+        assert_eq!(limited(DVector::from_vec(vec![0.6, -0.3]), &valley).as_slice(), [0.3, -0.15]);
+        assert_eq!(limited(DVector::from_vec(vec![0.2, -0.3]), &valley).as_slice(), [0.2, -0.3]);
     }
 
     /// On the edge u_0 = 0.5 of the valley its bottom is at u_1 = 0.25.

@@ -22,6 +22,9 @@ use crate::wanted::{CALLED_OFF, Wanted};
 /// What u = 1 is of a quantity of an initial state, counts; its prior standard deviation.
 const COUNTS: f64 = 10.0;
 
+/// Longest step of a search along a quantity of an initial state, in u.
+const LONGEST_OF_START: f64 = 0.3;
+
 /// Root of the mean squared error of rounding to whole counts.
 pub(super) const ROUNDING: f64 = 0.288_675_134_594_812_9;
 
@@ -241,6 +244,11 @@ impl<'a> Model<'a> {
     /// Standard deviation of an unknown before there are data, in u.
     pub fn prior(&self, unknown: usize) -> f64 {
         self.parameters.get(unknown).map_or(1.0, |parameter| parameter.prior)
+    }
+
+    /// Longest step of a search along an unknown, in u.
+    pub fn longest(&self, unknown: usize) -> f64 {
+        self.parameters.get(unknown).map_or(LONGEST_OF_START, |parameter| parameter.longest)
     }
 
     /// The residuals at a point, and after them the terms of the unknowns; None where it cannot be evaluated.

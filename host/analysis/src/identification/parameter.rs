@@ -50,6 +50,11 @@ const USUAL: f64 = 0.3;
 /// Prior standard deviation of u where almost nothing is assumed.
 const UNKNOWN: f64 = 30.0;
 
+/// Longest step of a search in u, beyond which the linear model is not to be trusted: of a logarithm or a part of what is
+/// assumed, and of what is searched in parts of a usual size.
+const LONGEST: f64 = 0.3;
+const LONGEST_OF_UNKNOWN: f64 = 3.0;
+
 /// Difference in u for a derivative: large against the integrator's error, small against curvature.
 const DIFFERENCE: f64 = 3e-4;
 
@@ -74,6 +79,8 @@ pub struct Parameter {
     pub prior: f64,
     /// Difference in u for a derivative.
     pub difference: f64,
+    /// Longest step of a search in u.
+    pub longest: f64,
     /// Smallest and largest value, in the unit of the key.
     range: [f64; 2],
 }
@@ -113,7 +120,8 @@ impl Parameter {
         }
         let capped = key.name().starts_with("discharge") && rig.get(&keys::valve::UPSTREAM_MACH);
         let max = if capped { MAX_DISCHARGE } else { max };
-        Ok(Parameter { key, start, scale, prior, difference: DIFFERENCE, range: [min, max] })
+        let (difference, longest) = (DIFFERENCE, LONGEST);
+        Ok(Parameter { key, start, scale, prior, difference, longest, range: [min, max] })
     }
 
     /// A key that is searched by the difference from the rig's value, in parts of `size` and not below `least`, both in
@@ -130,6 +138,7 @@ impl Parameter {
             scale,
             prior: UNKNOWN,
             difference: DIFFERENCE,
+            longest: LONGEST_OF_UNKNOWN,
             range,
         })
     }
