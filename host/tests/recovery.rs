@@ -59,6 +59,20 @@ fn a_leak_is_noticed_by_its_trace_where_all_residuals_together_pass_for_noise() 
     assert!(value > 5.0 * error, "{leak:?} is told from none");
 }
 
+/// The fit without it ends in another valley, from where another supply temperature seemed to explain all of it.
+#[test]
+fn a_cause_is_found_though_the_fit_without_it_ends_far_away() {
+    let (folder, hidden) = (folder(), lacking_rig(20));
+    assert!(hidden.lacks.as_ref().is_some_and(|lacks| lacks.contains("exhaust.pressure_pa")), "{hidden:?}");
+    let trial = hidden.identify(pneudrive(), folder.path()).expect("an identification");
+    println!("{}", trial.summary());
+    let [exhaust] = trial.causes.as_slice() else { panic!("{:?}", trial.causes) };
+    let (value, error) = exhaust.value.expect("a pressure is a number");
+    let hidden = hidden.truth().expect("valid").get(&keys::exhaust::PRESSURE_PA);
+    let lacking = 101_300.0 - hidden;
+    assert!((value - hidden).abs() < 3.0 * error && error < 0.1 * lacking, "{exhaust:?}, hidden {hidden}");
+}
+
 /// What is recorded of a rig whose values are hidden.
 struct Recorded {
     folder: tempfile::TempDir,

@@ -302,18 +302,20 @@ fn finished(
     let correlation = posterior.of.correlation(model.parameters.len());
     let unseen = unseen.into_iter().map(|i| posterior.unseen(model, u, i));
     let misfit = found.spectrum.misfit().max(traces.misfit());
+    let fits = found.minimum.converged && found.spectrum.is_noise() && !traces.are_clear() && !grown;
     Identification {
         unseen: unseen.chain(silent).collect(),
         correlation: DMatrix::from_fn(seen.len(), seen.len(), |i, j| correlation[(seen[i], seen[j])]),
         estimates: seen.into_iter().map(|i| posterior.estimate(model, u, i, misfit)).collect(),
         assumed: posterior.assumed.clone(),
-        incline: posterior.incline,
+        // Friction that cannot make up for an incline tells a wrong one.
+        incline: posterior.incline.filter(|_| fits),
         at_limits: model.parameters_where(|i| model.is_at_limit(u, i)),
         far_off: model.parameters_where(|i| u[i].abs() > FAR * model.prior(i)),
         channels,
         causes: Vec::new(),
         converged: found.minimum.converged,
-        fits: found.minimum.converged && found.spectrum.is_noise() && !traces.are_clear() && !grown,
+        fits,
         spectrum: found.spectrum.clone(),
         rounded: found.judged.rounded,
         runs: model.runs(),

@@ -23,13 +23,11 @@ use pneudrive_sim::Rig;
 
 use super::found::Found;
 use super::model::Model;
-use fit::Fit;
+use fit::{Fit, Origin};
 use significance::{chance, noise};
 
-/// Effects that are fitted, the most promising first, and of these how many to the end at most while none leaves noise
-/// alone.
+/// Effects that are fitted, the most promising first, and to the end while none leaves noise alone.
 const FITTED: usize = 4;
-const FINISHED: usize = 2;
 
 /// An effect of its usual size that leaves less than one standard deviation of noise is not seen.
 const UNSEEN: f64 = 1.0;
@@ -184,21 +182,18 @@ pub(super) fn explain(
     }
     progress("what would explain the residuals: effects that are not in the rig file");
     let promising = traces.trials.iter().take(FITTED);
-    let mut fits: Vec<Fit> = promising.filter_map(|trial| Fit::by_secants(model, found, trial)).collect();
+    let mut fits: Vec<_> =
+        promising.filter_map(|trial| Fit::by_secants(Origin { model, without: found, trial })).collect();
     // Those that secants do not make better than no effect stay in the order of what they promise.
     let without = found.minimum.residuals.norm_squared();
     let order = |a: &Fit, b: &Fit| a.cost().min(without).total_cmp(&b.cost().min(without));
-    for _ in 0..FINISHED {
+    while !fits.iter().any(Fit::leaves_noise) {
         fits.sort_by(order);
         let Some(best) = fits.iter_mut().find(|fit| !fit.is_finished) else { break };
-        progress(&format!("with {}", best.effect.name));
         best.finish(progress);
-        if best.leaves_noise() {
-            break;
-        }
     }
     fits.sort_by(order);
-    told(&mut fits, found, (traces.trials.len(), misfit), progress)
+    told(&mut fits, (traces.trials.len(), misfit), progress)
 }
 
 /// The same if the best effect leaves noise alone.
@@ -213,21 +208,15 @@ pub(super) fn explain_to_noise(
 }
 
 /// What is to be said of fits in the order of their gains. Those as good as the best are finished before.
-fn told(
-    fits: &mut [Fit],
-    found: &Found,
-    tried: (usize, f64),
-    progress: &mut dyn FnMut(&str),
-) -> Vec<Explanation> {
+fn told(fits: &mut [Fit<'_, '_>], tried: (usize, f64), progress: &mut dyn FnMut(&str)) -> Vec<Explanation> {
     let mut explanations: Vec<Explanation> = Vec::new();
     for fit in fits {
-        let mut told = fit.explanation(found, tried);
+        let mut told = fit.explanation(tried);
         let best = explanations.first().map_or(told.ratio, |best| best.ratio);
         told.as_good_as_best = chance(best - told.ratio, told.freedom) > SIGNIFICANT;
         if told.as_good_as_best && told.is_significant() && !fit.is_finished {
-            progress(&format!("with {}", fit.effect.name));
             fit.finish(progress);
-            told = Explanation { as_good_as_best: true, ..fit.explanation(found, tried) };
+            told = Explanation { as_good_as_best: true, ..fit.explanation(tried) };
         }
         explanations.push(told);
     }

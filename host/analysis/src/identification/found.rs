@@ -33,11 +33,13 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Standard error of an unknown of `model`, of noise as correlated as the residuals are and of the priors, in u.
-    pub fn error(&self, model: &Model, unknown: usize) -> f64 {
-        let of_prior = |i: usize| (self.inverse[(unknown, i)] / model.prior(i)).powi(2);
-        let by_priors: f64 = (0..self.inverse.ncols()).map(of_prior).sum();
-        (self.by_noise[(unknown, unknown)] + by_priors).max(0.0).sqrt()
+    /// Standard error of what changes with the unknowns of `model` by these slopes, of noise as correlated as the residuals
+    /// are and of the priors.
+    pub fn error(&self, model: &Model, slopes: &DVector<f64>) -> f64 {
+        let by_unknowns = &self.inverse * slopes;
+        let of_prior = |i: usize| (by_unknowns[i] / model.prior(i)).powi(2);
+        let by_priors: f64 = (0..slopes.len()).map(of_prior).sum();
+        (slopes.dot(&(&self.by_noise * slopes)) + by_priors).max(0.0).sqrt()
     }
 
     /// Residuals of the data; those of the priors come after them.

@@ -12,10 +12,13 @@
 //! really differs (docs/identification.md); but four values that deviate from the file's by the same force, up in one
 //! direction and down in the other, are seldom due to chance.
 
+use nalgebra::DVector;
 use pneudrive_sim::keys;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::found::Found;
 use super::model::Model;
+use super::posterior::NORMAL_95;
 
 /// m/s^2.
 const GRAVITY: f64 = 9.806_65;
@@ -37,6 +40,9 @@ const MIN_ERROR: f64 = 1e-3;
 
 /// A common force is reported if chance gives one as clear less often than this.
 const CHANCE: f64 = 0.01;
+
+/// Difference in u for a slope.
+const STEP: f64 = 1e-4;
 
 /// What a drive that somebody has levelled may be off by, degrees, standard deviation.
 pub(super) const LEVELLING_ERROR_DEG: f64 = 2.0;
@@ -73,43 +79,100 @@ struct Common {
     freedom: f64,
 }
 
-/// The force that file and found values have in common, each with its sign; None where chance may make it.
-fn common(values: &[(f64, f64, f64)]) -> Option<Common> {
+impl Common {
+    /// How often values with no force in common have as large a one.
+    fn chance(&self) -> f64 {
+        let ratio = self.force.abs() / self.error.max(MIN_ERROR);
+        StudentsT::new(0.0, 1.0, self.freedom).map_or(1.0, |t| 2.0 * t.sf(ratio))
+    }
+
+    /// Half the width of its 95 % interval.
+    fn half_width(&self) -> f64 {
+        let t = StudentsT::new(0.0, 1.0, self.freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
+        self.error * t
+    }
+}
+
+/// The force that file and found values have in common, each with its sign.
+fn common(values: &[(f64, f64, f64)]) -> Common {
     let freedom = values.len() as f64 - 1.0;
     let off: Vec<(f64, f64)> =
         values.iter().map(|(sign, file, found)| (file.powi(-2), sign * (found - file))).collect();
     let weights: f64 = off.iter().map(|(weight, _)| weight).sum();
     let force = off.iter().map(|(weight, d)| weight * d).sum::<f64>() / weights;
     let scatter = off.iter().map(|(weight, d)| weight * (d - force).powi(2)).sum::<f64>() / freedom;
-    let error = (scatter / weights).sqrt();
-    let chance = 2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(force.abs() / error.max(MIN_ERROR));
-    (chance < CHANCE).then_some(Common { force, error, freedom })
+    Common { force, error: (scatter / weights).sqrt(), freedom }
 }
 
 /// The incline that a fit suggests, where it is more than a drive that was levelled has; None where the incline or a
 /// constant force is fitted, or not all friction is.
 pub(super) fn suggested(model: &Model, u: &[f64]) -> Option<Incline> {
-    let place = |path: &str| model.parameters.iter().position(|parameter| parameter.key.path == path);
-    if place("load.incline_deg").or(place("load.constant_force_n")).is_some() {
+    let is_fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
+    if is_fitted("load.incline_deg") || is_fitted("load.constant_force_n") {
         return None;
     }
-    let mut values = Vec::new();
-    for (path, sign) in FRICTIONS {
-        let place = place(path)?;
-        let parameter = &model.parameters[place];
-        values.push((sign, parameter.start, parameter.value(u[place])));
-    }
-    values.retain(|(_, file, found)| *found > GONE * file);
-    if values.len() < FEWEST {
+    let hung = Hung::at(model, u)?;
+    if hung.common.chance() > CHANCE {
         return None;
     }
-    let Common { force, error, freedom } = common(&values)?;
-    let weight = GRAVITY * model.rig_at(u).ok()?.get(&keys::load::MASS_KG);
-    let degrees = |force: f64| (force / weight).clamp(-1.0, 1.0).asin().to_degrees();
-    let half_width = error * StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
-    let forces = [force - half_width, force + half_width];
-    let incline = Incline { degrees: degrees(force), interval: forces.map(degrees), force, forces };
-    (incline.degrees.abs() > 2.0 * LEVELLING_ERROR_DEG).then_some(incline)
+    let incline = hung.incline(hung.common.half_width());
+    let file = model.rig.get(&keys::load::INCLINE_DEG);
+    ((incline.degrees - file).abs() > 2.0 * LEVELLING_ERROR_DEG).then_some(incline)
+}
+
+/// The incline of a fit that has one among its parameters: with the force that its friction has in common. What the fit
+/// leaves to friction instead does not matter. None where not all friction is fitted.
+pub(super) fn fitted(model: &Model, found: &Found) -> Option<Incline> {
+    let u = &found.minimum.u;
+    let hung = Hung::at(model, u)?;
+    let mut slopes = DVector::zeros(u.len());
+    for i in 0..model.parameters.len() {
+        let force = |step: f64| {
+            let mut u = u.clone();
+            u[i] += step;
+            Hung::at(model, &u).map(|hung| hung.own + hung.common.force)
+        };
+        slopes[i] = (force(STEP)? - force(-STEP)?) / (2.0 * STEP);
+    }
+    Some(hung.incline(hung.common.half_width().hypot(NORMAL_95 * found.error(model, &slopes))))
+}
+
+/// What pulls a load down its incline.
+struct Hung {
+    /// Its weight, N.
+    weight: f64,
+    /// The part of its weight by the incline of the rig, N.
+    own: f64,
+    /// What friction has in common besides.
+    common: Common,
+}
+
+impl Hung {
+    /// At a point; None where not all friction is fitted, or too much of it is gone.
+    fn at(model: &Model, u: &[f64]) -> Option<Hung> {
+        let mut values = Vec::new();
+        for (path, sign) in FRICTIONS {
+            let place = model.parameters.iter().position(|parameter| parameter.key.path == path)?;
+            let parameter = &model.parameters[place];
+            values.push((sign, parameter.start, parameter.value(u[place])));
+        }
+        values.retain(|(_, file, found)| *found > GONE * file);
+        if values.len() < FEWEST {
+            return None;
+        }
+        let rig = model.rig_at(u).ok()?;
+        let weight = GRAVITY * rig.get(&keys::load::MASS_KG);
+        let own = weight * rig.get(&keys::load::INCLINE_DEG).to_radians().sin();
+        Some(Hung { weight, own, common: common(&values) })
+    }
+
+    /// The incline that has all of the force, which is known to so many N either way.
+    fn incline(&self, half_width: f64) -> Incline {
+        let force = self.common.force;
+        let degrees = |force: f64| ((self.own + force) / self.weight).clamp(-1.0, 1.0).asin().to_degrees();
+        let forces = [force - half_width, force + half_width];
+        Incline { degrees: degrees(force), interval: forces.map(degrees), force, forces }
+    }
 }
 
 #[cfg(test)]
@@ -118,15 +181,17 @@ mod tests {
 
     const FILES: [f64; 4] = [70.0, 40.0, 40.0, 11.0];
 
-    fn common_of(found: [f64; 4]) -> Option<Common> {
+    fn common_of(found: [f64; 4]) -> Common {
         let values: Vec<_> = (0..4).map(|i| (FRICTIONS[i].1, FILES[i], found[i])).collect();
         common(&values)
     }
 
     #[test]
     fn four_frictions_that_one_force_moves_tell_it() {
-        let Common { force, error, .. } = common_of([78.5, 47.0, 32.4, 3.4]).expect("clear");
+        let common = common_of([78.5, 47.0, 32.4, 3.4]);
+        let Common { force, error, .. } = common;
         assert!((force - 7.6).abs() < 3.0 * error && error < 0.3, "{force} {error}");
+        assert!(common.chance() < CHANCE);
     }
 
     #[test]
@@ -140,7 +205,7 @@ mod tests {
     #[test]
     fn friction_that_is_stronger_one_way_by_parts_of_its_own_tells_no_force() {
         for found in [[84.0, 48.0, 36.0, 9.9], [77.0, 44.0, 44.0, 12.1], [63.0, 44.0, 36.0, 11.0]] {
-            assert!(common_of(found).is_none(), "{found:?}");
+            assert!(common_of(found).chance() > CHANCE, "{found:?}");
         }
     }
 }

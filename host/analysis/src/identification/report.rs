@@ -151,7 +151,8 @@ pub fn causes(found: &Identification) -> Table {
 
 fn verdict(cause: &Explanation) -> &'static str {
     match (cause.is_significant(), cause.as_good_as_best) {
-        (true, true) => "yes",
+        (true, true) if cause.leaves_noise => "yes",
+        (true, true) => "yes, but leaves more than noise",
         (true, false) => "no: another explains more",
         (false, _) => "no: could be chance",
     }
@@ -201,8 +202,13 @@ pub fn notes(found: &Identification) -> Vec<String> {
         notes.push("The residuals exceed the noise: the model does not explain these data, or another minimum explains them better. The intervals are not 95 % intervals: each is widened by what a model error as large as the residuals can do to the estimate. A model error that the estimates have absorbed is not included.".to_owned());
     }
     if let Some(best) = found.causes.first().filter(|cause| cause.is_significant()) {
+        let rest = if best.leaves_noise {
+            ""
+        } else {
+            " It leaves more than noise: it is not the whole cause, or not the cause."
+        };
         notes.push(format!(
-            "Of the effects that are not in the rig file, {} would explain most: {:.0} % of the misfit. Measure it as its table says; with `--set {}` the same records can be fitted again.",
+            "Of the effects that are not in the rig file, {} would explain most: {:.0} % of the misfit.{rest} Measure it as its table says; with `--set {}` the same records can be fitted again.",
             best.effect.name,
             100.0 * best.explained,
             best.setting.replace(' ', " --set ")

@@ -1,8 +1,12 @@
 //! An effect that a rig file lacks, fitted beside all parameters.
 
+use nalgebra::DVector;
+
+use super::super::FAR;
+use super::super::approach::approach;
 use super::super::found::{Found, found_at, refined};
 use super::super::least_squares::{Minimum, Problem, minimise, minimise_by_secants};
-use super::super::level;
+use super::super::level::{self, Incline};
 use super::super::model::Model;
 use super::super::parameter::Parameter;
 use super::super::posterior::NORMAL_95;
@@ -12,47 +16,76 @@ use super::{Change, Effect, Explanation, Trial};
 /// Parts of the size that an effect should have by its linear promise, at which its fit may begin.
 const PARTS: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
 
+/// Parts of its usual size that an effect is tried in where the fit begins at the file's values.
+const SIZES: [f64; 10] = [-16.0, -8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0, 16.0];
+
+/// From where the fit of an effect begins.
+#[derive(Clone, Copy)]
+pub(super) struct Origin<'t, 'a> {
+    /// The model without the effect.
+    pub model: &'t Model<'a>,
+    /// The minimum without it.
+    pub without: &'t Found,
+    /// The effect, and what it promises.
+    pub trial: &'t Trial,
+}
+
 /// An effect fitted beside all parameters.
-pub(super) struct Fit<'a> {
-    /// The effect.
-    pub effect: Effect,
+pub(super) struct Fit<'t, 'a> {
+    origin: Origin<'t, 'a>,
     with: Model<'a>,
     found: Found,
     /// Whether the search has been completed with its own derivatives.
     pub is_finished: bool,
-    /// Value and standard error of an incline from friction; transients do not show it.
-    by_friction: Option<(f64, f64)>,
 }
 
-impl<'a> Fit<'a> {
+impl<'t, 'a> Fit<'t, 'a> {
     /// From the minimum without the effect, with the derivatives there.
-    pub fn by_secants(model: &Model<'a>, without: &Found, trial: &Trial) -> Option<Fit<'a>> {
+    pub fn by_secants(origin: Origin<'t, 'a>) -> Option<Fit<'t, 'a>> {
         let (mut best, mut least) = (None, f64::INFINITY);
         for part in PARTS {
-            let Some(started) = start(model, without, trial, part * trial.part) else { continue };
+            let Some(started) = origin.start(part * origin.trial.part) else { continue };
             let cost = started.1.residuals.norm_squared();
             if cost < least {
                 (best, least) = (Some(started), cost);
             }
-            if least < without.minimum.residuals.norm_squared() {
+            if least < origin.without.minimum.residuals.norm_squared() {
                 break;
             }
         }
         let (with, start) = best?;
         let found = found_at(&with, minimise_by_secants(&with, start)).ok()?;
-        let by_friction = by_friction(trial.effect, model, &without.minimum.u);
-        Some(Fit { effect: trial.effect, with, found, is_finished: false, by_friction })
+        Some(Fit { origin, with, found, is_finished: false })
     }
 
-    /// Goes on to the end: by secants again, from derivatives of its own, and if that leaves more than noise, with
-    /// derivatives at each step.
+    /// From the values of the file and a size with which they come near, as a fit without the effect begins: the minimum
+    /// without it may lie in another valley.
+    fn from_the_file(origin: Origin<'t, 'a>, progress: &mut dyn FnMut(&str)) -> Option<Fit<'t, 'a>> {
+        let (mut with, u) = origin.nearest()?;
+        let near = approach(&mut with, u, progress);
+        with.fine = true;
+        let minimum = minimise(&with, &near, true, progress)?;
+        let found = refined(&with, found_at(&with, minimum).ok()?).ok()?;
+        Some(Fit { origin, with, found, is_finished: true })
+    }
+
+    /// Goes on to the end: by secants again, from derivatives of its own; if that leaves more than noise, from the values of
+    /// the file; and with derivatives at each step if none of these ends at a minimum.
     pub fn finish(&mut self, progress: &mut dyn FnMut(&str)) {
+        progress(&format!("with {}", self.effect().name));
         self.is_finished = true;
         let here = self.found.minimum.clone();
         let jacobian = self.with.jacobian(&here.u, &here.residuals);
         let near = jacobian.map(|jacobian| Minimum { jacobian, converged: false, ..here });
         self.go_to(near.map(|near| minimise_by_secants(&self.with, near)));
-        if !self.leaves_noise() || !self.found.minimum.converged {
+        if !self.leaves_noise() {
+            progress(&format!("with {}, from the values of the file", self.effect().name));
+            let anew = Fit::from_the_file(self.origin, progress);
+            if let Some(anew) = anew.filter(|anew| anew.cost() < self.cost()) {
+                *self = anew;
+            }
+        }
+        if !self.found.minimum.converged {
             self.go_to(minimise(&self.with, &self.found.minimum.u, true, progress));
         }
     }
@@ -65,6 +98,10 @@ impl<'a> Fit<'a> {
         }
     }
 
+    pub fn effect(&self) -> Effect {
+        self.origin.trial.effect
+    }
+
     pub fn cost(&self) -> f64 {
         self.found.minimum.residuals.norm_squared()
     }
@@ -75,26 +112,34 @@ impl<'a> Fit<'a> {
 
     /// The value of the effect, in the unit of its key, if it is a number, and its standard error.
     fn value(&self) -> Option<(f64, f64)> {
-        let Change::Number { .. } = self.effect.change else { return None };
-        if self.by_friction.is_some() {
-            return self.by_friction;
+        let Change::Number { .. } = self.effect().change else { return None };
+        if let Some(incline) = self.incline() {
+            return Some((incline.degrees, 0.5 * (incline.interval[1] - incline.interval[0]) / NORMAL_95));
         }
         let place = self.with.parameters.len() - 1;
         let parameter = &self.with.parameters[place];
-        let error = self.found.error(&self.with, place) * parameter.slope(0.0);
+        let mut slopes = DVector::zeros(self.found.minimum.u.len());
+        slopes[place] = parameter.slope(0.0);
+        let error = self.found.error(&self.with, &slopes);
         Some((parameter.value(self.found.minimum.u[place]), error))
     }
 
-    pub fn explanation(&self, without: &Found, (tried, misfit): (usize, f64)) -> Explanation {
-        let gained = without.minimum.residuals.norm_squared() - self.cost();
+    /// What friction tells of the size of an incline; transients do not show it.
+    fn incline(&self) -> Option<Incline> {
+        let Change::Number { path: "load.incline_deg", .. } = self.effect().change else { return None };
+        level::fitted(&self.with, &self.found)
+    }
+
+    pub fn explanation(&self, (tried, misfit): (usize, f64)) -> Explanation {
+        let gained = self.origin.without.minimum.residuals.norm_squared() - self.cost();
         let (variance, freedom) = noise(&self.with, &self.found);
         let ratio = gained / variance;
         let left = self.found.spectrum.misfit();
         let explained = if left > 0.0 { 1.0 - (left / misfit).powi(2) } else { gained / misfit.powi(2) };
         let value = self.value();
         Explanation {
-            setting: self.effect.setting(&self.with.rig, value.map(|(value, _)| value)),
-            effect: self.effect,
+            setting: self.effect().setting(&self.with.rig, value.map(|(value, _)| value)),
+            effect: self.effect(),
             value: value.filter(|_| self.is_finished),
             explained: explained.clamp(0.0, 1.0),
             chance: (chance(ratio, freedom) * tried as f64).min(1.0),
@@ -106,29 +151,51 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// The model with a part of the usual size of an effect, and where its search begins: at the minimum without it.
-fn start<'a>(model: &Model<'a>, found: &Found, trial: &Trial, part: f64) -> Option<(Model<'a>, Minimum)> {
-    let mut with = model.of_rig(trial.effect.rig(model, part)?);
-    let Minimum { mut u, jacobian, .. } = found.minimum.clone();
-    let Change::Number { path, size, least, .. } = trial.effect.change else {
+impl<'a> Origin<'_, 'a> {
+    /// The model with a part of the usual size of the effect, and where its search begins: at the minimum without it.
+    fn start(&self, part: f64) -> Option<(Model<'a>, Minimum)> {
+        let Origin { model, without: found, trial } = *self;
+        let mut with = model.of_rig(trial.effect.rig(model, part)?);
+        let Minimum { mut u, jacobian, .. } = found.minimum.clone();
+        let Change::Number { path, size, least, .. } = trial.effect.change else {
+            let residuals = with.residuals_at(&u)?;
+            return Some((with, Minimum { u, residuals, jacobian, converged: false }));
+        };
+        let place = model.parameters.len();
+        with = with.with(&[Parameter::by_difference(&with.rig, path, size, least)?]);
+        u.insert(place, 0.0);
         let residuals = with.residuals_at(&u)?;
-        return Some((with, Minimum { u, residuals, jacobian, converged: false }));
-    };
-    let place = model.parameters.len();
-    with = with.with(&[Parameter::by_difference(&with.rig, path, size, least)?]);
-    u.insert(place, 0.0);
-    let residuals = with.residuals_at(&u)?;
-    let column = with.columns(&u, &residuals, place..place + 1).pop()??;
-    // The row of its own term comes where its column does.
-    let mut jacobian = jacobian.insert_row(found.rows() + place, 0.0).insert_column(place, 0.0);
-    jacobian.view_mut((column.first, place), (column.rows.len(), 1)).copy_from(&column.rows);
-    jacobian[(found.rows() + place, place)] = 1.0 / with.prior(place);
-    Some((with, Minimum { u, residuals, jacobian, converged: false }))
-}
+        let column = with.columns(&u, &residuals, place..place + 1).pop()??;
+        // The row of its own term comes where its column does.
+        let mut jacobian = jacobian.insert_row(found.rows() + place, 0.0).insert_column(place, 0.0);
+        jacobian.view_mut((column.first, place), (column.rows.len(), 1)).copy_from(&column.rows);
+        jacobian[(found.rows() + place, place)] = 1.0 / with.prior(place);
+        Some((with, Minimum { u, residuals, jacobian, converged: false }))
+    }
 
-/// What friction tells of the size of an effect, and its standard error, if it is an incline.
-fn by_friction(effect: Effect, model: &Model, u: &[f64]) -> Option<(f64, f64)> {
-    let Change::Number { path: "load.incline_deg", .. } = effect.change else { return None };
-    let incline = level::suggested(model, u)?;
-    Some((incline.degrees, 0.5 * (incline.interval[1] - incline.interval[0]) / NORMAL_95))
+    /// The model with the size of the effect that comes nearest at the values of the file, or at those of the minimum
+    /// without it but for what that moved far from the file; and that point.
+    fn nearest(&self) -> Option<(Model<'a>, Vec<f64>)> {
+        let Origin { model, without, trial } = *self;
+        let u = &without.minimum.u;
+        let is_far = |i: usize| u[i].abs() > FAR * model.prior(i);
+        let mended = (0..u.len()).map(|i| if is_far(i) { 0.0 } else { u[i] }).collect();
+        let points = [vec![0.0; u.len()], mended];
+        let parts: &[f64] = if let Change::Number { .. } = trial.effect.change { &SIZES } else { &[1.0] };
+        let mut best = (None, f64::INFINITY);
+        for part in parts.iter().chain([&trial.part]) {
+            let Some(rig) = trial.effect.rig(model, *part) else { continue };
+            let with = model.of_rig(rig);
+            for point in &points {
+                let left = with.mean_square(point);
+                if left < best.1 {
+                    best = (Some((with.clone(), point.clone())), left);
+                }
+            }
+        }
+        let (with, mut u) = best.0?;
+        let Change::Number { path, size, least, .. } = trial.effect.change else { return Some((with, u)) };
+        u.insert(model.parameters.len(), 0.0);
+        Some((with.with(&[Parameter::by_difference(&with.rig, path, size, least)?]), u))
+    }
 }

@@ -79,7 +79,7 @@ fn cause(cause: &Explanation) -> Value {
     json!({
         "effect": cause.effect.name, "settings": cause.setting, "explained": cause.explained,
         "chance": cause.chance, "significant": cause.is_significant(), "as_good_as_best": cause.as_good_as_best,
-        "value": cause.value.map(|(value, _)| value),
+        "leaves_noise": cause.leaves_noise, "value": cause.value.map(|(value, _)| value),
         "standard_error": cause.value.map(|(_, error)| error),
     })
 }
