@@ -6,6 +6,8 @@
 //! sigma = root of (sum of w_i (d_i - F)^2 / (n - 1))
 //! t     = F root(sum of w_i) / sigma            Student's t of n - 1 degrees of freedom where there is no F
 //! F     = m g sin(incline)
+//!
+//! m g sin(incline) = m g sin(fitted) + F                         of a fit that has an incline among its parameters
 //! ```
 //!
 //! The weight of a load on an incline adds the same force to all four. A transient cannot distinguish it from friction that
