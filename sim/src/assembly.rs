@@ -41,7 +41,7 @@ use crate::continuous::ContinuousLaw;
 use crate::network::{Network, Nodes};
 use crate::number::Number;
 use lands::Lands;
-use layout::{CORE, SPOOL_GUARDS, USUAL, guard, spool_state};
+use layout::{CORE, USUAL, guard, spool_state};
 use pneudrive_solver::{Derivative, Event, Integrator, StepLimit, System};
 use ports::Ports;
 pub use valve_state::ValveState;
@@ -244,18 +244,18 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     }
 
     fn guards(&mut self, t: f64, x: &StateVector) -> [f64; GUARDS] {
-        self.follow(x);
-        self.follow_rate(t, x);
-        let flow_force = self.flow_force(t, x);
-        let mut guards = [0.0; GUARDS];
+        let mut guards = [1.0; GUARDS];
         guards[guard::LOAD_FRICTION] = self.friction_guard(x);
         guards[guard::LOAD_STOPS] = self.parts.load.stops.guard(self.load_side, x[slot::POSITION]);
-        [guards[guard::PROFILE[0]], guards[guard::PROFILE[1]]] =
-            self.parts.continuous.as_ref().map_or([1.0; 2], |law| law.guards(x[slot::POSITION]));
-        guards[guard::SPOOL..].copy_from_slice(&match self.parts.operator.has_closed_form() {
-            true => [1.0; SPOOL_GUARDS],
-            false => self.spool_guards(t, x, flow_force),
-        });
+        if let Some(law) = &self.parts.continuous {
+            [guards[guard::PROFILE[0]], guards[guard::PROFILE[1]]] = law.guards(x[slot::POSITION]);
+        }
+        if !self.parts.operator.has_closed_form() {
+            self.follow(x);
+            self.follow_rate(t, x);
+            let flow_force = self.flow_force(t, x);
+            guards[guard::SPOOL..].copy_from_slice(&self.spool_guards(t, x, flow_force));
+        }
         guards
     }
 

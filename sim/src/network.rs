@@ -43,6 +43,7 @@ mod predictor;
 mod rest;
 mod restriction;
 mod solve;
+mod usual;
 
 use crate::component::air::Station;
 use crate::component::gas::Gas;

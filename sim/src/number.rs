@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use wide::f64x2;
+use wide::{f64x2, u64x2};
 
 /// Of node 1 and node 2, or of chamber 1 and chamber 2.
 pub(crate) type Pair = f64x2;
@@ -29,8 +29,6 @@ pub(crate) trait Number:
     fn lane(self, i: usize) -> f64;
     /// Made of one, or two.
     fn of(lane: impl FnMut(usize) -> f64) -> Self;
-    /// What is known to hold, or not to, for all of them.
-    fn truth(holds: bool) -> Self::Truth;
     /// self > other.
     fn above(self, other: Self) -> Self::Truth;
     /// self >= other.
@@ -51,6 +49,9 @@ pub(crate) trait Number:
     fn all(truth: Self::Truth) -> bool;
     /// Its size without the sign.
     fn size(self) -> Self;
+    /// Sine and cosine of an angle to which the quarters of a cycle are added that the last two bits of `counted` say:
+    /// each swaps the two and turns the sign of one.
+    fn turned_by(counted: Self, sine_and_cosine: [Self; 2]) -> [Self; 2];
 
     /// Sine and cosine of an angle in cycles. Reduced to an eighth of one beforehand, which is exact, it needs no
     /// multiple of pi, and a series of few terms. Up to 1e15 cycles.
@@ -62,16 +63,7 @@ pub(crate) trait Number:
         let square = angle * angle;
         let sine = angle * square.series(&OF_SINE);
         let cosine = square.series(&OF_COSINE);
-        let turned = |i: usize| {
-            let (sine, cosine) = (sine.lane(i), cosine.lane(i));
-            match counted.lane(i).to_bits() & 3 {
-                0 => [sine, cosine],
-                1 => [cosine, -sine],
-                2 => [-sine, -cosine],
-                _ => [-cosine, sine],
-            }
-        };
-        [Self::of(|i| turned(i)[0]), Self::of(|i| turned(i)[1])]
+        Self::turned_by(counted, [sine, cosine])
     }
 
     /// A polynomial in it, its highest coefficient first; even and odd powers at the same time.
@@ -148,11 +140,6 @@ impl Number for f64 {
     }
 
     #[inline(always)]
-    fn truth(holds: bool) -> bool {
-        holds
-    }
-
-    #[inline(always)]
     fn above(self, other: f64) -> bool {
         self > other
     }
@@ -201,6 +188,15 @@ impl Number for f64 {
     fn size(self) -> f64 {
         self.abs()
     }
+
+    #[inline(always)]
+    fn turned_by(counted: f64, sine_and_cosine: [f64; 2]) -> [f64; 2] {
+        let quarters = counted.to_bits();
+        let [sine, cosine] = sine_and_cosine.map(f64::to_bits);
+        let swap = (sine ^ cosine) & (quarters & 1).wrapping_neg();
+        let signs = [quarters & 2, quarters.wrapping_add(1) & 2].map(|second| second << 62);
+        [sine ^ swap ^ signs[0], cosine ^ swap ^ signs[1]].map(f64::from_bits)
+    }
 }
 
 impl Number for Pair {
@@ -214,12 +210,6 @@ impl Number for Pair {
     #[inline(always)]
     fn of(mut lane: impl FnMut(usize) -> f64) -> Pair {
         Pair::new([lane(0), lane(1)])
-    }
-
-    #[inline(always)]
-    fn truth(holds: bool) -> Pair {
-        // All bits set, or none.
-        Pair::splat(f64::from_bits(if holds { u64::MAX } else { 0 }))
     }
 
     #[inline(always)]
@@ -272,6 +262,23 @@ impl Number for Pair {
     fn size(self) -> Pair {
         self.abs()
     }
+
+    #[inline(always)]
+    fn turned_by(counted: Pair, sine_and_cosine: [Pair; 2]) -> [Pair; 2] {
+        let (one, two) = (u64x2::splat(1), u64x2::splat(2));
+        let quarters = bits(counted);
+        let [sine, cosine] = sine_and_cosine.map(bits);
+        let swap = (sine ^ cosine) & (u64x2::ZERO - (quarters & one));
+        let signs = [quarters & two, (quarters + one) & two].map(|second| second << 62);
+        [sine ^ swap ^ signs[0], cosine ^ swap ^ signs[1]]
+            .map(|each: u64x2| Pair::new(each.to_array().map(f64::from_bits)))
+    }
+}
+
+/// Of both numbers.
+#[inline(always)]
+fn bits(pair: Pair) -> u64x2 {
+    u64x2::new(pair.to_array().map(f64::to_bits))
 }
 
 #[cfg(test)]

@@ -40,17 +40,17 @@ const CLEAR: f64 = 2.0;
 
 /// Whether all guards stay clear of zero, by their values at the beginning, in the middle and at the end.
 pub fn stay_clear(begin: &[f64], middle: &[f64], end: &[f64]) -> bool {
-    let mut clear = true;
-    for ((&one, &two), &three) in begin.iter().zip(middle).zip(end) {
-        let (least, most) = (one.min(two).min(three), one.max(two).max(three));
-        clear &= least > CLEAR * (most - least);
-    }
-    clear
+    begin.iter().zip(middle).zip(end).all(|((&one, &two), &three)| {
+        let smaller = |a: f64, b: f64| if a < b { a } else { b };
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        let (least, most) = (smaller(smaller(one, two), three), larger(larger(one, two), three));
+        least > CLEAR * (most - least)
+    })
 }
 
-/// Whether one of several guards may become negative at all.
-pub fn any_may_cross<const G: usize>(begin: &[f64; G], probed: &Probed<G>) -> bool {
-    (0..G).any(|guard| may_cross(&values_of(guard, begin, probed)))
+/// Whether one of the first `n_guards` guards may become negative at all.
+pub fn any_may_cross<const G: usize>(n_guards: usize, begin: &[f64; G], probed: &Probed<G>) -> bool {
+    (0..n_guards.min(G)).any(|guard| may_cross(&values_of(guard, begin, probed)))
 }
 
 /// A guard at the beginning and at [`PROBES`].

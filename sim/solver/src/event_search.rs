@@ -1,7 +1,7 @@
 //! The first event in a step. Unless all guards stay clear of zero, they are probed at a few places; a zero is then
 //! located on the refined dense output.
 
-use crate::crossing::{PROBES, Probed, any_may_cross, first_crossing, stay_clear};
+use crate::crossing::{PROBES, any_may_cross, first_crossing, stay_clear};
 use crate::dense_output::DenseOutput;
 use crate::progress::Progress;
 use crate::root::bracketed_root;
@@ -39,23 +39,40 @@ impl<const N: usize> Progress<N> {
         let (middle, last) = (system.guards(span.when(0.5), &step.at_part(0.5)), system.guards(end, x));
         let end_guards = system.end_guards(end, x);
         *guards = Some(last);
-        let end_guards_hold = end_guards.iter().all(|value| *value >= 0.0);
         let n_guards = system.n_guards().min(G);
         let clear = stay_clear(&begin[..n_guards], &middle[..n_guards], &last[..n_guards]);
-        if end_guards_hold && clear {
+        if clear && end_guards.iter().all(|value| *value >= 0.0) {
             return None;
         }
-        let mut probed = probed(system, step, &span, x);
-        if end_guards_hold && !any_may_cross(&begin, &probed) {
+        self.closer_look(system, step, &span, &[begin, middle, last], &end_guards)
+    }
+
+    /// The same where a guard may have crossed, by the guards at the beginning, in the middle and at the end.
+    #[inline(never)]
+    fn closer_look<const G: usize, const E: usize>(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        step: &mut DenseOutput<N>,
+        span: &Span,
+        &[begin, middle, last]: &[[f64; G]; 3],
+        end_guards: &[f64; E],
+    ) -> Option<(Event, f64)> {
+        let n_guards = system.n_guards().min(G);
+        let mut guards_at =
+            |theta: f64, step: &DenseOutput<N>| system.guards(span.when(theta), &step.at_part(theta));
+        let mut probed = [guards_at(PROBES[0], step), middle, guards_at(PROBES[2], step), last];
+        if end_guards.iter().all(|value| *value >= 0.0) && !any_may_cross(n_guards, &begin, &probed) {
             return None;
         }
         if self.refine(system, step) {
-            probed = self::probed(system, step, &span, x);
+            for (guards, theta) in probed.iter_mut().zip([PROBES[0], PROBES[1], PROBES[2]]) {
+                *guards = system.guards(span.when(theta), &step.at_part(theta));
+            }
         }
         let by_guard =
             first_crossing(&begin, &probed, |theta| system.guards(span.when(theta), &step.at_part(theta)))
                 .map(|(guard, theta)| (Event::Guard(guard), span.when(theta)));
-        let by_end_guard = self.first_end_guard(system, step, &span, &end_guards);
+        let by_end_guard = self.first_end_guard(system, step, span, end_guards);
         [by_guard, by_end_guard].into_iter().flatten().min_by(|(_, one), (_, other)| one.total_cmp(other))
     }
 
@@ -75,18 +92,6 @@ impl<const N: usize> Progress<N> {
         }
         first
     }
-}
-
-/// The guards at [`PROBES`].
-fn probed<const N: usize, const G: usize, const E: usize>(
-    system: &mut impl System<N, G, E>,
-    step: &DenseOutput<N>,
-    span: &Span,
-    x: &[f64; N],
-) -> Probed<G> {
-    let mut inside = |i: usize| system.guards(span.when(PROBES[i]), &step.at_part(PROBES[i]));
-    let [one, two, three] = [inside(0), inside(1), inside(2)];
-    [one, two, three, system.guards(span.end, x)]
 }
 
 /// Of two at the same instant the one that is known already.

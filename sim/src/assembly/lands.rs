@@ -3,6 +3,7 @@
 //! Within the last micrometres before its edge a land's area bends sharply, and at the edge it breaks off:
 //! a spool that passes an edge is an event.
 
+use crate::component::operator::{Limit, Met, Quantity};
 use crate::component::valve::Valve;
 
 /// m: edges as near as this to each other are passed at once.
@@ -25,6 +26,15 @@ impl Lands {
         let openings = valve.openings(spool);
         let room = |i: usize| if self.open[i] { openings[i] } else { -openings[i] };
         [room(0), room(1)]
+    }
+
+    /// The edges as limits of the spool's position.
+    pub fn limits(&self, valve: &Valve) -> [Limit; 2] {
+        let edges = valve.edges();
+        let limit =
+            |i: usize, upper| Limit { of: Quantity::Position, level: edges[i], upper, met: Met::Edge(i) };
+        // A spool that rises opens land 1 and shuts land 2.
+        [limit(0, !self.open[0]), limit(1, self.open[1])]
     }
 
     /// The edge of a land is passed.

@@ -68,7 +68,12 @@ impl Assembly {
     /// Not negative as long as the contact of the load holds.
     #[inline(always)]
     pub(super) fn friction_guard(&self, x: &StateVector) -> f64 {
-        self.parts.load.friction.guard(&self.body(x))
+        let load = &self.parts.load;
+        load.friction.guard(&match self.load_contact {
+            Contact::Stuck => self.body(x),
+            // Whatever the force.
+            contact => load.body(0.0, x[slot::VELOCITY], (contact, friction_states(x))),
+        })
     }
 
     /// A mode of the load or an entry of the profile ends: the continuous command jumps, or its rate does.

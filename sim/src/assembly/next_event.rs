@@ -6,6 +6,7 @@
 
 use super::layout::{SPOOL_GUARDS, guard, spool_state};
 use super::{Assembly, StateVector};
+use crate::component::operator::{Course, Met, Search};
 use pneudrive_solver::crossing::{PROBES, first_crossing};
 use pneudrive_solver::{Event, StepLimit, System};
 
@@ -34,15 +35,32 @@ impl Assembly {
 
     /// The spool's first event before `clear`, or `clear`.
     fn spool_event(&self, t: f64, x: &StateVector, clear: StepLimit) -> StepLimit {
+        // A null that drifts takes the edges along.
+        if self.parts.null_drift != 0.0 {
+            return self.searched_event(t, x, clear);
+        }
+        let edges = self.lands.limits(&self.parts.valve);
+        match self.parts.operator.course(t, spool_state(x), &edges) {
+            Course::Stands(until, own) if until < clear.until => limit_at(until, Met::Guard(own)),
+            Course::Stands(..) => clear,
+            Course::Flies(flight, limits) => match flight.first_limit(&limits, [t, clear.until]) {
+                Search::Clear => clear,
+                Search::Found(met, at) => limit_at(at, met),
+                Search::Undecided => self.searched_event(t, x, clear),
+            },
+            Course::Unknown => self.searched_event(t, x, clear),
+        }
+    }
+
+    /// The same by looks at all guards of the spool.
+    fn searched_event(&self, t: f64, x: &StateVector, clear: StepLimit) -> StepLimit {
         // Forever at rest.
         if clear.until.is_infinite() {
             return clear;
         }
         let span = clear.until - t;
         let guards_at = |part: f64| self.spool_guards(t + part * span, x, 0.0);
-        let [one, two, three, four] = PROBES;
-        let looks = [guards_at(one), guards_at(two), guards_at(three), guards_at(four)];
-        let found = first_crossing(&guards_at(0.0), &looks, guards_at);
+        let found = first_crossing(&guards_at(0.0), &PROBES.map(guards_at), guards_at);
         found.map_or(clear, |(index, part)| StepLimit {
             until: t + part * span,
             event: Some(Event::Guard(guard::SPOOL + index)),
@@ -59,3 +77,15 @@ impl Assembly {
         guards
     }
 }
+
+/// A step that ends where a limit of the spool is met.
+fn limit_at(until: f64, met: Met) -> StepLimit {
+    let guard = match met {
+        Met::Edge(land) => guard::LANDS[land],
+        Met::Guard(own) => guard::OPERATOR[own],
+    };
+    StepLimit { until, event: Some(Event::Guard(guard)) }
+}
+
+#[cfg(test)]
+mod tests;

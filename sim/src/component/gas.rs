@@ -160,6 +160,26 @@ impl Gas {
         })
     }
 
+    /// The same times `factor`, which comes late.
+    #[inline(always)]
+    pub(crate) fn flow_function_of_air_times<N: Number>(
+        &self,
+        factor: N,
+        upstream: N,
+        downstream: N,
+    ) -> FlowFunction<N> {
+        let sonic = upstream * N::from(self.sonic_part);
+        let throat = downstream.larger(sonic);
+        let (square, drop) = (throat * throat, upstream - throat);
+        let fourth = square * square;
+        let by_downstream = factor * (fourth * (upstream * (N::from(self.flow_exponent) * drop - throat)));
+        FlowFunction {
+            value: factor * (fourth * (throat * (upstream * drop))),
+            by_upstream: factor * (fourth * (throat * (upstream + drop))),
+            by_downstream: N::choose(downstream.above(sonic), by_downstream, N::from(0.0)),
+        }
+    }
+
     /// The same with w^(e-1) and w^e by `powers`.
     #[inline(always)]
     fn flow_function_by<N: Number>(

@@ -28,6 +28,7 @@ use crate::component::controller::{self, keys as controller_keys};
 use crate::component::dither::{self, Dither};
 use crate::key::{keys, words};
 use crate::values::{Findings, Rig};
+pub(crate) use closed_form::{FreeMotion, Limit, Met, Quantity, Search};
 use empirical::Empirical;
 use on_off::OnOff;
 pub use request::{Request, within_range};
@@ -105,6 +106,16 @@ pub struct SpoolState {
     pub velocity: f64,
 }
 
+/// What is known of the course of a spool until its next instant.
+pub(crate) enum Course<'a> {
+    /// It stands, until it breaks away then: its guard of this index.
+    Stands(f64, usize),
+    /// It moves freely, between these limits.
+    Flies(&'a FreeMotion, [Limit; 2]),
+    /// It has to be searched for what happens.
+    Unknown,
+}
+
 /// Guards that an operator has.
 pub(crate) const GUARDS: usize = 2 + moving_hysteresis::GUARDS;
 
@@ -153,6 +164,16 @@ impl Operator {
             Operator::Solenoid(solenoid) => solenoid.has_closed_form(),
             Operator::Empirical(empirical) => empirical.flies(),
             Operator::Stepper(_) | Operator::OnOff(_) | Operator::Stuck(_) => true,
+        }
+    }
+
+    /// What is known of its course after `t`. A spool that moves passes one of the `edges` of the lands next, if not a
+    /// limit of the operator's own.
+    pub(crate) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
+        match self {
+            Operator::Solenoid(solenoid) => solenoid.course(t, spool, edges),
+            Operator::Stepper(_) | Operator::Stuck(_) => Course::Stands(f64::INFINITY, 0),
+            Operator::Empirical(_) | Operator::OnOff(_) => Course::Unknown,
         }
     }
 

@@ -168,6 +168,16 @@ impl Tube {
         matches!(self.0, Drop::None)
     }
 
+    /// d ln w/d mdot of a flow away from the known end, s/kg, where that is the same for all flows.
+    #[inline(always)]
+    pub(crate) fn decay(&self) -> Option<f64> {
+        match self.0 {
+            Drop::None => Some(0.0),
+            Drop::Empirical { decay } => Some(decay),
+            Drop::Analytical(_) | Drop::Connector(_) => None,
+        }
+    }
+
     /// Whether the drop depends on the temperature of the air in the tube.
     pub(crate) fn feels_temperature(&self) -> bool {
         matches!(self.0, Drop::Analytical(_) | Drop::Connector(_))

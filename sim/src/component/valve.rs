@@ -210,6 +210,11 @@ impl Valve {
         [x - self.lap, -x - self.lap]
     }
 
+    /// Where z_1 and z_2 are zero, m.
+    pub(crate) fn edges(&self) -> [f64; 2] {
+        [self.null_offset + self.lap, self.null_offset - self.lap]
+    }
+
     /// C_d A of the wider land to the supply, over the area of a port.
     pub(crate) fn widest_supply_land(&self, openings: [f64; 2]) -> f64 {
         self.discharge_supply * self.edge_area(openings[0].max(openings[1])) / self.port_area()

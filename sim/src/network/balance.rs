@@ -9,14 +9,14 @@
 //! The slopes over (w_n, s, e) are complete: they have the node's temperature in them, and the pressures behind the
 //! tubes. That over the flow in the supply tube stands apart, as it joins the two nodes.
 //!
-//! Nearly always air flows from the supply into both nodes and out of both into the exhaust. Where that is known
-//! (`USUAL`), nothing asks which way it goes: two thirds of the work give the same numbers, to the last bit.
+//! Nearly always air flows from the supply into both nodes and out of both into the exhaust: then
+//! [`super::usual`] solves the same equations in half the time.
 
 use super::Network;
 use super::mixing::Mixture;
 use super::nodes::{Nodes, Surroundings, pair};
 use super::rest::{Slope, land_line, square_slope};
-use super::restriction::{EndState, Side, SquareFlow, Way};
+use super::restriction::{EndState, Side, SquareFlow};
 use crate::component::air::Station;
 use crate::component::tubing::FarEnd;
 use crate::component::valve::flow_law::FlowLaw;
@@ -46,29 +46,26 @@ type ByWarmth = Option<[Pair; 3]>;
 
 impl Network {
     /// The balance at `nodes`. `AT_REST`: no air has a speed in front of a restriction. `PLAIN`: no tube's drop depends on
-    /// the temperature of its air, and nothing of a lagged one follows at once. `USUAL`: [`Network::are_usual`].
+    /// the temperature of its air, and nothing of a lagged one follows at once.
     #[inline(always)]
-    pub(super) fn balance<const AT_REST: bool, const PLAIN: bool, const USUAL: bool>(
+    pub(super) fn balance<const AT_REST: bool, const PLAIN: bool>(
         &self,
         nodes: &Nodes,
         around: &Surroundings,
         supply: &Side,
         slopes: Slope,
     ) -> Balance {
-        let slopes = if USUAL { Slope::Tangent } else { slopes };
         let (tubes, by_warmth) = self.cylinder_side::<AT_REST, PLAIN>(nodes, around, supply);
         let mixture = match around.valve.port {
-            Some(_) => self.mixture::<USUAL>(nodes, around, supply, &tubes),
+            Some(_) => self.mixture(nodes, around, supply, &tubes),
             // Without a node the exhaust land takes the cylinder's air (6.40).
             None => Mixture::of(around.chambers.temperature),
         };
         let lines = [
-            self.supply_line::<AT_REST, USUAL>(nodes, around, supply, &mixture, slopes),
-            self.exhaust_line::<USUAL>(nodes, around, &mixture, slopes),
+            self.supply_line::<AT_REST>(nodes, around, supply, &mixture, slopes),
+            self.exhaust_line(nodes, around, &mixture, slopes),
             match around.valve.port {
-                Some(bore) => {
-                    self.port_line::<USUAL>(bore, nodes, around, (&tubes, by_warmth), &mixture, slopes)
-                }
+                Some(bore) => self.port_line(bore, nodes, around, (&tubes, by_warmth), &mixture, slopes),
                 None => open_port_line(nodes, &tubes, by_warmth),
             },
         ];
@@ -87,17 +84,6 @@ impl Network {
     #[inline(always)]
     pub(super) fn may_be_usual(&self, around: &Surroundings) -> bool {
         self.passes_air && self.is_plain() && !around.has_shut_land && around.valve.port.is_some()
-    }
-
-    /// Whether air flows from the supply into both nodes, and from both into the exhaust.
-    #[inline(always)]
-    pub(super) fn are_usual(&self, nodes: &Nodes, supply: &Side) -> bool {
-        let zero = pair(0.0);
-        let flows = nodes.supply.above(zero) & zero.above(nodes.exhaust);
-        let raised =
-            supply.approach.map_or(supply.station.exner, |approach| supply.station.exner * approach.factor);
-        let falls = raised.above(nodes.exner) & nodes.exner.above(pair(self.exhaust.exner));
-        Pair::all(flows & falls)
     }
 
     /// The air in front of the lands, behind the supply's tube.
@@ -129,7 +115,7 @@ impl Network {
     }
 
     #[inline(always)]
-    fn supply_line<const AT_REST: bool, const USUAL: bool>(
+    fn supply_line<const AT_REST: bool>(
         &self,
         nodes: &Nodes,
         around: &Surroundings,
@@ -141,49 +127,30 @@ impl Network {
             EndState { exner: supply.station.exner, per_temperature: pair(self.per_supply_temperature) };
         let conductance = around.valve.supply;
         let node = mixture.place(nodes);
-        let square = match USUAL {
-            true => self.orifice(conductance, &place, &supply.approach, &node, Way::In),
-            false => self.land(&self.laws.supply, conductance, &place, &supply.approach, &node),
-        };
+        let square = self.land(&self.laws.supply, conductance, &place, &supply.approach, &node);
         let at = (nodes.supply, square.value);
         let (residual, by_flow) =
-            self.land_lines::<USUAL>(around, (&self.laws.supply, conductance), &supply.station, at, slopes);
+            self.land_lines(around, (&self.laws.supply, conductance), &supply.station, at, slopes);
         let pushed = -square.by_end_state * supply.by_flow;
-        if USUAL {
-            let row = [-square.by_node, by_flow - square.by_flow, pair(0.0)];
-            return Line { residual, row, by_total: pushed };
-        }
         let [s_s, s_e, s_t] = mixture.cooled(&square, pair(0.0).above(square.value), slopes);
         let row = [-square.by_node, by_flow - square.by_flow + s_s, s_e];
         Line { residual, row, by_total: if AT_REST { pushed } else { s_t + pushed } }
     }
 
     #[inline(always)]
-    fn exhaust_line<const USUAL: bool>(
-        &self,
-        nodes: &Nodes,
-        around: &Surroundings,
-        mixture: &Mixture,
-        slopes: Slope,
-    ) -> Line {
+    fn exhaust_line(&self, nodes: &Nodes, around: &Surroundings, mixture: &Mixture, slopes: Slope) -> Line {
         let (exhaust, conductance) = (self.exhausts(), around.valve.exhaust);
         let (place, node) = (EndState::of(&exhaust), mixture.place(nodes));
-        let square = match USUAL {
-            true => self.orifice(conductance, &place, &None, &node, Way::Out),
-            false => self.land(&self.laws.exhaust, conductance, &place, &None, &node),
-        };
+        let square = self.land(&self.laws.exhaust, conductance, &place, &None, &node);
         let at = (nodes.exhaust, square.value);
         let (residual, by_flow) =
-            self.land_lines::<USUAL>(around, (&self.laws.exhaust, conductance), &exhaust, at, slopes);
-        let [e_s, e_e, e_t] = match USUAL {
-            true => mixture.cooled(&square, Pair::truth(true), slopes),
-            false => mixture.cooled(&square, pair(0.0).above(square.value), slopes),
-        };
+            self.land_lines(around, (&self.laws.exhaust, conductance), &exhaust, at, slopes);
+        let [e_s, e_e, e_t] = mixture.cooled(&square, pair(0.0).above(square.value), slopes);
         Line { residual, row: [-square.by_node, e_s, by_flow + e_e], by_total: e_t }
     }
 
     #[inline(always)]
-    fn port_line<const USUAL: bool>(
+    fn port_line(
         &self,
         bore: Pair,
         nodes: &Nodes,
@@ -196,25 +163,14 @@ impl Network {
         let of_chambers = pair(1.0) / around.chambers.temperature;
         let per_temperature = Pair::choose(around.charging, mixture.per_temperature, of_chambers);
         let behind = EndState { exner: tubes.station.exner, per_temperature };
-        let back = match USUAL {
-            true => self.orifice(
-                bore,
-                &behind,
-                &tubes.approach,
-                &EndState { exner: nodes.exner, ..behind },
-                Way::ByPressure,
-            ),
-            false => self.port(bore, &behind, &tubes.approach, nodes.exner),
-        };
+        let back = self.port(bore, &behind, &tubes.approach, nodes.exner);
         let [p_s, p_e, p_t] = mixture.cooled(&back, around.charging, slopes);
         let size = match slopes {
             Slope::Tangent => pair(2.0) * m.abs(),
             Slope::Secant => Pair::of(|i| square_slope(slopes, m.lane(i), -back.value.lane(i))),
         };
         let by_flow = size - back.by_flow - back.by_end_state * tubes.by_flow;
-        // A port that charges takes no air from the chamber, so that e leaves its temperature alone.
-        let by_exhaust = if USUAL { by_flow } else { by_flow - p_e };
-        let mut row = [back.by_node, by_flow - p_s, by_exhaust];
+        let mut row = [back.by_node, by_flow - p_s, by_flow - p_e];
         let mut by_total = -p_t;
         if let Some([w_s, w_e, w_t]) = by_warmth {
             row[1] += back.by_end_state * w_s;
@@ -226,7 +182,7 @@ impl Network {
 
     /// Residuals of lands whose pressures give the signed squares `value`, and their slopes over the flow.
     #[inline(always)]
-    fn land_lines<const USUAL: bool>(
+    fn land_lines(
         &self,
         around: &Surroundings,
         land: (&FlowLaw, Pair),
@@ -234,7 +190,7 @@ impl Network {
         (flow, value): (Pair, Pair),
         slopes: Slope,
     ) -> (Pair, Pair) {
-        if USUAL || slopes == Slope::Tangent && !around.has_shut_land {
+        if slopes == Slope::Tangent && !around.has_shut_land {
             return (flow * flow.abs() - value, pair(2.0) * flow.abs());
         }
         self.line_by_line(around, land, source, (flow, value), slopes)
@@ -297,11 +253,10 @@ impl Balance {
     /// The correction at a fixed flow in the supply tube, and that per unit of its change. The
     /// determinant vanishes only where no air flows at all.
     #[inline(always)]
-    pub fn corrections<const AT_REST: bool, const USUAL: bool>(&self) -> [Correction; 2] {
+    pub fn corrections<const AT_REST: bool>(&self) -> [Correction; 2] {
         let [a, b, c] = self.lines.each_ref().map(|line| &line.row);
-        let columns = cofactors::<USUAL>(a, b, c);
-        let two = a[0] * columns[0][0] + a[1] * columns[1][0];
-        let determinant = if USUAL { two } else { two + a[2] * columns[2][0] };
+        let columns = cofactors(a, b, c);
+        let determinant = a[0] * columns[0][0] + a[1] * columns[1][0] + a[2] * columns[2][0];
         let scale = pair(-1.0) / determinant;
         // The determinant's inverse comes last.
         let solved = |right: [Pair; 3]| {
@@ -316,18 +271,10 @@ impl Balance {
     }
 }
 
-/// The cofactors of the rows a, b and c, those of an unknown together. `USUAL`: the last of a is zero.
+/// The cofactors of the rows a, b and c, those of an unknown together.
 #[inline(always)]
-fn cofactors<const USUAL: bool>(a: &[Pair; 3], b: &[Pair; 3], c: &[Pair; 3]) -> [[Pair; 3]; 3] {
-    let bc = cross(b, c);
-    let [ca, ab] = if USUAL {
-        [
-            [-(c[2] * a[1]), c[2] * a[0], c[0] * a[1] - c[1] * a[0]],
-            [a[1] * b[2], -(a[0] * b[2]), a[0] * b[1] - a[1] * b[0]],
-        ]
-    } else {
-        [cross(c, a), cross(a, b)]
-    };
+fn cofactors(a: &[Pair; 3], b: &[Pair; 3], c: &[Pair; 3]) -> [[Pair; 3]; 3] {
+    let [bc, ca, ab] = [cross(b, c), cross(c, a), cross(a, b)];
     [0, 1, 2].map(|unknown| [bc[unknown], ca[unknown], ab[unknown]])
 }
 

@@ -38,7 +38,7 @@ impl Network {
         });
         (self.mach, self.predictor) = (whole, predictor);
         if found {
-            self.predictor.note(&self.nodes);
+            self.predictor.note(&self.nodes, around);
         }
         found
     }

@@ -29,8 +29,8 @@ impl Network {
         let at_rest = |station| Side { station, approach: None, by_flow: pair(0.0) };
         let behind = at_rest(around.chambers);
         let charging = match around.valve.port {
-            Some(_) => self.mixture::<false>(nodes, around, supply, &behind),
-            None => self.mixture::<false>(nodes, around, &at_rest(supply.station), &behind),
+            Some(_) => self.mixture(nodes, around, supply, &behind),
+            None => self.mixture(nodes, around, &at_rest(supply.station), &behind),
         };
         let of_chambers = Mixture::of(around.chambers.temperature);
         let choose = |mixed: Pair, own: Pair| Pair::choose(around.charging, mixed, own);
@@ -43,9 +43,9 @@ impl Network {
 
     /// What flows into the nodes, mixed. A node that nothing flows into keeps its temperature. With each
     /// approach comes the slope of w there: over the flow in the supply tube, and over the one back from the
-    /// cylinder. `USUAL`: air flows in from the supply, and none from the exhaust.
+    /// cylinder.
     #[inline(always)]
-    pub(super) fn mixture<const USUAL: bool>(
+    pub(super) fn mixture(
         &self,
         nodes: &Nodes,
         around: &Surroundings,
@@ -57,25 +57,17 @@ impl Network {
         let from_exhaust = pair(self.exhaust.temperature);
         let from_chamber = scaled(around.chambers.temperature, &behind.approach);
         let back = Pair::choose(around.charging, zero, (-nodes.port_flow()).larger(zero));
-        let [s, e] = match USUAL {
-            true => [nodes.supply, zero],
-            false => [nodes.supply.larger(zero), nodes.exhaust.larger(zero)],
-        };
-        let (mass, heat) = match USUAL {
-            true => (s + back, s * from_supply + back * from_chamber),
-            false => (s + e + back, s * from_supply + e * from_exhaust + back * from_chamber),
-        };
-        let flows = if USUAL { Pair::truth(true) } else { mass.above(zero) };
+        let [s, e] = [nodes.supply.larger(zero), nodes.exhaust.larger(zero)];
+        let mass = s + e + back;
+        let heat = s * from_supply + e * from_exhaust + back * from_chamber;
+        let flows = mass.above(zero);
         let per_mass = Pair::choose(flows, one / mass, zero);
         let temperature = Pair::choose(flows, per_mass * heat, nodes.temperature);
         // Not by way of T_n itself, which is there later.
         let per_temperature = Pair::choose(flows, mass, one) / Pair::choose(flows, heat, nodes.temperature);
         // What a flow more brings of warmth, where it flows in.
         let warmth = |flows_in: Pair, from: Pair| Pair::choose(flows_in, from - temperature, zero);
-        let [s_flows, e_flows] = match USUAL {
-            true => [true, false].map(Pair::truth),
-            false => [s, e].map(|flow| flow.above(zero)),
-        };
+        let [s_flows, e_flows] = [s, e].map(|flow| flow.above(zero));
         let by_chamber = warmth(back.above(zero), from_chamber);
         let mut by_flows =
             [warmth(s_flows, from_supply) - by_chamber, warmth(e_flows, from_exhaust) - by_chamber, zero];

@@ -1,7 +1,8 @@
 //! The predictor of Newton's method: where its iteration starts.
 //!
-//! Between two jumps flows change smoothly with time. The parabola through the last three solutions comes close to
-//! the next one, which saves an iteration.
+//! Between two jumps flows change smoothly with time, the smoother where each is taken over the root of its land's
+//! conductance: a flow through a land that is narrow goes with that, and the spool moves faster than pressures do. The
+//! parabola through the last three solutions comes close to the next one, which saves an iteration.
 
 use super::Network;
 use super::nodes::{Nodes, Surroundings, pair};
@@ -10,7 +11,7 @@ use crate::number::{Number, Pair};
 /// The farthest extrapolation, over the time span of the three solutions.
 const MAX_EXTRAPOLATION: f64 = 8.0;
 
-/// w_n, s and e of the nodes.
+/// w_n of the nodes, and s and e over the roots of their conductances.
 type Unknowns = [Pair; 3];
 
 /// The last three solutions, the latest first, at different instants.
@@ -26,36 +27,44 @@ impl Predictor {
     /// Before the first solution.
     pub const UNKNOWN: Predictor = Predictor { at: [0.0; 3], solutions: [[Pair::ZERO; 3]; 3], now: 0.0 };
 
-    /// Leads the last solution to the one that the parabola predicts for now, by Newton's divided differences; false
-    /// without three solutions close enough.
+    /// The solution that the parabola predicts for now, by Newton's divided differences; the last one without three
+    /// solutions close enough.
     #[inline(always)]
-    pub fn predict(&self, nodes: &mut Nodes) -> bool {
+    pub fn predict(&self, nodes: &Nodes, around: &Surroundings) -> Nodes {
         let [last, middle, first] = self.at;
-        let dt = self.now - last;
-        let span = last - first;
+        let (dt, span) = (self.now - last, last - first);
         if dt == 0.0 || last == middle || dt.abs() > MAX_EXTRAPOLATION * span.abs() {
-            return false;
+            return *nodes;
         }
-        let (per_last, per_first, per_span) = (1.0 / (last - middle), 1.0 / (middle - first), 1.0 / span);
-        let (rise, fall) = if middle == first {
-            (dt * per_last, 0.0)
-        } else {
-            let bend = dt * (self.now - middle) * per_span;
-            ((dt + bend) * per_last, bend * per_first)
-        };
-        let (rise, fall) = (pair(rise), pair(fall));
+        let (rise, fall) = self.weights(dt);
+        let [supply, exhaust] = roots(around);
         let [a, b, c] = &self.solutions;
-        let at = |i: usize| a[i] + rise * (a[i] - b[i]) - fall * (b[i] - c[i]);
+        let at = |i: usize| a[i] + pair(rise) * (a[i] - b[i]) - pair(fall) * (b[i] - c[i]);
         // A land that is shut stays so.
         let flow = |before: Pair, ahead: Pair| Pair::choose(before.simd_eq(Pair::ZERO), Pair::ZERO, ahead);
-        nodes.exner = at(0).larger(pair(0.5) * nodes.exner);
-        nodes.supply = flow(nodes.supply, at(1));
-        nodes.exhaust = flow(nodes.exhaust, at(2));
-        true
+        Nodes {
+            exner: at(0).larger(pair(0.5) * nodes.exner),
+            supply: flow(nodes.supply, supply * at(1)),
+            exhaust: flow(nodes.exhaust, exhaust * at(2)),
+            ..*nodes
+        }
+    }
+
+    /// What the last difference of the solutions counts `dt` after the last one, and how much less the one before.
+    #[inline(always)]
+    fn weights(&self, dt: f64) -> (f64, f64) {
+        let [last, middle, first] = self.at;
+        let (late, early) = (last - middle, middle - first);
+        if early == 0.0 {
+            return (dt / late, 0.0);
+        }
+        let (span, ahead) = (last - first, self.now - middle);
+        let scale = dt / (late * early * span);
+        (scale * early * (span + ahead), scale * late * ahead)
     }
 
     #[inline(always)]
-    pub fn note(&mut self, nodes: &Nodes) {
+    pub fn note(&mut self, nodes: &Nodes, around: &Surroundings) {
         let Nodes { exner, supply, exhaust, .. } = *nodes;
         if self.now != self.at[0] {
             self.at = [self.now, self.at[0], self.at[1]];
@@ -63,8 +72,15 @@ impl Predictor {
             self.solutions[2] = self.solutions[1];
             self.solutions[1] = self.solutions[0];
         }
-        self.solutions[0] = [exner, supply, exhaust];
+        let roots = roots(around);
+        self.solutions[0] = [exner, supply / roots[0], exhaust / roots[1]];
     }
+}
+
+/// Of the conductances of the lands; above zero where one is shut.
+#[inline(always)]
+fn roots(around: &Surroundings) -> [Pair; 2] {
+    [around.valve.supply, around.valve.exhaust].map(|land| land.larger(pair(f64::MIN_POSITIVE)).root())
 }
 
 impl Network {

@@ -87,18 +87,18 @@ impl Network {
     /// Newton's method by tangents from where the solution is going or was last, else by secants.
     #[inline(always)]
     pub(super) fn by_newton(&mut self, around: &Surroundings) -> bool {
-        let mut nodes = self.nodes;
-        let ahead = self.predictor.predict(&mut nodes);
-        let found = ahead && self.newton(around, &mut nodes, Slope::Tangent)
-            || self.newton_from_last(around, &mut nodes);
+        let mut nodes = self.predictor.predict(&self.nodes, around);
+        let found =
+            self.newton(around, &mut nodes, Slope::Tangent) || self.newton_from_last(around, &mut nodes);
         if found {
             self.nodes = nodes;
-            self.predictor.note(&nodes);
+            self.predictor.note(&nodes, around);
         }
         found
     }
 
     /// The same from where the solution was last.
+    #[cold]
     #[inline(never)]
     fn newton_from_last(&mut self, around: &Surroundings, nodes: &mut Nodes) -> bool {
         [Slope::Tangent, Slope::Secant].into_iter().any(|slopes| {

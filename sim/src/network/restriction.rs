@@ -38,17 +38,6 @@ impl<N: Number> EndState<N> {
     }
 }
 
-/// Which way the air goes through a restriction.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
-    /// Into the node.
-    In,
-    /// Out of the node.
-    Out,
-    /// From the higher pressure to the lower one.
-    ByPressure,
-}
-
 /// None: air at rest.
 pub(super) type MaybeApproach<N = f64> = Option<Approach<N>>;
 
@@ -102,16 +91,15 @@ impl Network {
     }
 
     /// The flow through a restriction from a place, whose air approaches as told, into a node, where air stands
-    /// still. The stagnation pressures decide its direction, unless it is known. `AIR`: an orifice that passes air.
+    /// still. The stagnation pressures decide its direction.
     #[inline(always)]
-    fn restriction<N: Number, const AIR: bool>(
+    fn restriction<N: Number>(
         &self,
         law: &FlowLaw,
         conductance: N,
         place: &EndState<N>,
         approach: &MaybeApproach<N>,
         node: &EndState<N>,
-        way: Way,
     ) -> SquareFlow<N> {
         let raised = match approach {
             None => *place,
@@ -120,20 +108,13 @@ impl Network {
                 per_temperature: place.per_temperature / approach.factor,
             },
         };
-        let inward = match way {
-            Way::In => N::truth(true),
-            Way::Out => N::truth(false),
-            Way::ByPressure => raised.exner.at_least(node.exner),
-        };
-        let [upstream, downstream] = if way == Way::ByPressure && approach.is_none() {
+        let inward = raised.exner.at_least(node.exner);
+        let [upstream, downstream] = if approach.is_none() {
             [raised.exner.larger(node.exner), raised.exner.smaller(node.exner)]
         } else {
             [N::choose(inward, raised.exner, node.exner), N::choose(inward, node.exner, place.exner)]
         };
-        let psi = match AIR {
-            true => self.gas.flow_function_of_air(upstream, downstream),
-            false => law.flow_function(&self.gas, upstream, downstream),
-        };
+        let psi = law.flow_function(&self.gas, upstream, downstream);
         let per_temperature = N::choose(inward, raised.per_temperature, node.per_temperature);
         let k = (conductance * per_temperature).signed(inward);
         let [by_end_state, by_node] = N::either(inward, k * psi.by_upstream, k * psi.by_downstream);
@@ -159,20 +140,7 @@ impl Network {
         approach: &MaybeApproach<N>,
         node: &EndState<N>,
     ) -> SquareFlow<N> {
-        self.restriction::<N, false>(law, conductance, source, approach, node, Way::ByPressure)
-    }
-
-    /// An orifice that passes air between a place and a node, one way as far as that is known.
-    #[inline(always)]
-    pub(super) fn orifice<N: Number>(
-        &self,
-        conductance: N,
-        place: &EndState<N>,
-        approach: &MaybeApproach<N>,
-        node: &EndState<N>,
-        way: Way,
-    ) -> SquareFlow<N> {
-        self.restriction::<N, true>(&FlowLaw::Orifice, conductance, place, approach, node, way)
+        self.restriction(law, conductance, source, approach, node)
     }
 
     /// The port from the far end of a tube to its node, whose air has the same temperature: the direction of
@@ -186,7 +154,7 @@ impl Network {
         node_exner: N,
     ) -> SquareFlow<N> {
         let near = EndState { exner: node_exner, ..*far };
-        self.restriction::<N, false>(&self.laws.port, conductance, far, approach, &near, Way::ByPressure)
+        self.restriction(&self.laws.port, conductance, far, approach, &near)
     }
 
     /// The valve's end of a cylinder's tube for a port flow `m` into the cylinder, with the temperature of the air

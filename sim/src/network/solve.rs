@@ -99,6 +99,7 @@ impl Network {
             if lost || !self.by_search(around) {
                 return Nodes::NOT_NUMBERS;
             }
+            self.nodes.carried = self.nodes.temperature;
         }
         self.started = true;
         self.far = false;
@@ -106,11 +107,10 @@ impl Network {
         if self.found >= CALM {
             self.failures = 0;
         }
-        let carried = match around.valve.port {
-            Some(_) => self.nodes.temperature,
-            None => self.carried(),
-        };
-        Nodes { carried, ..self.nodes }
+        if around.valve.port.is_none() {
+            self.nodes.carried = self.carried();
+        }
+        self.nodes
     }
 
     /// The solution that air at rest comes to as it begins to move. Where it cannot be followed there: nested

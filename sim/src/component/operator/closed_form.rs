@@ -13,11 +13,14 @@
 //! x_h and v_h are what the start differs by from the first three terms; overdamped, c and s are
 //! hyperbolic.
 
+mod first_limit;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::SpoolState;
 use crate::component::dither::Dither;
 use crate::number::{Number, Pair};
+pub(crate) use first_limit::{Limit, Met, Quantity, Search};
 
 /// A damped oscillator.
 #[derive(Clone, Copy, Debug)]
@@ -37,9 +40,18 @@ pub(super) struct Drive {
     pub swing: Dither,
 }
 
+/// The two parts of a motion at an instant.
+#[derive(Clone, Copy, Debug, Default)]
+struct Parts {
+    /// What the swing makes of it, about the rest.
+    swing: SpoolState,
+    /// What is left of the start.
+    free: SpoolState,
+}
+
 /// The motion of a driven oscillator from a given state on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FreeMotion {
+pub(crate) struct FreeMotion {
     since: f64,
     /// a.
     decay: f64,
@@ -57,8 +69,10 @@ pub(super) struct FreeMotion {
     /// p and q.
     in_phase: f64,
     across: f64,
-    /// x_h and v_h.
-    left: SpoolState,
+    /// 2 pi f.
+    angular: f64,
+    /// The start: x_h and v_h.
+    start: Parts,
     /// A quarter of the fastest period, s.
     quarter: f64,
 }
@@ -69,7 +83,7 @@ const RESONANCE: f64 = 1e-12;
 
 impl FreeMotion {
     /// From the state `start` at `t`; None in a resonance without damping.
-    pub fn new(oscillator: Oscillator, drive: Drive, t: f64, start: SpoolState) -> Option<FreeMotion> {
+    pub(super) fn new(oscillator: Oscillator, drive: Drive, t: f64, start: SpoolState) -> Option<FreeMotion> {
         let (stiffness, decay) = (oscillator.stiffness_per_mass, 0.5 * oscillator.damping_per_mass);
         let angular = if drive.swing.amplitude == 0.0 { 0.0 } else { 2.0 * PI * drive.swing.frequency_hz };
         let (stiff, damped) = (stiffness - angular * angular, 2.0 * decay * angular);
@@ -90,30 +104,42 @@ impl FreeMotion {
             swing: drive.swing,
             in_phase: drive.swing.amplitude * stiff / size,
             across: -drive.swing.amplitude * damped / size,
-            left: SpoolState::default(),
+            angular: 2.0 * PI * drive.swing.frequency_hz,
+            start: Parts::default(),
             quarter: FRAC_PI_2 / stiffness.sqrt().max(angular),
         };
-        let forced = flight.forced(flight.swing.angle(t).sine_and_cosine_of_cycles());
-        flight.left = SpoolState {
-            position: start.position - forced.position,
-            velocity: start.velocity - forced.velocity,
+        let swing = flight.swing_by(flight.swing.angle(t).sine_and_cosine_of_cycles());
+        let free = SpoolState {
+            position: start.position - (flight.rest + swing.position),
+            velocity: start.velocity - swing.velocity,
         };
+        flight.start = Parts { swing, free };
         Some(flight)
     }
 
     /// Where the spool is at `t`, and how fast.
     pub fn at(&self, t: f64) -> SpoolState {
+        let Parts { swing, free } = self.parts(t);
+        SpoolState {
+            position: (self.rest + swing.position) + free.position,
+            velocity: swing.velocity + free.velocity,
+        }
+    }
+
+    #[inline(always)]
+    fn parts(&self, t: f64) -> Parts {
         let tau = t - self.since;
         // Both angles at once.
         let angles = Pair::new([self.swing.angle(t), self.cycles_hz * tau]);
         let [sines, cosines] = angles.sine_and_cosine_of_cycles();
-        let forced = self.forced([sines.lane(0), cosines.lane(0)]);
         let [c, s] = self.free_motion(tau, [sines.lane(1), cosines.lane(1)]);
-        let SpoolState { position, velocity } = self.left;
-        SpoolState {
-            position: forced.position + c * position + s * (velocity + self.decay * position),
-            velocity: forced.velocity + c * velocity
-                - s * (self.decay * velocity + self.stiffness * position),
+        let SpoolState { position, velocity } = self.start.free;
+        Parts {
+            swing: self.swing_by([sines.lane(0), cosines.lane(0)]),
+            free: SpoolState {
+                position: c * position + s * (velocity + self.decay * position),
+                velocity: c * velocity - s * (self.decay * velocity + self.stiffness * position),
+            },
         }
     }
 
@@ -123,15 +149,16 @@ impl FreeMotion {
     }
 
     /// By sine and cosine of the swing.
-    fn forced(&self, [sine, cosine]: [f64; 2]) -> SpoolState {
-        let angular = 2.0 * PI * self.swing.frequency_hz;
+    #[inline(always)]
+    fn swing_by(&self, [sine, cosine]: [f64; 2]) -> SpoolState {
         SpoolState {
-            position: self.rest + self.in_phase * sine + self.across * cosine,
-            velocity: angular * (self.in_phase * cosine - self.across * sine),
+            position: self.in_phase * sine + self.across * cosine,
+            velocity: self.angular * (self.in_phase * cosine - self.across * sine),
         }
     }
 
     /// c and s, by sine and cosine of w tau.
+    #[inline(always)]
     fn free_motion(&self, tau: f64, [sine, cosine]: [f64; 2]) -> [f64; 2] {
         let w = self.frequency;
         if self.free > 0.0 {

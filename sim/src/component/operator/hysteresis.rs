@@ -103,6 +103,23 @@ impl Hysteresis {
         }
     }
 
+    /// The instant, `t` or next after it, at which an output inside a range leaves it on the present branch: infinity for
+    /// never.
+    pub fn next_exit(&self, t: f64, [low, high]: [f64; 2]) -> f64 {
+        let w = self.play.half_width();
+        let rises_to = |level| self.dither.next_crossing(t, level - self.command, Motion::Rising);
+        let falls_to = |level| self.dither.next_crossing(t, level - self.command, Motion::Falling);
+        let exit = match self.play.branch() {
+            _ if w == 0.0 => rises_to(high).min(falls_to(low)),
+            Branch::Held(_) => f64::INFINITY,
+            Branch::DrivenUp => rises_to(high + w),
+            Branch::DrivenDown => falls_to(low - w),
+        };
+        // What counts as passed, and so comes a whole cycle later, is now.
+        let cycles = (exit - t) * self.dither.frequency_hz;
+        if cycles.is_finite() && cycles > 1.0 - 5e-10 { t } else { exit }
+    }
+
     /// Takes the branch that holds after [`Hysteresis::next_time_event`].
     pub fn pass_instant(&mut self) {
         let t = self.next;

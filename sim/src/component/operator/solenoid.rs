@@ -10,6 +10,7 @@
 //! X_b makes the null of the +-1 mm signal the middle of the coil's 0 to 2 mm (EQUATIONS section 7).
 //! F_ind is the force of the flow, F_se that of the spool's stops.
 
+mod course;
 mod parameters;
 
 use super::closed_form::{Drive, FreeMotion, Oscillator};

@@ -1,0 +1,56 @@
+//! The course of a spool as it is known beforehand: until when it is held, or what a flight may meet.
+
+use super::{FRICTION, Magnetism, STOPS, Solenoid};
+use crate::component::friction::Contact;
+use crate::component::operator::hysteresis::Hysteresis;
+use crate::component::operator::{Course, Limit, Met, Quantity, SpoolState};
+
+impl Solenoid {
+    /// What is known of its course after `t`, by the edges of the lands.
+    pub(in super::super) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
+        match (&self.flight, &self.magnetism) {
+            (Some(flight), _) => Course::Flies(flight, self.limits(edges)),
+            (None, Magnetism::Stepped(hysteresis)) if self.has_closed_form() => {
+                Course::Stands(self.breakaway(t, spool, hysteresis), FRICTION)
+            }
+            _ => Course::Unknown,
+        }
+    }
+
+    /// When a spool that is held breaks away: where the magnetic force leaves the band of stiction.
+    fn breakaway(&self, t: f64, spool: SpoolState, hysteresis: &Hysteresis) -> f64 {
+        let p = &self.parameters;
+        let balance = p.spring_preload + p.spring * spool.position;
+        let magnetised = |force: f64| force / p.force_gain - self.bias();
+        let low = balance - p.friction.static_retract;
+        // The coil cannot push.
+        let low = if low > 0.0 { magnetised(low) } else { f64::NEG_INFINITY };
+        hysteresis.next_exit(t, [low, magnetised(balance + p.friction.static_extend)])
+    }
+
+    /// The limits of its flight: the next edge or stop ahead, and the end of its slip. Without friction, edge or stop
+    /// either way.
+    fn limits(&self, edges: &[Limit; 2]) -> [Limit; 2] {
+        let slip = |upper| Limit { of: Quantity::Velocity, level: 0.0, upper, met: Met::Guard(FRICTION) };
+        match self.contact {
+            Contact::Extending => [self.next_place(edges, true), slip(false)],
+            Contact::Retracting => [self.next_place(edges, false), slip(true)],
+            Contact::Free | Contact::Stuck => [true, false].map(|up| self.next_place(edges, up)),
+        }
+    }
+
+    /// The first place that it meets on its way up or down.
+    fn next_place(&self, edges: &[Limit; 2], up: bool) -> Limit {
+        let stops = &self.parameters.stops;
+        let level = if up { stops.high } else { stops.low };
+        let stop = Limit { of: Quantity::Position, level, upper: up, met: Met::Guard(STOPS) };
+        let nearer =
+            |one: &Limit, other: &Limit| if up { one.level < other.level } else { one.level > other.level };
+        // Of two at the same place the one with the lower index.
+        edges
+            .iter()
+            .rev()
+            .filter(|edge| edge.upper == up)
+            .fold(stop, |next, edge| if nearer(&next, edge) { next } else { *edge })
+    }
+}
