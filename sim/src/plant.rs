@@ -170,11 +170,8 @@ impl Plant {
     #[inline]
     fn reading_at(&mut self, t: f64) -> Reading {
         let x = self.integrator.state(t);
-        Reading {
-            position: x[slot::POSITION],
-            pressures: self.assembly.sensed_pressures(x),
-            spool: self.assembly.spool(t, x),
-        }
+        let spool = self.assembly.spool(t, x);
+        Reading { position: x[slot::POSITION], pressures: self.assembly.sensed_pressures(x), spool }
     }
 
     /// The sensors at the present sample.
@@ -189,8 +186,9 @@ impl Plant {
     /// What the sensors make of a reading at the present sample instant.
     #[inline]
     pub fn sample_of(&mut self, reading: &Reading) -> Sample {
-        let sample = self.sensors.read(reading.position, reading.pressures, reading.spool);
-        self.sensor_faults.corrupt(self.k * self.period_us, sample)
+        let mut sample = self.sensors.read(reading.position, reading.pressures, reading.spool);
+        self.sensor_faults.corrupt(self.k * self.period_us, &mut sample);
+        sample
     }
 
     /// From sample k to sample k + 1, with `command` in force from the output in between.

@@ -188,21 +188,22 @@ impl<R: Record> Runner<R> {
         for k in 0..=u64::from(self.last_sample) {
             let reading = drive.plant.reading()?;
             self.run.readings.push(reading);
-            let (seen, command) = drive.control(&reading);
-            self.run.observations.push(seen);
+            let command = drive.control(&reading);
             // The supervisor has the last word on the simulator's own controller, too: it ends the run.
             if drive.target.is_some() && drive.fault.is_some() {
+                self.run.observations.push(*drive.seen());
                 break;
             }
-            progress(seen.index, self.last_sample);
-            self.run.commands.push(drive.output(&seen, command));
+            progress(drive.seen().index, self.last_sample);
+            self.run.commands.push(drive.output(command));
             // A row at an instant with an output shows the state after it.
             let until_us = ((k + 1) * self.period_us).min(self.end_us + 1);
             while next_row_us < until_us {
-                let row = R::of(&mut drive.plant, seconds(next_row_us), &seen, self.recording)?;
-                self.run.rows.push(row);
+                let (seen, plant) = drive.seen_and_plant();
+                self.run.rows.push(R::of(plant, seconds(next_row_us), seen, self.recording)?);
                 next_row_us += self.row_period_us;
             }
+            self.run.observations.push(*drive.seen());
             if k < u64::from(self.last_sample) {
                 drive.plant.next_sample()?;
             }
@@ -252,6 +253,8 @@ struct Drive {
     state: State,
     plant: Plant,
     bug: Option<PositiveGain>,
+    /// What is recorded of a sample where it is not what the controller has seen.
+    seen: Option<Observation>,
     /// The present target of a continuous controller.
     target: Option<i32>,
     fault: Option<(Fault, u32)>,
@@ -268,30 +271,51 @@ impl Drive {
         state.supervisor.arm().expect("a new drive does not run");
         state.start(&config, &sequence).expect("a checked rig has moves that may be run");
         let (plant, bug) = (Plant::new(rig, accuracy, 0), PositiveGain::of(rig, &config));
-        Drive { config, sequence, state, plant, bug, target: None, fault: None }
+        Drive { config, sequence, state, plant, bug, seen: None, target: None, fault: None }
     }
 
-    /// Runs the controller on a sample: its recorded values, and its command.
+    /// What is recorded of the present sample.
     #[inline]
-    fn control(&mut self, reading: &Reading) -> (Observation, Command) {
+    fn seen(&self) -> &Observation {
+        self.seen.as_ref().unwrap_or(self.state.observation())
+    }
+
+    /// The same, and the plant.
+    #[inline]
+    fn seen_and_plant(&mut self) -> (&Observation, &mut Plant) {
+        (self.seen.as_ref().unwrap_or(self.state.observation()), &mut self.plant)
+    }
+
+    /// Runs the controller on a sample: its command.
+    #[inline]
+    fn control(&mut self, reading: &Reading) -> Command {
         let taken = self.plant.sample_of(reading);
         sample(&self.config, &self.sequence, &mut self.state, &taken);
         let command = output(&self.config, &mut self.state);
-        let mut seen = *self.state.observation();
         if let Mode::Fault(kind) = self.state.supervisor.mode() {
-            self.fault = self.fault.or(Some((kind, seen.index)));
-        } else if let Some(command) = self.continuous(seen.setpoint) {
-            seen.command = command;
+            self.fault = self.fault.or(Some((kind, self.state.observation().index)));
         }
-        if let Some(bug) = &self.bug {
-            seen = bug.corrupt(self.state.supervisor.mode(), seen);
+        self.seen = self.seen_otherwise();
+        command
+    }
+
+    /// What is recorded of a continuous controller, and of one with the historical bug.
+    #[inline]
+    fn seen_otherwise(&mut self) -> Option<Observation> {
+        let (mode, setpoint) = (self.state.supervisor.mode(), self.state.observation().setpoint);
+        let command = if let Mode::Fault(_) = mode { None } else { self.continuous(setpoint) };
+        if command.is_none() && self.bug.is_none() {
+            return None;
         }
-        (seen, command)
+        let mut seen = *self.state.observation();
+        seen.command = command.unwrap_or(seen.command);
+        Some(self.bug.as_ref().map_or(seen, |bug| bug.corrupt(mode, seen)))
     }
 
     /// Gives the plant the command of the present sample, and returns it.
     #[inline]
-    fn output(&mut self, seen: &Observation, command: Command) -> Command {
+    fn output(&mut self, command: Command) -> Command {
+        let seen = self.seen.as_ref().unwrap_or(self.state.observation());
         let command = match &mut self.bug {
             Some(bug) => bug.output(seen, command),
             None => command,

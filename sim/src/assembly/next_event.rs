@@ -10,6 +10,10 @@ use crate::component::operator::{Course, Met, Search};
 use pneudrive_solver::crossing::{PROBES, first_crossing};
 use pneudrive_solver::{Event, StepLimit, System};
 
+/// In SI: what rounding leaves open of a guard. A dither of 300 Hz is at 150 rad after 80 ms, which are known to 3e-14, and
+/// with 0.4 mm moves at 0.75 m/s.
+const ROUNDING: f64 = 2.5e-14;
+
 impl Assembly {
     /// How far the next step may go.
     pub(super) fn find_step_limit(&mut self, t: f64, x: &StateVector) -> StepLimit {
@@ -59,7 +63,9 @@ impl Assembly {
             return clear;
         }
         let span = clear.until - t;
-        let guards_at = |part: f64| self.spool_guards(t + part * span, x, 0.0);
+        // A spool that has broken away without more force than holds it back is at rest but for rounding.
+        let beyond_rounding = |guard: f64| if guard.abs() <= ROUNDING { 0.0 } else { guard };
+        let guards_at = |part: f64| self.spool_guards(t + part * span, x, 0.0).map(beyond_rounding);
         let found = first_crossing(&guards_at(0.0), &PROBES.map(guards_at), guards_at);
         found.map_or(clear, |(index, part)| StepLimit {
             until: t + part * span,

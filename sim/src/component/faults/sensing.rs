@@ -27,10 +27,12 @@ impl SensorFaults {
         SensorFaults { events, last_count: None }
     }
 
-    /// The sample taken at `us`, with the faults applied.
+    /// Applies the faults to the sample taken at `us`.
     #[inline]
-    pub fn corrupt(&mut self, us: u64, sample: Sample) -> Sample {
-        if self.events.is_empty() { sample } else { self.apply(us, sample) }
+    pub fn corrupt(&mut self, us: u64, sample: &mut Sample) {
+        if !self.events.is_empty() {
+            *sample = self.apply(us, *sample);
+        }
     }
 
     fn apply(&mut self, us: u64, sample: Sample) -> Sample {
@@ -70,7 +72,13 @@ mod tests {
             spool: 9,
             home_switch: false,
         };
-        (0..samples).map(|k| faults.corrupt(10 * k, sample(k))).collect()
+        (0..samples)
+            .map(|k| {
+                let mut sample = sample(k);
+                faults.corrupt(10 * k, &mut sample);
+                sample
+            })
+            .collect()
     }
 
     fn counts(events: &[(u64, FaultKind)], samples: u64) -> Vec<i32> {
