@@ -142,14 +142,14 @@ impl Plant {
         if self.k == 0 && self.start_us > 0 {
             self.run_to(now)?;
         }
-        let at_once = self.reading_at(now);
-        if self.channel_skew_us == 0 { Ok(at_once) } else { self.read_in_turn(at_once) }
+        if self.channel_skew_us == 0 { Ok(self.reading_at(now)) } else { self.read_in_turn(now) }
     }
 
     /// The same where the converter reads the channels in turn.
     #[cold]
     #[inline(never)]
-    fn read_in_turn(&self, at_once: Reading) -> Result<Reading, IntegrationError> {
+    fn read_in_turn(&mut self, now: f64) -> Result<Reading, IntegrationError> {
+        let at_once = self.reading_at(now);
         // A copy goes ahead, so that reading changes nothing here.
         let mut ahead = self.clone();
         let [second, third] = [1, 2].map(|channel| ahead.read_channel(channel));
