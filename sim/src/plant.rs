@@ -51,14 +51,23 @@ pub struct Plant {
 /// chamber of 0.9 g may be off. Most flows are found far better, as the last correction squares what is left.
 const FLOW: f64 = 0.3;
 
-/// kg/s: flows are solved to this at any tolerance, so that their noise looks like no motion.
-const MAX_FLOW_ERROR: f64 = 3e-10;
+/// kg/s: flows need not be found more exactly than this before [`FLOW`] asks for it.
+const SMALL_FLOW_ERROR: f64 = 3e-10;
+
+/// Allowed error of a flow over a loose tolerance, kg/s: its noise is then no motion.
+const LOOSE_FLOW: f64 = 1e-3;
 
 /// s: in longer steps the flows are found as much more exactly.
 const SHORT_STEP: f64 = 0.5e-3;
 
 /// At this tolerance and above, what the error of a flow makes of the air in a long step is less than anyone asks for.
 const LOOSE: f64 = 1e-9;
+
+/// Allowed error of a flow at a tolerance, kg/s. Behind tubes that lag it acts on pressures at once.
+fn flow_error(tolerance: f64, lags: bool) -> f64 {
+    let loose = if lags { 0.0 } else { LOOSE_FLOW * tolerance };
+    (FLOW * tolerance).min(loose.max(SMALL_FLOW_ERROR))
+}
 
 /// What can be measured at one instant, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +109,7 @@ impl Plant {
     #[must_use]
     pub fn new(rig: &Rig, accuracy: Accuracy, seed: u64) -> Plant {
         let (mut parts, x) = build::drive(rig);
-        parts.network = parts.network.to_within((FLOW * accuracy.tolerance).min(MAX_FLOW_ERROR));
+        parts.network = parts.network.to_within(flow_error(accuracy.tolerance, parts.lag.is_some()));
         if accuracy.tolerance < LOOSE {
             parts.network = parts.network.by_steps_of(SHORT_STEP);
         }
