@@ -145,20 +145,24 @@ impl Plant {
     ///
     /// # Errors
     /// When the integration fails before the last channel.
-    #[inline]
+    #[inline(always)]
     pub fn reading(&mut self) -> Result<Reading, IntegrationError> {
-        let now = self.sample_time;
-        if self.k == 0 && self.start_us > 0 {
-            self.run_to(now)?;
+        let begins_late = self.k == 0 && self.start_us > 0;
+        match begins_late || self.channel_skew_us > 0 {
+            true => self.read_in_turn(),
+            false => Ok(self.reading_at(self.sample_time)),
         }
-        if self.channel_skew_us == 0 { Ok(self.reading_at(now)) } else { self.read_in_turn(now) }
     }
 
-    /// The same where the converter reads the channels in turn.
+    /// The same where the plant has run before its first sample, or the converter reads the channels in turn.
     #[cold]
     #[inline(never)]
-    fn read_in_turn(&mut self, now: f64) -> Result<Reading, IntegrationError> {
-        let at_once = self.reading_at(now);
+    fn read_in_turn(&mut self) -> Result<Reading, IntegrationError> {
+        self.run_to(self.sample_time)?;
+        let at_once = self.reading_at(self.sample_time);
+        if self.channel_skew_us == 0 {
+            return Ok(at_once);
+        }
         // A copy goes ahead, so that reading changes nothing here.
         let mut ahead = self.clone();
         let [second, third] = [1, 2].map(|channel| ahead.read_channel(channel));
