@@ -13,8 +13,8 @@
 //! with b_i = 0, 1/2, 1/4, 3/4, 1/8, ... , the binary digits of i after the point in reverse order (van der Corput). They
 //! are nearly even for any number of them, and a longer sequence contains the shorter one, so a range only grows with it.
 //!
-//! The nominal run is integrated until it is decided (see [`pneudrive_sim::decision`]); its neighbours are draws, for
-//! which a coarser tolerance will do.
+//! The nominal run is integrated until it is decided (see [`pneudrive_sim::decision`]); of its neighbours the error is to
+//! be small beside s, for which a coarser tolerance will do.
 
 use std::f64::consts::TAU;
 use std::sync::Mutex;
@@ -111,13 +111,14 @@ pub fn run_ensemble_while<T: Send>(
     let band = Mutex::new(Band::of(&nominal));
     let (jobs, failed) = jobs(rig, spacing);
     let runners = Runners::default();
-    let draw = Accuracy { tolerance: Accuracy::of_draw(rig).tolerance.max(accuracy.tolerance), ..accuracy };
+    let needed = Accuracy::of_neighbour(rig, spacing.relative).tolerance;
+    let of_neighbours = Accuracy { tolerance: needed.max(accuracy.tolerance), ..accuracy };
     let carry_out = |job: &Job| match job {
         _ if !wanted() => Done::Failed("called off".to_owned()),
         Job::Nominal => Done::Measured(measure(rig, &nominal), None),
         Job::Decision => Done::Decided(decide(rig, accuracy, &nominal).unwrap_or(Decision::UNKNOWN)),
         Job::Neighbour(neighbour) => {
-            let measured = runners.run(neighbour, draw, |one| {
+            let measured = runners.run(neighbour, of_neighbours, |one| {
                 band.lock().expect("no thread panics with it").include(one);
                 Done::Measured(measure(neighbour, one), one.fault.map(|(fault, _)| fault))
             });

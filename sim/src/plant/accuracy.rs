@@ -43,4 +43,15 @@ impl Accuracy {
             _ => Accuracy::default(),
         }
     }
+
+    /// What a run needs that shows what a relative change `apart` of mass and starting position may do: its error is to be
+    /// small beside the change (docs/agreement.md).
+    #[must_use]
+    pub fn of_neighbour(rig: &Rig, apart: f64) -> Accuracy {
+        let draw = Accuracy::of_draw(rig);
+        Accuracy { tolerance: draw.tolerance * (apart / NEAREST).max(1.0), ..draw }
+    }
 }
+
+/// A relative change beside which the error of a draw is small.
+const NEAREST: f64 = 3e-7;
