@@ -108,6 +108,7 @@ impl Assembly {
     pub fn drive(&mut self, t: f64, x: &mut StateVector, request: Request) -> Derivative {
         let closed_form = self.parts.operator.has_closed_form();
         self.next_spool_event = None;
+        self.parts.operator.catch_up(t);
         self.settle(t, x);
         let flow_force = self.flow_force(t, x);
         let before = self.spool(t, x);
@@ -316,6 +317,7 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
     fn handle_event(&mut self, event: Event, t: f64, x: &mut StateVector) -> Derivative {
         let mut closed_form = self.parts.operator.has_closed_form();
         self.next_spool_event = None;
+        self.parts.operator.catch_up(t);
         if matches!(event, Event::Time | Event::Guard(guard::FIRST_OF_OPERATOR..)) {
             self.settle(t, x);
         }

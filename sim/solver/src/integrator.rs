@@ -295,7 +295,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
                 let next = h * self.control.factor(h, error, trial.order);
                 if trial.is_small() {
                     // A step cut short by an event says nothing about the size for the allowed error.
-                    self.step_size = if limited { next.max(self.step_size) } else { next };
+                    self.step_size = if limited && (error < 1e-2) { next.max(self.step_size) } else { next };
                     self.note_stiffness(limited);
                     return Ok(end);
                 }

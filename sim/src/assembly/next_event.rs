@@ -22,14 +22,19 @@ impl Assembly {
         {
             return next_event;
         }
-        let time_event = StepLimit { until: self.next_time_event(t), event: Some(Event::Time) };
-        let clear = time_event.within(t + self.parts.operator.max_step().min(self.longest_look()));
         if !self.parts.operator.has_closed_form() {
-            return clear;
+            return self.clear_from(t);
         }
-        let found = self.spool_event(t, x, clear);
+        self.parts.operator.catch_up(t);
+        let found = self.spool_event(t, x);
         self.next_spool_event = Some(found);
         found
+    }
+
+    /// How far a step may go for all but the guards of the spool.
+    fn clear_from(&self, t: f64) -> StepLimit {
+        let time_event = StepLimit { until: self.next_time_event(t), event: Some(Event::Time) };
+        time_event.within(t + self.parts.operator.max_step().min(self.longest_look()))
     }
 
     /// The longest time in which the edges of the lands are searched for, s: a null that drifts passes a spool at rest.
@@ -37,22 +42,35 @@ impl Assembly {
         if self.parts.null_drift == 0.0 { f64::INFINITY } else { 1.0 }
     }
 
-    /// The spool's first event before `clear`, or `clear`.
-    fn spool_event(&self, t: f64, x: &StateVector, clear: StepLimit) -> StepLimit {
+    /// The first event of a spool with a closed form.
+    fn spool_event(&self, t: f64, x: &StateVector) -> StepLimit {
+        let clear = || self.clear_from(t);
         // A null that drifts takes the edges along.
         if self.parts.null_drift != 0.0 {
-            return self.searched_event(t, x, clear);
+            return self.searched_event(t, x, clear());
         }
         let edges = self.lands.limits(&self.parts.valve);
         match self.parts.operator.course(t, spool_state(x), &edges) {
-            Course::Stands(until, own) if until < clear.until => limit_at(until, Met::Guard(own)),
-            Course::Stands(..) => clear,
-            Course::Flies(flight, limits) => match flight.first_limit(&limits, [t, clear.until]) {
-                Search::Clear => clear,
-                Search::Found(met, at) => limit_at(at, met),
-                Search::Undecided => self.searched_event(t, x, clear),
-            },
-            Course::Unknown => self.searched_event(t, x, clear),
+            Course::Stands(until, broken_away) => self.while_standing(until, broken_away),
+            Course::Flies(flight, limits) => {
+                let clear = clear();
+                match flight.first_limit(&limits, [t, clear.until]) {
+                    Search::Clear => clear,
+                    Search::Found(met, at) => limit_at(at, met),
+                    Search::Undecided => self.searched_event(t, x, clear),
+                }
+            }
+            Course::Unknown => self.searched_event(t, x, clear()),
+        }
+    }
+
+    /// Only faults come before the end of a spool's standing.
+    fn while_standing(&self, until: f64, broken_away: Option<usize>) -> StepLimit {
+        let fault = StepLimit { until: self.parts.faults.next_time_event(), event: Some(Event::Time) };
+        match broken_away {
+            _ if fault.until <= until => fault,
+            Some(own) => limit_at(until, Met::Guard(own)),
+            None => StepLimit { until, event: None },
         }
     }
 

@@ -108,8 +108,8 @@ pub struct SpoolState {
 
 /// What is known of the course of a spool until its next instant.
 pub(crate) enum Course<'a> {
-    /// It stands, until it breaks away then: its guard of this index.
-    Stands(f64, usize),
+    /// It stands at least until then, and breaks away there if a guard is named: the operator's of this index.
+    Stands(f64, Option<usize>),
     /// It moves freely, between these limits.
     Flies(&'a FreeMotion, [Limit; 2]),
     /// It has to be searched for what happens.
@@ -172,8 +172,15 @@ impl Operator {
     pub(crate) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
         match self {
             Operator::Solenoid(solenoid) => solenoid.course(t, spool, edges),
-            Operator::Stepper(_) | Operator::Stuck(_) => Course::Stands(f64::INFINITY, 0),
+            Operator::Stepper(_) | Operator::Stuck(_) => Course::Stands(f64::INFINITY, None),
             Operator::Empirical(_) | Operator::OnOff(_) => Course::Unknown,
+        }
+    }
+
+    /// What it remembers follows to `t`, up to which its spool has stood.
+    pub(crate) fn catch_up(&mut self, t: f64) {
+        if let Operator::Solenoid(solenoid) = self {
+            solenoid.catch_up(t);
         }
     }
 

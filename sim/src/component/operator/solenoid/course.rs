@@ -5,27 +5,55 @@ use crate::component::friction::Contact;
 use crate::component::operator::hysteresis::Hysteresis;
 use crate::component::operator::{Course, Limit, Met, Quantity, SpoolState};
 
+/// How many branches ahead a breakaway is looked for: an output comes before the next one, as a rule.
+const BRANCHES: usize = 3;
+
 impl Solenoid {
     /// What is known of its course after `t`, by the edges of the lands.
     pub(in super::super) fn course(&self, t: f64, spool: SpoolState, edges: &[Limit; 2]) -> Course<'_> {
         match (&self.flight, &self.magnetism) {
             (Some(flight), _) => Course::Flies(flight, self.limits(edges)),
             (None, Magnetism::Stepped(hysteresis)) if self.has_closed_form() => {
-                Course::Stands(self.breakaway(t, spool, hysteresis), FRICTION)
+                self.standing(t, spool, *hysteresis)
             }
             _ => Course::Unknown,
         }
     }
 
-    /// When a spool that is held breaks away: where the magnetic force leaves the band of stiction.
-    fn breakaway(&self, t: f64, spool: SpoolState, hysteresis: &Hysteresis) -> f64 {
+    /// A spool that is held breaks away where the magnetic force leaves the band of stiction. Until then the branches of
+    /// the hysteresis move nothing: they are followed on a copy.
+    fn standing(&self, t: f64, spool: SpoolState, mut hysteresis: Hysteresis) -> Course<'_> {
         let p = &self.parameters;
         let balance = p.spring_preload + p.spring * spool.position;
         let magnetised = |force: f64| force / p.force_gain - self.bias();
         let low = balance - p.friction.static_retract;
         // The coil cannot push.
         let low = if low > 0.0 { magnetised(low) } else { f64::NEG_INFINITY };
-        hysteresis.next_exit(t, [low, magnetised(balance + p.friction.static_extend)])
+        let band = [low, magnetised(balance + p.friction.static_extend)];
+        let mut from = t;
+        for _ in 0..BRANCHES {
+            let (exit, change) = (hysteresis.next_exit(from, band), hysteresis.next_time_event());
+            if exit < change {
+                return Course::Stands(exit, Some(FRICTION));
+            } else if change.is_infinite() {
+                return Course::Stands(f64::INFINITY, None);
+            }
+            hysteresis.pass_instant();
+            from = change;
+        }
+        Course::Stands(from, None)
+    }
+
+    /// The hysteresis of a spool that stood until `t` takes its branch there.
+    pub(in super::super) fn catch_up(&mut self, t: f64) {
+        if self.flies() || !self.has_closed_form() {
+            return;
+        }
+        if let Magnetism::Stepped(hysteresis) = &mut self.magnetism {
+            while hysteresis.next_time_event() <= t {
+                hysteresis.pass_instant();
+            }
+        }
     }
 
     /// The limits of its flight: the next edge or stop ahead, and the end of its slip. Without friction, edge or stop
