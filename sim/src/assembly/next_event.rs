@@ -6,13 +6,9 @@
 
 use super::layout::{SPOOL_GUARDS, guard, spool_state};
 use super::{Assembly, StateVector};
-use crate::component::operator::{Course, Met, Search};
+use crate::component::operator::{Course, Met, ROUNDING, Search};
 use pneudrive_solver::crossing::{PROBES, first_crossing};
 use pneudrive_solver::{Event, StepLimit, System};
-
-/// In SI: what rounding leaves open of a guard. A dither of 300 Hz is at 150 rad after 80 ms, which are known to 3e-14, and
-/// with 0.4 mm moves at 0.75 m/s.
-const ROUNDING: f64 = 2.5e-14;
 
 impl Assembly {
     /// How far the next step may go.

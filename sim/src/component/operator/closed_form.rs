@@ -22,6 +22,10 @@ use crate::component::dither::Dither;
 use crate::number::{Number, Pair};
 pub(crate) use first_limit::{Limit, Met, Quantity, Search};
 
+/// In SI: what rounding leaves open of a position or a velocity. A dither of 300 Hz is at 150 rad after 80 ms, which are known
+/// to 3e-14, and with 0.4 mm moves at 0.75 m/s.
+pub(crate) const ROUNDING: f64 = 2.5e-14;
+
 /// A damped oscillator.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Oscillator {
