@@ -21,6 +21,9 @@ pub(super) const SMALLEST: f64 = 1e-12;
 /// A node's w whose correction is more than this part of it is not found.
 pub(super) const ARRIVED: f64 = 0.01;
 
+/// How far a node's w may be beyond those around it: a pressure of eleven times as much.
+const BEYOND: f64 = 2.0;
+
 /// kg/s: less than this counts as no flow.
 pub(super) const NO_FLOW: f64 = 1e-20;
 
@@ -52,7 +55,19 @@ impl Network {
         }
         let found = self.newton_in_general(around, nodes, slopes, left);
         nodes.carried = nodes.temperature;
-        found
+        found && self.may_be(around, nodes)
+    }
+
+    /// Whether nodes are between what surrounds them, but for the rise of air at speed: the equations have other roots, far
+    /// beyond.
+    #[inline(never)]
+    fn may_be(&self, around: &Surroundings, nodes: &Nodes) -> bool {
+        let ends =
+            [pair(self.supply.exner), pair(self.exhaust.exner), around.chambers.exner].map(Pair::to_array);
+        let all = || ends.as_flattened().iter().copied();
+        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        let between = nodes.exner.at_least(pair(low / BEYOND)) & pair(high * BEYOND).at_least(nodes.exner);
+        Pair::all(between)
     }
 
     /// The same for flows of any pattern.
