@@ -3,7 +3,7 @@
 use crate::dense_output::{AcceptedStep, DenseOutput, TrialError};
 use crate::progress::Progress;
 use crate::system::System;
-use crate::tableau::{DORMAND_PRINCE, MAX_STAGES, MERSON, Method, Tableau};
+use crate::tableau::{BOGACKI_SHAMPINE, DORMAND_PRINCE, MAX_STAGES, MERSON, Method, Tableau};
 
 impl<const N: usize> Progress<N> {
     /// The step goes to `step` if its error is small.
@@ -20,6 +20,17 @@ impl<const N: usize> Progress<N> {
             Method::DormandPrince => self.step_by::<M, G, E>(&DORMAND_PRINCE, system, derivative, h, step),
             Method::Merson => self.step_by::<M, G, E>(&MERSON, system, derivative, h, step),
         }
+    }
+
+    /// The same by the method for short steps.
+    pub(crate) fn short_step<const M: usize, const G: usize, const E: usize>(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        derivative: &[f64; N],
+        h: f64,
+        step: &mut AcceptedStep<N>,
+    ) -> TrialError {
+        self.step_by::<M, G, E>(&BOGACKI_SHAMPINE, system, derivative, h, step)
     }
 
     #[inline(always)]
@@ -39,7 +50,8 @@ impl<const N: usize> Progress<N> {
             self.write_dense_output::<M>(tableau, &stages, &x, h, &mut step.dense);
             step.x = x;
             step.end_derivative = Some(end_derivative);
-            step.stiffness = stiffness_of(tableau, &stages, &sizes);
+            step.stiffness =
+                if tableau.apart.is_empty() { 0.0 } else { stiffness_of(tableau, &stages, &sizes) };
         }
         trial
     }
@@ -58,9 +70,11 @@ impl<const N: usize> Progress<N> {
         let mut x = self.x;
         self.stage::<1, M, G, E>(tableau, system, &mut stages, &mut x, h);
         self.stage::<2, M, G, E>(tableau, system, &mut stages, &mut x, h);
-        self.stage::<3, M, G, E>(tableau, system, &mut stages, &mut x, h);
-        self.stage::<4, M, G, E>(tableau, system, &mut stages, &mut x, h);
-        let mut slope = self.stage::<5, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        let mut slope = self.stage::<3, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        if tableau.last_stage() >= 5 {
+            self.stage::<4, M, G, E>(tableau, system, &mut stages, &mut x, h);
+            slope = self.stage::<5, M, G, E>(tableau, system, &mut stages, &mut x, h);
+        }
         if tableau.last_stage() == 6 {
             slope = self.stage::<6, M, G, E>(tableau, system, &mut stages, &mut x, h);
         }

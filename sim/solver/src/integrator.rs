@@ -8,7 +8,7 @@ use crate::error::{IntegrationError, MAX_STEPS};
 use crate::progress::Progress;
 use crate::rosenbrock::Linearization;
 use crate::statistics::Statistics;
-use crate::step_size::StepControl;
+use crate::step_size::{LITTLE, ShortSteps, StepControl};
 use crate::stiffness::Stiffness;
 use crate::system::{Derivative, Event, System};
 use crate::tableau::{Method, Tableau};
@@ -54,6 +54,7 @@ pub struct Integrator<
     /// The same where the system oscillates while now it does not, or the other way about.
     other_step_size: f64,
     oscillates: bool,
+    short_steps: ShortSteps,
     control: StepControl,
     /// Events within [`MIN_STEP`], and since when.
     events_at_once: (u32, f64),
@@ -98,6 +99,10 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             pending: None,
             step_size: FIRST_STEP,
             other_step_size: FIRST_STEP,
+            short_steps: match method {
+                Method::DormandPrince => ShortSteps::new(tolerance),
+                Method::Merson => ShortSteps::NEVER,
+            },
             oscillates: false,
             control: StepControl::default(),
             events_at_once: (0, 0.0),
@@ -287,6 +292,13 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         let linearization = self.stiffness.implicit.then(|| self.now.linearize(system, derivative));
         loop {
             let Proposal { h, end, limited } = self.propose(limit);
+            if limited && linearization.is_none() && self.short_steps.fits(h) {
+                let trial = self.try_short_step(system, derivative, h);
+                if self.short_steps.note(h, trial.error) {
+                    return Ok(end);
+                }
+                self.now.statistics.n_rejected_steps += 1;
+            }
             let trial = self.try_step(system, derivative, linearization.as_ref(), h);
             let error = trial.error;
             if !error.is_finite() {
@@ -294,8 +306,11 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             } else {
                 let next = h * self.control.factor(h, error, trial.order);
                 if trial.is_small() {
-                    // A step cut short by an event says nothing about the size for the allowed error.
-                    self.step_size = if limited && (error < 1e-2) { next.max(self.step_size) } else { next };
+                    if limited && linearization.is_none() {
+                        self.short_steps.note_long(h, error);
+                    }
+                    // A step cut short by an event that has next to no error says nothing about the size for the allowed one.
+                    self.step_size = if limited && error < LITTLE { next.max(self.step_size) } else { next };
                     self.note_stiffness(limited);
                     return Ok(end);
                 }
@@ -344,6 +359,23 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
             n if n <= FEW => self.try_step_of::<FEW>(system, derivative, linearization, h),
             n if n <= SOME => self.try_step_of::<SOME>(system, derivative, linearization, h),
             _ => self.try_step_of::<N>(system, derivative, linearization, h),
+        }
+    }
+
+    /// The same by the method for short steps.
+    #[inline(always)]
+    fn try_short_step(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        derivative: &[f64; N],
+        h: f64,
+    ) -> TrialError {
+        system.begin_step(h);
+        let step = &mut self.step;
+        match system.n_moving() {
+            n if n <= FEW => self.now.short_step::<FEW, G, E>(system, derivative, h, step),
+            n if n <= SOME => self.now.short_step::<SOME, G, E>(system, derivative, h, step),
+            _ => self.now.short_step::<N, G, E>(system, derivative, h, step),
         }
     }
 

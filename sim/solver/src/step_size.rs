@@ -9,6 +9,9 @@
 //! 1994), so that steps shrink in time where the solution gets rougher. After a rejected step the next one is no longer
 //! than the one that was accepted.
 
+/// An error over the allowed one that is next to none says little of another size.
+pub(crate) const LITTLE: f64 = 1e-2;
+
 /// The last accepted step of this stretch: its size, and err^(1/p) of its error over the allowed one.
 #[derive(Clone, Copy, Debug)]
 struct Before {
@@ -37,8 +40,7 @@ impl StepControl {
         };
         let max_growth = if self.rejected { 1.0 } else { 5.0 };
         if good {
-            // A step of next to no error says little.
-            let at_least = if error < 1e-2 { root_of(1e-2, order) } else { root };
+            let at_least = if error < LITTLE { root_of(LITTLE, order) } else { root };
             *self = StepControl { before: Some(Before { h, root: at_least }), rejected: false };
         }
         plain.min(predicted).clamp(0.2, max_growth)
@@ -48,6 +50,51 @@ impl StepControl {
     #[inline]
     pub fn reject(&mut self) {
         self.rejected = true;
+    }
+}
+
+/// Up to which size a step of the method for short steps is good enough: by the errors of such steps, and where there
+/// were none by those of long ones.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShortSteps {
+    largest: f64,
+    /// A long step with less error, over the allowed one, might have been a short one.
+    hint: f64,
+    most: f64,
+}
+
+impl ShortSteps {
+    /// No step is short.
+    pub const NEVER: ShortSteps = ShortSteps { largest: 0.0, hint: -1.0, most: -1.0 };
+
+    /// For steps with this relative error: of a solution that changes within a time T, a step h of order 5 has an error of
+    /// (h/T)^5, and of order 3 one of (h/T)^3.
+    pub fn new(tolerance: f64) -> ShortSteps {
+        let most = 0.5 * root_of(tolerance * tolerance, 3.0);
+        ShortSteps { largest: 0.0, hint: most, most }
+    }
+
+    /// Whether a step of `h` is to be a short one.
+    #[inline]
+    pub fn fits(&self, h: f64) -> bool {
+        h <= self.largest
+    }
+
+    /// A long step of `h` had this error over the allowed one.
+    #[inline]
+    pub fn note_long(&mut self, h: f64, error: f64) {
+        if error <= self.hint {
+            self.largest = self.largest.max(h);
+        }
+    }
+
+    /// A short step of `h` had this error; whether it is good enough.
+    #[inline]
+    pub fn note(&mut self, h: f64, error: f64) -> bool {
+        let good = error <= 1.0;
+        self.largest = if error.is_finite() { h * 0.9 / root_of(error.max(1e-3), 3.0) } else { 0.0 };
+        self.hint = if good { (1.1 * self.hint).min(self.most) } else { 0.3 * self.hint };
+        good
     }
 }
 

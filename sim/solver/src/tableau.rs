@@ -91,6 +91,18 @@ pub(crate) const DORMAND_PRINCE: Tableau = Tableau {
     error_order: 5.0,
 };
 
+/// Bogacki and Shampine, Applied Mathematics Letters 2, 1989, with cubic Hermite interpolation: for steps that are too short
+/// for the error to count.
+pub(crate) const BOGACKI_SHAMPINE: Tableau = Tableau {
+    method: Method::DormandPrince,
+    nodes: &[1.0 / 2.0, 3.0 / 4.0, 1.0],
+    weights: &[&[1.0 / 2.0], &[0.0, 3.0 / 4.0], &[2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0]],
+    error: &[-5.0 / 72.0, 1.0 / 12.0, 1.0 / 9.0, -1.0 / 8.0],
+    dense: &[],
+    apart: &[],
+    error_order: 3.0,
+};
+
 /// Merson 1957, as in Hairer, Norsett, Wanner I, table II.4.1; the sixth stage is the slope at the
 /// end, for the interpolant and the next step.
 pub(crate) const MERSON: Tableau = Tableau {

@@ -26,6 +26,7 @@ fn oscillator(_: f64, x: &[f64; 2]) -> [f64; 2] {
 /// The oscillator's error at t = 2 in steps of exactly `h`.
 fn error_with_step(method: Method, h: f64) -> f64 {
     let mut integrator = Integrator::<2, 0, 0>::new(method, 1e6, [1.0; 2], [1.0, 0.0]);
+    integrator.short_steps = ShortSteps::NEVER;
     let steps = (2.0 / h).round() as u32;
     for step in 1..=steps {
         integrator.step_size = 1.0;
@@ -54,6 +55,7 @@ fn riccati(_: f64, x: &[f64; 1]) -> [f64; 1] {
 fn the_order_holds_on_a_nonlinear_problem() {
     let error = |method, h: f64| {
         let mut integrator = Integrator::<1, 0, 0>::new(method, 1e6, [1.0], [1.0]);
+        integrator.short_steps = ShortSteps::NEVER;
         for step in 1..=(0.5 / h).round() as u32 {
             integrator.step_size = 1.0;
             integrator
@@ -233,6 +235,60 @@ fn a_stiff_stretch_is_followed_in_steps_of_what_happens_in_it() {
         integrator.statistics()
     );
     assert!((integrator.state(3.0)[0] - 3.0_f64.cos()).abs() < 1e-7);
+}
+
+/// The error of the method for short steps at t = 0.5 on x' = x^2 in steps of `h`, and that of its dense output.
+fn short_errors(h: f64) -> (f64, f64) {
+    let mut now = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1.0, [1.0], [1.0]).now;
+    let mut inside = 0.0_f64;
+    for _ in 0..(0.5 / h).round() as u32 {
+        let slope = riccati(now.t, &now.x);
+        let (system, mut accepted) = (&mut Smooth(riccati), AcceptedStep::NONE);
+        let trial = now.short_step::<1, 0, 0>(system, &slope, h, &mut accepted);
+        assert!(trial.is_small());
+        let middle = now.t + 0.4 * h;
+        inside = inside.max((accepted.dense.at(middle)[0] - 1.0 / (1.0 - middle)).abs());
+        (now.t, now.x) = (now.t + h, accepted.x);
+    }
+    ((now.x[0] - 2.0).abs(), inside)
+}
+
+#[test]
+fn the_method_for_short_steps_is_of_order_3_at_their_ends_and_between() {
+    let (coarse, fine) = (short_errors(0.025), short_errors(0.0125));
+    for observed in [(coarse.0 / fine.0).log2(), (coarse.1 / fine.1).log2()] {
+        assert!(observed > 2.8 && observed < 4.3, "{observed}");
+    }
+}
+
+/// An oscillator whose right-hand side may jump a hundred times a second.
+struct Interrupted;
+
+impl System<2, 0, 0> for Interrupted {
+    fn derivative(&mut self, t: f64, x: &[f64; 2]) -> [f64; 2] {
+        oscillator(t, x)
+    }
+    fn guards(&mut self, _: f64, _: &[f64; 2]) -> [f64; 0] {
+        []
+    }
+    fn next_time_event(&self, t: f64) -> f64 {
+        ((100.0 * t + 1e-6).floor() + 1.0) / 100.0
+    }
+    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; 2]) -> Derivative {
+        Derivative::Discontinuous
+    }
+}
+
+#[test]
+fn steps_that_events_end_long_before_the_error_counts_take_four_evaluations() {
+    for (tolerance, evaluations) in [(1e-5, 4.2), (1e-11, 7.2)] {
+        let mut integrator =
+            Integrator::<2, 0, 0>::new(Method::DormandPrince, tolerance, [1.0; 2], [1.0, 0.0]);
+        integrator.integrate_to(&mut Interrupted, 10.0, 10.0).expect("smooth");
+        let taken = integrator.statistics().n_rhs_evaluations as f64 / 1000.0;
+        assert!(taken < evaluations, "{tolerance}: {taken}");
+        assert!((integrator.state(10.0)[0] - 10.0_f64.cos()).abs() < 30.0 * tolerance, "{tolerance}");
+    }
 }
 
 /// The implicit method's error at t = 0.5 on x' = x^2 in steps of `h`, and that of its dense output.
