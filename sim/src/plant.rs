@@ -256,8 +256,8 @@ impl Plant {
         Ok(())
     }
 
-    /// What can be measured at `t`, from the present sample on to the next. Looking changes nothing:
-    /// the steps are the same without it.
+    /// What can be measured at `t`, from the present sample on to the next. Once the command is known looking changes
+    /// nothing: the steps are the same without it.
     ///
     /// # Errors
     /// When the integration fails.

@@ -72,13 +72,14 @@ fn each_channel_reads_the_plant_at_its_own_instant() {
     let skewed = rig(text, 100e-6);
     let mut plant = Plant::new(&rig(text, 0.0), Accuracy::default(), 0);
     for (k, reading) in readings(&skewed, 700, 60).into_iter().enumerate() {
+        // How far steps go depends on it: it is known before somebody looks, as in a run.
+        plant.command(Command { counts: 700, step: 0, drive_enable: true });
         let [now, second, third] =
             [0.0, 100e-6, 200e-6].map(|later| plant.look(k as f64 * PERIOD_S + later).expect("a look"));
         assert!((reading.position - now.position).abs() < 1e-12, "sample {k}");
         assert!((reading.pressures[0] - now.pressures[0]).abs() < 1e-4, "sample {k}");
         assert!((reading.pressures[1] - second.pressures[1]).abs() < 1e-4, "sample {k}");
         assert!((reading.spool - third.spool).abs() < 1e-12, "sample {k}");
-        plant.command(Command { counts: 700, step: 0, drive_enable: true });
         plant.next_sample().expect("a sample");
     }
 }
