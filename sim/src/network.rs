@@ -42,6 +42,7 @@ mod of_rig;
 mod predictor;
 mod rest;
 mod restriction;
+mod settling;
 mod solve;
 mod usual;
 

@@ -44,14 +44,20 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
         refuse_to_replace(&csv, CSV_MARK)?;
         refuse_to_replace(&html, GENERATOR)?;
     }
+    measure(arguments, &rig, &wanted)
+}
+
+/// Writes each of these curves. One that its test does not bring to its end keeps no other one from being written.
+fn measure(arguments: &Characterise, rig: &Rig, wanted: &[&Wanted]) -> Result<()> {
+    let all = arguments.curve == ALL;
     let (mut stopped, mut curves) = (Ok(()), Vec::new());
     for curve in wanted {
-        match (curve.measure)(&rig) {
+        match (curve.measure)(rig) {
             Ok(found) => {
                 let measured = arguments.points.as_deref().map(|path| Measurement::of(path, &found));
                 leave(
                     &arguments.out,
-                    &rig,
+                    rig,
                     curve,
                     &found,
                     measured.transpose()?.as_ref(),
@@ -60,13 +66,12 @@ pub(super) fn execute(arguments: &Characterise) -> Result<()> {
                 let files = places(&arguments.out, curve).map(|path| path.display().to_string());
                 curves.push(figures::characteristic(curve.name, &found, files));
             }
-            Err(Unfit::Integration(error)) => stopped = stopped.and(Err(stops(&rig, curve, &error))),
+            Err(Unfit::Integration(error)) => stopped = stopped.and(Err(stops(rig, curve, &error))),
             Err(lacks) if all => say!("{}: skipped, as {lacks}", curve.name),
             Err(lacks) => bail!("{} has no {}: {lacks}", rig.name(), curve.name),
         }
     }
     json::figures(|| json!({ "rig": rig.name(), "curves": curves }));
-    // The other curves have been written.
     stopped
 }
 
@@ -198,6 +203,35 @@ fn place_in_thesis(about: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        characterise: Characterise,
+    }
+
+    /// The spool cannot be followed to the end of this test.
+    const STOPS: Wanted = Wanted {
+        measure: |_| Err(Unfit::Integration(IntegrationError::EventsPileUp { at_s: 14.7 })),
+        ..CURVES[0]
+    };
+
+    #[test]
+    fn a_test_that_stops_on_the_bench_is_not_a_part_that_the_rig_lacks() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path().to_str().expect("a path in UTF-8");
+        let line = Line::parse_from(["characterise", "servo-b-thesis", ALL, "--out", out]);
+        let rig = Rig::builtin("servo-b-thesis").expect("a built-in rig");
+        let land_area = CURVES.iter().find(|curve| curve.name == "land-area").expect("a curve");
+        let error = measure(&line.characterise, &rig, &[&STOPS, land_area]).expect_err("one has stopped");
+        let expected = format!(
+            "the test \"{}\" of servo-b-thesis stopped: events pile up at t = 14.7 s: two modes switch to each other endlessly; try another value of the spool's friction or dither (--set KEY=VALUE)",
+            STOPS.name
+        );
+        assert_eq!(error.to_string(), expected);
+        assert!(folder.path().join("land-area.html").exists(), "the other one is written");
+    }
 
     #[test]
     fn a_figure_has_the_digits_that_are_known() {

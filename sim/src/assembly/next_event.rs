@@ -6,7 +6,7 @@
 
 use super::layout::{SPOOL_GUARDS, guard, spool_state};
 use super::{Assembly, StateVector};
-use crate::component::operator::{Course, Met, ROUNDING, Search};
+use crate::component::operator::{Course, Met, Search, rounding};
 use pneudrive_solver::crossing::{PROBES, first_crossing};
 use pneudrive_solver::{Event, StepLimit, System};
 
@@ -77,8 +77,9 @@ impl Assembly {
             return clear;
         }
         let span = clear.until - t;
-        // A spool that has broken away without more force than holds it back is at rest but for rounding.
-        let beyond_rounding = |guard: f64| if guard.abs() <= ROUNDING { 0.0 } else { guard };
+        // A spool at an edge is not beyond it by rounding alone.
+        let open = rounding(clear.until);
+        let beyond_rounding = |guard: f64| if guard.abs() <= open { 0.0 } else { guard };
         let guards_at = |part: f64| self.spool_guards(t + part * span, x, 0.0).map(beyond_rounding);
         let found = first_crossing(&guards_at(0.0), &PROBES.map(guards_at), guards_at);
         found.map_or(clear, |(index, part)| StepLimit {

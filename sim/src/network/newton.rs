@@ -9,23 +9,15 @@ use super::mixing::Mixture;
 use super::nodes::{Nodes, Surroundings, pair};
 use super::rest::{Slope, is_rounding};
 use super::restriction::{EndState, Side};
+use super::settling::{ARRIVED, NO_FLOW, SMALLEST};
 use super::usual::Outcome;
 use super::{FLOW_ERROR, Network};
 use crate::component::air::Station;
 use crate::component::valve::flow_law::FlowLaw;
 use crate::number::{Number, Pair};
 
-/// kg/s: a flow whose correction is smaller is found.
-pub(super) const SMALLEST: f64 = 1e-12;
-
-/// A node's w whose correction is more than this part of it is not found.
-pub(super) const ARRIVED: f64 = 0.01;
-
 /// How far a node's w may be beyond those around it: a pressure of eleven times as much.
 const BEYOND: f64 = 2.0;
-
-/// kg/s: less than this counts as no flow.
-pub(super) const NO_FLOW: f64 = 1e-20;
 
 /// Whether another correction would be no more than the allowed error.
 enum Arrived {

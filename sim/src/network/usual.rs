@@ -19,8 +19,8 @@ mod approach;
 mod elimination;
 mod lines;
 
-use super::newton::{ARRIVED, NO_FLOW, SMALLEST};
 use super::nodes::{Nodes, Surroundings, pair};
+use super::settling::{ARRIVED, NO_FLOW, SMALLEST};
 use super::{FLOW_ERROR, Network};
 use crate::component::air::Station;
 use crate::component::gas::Gas;

@@ -31,7 +31,7 @@ fn guard_at(assembly: &Assembly, event: Option<Event>, t: f64, x: &StateVector) 
 /// Whether a guard of the spool is below zero just after `t`, by more than rounding.
 fn is_crossed(assembly: &Assembly, event: Option<Event>, t: f64, x: &StateVector) -> bool {
     let ahead = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7];
-    ahead.into_iter().any(|ahead| guard_at(assembly, event, t + ahead, x) < -ROUNDING)
+    ahead.into_iter().any(|ahead| guard_at(assembly, event, t + ahead, x) < -rounding(t))
 }
 
 /// Both searches find the same, unless the looks have missed an event, or take a touch that is rounded below zero for one.
@@ -42,7 +42,8 @@ fn check(assembly: &Assembly, t: f64, x: &StateVector, clear: StepLimit) -> Resu
         let apart = (known.until - looked.until).abs();
         // A guard with a small slope is zero for longer than that.
         let zeros = [known, looked].map(|found| guard_at(assembly, found.event, found.until, x).abs());
-        let same = apart <= 1e-15 + 1e-12 * (clear.until - t) || zeros.iter().all(|zero| *zero <= ROUNDING);
+        let same =
+            apart <= 1e-15 + 1e-12 * (clear.until - t) || zeros.iter().all(|zero| *zero <= rounding(t));
         prop_assert!(same, "{apart:e} s, {zeros:?}: {known:?} {looked:?}");
     } else {
         let first = if known.until < looked.until { known } else { looked };

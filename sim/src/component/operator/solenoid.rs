@@ -13,7 +13,7 @@
 mod course;
 mod parameters;
 
-use super::closed_form::{Drive, FreeMotion, Oscillator};
+use super::closed_form::{Drive, FreeMotion, Oscillator, rounding};
 use super::hysteresis::Hysteresis;
 use super::moving_hysteresis::MovingHysteresis;
 use super::{GUARDS, Request, SpoolState, within_range};
@@ -229,7 +229,10 @@ impl Solenoid {
         let stuck = self.contact == Contact::Stuck;
         let applied = if stuck { self.applied_force(t, spool, flow_force) } else { 0.0 };
         let mut guards = [1.0; GUARDS];
-        guards[FRICTION] = self.parameters.friction.guard(self.contact, applied, spool.velocity);
+        // A spool that has broken away without more force than holds it back is at rest but for rounding.
+        let rests = self.flies() && spool.velocity.abs() <= rounding(t);
+        let velocity = if rests { 0.0 } else { spool.velocity };
+        guards[FRICTION] = self.parameters.friction.guard(self.contact, applied, velocity);
         guards[STOPS] = self.parameters.stops.guard(self.side, spool.position);
         if let Magnetism::Moving(hysteresis) = &self.magnetism {
             guards[MAGNETISM..].copy_from_slice(&hysteresis.guards(t));

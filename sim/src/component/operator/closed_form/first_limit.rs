@@ -15,7 +15,7 @@
 //! Every derivative of the free part y obeys its equation of motion, whose energy fades; those of the swing have an
 //! amplitude.
 
-use super::{FreeMotion, Parts, ROUNDING};
+use super::{FreeMotion, Parts, rounding};
 
 /// What is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl FreeMotion {
             if step >= until - t {
                 return Search::Clear;
             }
-            let beyond = rooms.iter().any(|room| room.value < -ROUNDING);
+            let beyond = rooms.iter().any(|room| room.value < -rounding(t));
             let at_one = step <= DEPARTURE * (until - from) || beyond;
             if look == 0 && at_one {
                 return Search::Undecided;
