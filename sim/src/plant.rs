@@ -54,8 +54,8 @@ const FLOW: f64 = 0.3;
 /// kg/s: flows need not be found more exactly than this before [`FLOW`] asks for it.
 const SMALL_FLOW_ERROR: f64 = 3e-10;
 
-/// Allowed error of a flow over a loose tolerance, kg/s: its noise is then no motion.
-const LOOSE_FLOW: f64 = 1e-3;
+/// Allowed error of a flow over a tolerance above 3e-7, kg/s: too little to be seen in a step.
+const FLOW_OF_LOOSE: f64 = 1e-3;
 
 /// s: in longer steps the flows are found as much more exactly.
 const SHORT_STEP: f64 = 0.5e-3;
@@ -65,7 +65,7 @@ const LOOSE: f64 = 1e-9;
 
 /// Allowed error of a flow at a tolerance, kg/s. Behind tubes that lag it acts on pressures at once.
 fn flow_error(tolerance: f64, lags: bool) -> f64 {
-    let loose = if lags { 0.0 } else { LOOSE_FLOW * tolerance };
+    let loose = if lags { 0.0 } else { FLOW_OF_LOOSE * tolerance };
     (FLOW * tolerance).min(loose.max(SMALL_FLOW_ERROR))
 }
 

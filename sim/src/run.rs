@@ -277,13 +277,13 @@ impl Drive {
     /// What is recorded of the present sample.
     #[inline]
     fn seen(&self) -> &Observation {
-        self.seen.as_ref().unwrap_or(self.state.observation())
+        seen(&self.seen, &self.state)
     }
 
     /// The same, and the plant.
     #[inline]
     fn seen_and_plant(&mut self) -> (&Observation, &mut Plant) {
-        (self.seen.as_ref().unwrap_or(self.state.observation()), &mut self.plant)
+        (seen(&self.seen, &self.state), &mut self.plant)
     }
 
     /// Runs the controller on a sample: its command.
@@ -315,7 +315,7 @@ impl Drive {
     /// Gives the plant the command of the present sample, and returns it.
     #[inline]
     fn output(&mut self, command: Command) -> Command {
-        let seen = self.seen.as_ref().unwrap_or(self.state.observation());
+        let seen = seen(&self.seen, &self.state);
         let command = match &mut self.bug {
             Some(bug) => bug.output(seen, command),
             None => command,
@@ -337,6 +337,12 @@ impl Drive {
         }
         self.plant.continuous_command().map(|command| command.round() as i16)
     }
+}
+
+/// What is recorded of a sample: something else, or what the controller has seen.
+#[inline]
+fn seen<'a>(otherwise: &'a Option<Observation>, state: &'a State) -> &'a Observation {
+    otherwise.as_ref().unwrap_or(state.observation())
 }
 
 /// Room for entries 0 to `last`, as far as it is wise to take it beforehand.

@@ -309,7 +309,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
                     if limited && linearization.is_none() {
                         self.short_steps.note_long(h, error);
                     }
-                    // A step cut short by an event that has next to no error says nothing about the size for the allowed one.
+                    // A step cut short that has next to no error says nothing about the size for the allowed one.
                     self.step_size = if limited && error < LITTLE { next.max(self.step_size) } else { next };
                     self.note_stiffness(limited);
                     return Ok(end);

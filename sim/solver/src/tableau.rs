@@ -91,8 +91,8 @@ pub(crate) const DORMAND_PRINCE: Tableau = Tableau {
     error_order: 5.0,
 };
 
-/// Bogacki and Shampine, Applied Mathematics Letters 2, 1989, with cubic Hermite interpolation: for steps that are too short
-/// for the error to count.
+/// Bogacki and Shampine, Applied Mathematics Letters 2, 1989, with cubic Hermite interpolation: for steps of Dormand-Prince
+/// that are too short for the error to count.
 pub(crate) const BOGACKI_SHAMPINE: Tableau = Tableau {
     method: Method::DormandPrince,
     nodes: &[1.0 / 2.0, 3.0 / 4.0, 1.0],

@@ -41,12 +41,19 @@ impl Assembly {
     /// The first event of a spool with a closed form.
     fn spool_event(&self, t: f64, x: &StateVector) -> StepLimit {
         let clear = || self.clear_from(t);
+        let edges = self.lands.limits(&self.parts.valve);
+        let course = self.parts.operator.course(t, spool_state(x), &edges);
         // A null that drifts takes the edges along.
         if self.parts.null_drift != 0.0 {
-            return self.searched_event(t, x, clear());
+            let clear = match (clear(), course) {
+                (clear, Course::Stands(exit, Some(own))) if exit < clear.until => {
+                    limit_at(exit, Met::Guard(own))
+                }
+                (clear, _) => clear,
+            };
+            return self.searched_event(t, x, clear);
         }
-        let edges = self.lands.limits(&self.parts.valve);
-        match self.parts.operator.course(t, spool_state(x), &edges) {
+        match course {
             Course::Stands(until, broken_away) => self.while_standing(until, broken_away),
             Course::Flies(flight, limits) => {
                 let clear = clear();

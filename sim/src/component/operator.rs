@@ -177,14 +177,15 @@ impl Operator {
         }
     }
 
-    /// What it remembers follows to `t`, up to which its spool has stood.
+    /// Brings its hysteresis up to `t`. While a spool is held no step ends at a branch of it, so that this comes before the
+    /// hysteresis is read.
     pub(crate) fn catch_up(&mut self, t: f64) {
         if let Operator::Solenoid(solenoid) = self {
             solenoid.catch_up(t);
         }
     }
 
-    /// Whether nothing but a request will move its spool.
+    /// Whether its spool stands until its next event.
     #[must_use]
     pub fn stands(&self, t: f64) -> bool {
         self.has_closed_form() && self.max_step().is_infinite() && self.next_time_event(t).is_infinite()

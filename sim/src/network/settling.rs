@@ -1,4 +1,4 @@
-//! When Newton's method has found the flows: how small its last correction is.
+//! When Newton's method has found the flows, and what counts as none.
 
 /// kg/s: a flow whose correction is smaller is found.
 pub(super) const SMALLEST: f64 = 1e-12;

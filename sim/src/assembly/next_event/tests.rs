@@ -188,17 +188,22 @@ fn a_spool_that_begins_at_an_edge_passes_the_other_one_for_a_moment() {
 #[test]
 fn a_held_spool_without_hysteresis_breaks_away_where_the_dither_exceeds_its_stiction() {
     let (stiction, spring, dither, hertz) = (2.0, 25.0, 0.26, 100.0);
-    let (assembly, x) = assembly(&[
-        ("operator.static_friction_n", stiction),
-        ("operator.coulomb_friction_n", 1.0),
-        ("operator.spring_n_per_mm", spring),
-        ("operator.dither_mm", dither),
-        ("operator.dither_hz", hertz),
-        ("operator.hysteresis_percent", 0.0),
-    ]);
-    let found = assembly.spool_event(0.0, &x);
-    let expected = (stiction / (spring * dither)).asin() / (2.0 * std::f64::consts::PI * hertz);
-    assert!((found.until - expected).abs() < 1e-12, "{found:?} {expected}");
+    // A null that drifts takes nothing from that.
+    for drift in [0.0, 0.01] {
+        let (assembly, x) = assembly(&[
+            ("operator.static_friction_n", stiction),
+            ("operator.coulomb_friction_n", 1.0),
+            ("operator.spring_n_per_mm", spring),
+            ("operator.dither_mm", dither),
+            ("operator.dither_hz", hertz),
+            ("operator.hysteresis_percent", 0.0),
+            ("valve.underlap_mm", 0.05),
+            ("valve.null_drift_mm_per_h", drift),
+        ]);
+        let found = assembly.spool_event(0.0, &x);
+        let expected = (stiction / (spring * dither)).asin() / (2.0 * std::f64::consts::PI * hertz);
+        assert!((found.until - expected).abs() < 1e-12, "{found:?} {expected}");
+    }
 }
 
 proptest! {

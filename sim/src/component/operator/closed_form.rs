@@ -20,13 +20,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::SpoolState;
 use crate::component::dither::Dither;
 use crate::number::{Number, Pair};
-pub(crate) use first_limit::{Limit, Met, Quantity, Search};
-
-/// In SI: what rounding leaves open of a position or a velocity at `t`. A dither of 300 Hz is at 1,900 rad after a second,
-/// which are known to 4e-13, and with 0.4 mm moves at 0.75 m/s.
-pub(crate) fn rounding(t: f64) -> f64 {
-    (3e-13 * t).max(2.5e-14)
-}
+pub(crate) use first_limit::{Limit, Met, Quantity, Search, rounding};
 
 /// A damped oscillator.
 #[derive(Clone, Copy, Debug)]
