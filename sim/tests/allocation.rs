@@ -9,8 +9,8 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static MEMORY: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Half a second of moves either way, looked at once a sample.
-fn takes_none(rig: &Rig) {
+/// What half a second of moves either way takes, looked at once a sample.
+fn taken(rig: &Rig) -> usize {
     let mut plant = Plant::new(rig, Accuracy::of(rig), 0);
     let period = plant_period_s(rig);
     let region = Region::new(MEMORY);
@@ -20,7 +20,13 @@ fn takes_none(rig: &Rig) {
         plant.advance(Command { counts, step, ..Command::OFF }).expect("a transient");
         plant.look(period * f64::from(k + 1)).expect("a transient");
     }
-    assert_eq!(region.change().allocations, 0, "{}", rig.name());
+    region.change().allocations
+}
+
+/// A plant that took memory would do so each time. The thread that runs the tests may take some beside it, once.
+fn takes_none(rig: &Rig) {
+    let least = (0..5).map(|_| taken(rig)).min();
+    assert_eq!(least, Some(0), "{}", rig.name());
 }
 
 /// One test, as another one beside it would take memory of its own.
