@@ -6,7 +6,7 @@ use crate::curve::Point;
 
 /// Decades of the axes: metres, and simulated seconds a second.
 const DEVIATIONS: [i32; 2] = [-10, -5];
-const SPEEDS: [i32; 2] = [0, 4];
+const SPEEDS: [i32; 2] = [0, 5];
 
 /// The frame, in pixels.
 const LEFT: f64 = 60.0;
