@@ -85,8 +85,8 @@ fn main() {
     }
 }
 
-/// Of other programs, at their speed on the machine of docs/speed.md: at which deviation (m) they make how many simulated
-/// seconds a second.
+/// Of other programs, scaled to the machine of docs/speed.md: at which deviation (m) they make how many simulated seconds a
+/// second.
 const BESIDE_A: [(&str, f64, f64); 4] = [
     ("specialised program", 1e-6, 12_700.0),
     ("CVODE Adams", 1e-6, 1380.0),

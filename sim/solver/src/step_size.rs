@@ -57,9 +57,11 @@ impl StepControl {
 /// were none by those of long ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShortSteps {
+    /// s.
     largest: f64,
     /// A long step with less error, over the allowed one, might have been a short one.
     hint: f64,
+    /// What `hint` is as long as no short step fails.
     most: f64,
 }
 
@@ -88,7 +90,7 @@ impl ShortSteps {
         }
     }
 
-    /// A short step of `h` had this error; whether it is good enough.
+    /// A short step of `h` had this error over the allowed one; whether it is good enough.
     #[inline]
     pub fn note(&mut self, h: f64, error: f64) -> bool {
         let good = error <= 1.0;
