@@ -127,7 +127,7 @@ pub fn moves(
     (first..)
         .zip(begins.iter().zip(ends))
         .map(|(number, (&begin, end))| {
-            let interval = Interval { transient, begin, end };
+            let interval = Interval::new(transient, begin, end);
             let one = Move { number, air: air(&interval), ..measured(&interval, motion, tolerance_mm) };
             if number > transient.cut.moves_before { one } else { one.without_its_beginning() }
         })

@@ -54,7 +54,7 @@ impl Course {
     }
 
     fn of_flows(time: &[f64], inflow: &[f64]) -> Course {
-        let (best, coarse) = (integral(time, inflow, 1), integral(time, inflow, 2));
+        let (best, coarse) = (integral::<1>(time, inflow), integral::<2>(time, inflow));
         let most = best.iter().zip(&coarse).map(|(best, coarse)| 2.0 * best - coarse).collect();
         Course { beyond: vec![false; time.len()], least: coarse, best, most }
     }
@@ -70,14 +70,14 @@ impl Course {
     }
 }
 
-/// The integral of a rate up to each instant, by the trapezoidal rule over every `step`th of them.
-fn integral(time: &[f64], rate: &[f64], step: usize) -> Vec<f64> {
+/// The integral of a rate up to each instant, by the trapezoidal rule over every `STEP`th of them.
+fn integral<const STEP: usize>(time: &[f64], rate: &[f64]) -> Vec<f64> {
     let trapezium = |from: usize, to: usize| (time[to] - time[from]) * (rate[from] + rate[to]) / 2.0;
     let mut sum = 0.0;
     let up_to = |k: usize| {
-        let last = k - k % step;
+        let last = k - k % STEP;
         if k > 0 && last == k {
-            sum += trapezium(k - step, k);
+            sum += trapezium(k - STEP, k);
         }
         sum + trapezium(last, k)
     };

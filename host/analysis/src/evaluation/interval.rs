@@ -20,9 +20,16 @@ pub(super) struct Interval<'a> {
     pub transient: &'a Transient,
     pub begin: usize,
     pub end: usize,
+    /// What the drive moves by at most while it rests, mm.
+    still_mm: f64,
 }
 
-impl Interval<'_> {
+impl<'a> Interval<'a> {
+    pub fn new(transient: &'a Transient, begin: usize, end: usize) -> Interval<'a> {
+        let position = &transient.channels[POSITION][begin..end];
+        Interval { transient, begin, end, still_mm: still_band(position, transient.mm_per_count) }
+    }
+
     pub fn time(&self) -> &[f64] {
         &self.transient.time[self.begin..self.end]
     }
@@ -65,7 +72,8 @@ impl Interval<'_> {
 
     pub fn limit_cycle(&self) -> LimitCycle {
         let pressures = PRESSURES.map(|channel| &self.transient.channels[channel][self.begin..self.end]);
-        LimitCycle::of(self.time(), self.position(), pressures, self.transient.mm_per_count)
+        let mm_per_count = self.transient.mm_per_count;
+        LimitCycle::beyond(self.still_mm, self.time(), self.position(), pressures, mm_per_count)
     }
 
     /// How far it should go, mm, if that is at least this many counts.
@@ -96,7 +104,7 @@ impl Interval<'_> {
         let furthest = self.position().iter().map(beyond).fold(f64::NEG_INFINITY, f64::max);
         let turned_back = || {
             let back = furthest - self.position().last().map_or(furthest, beyond);
-            furthest > 0.0 && back > still_band(self.position(), self.transient.mm_per_count)
+            furthest > 0.0 && back > self.still_mm
         };
         let is_over = match limit_cycle {
             LimitCycle::None { .. } | LimitCycle::Sustained(_) => true,
@@ -143,10 +151,9 @@ impl Interval<'_> {
 
     /// Whether it is at rest in the last quarter.
     fn stands(&self) -> bool {
-        let band_mm = still_band(self.position(), self.transient.mm_per_count);
         let position = &self.position()[self.last_part()..];
         let time = &self.time()[self.last_part()..];
-        position.len() > 1 && rest(time, position, band_mm) >= time[time.len() - 1] - time[0]
+        position.len() > 1 && rest(time, position, self.still_mm) >= time[time.len() - 1] - time[0]
     }
 
     fn last_part(&self) -> usize {

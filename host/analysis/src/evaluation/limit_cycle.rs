@@ -160,10 +160,20 @@ impl LimitCycle {
     /// What the positions of a move (mm) over time (s) show, and the pressures of its chambers (kPa).
     #[must_use]
     pub fn of(time: &[f64], position: &[f64], pressures: [&[f64]; 2], mm_per_count: f64) -> LimitCycle {
+        LimitCycle::beyond(still_band(position, mm_per_count), time, position, pressures, mm_per_count)
+    }
+
+    /// The same of a drive that moves by `still_mm` at most while it rests.
+    pub(super) fn beyond(
+        still_mm: f64,
+        time: &[f64],
+        position: &[f64],
+        pressures: [&[f64]; 2],
+        mm_per_count: f64,
+    ) -> LimitCycle {
         if duration(time) < REST_S {
             return LimitCycle::Undecided(Doubt::TooShort);
         }
-        let still_mm = still_band(position, mm_per_count);
         let rest_s = rest(time, position, still_mm);
         let earlier = swings(time, position, still_mm);
         let slowest = cycles(&earlier).map(|cycle| cycle.duration_s()).fold(0.0, f64::max);

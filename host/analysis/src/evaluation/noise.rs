@@ -16,14 +16,12 @@ const FROM_MEDIAN: f64 = 1.4826;
 ///
 /// The quantisation of a constant reading does not show: the caller knows its step.
 pub(super) fn deviation(values: &[f64]) -> f64 {
-    let mut differences = values.to_vec();
-    for _ in 0..ORDER {
-        for i in 1..differences.len() {
-            differences[i - 1] = differences[i] - differences[i - 1];
-        }
-        differences.pop();
-    }
-    let mut sizes: Vec<f64> = differences.into_iter().map(f64::abs).collect();
+    // The value before and its differences, each the difference of the one before it.
+    let mut before = [0.0; ORDER];
+    let difference = |value: &f64| {
+        before.iter_mut().fold(*value, |rising, before| rising - std::mem::replace(before, rising))
+    };
+    let mut sizes: Vec<f64> = values.iter().map(difference).skip(ORDER).map(f64::abs).collect();
     if sizes.is_empty() {
         return 0.0;
     }
