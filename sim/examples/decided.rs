@@ -32,7 +32,7 @@ impl Counts {
         let drawn::Drawn { name, rig } = drawn::closed_loop(seed);
         let accuracy = Accuracy::of(&rig);
         let at = |accuracy| run(&rig, accuracy).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let (usual, before) = (at(accuracy), at(Accuracy::of_draw(&rig)));
+        let (usual, before) = (at(accuracy), at(Accuracy::of_motion(&rig)));
         let fine = at(Accuracy { tolerance: 1e-12, ..accuracy });
         let decision = decide(&rig, accuracy, &usual).unwrap_or_else(|error| panic!("{name}: {error}"));
         let (off, off_before) = (apart(&usual, &fine), apart(&before, &fine));
@@ -56,6 +56,6 @@ fn main() {
     (first..first + rigs).for_each(|seed| counts.judge(seed));
     let Counts { rigs, decided, wrong, diverged, diverged_before, evaluations } = counts;
     println!("{rigs} closed loops: {decided} decided, {wrong} of these more than 10 um from a run at 1e-12");
-    println!("{diverged} parted from it by more than 10 um, at the tolerance of draws {diverged_before}");
-    println!("{:.2} times the evaluations of draws in the mean", (evaluations / f64::from(rigs)).exp());
+    println!("{diverged} parted from it by more than 10 um, at the tolerance of open loops {diverged_before}");
+    println!("{:.2} times the evaluations at the tolerance of open loops in the mean", (evaluations / f64::from(rigs)).exp());
 }

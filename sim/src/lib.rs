@@ -47,7 +47,7 @@ mod values;
 pub use assembly::ValveState;
 pub use decision::{Decision, decide};
 pub use follow::follow;
-pub use plant::{Accuracy, Plant};
+pub use plant::{Accuracy, NEIGHBOURS_APART, Plant};
 pub use pneudrive_solver::{IntegrationError, Method};
 pub use rig::Rig;
 pub use run::{Record, Recording, Run, Runner, run, run_recorded, run_watched};

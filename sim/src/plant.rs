@@ -6,7 +6,7 @@
 
 mod accuracy;
 
-pub use accuracy::Accuracy;
+pub use accuracy::{Accuracy, NEIGHBOURS_APART};
 
 use pneudrive_controller::{Command, Sample};
 use pneudrive_solver::{IntegrationError, Statistics, System};

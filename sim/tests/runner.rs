@@ -16,7 +16,7 @@ fn short(name: &str) -> Rig {
 fn each_run_of_a_rig_begins_anew_and_is_the_same_to_the_last_bit() {
     for name in RIGS {
         let rig = short(name);
-        let accuracy = Accuracy::of_draw(&rig);
+        let accuracy = Accuracy::of_motion(&rig);
         let alone = run(&rig, accuracy).expect("a transient");
         let mut runner = Runner::new(&rig, accuracy);
         for _ in 0..3 {
@@ -34,7 +34,7 @@ fn each_run_of_a_rig_begins_anew_and_is_the_same_to_the_last_bit() {
 fn rows_of_the_motion_alone_are_columns_of_the_trace_and_change_nothing() {
     for name in RIGS {
         let rig = short(name);
-        let accuracy = Accuracy::of_draw(&rig);
+        let accuracy = Accuracy::of_motion(&rig);
         let whole = run(&rig, accuracy).expect("a transient");
         let mut runner = Runner::<MotionRow>::new(&rig, accuracy);
         let motion = runner.run().expect("a transient");

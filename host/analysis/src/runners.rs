@@ -62,7 +62,7 @@ mod tests {
             (rows, run.observations.clone(), run.commands.clone(), run.fault, run.work)
         });
         for rig in rigs.iter().chain(&rigs) {
-            let accuracy = Accuracy::of_draw(rig);
+            let accuracy = Accuracy::of_motion(rig);
             let again = runners.run(rig, accuracy, bits).expect("a transient");
             assert_eq!(again, bits(&run(rig, accuracy).expect("a transient")), "{}", rig.name());
         }

@@ -29,9 +29,9 @@ fn eight_neighbours_cost_the_evaluations_of_four_runs_at_most_and_of_a_stepper_d
 }
 
 #[test]
-fn a_neighbour_that_is_hardly_apart_is_as_exact_as_a_draw() {
+fn a_neighbour_that_is_hardly_apart_is_as_exact_as_the_motion_needs() {
     let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
-    assert_eq!(Accuracy::of_neighbour(&rig, 1e-9), Accuracy::of_draw(&rig));
+    assert_eq!(Accuracy::of_neighbour(&rig, 1e-9), Accuracy::of_motion(&rig));
     let at = |apart: f64| Accuracy::of_neighbour(&rig, apart).tolerance;
     assert!((at(1e-4) / at(1e-5) - 10.0).abs() < 1e-9);
 }

@@ -139,7 +139,7 @@ mod tests {
     fn run_of(mass_kg: f64) -> Run {
         let rig = Rig::builtin("servo-b").expect("a built-in rig");
         let rig = rig.with_numbers(&[("load.mass_kg", mass_kg), ("test.duration_s", 0.4)]).expect("valid");
-        run(&rig, Accuracy::of_draw(&rig)).expect("a run")
+        run(&rig, Accuracy::of_motion(&rig)).expect("a run")
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use pneudrive_controller::Fault;
 use pneudrive_sim::trace::Extra;
-use pneudrive_sim::{Accuracy, Decision, Run};
+use pneudrive_sim::{Accuracy, Decision, NEIGHBOURS_APART, Run};
 
 use crate::band::Band;
 
@@ -18,7 +18,7 @@ pub struct Spacing {
 
 impl Default for Spacing {
     fn default() -> Self {
-        Spacing { runs: 8, relative: 1e-5 }
+        Spacing { runs: 8, relative: NEIGHBOURS_APART }
     }
 }
 

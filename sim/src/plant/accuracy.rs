@@ -30,14 +30,14 @@ impl Accuracy {
     pub fn of(rig: &Rig) -> Accuracy {
         match rig.get(&keys::controller::LOOP) {
             Loop::Closed => Accuracy { tolerance: 1e-11, ..Accuracy::default() },
-            Loop::Open => Accuracy::of_draw(rig),
+            Loop::Open => Accuracy::of_motion(rig),
         }
     }
 
-    /// What a run needs that is one of many draws: another transient of the same drive is as good. A spool that a
-    /// stepper places does not shake, and no position depends on the last nanometres of its motion.
+    /// What the motion needs to be exact as long as no count flips. A spool that a stepper places does not shake, and no
+    /// position depends on the last nanometres of its motion.
     #[must_use]
-    pub fn of_draw(rig: &Rig) -> Accuracy {
+    pub fn of_motion(rig: &Rig) -> Accuracy {
         match rig.get(&keys::operator::MODEL) {
             Model::Stepper => Accuracy { tolerance: 3e-8, ..Accuracy::default() },
             _ => Accuracy::default(),
@@ -48,10 +48,20 @@ impl Accuracy {
     /// small beside the change (docs/agreement.md).
     #[must_use]
     pub fn of_neighbour(rig: &Rig, apart: f64) -> Accuracy {
-        let draw = Accuracy::of_draw(rig);
-        Accuracy { tolerance: draw.tolerance * (apart / NEAREST).max(1.0), ..draw }
+        let motion = Accuracy::of_motion(rig);
+        Accuracy { tolerance: motion.tolerance * (apart / NEAREST).max(1.0), ..motion }
+    }
+
+    /// What a run needs that is one of many draws: another transient of the same drive is as good, and draws are farther
+    /// apart than neighbours.
+    #[must_use]
+    pub fn of_draw(rig: &Rig) -> Accuracy {
+        Accuracy::of_neighbour(rig, NEIGHBOURS_APART)
     }
 }
 
-/// A relative change beside which the error of a draw is small.
+/// The usual relative change of neighbours.
+pub const NEIGHBOURS_APART: f64 = 1e-5;
+
+/// A relative change beside which the error of a motion is small.
 const NEAREST: f64 = 3e-7;

@@ -14,7 +14,7 @@ fn states_that_are_said_to_rest_have_no_derivative_and_guards_that_are_said_to_s
         let rig = Rig::builtin(name).expect("a built-in rig");
         let with_bristles = rig.with_settings(std::slice::from_ref(&bristles));
         for rig in [Ok(rig), with_bristles].into_iter().flatten() {
-            let mut plant = Plant::new(&rig, Accuracy::of_draw(&rig), 0);
+            let mut plant = Plant::new(&rig, Accuracy::of_motion(&rig), 0);
             for k in 0..400_i16 {
                 let counts = [0, 700, -1500, 2048][usize::from(k.unsigned_abs() / 25 % 4)];
                 plant.command(Command { counts, step: counts.signum() as i8, drive_enable: true });

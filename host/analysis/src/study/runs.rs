@@ -66,7 +66,7 @@ fn at_one_start(study: &Study, start: usize) -> Result<AtStart> {
 
 fn outcome(variant: &Variant, start: usize) -> Result<Outcome> {
     let rig = at_start(variant, start)?;
-    let run = simulate(&rig, Accuracy::of_draw(&rig))
+    let run = simulate(&rig, Accuracy::of_motion(&rig))
         .with_context(|| format!("{}, start {start}, cannot be simulated", variant.name))?;
     Ok(Outcome::of(variant.name, &rig, &run))
 }

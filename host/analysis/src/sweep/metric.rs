@@ -15,8 +15,8 @@ pub struct Figure {
     of_a_way: bool,
 }
 
-/// Another number each time a figure is computed in another way: rows from before are then of another sweep.
-pub(super) const REVISION: u32 = 3;
+/// Another number each time a figure is computed or a draw integrated in another way: rows from before are then of another sweep.
+pub(super) const REVISION: u32 = 4;
 
 /// All of them.
 pub const FIGURES: [Figure; 13] = [

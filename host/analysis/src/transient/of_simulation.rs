@@ -57,7 +57,7 @@ mod tests {
             let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();
             let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
             let rig = rig.with_settings(&settings).expect("a valid rig");
-            let run = run(&rig, Accuracy::of_draw(&rig)).expect("a transient");
+            let run = run(&rig, Accuracy::of_motion(&rig)).expect("a transient");
             let stored = Transient::of_run("one", &StoredRun::of(&rig, &run));
             // Debug writes every bit of a number, and NaN as such.
             assert_eq!(format!("{:?}", Transient::of_simulation("one", &rig, &run)), format!("{stored:?}"));
