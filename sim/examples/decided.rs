@@ -56,6 +56,11 @@ fn main() {
     (first..first + rigs).for_each(|seed| counts.judge(seed));
     let Counts { rigs, decided, wrong, diverged, diverged_before, evaluations } = counts;
     println!("{rigs} closed loops: {decided} decided, {wrong} of these more than 10 um from a run at 1e-12");
-    println!("{diverged} parted from it by more than 10 um, at the tolerance of open loops {diverged_before}");
-    println!("{:.2} times the evaluations at the tolerance of open loops in the mean", (evaluations / f64::from(rigs)).exp());
+    println!(
+        "{diverged} parted from it by more than 10 um, at the tolerance of open loops {diverged_before}"
+    );
+    println!(
+        "{:.2} times the evaluations at the tolerance of open loops in the mean",
+        (evaluations / f64::from(rigs)).exp()
+    );
 }

@@ -41,7 +41,7 @@ use crate::continuous::ContinuousLaw;
 use crate::network::{Network, Nodes};
 use crate::number::Number;
 use lands::Lands;
-use layout::{CORE, USUAL, guard, spool_state};
+use layout::{CORE, LAGGED, USUAL, guard, spool_state};
 use pneudrive_solver::{Derivative, Event, Integrator, StepLimit, System};
 use ports::Ports;
 pub use valve_state::ValveState;
@@ -275,15 +275,15 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
         self.parts.network.begin_step(h);
     }
 
-    fn n_states(&self) -> usize {
-        if self.parts.load.friction.scale().is_empty() { STATES - friction::STATES } else { STATES }
-    }
-
     fn n_moving(&self) -> usize {
-        if self.parts.sensor_lag.is_some() || !self.parts.load.friction.scale().is_empty() {
+        if !self.parts.load.friction.scale().is_empty() {
             STATES
-        } else if self.parts.lag.is_some() || !self.parts.operator.has_closed_form() {
+        } else if self.parts.sensor_lag.is_some() {
+            STATES - friction::STATES
+        } else if !self.parts.operator.has_closed_form() {
             USUAL
+        } else if self.parts.lag.is_some() {
+            LAGGED
         } else {
             CORE
         }

@@ -113,6 +113,8 @@ pub(crate) struct AcceptedStep<const N: usize> {
     pub end_derivative: Option<[f64; N]>,
     /// The step times the fastest rate of decay in it.
     pub stiffness: f64,
+    /// How far it moved the state, in allowed errors.
+    pub moved: f64,
 }
 
 impl<const N: usize> AcceptedStep<N> {
@@ -128,5 +130,6 @@ impl<const N: usize> AcceptedStep<N> {
         x: [0.0; N],
         end_derivative: None,
         stiffness: 0.0,
+        moved: 0.0,
     };
 }

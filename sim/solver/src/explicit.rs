@@ -50,8 +50,10 @@ impl<const N: usize> Progress<N> {
             self.write_dense_output::<M>(tableau, &stages, &x, h, &mut step.dense);
             step.x = x;
             step.end_derivative = Some(end_derivative);
-            step.stiffness =
-                if tableau.apart.is_empty() { 0.0 } else { stiffness_of(tableau, &stages, &sizes) };
+            if !tableau.apart.is_empty() {
+                step.stiffness = stiffness_of(tableau, &stages, &sizes);
+                step.moved = self.moved_to::<M>(&x, &sizes);
+            }
         }
         trial
     }

@@ -8,7 +8,7 @@ use crate::error::{IntegrationError, MAX_STEPS};
 use crate::progress::Progress;
 use crate::rosenbrock::Linearization;
 use crate::statistics::Statistics;
-use crate::step_size::{LITTLE, ShortSteps, StepControl};
+use crate::step_size::{NEXT_TO_NONE, ShortSteps, StepControl};
 use crate::stiffness::Stiffness;
 use crate::system::{Derivative, Event, System};
 use crate::tableau::{Method, Tableau};
@@ -290,6 +290,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         limit: f64,
     ) -> Result<f64, IntegrationError> {
         let linearization = self.stiffness.implicit.then(|| self.now.linearize(system, derivative));
+        system.tighten(false);
         loop {
             let Proposal { h, end, limited } = self.propose(limit);
             if limited && linearization.is_none() && self.short_steps.fits(h) {
@@ -310,14 +311,15 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
                         self.short_steps.note_long(h, error);
                     }
                     // A step cut short that has next to no error says nothing about the size for the allowed one.
-                    self.step_size = if limited && error < LITTLE { next.max(self.step_size) } else { next };
-                    self.note_stiffness(limited);
+                    self.step_size =
+                        if limited && error < NEXT_TO_NONE { next.max(self.step_size) } else { next };
+                    self.note_stiffness(limited, next / h);
                     return Ok(end);
                 }
                 self.step_size = next;
             }
             self.now.statistics.n_rejected_steps += 1;
-            self.control.reject();
+            self.control.reject(self.oscillates);
             if self.step_size < MIN_STEP {
                 return Err(self.no_step(error));
             }
@@ -395,12 +397,11 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         }
     }
 
-    /// A step cut short says nothing of how far a method might go.
-    fn note_stiffness(&mut self, limited: bool) {
-        if !limited {
-            let moved: [f64; N] = std::array::from_fn(|i| self.step.x[i] - self.now.x[i]);
-            let moved = self.now.error_norm(&moved, &self.now.sizes(&self.step.x));
-            self.stiffness.note(self.step.stiffness, moved);
+    /// A step cut short says nothing of how far a method might go. The errors of one method have no trend in common with
+    /// those of the other.
+    fn note_stiffness(&mut self, limited: bool, growth: f64) {
+        if !limited && self.stiffness.note(self.step.stiffness, self.step.moved, growth) {
+            self.control = StepControl::default();
         }
     }
 }

@@ -36,6 +36,12 @@ impl<const N: usize> Progress<N> {
         if f64::is_finite(sum) { largest / self.tolerance } else { f64::INFINITY }
     }
 
+    /// How far each of the first M states moves to one, in allowed errors: the largest.
+    #[inline(always)]
+    pub fn moved_to<const M: usize>(&self, x: &[f64; N], sizes: &[f64; M]) -> f64 {
+        self.error_norm(&std::array::from_fn(|i| x[i] - self.x[i]), sizes)
+    }
+
     /// Makes the dense output as accurate inside a step as at its end; returns whether it was not yet.
     pub fn refine<const G: usize, const E: usize>(
         &mut self,

@@ -63,7 +63,7 @@ const DENSE: [[f64; 5]; 2] = [
     ],
 ];
 
-/// The derivatives of dx/dt by the states that there are and by time at the beginning of a step.
+/// The derivatives of dx/dt by the states that move and by time at the beginning of a step.
 pub(crate) struct Linearization<const N: usize> {
     jacobian: [[f64; N]; N],
     by_time: [f64; N],
@@ -77,8 +77,8 @@ impl<const N: usize> Progress<N> {
         derivative: &[f64; N],
     ) -> Linearization<N> {
         let mut jacobian = [[0.0; N]; N];
-        let n_states = system.n_states();
-        for j in 0..n_states {
+        let n_moving = system.n_moving();
+        for j in 0..n_moving {
             let mut x = self.x;
             x[j] += self.moved_by(j);
             let moved = system.derivative(self.t, &x);
@@ -88,7 +88,7 @@ impl<const N: usize> Progress<N> {
             }
         }
         let later = system.derivative(self.t + MOMENT, &self.x);
-        self.statistics.n_rhs_evaluations += n_states as u64 + 1;
+        self.statistics.n_rhs_evaluations += n_moving as u64 + 1;
         Linearization { jacobian, by_time: std::array::from_fn(|i| (later[i] - derivative[i]) / MOMENT) }
     }
 
@@ -112,7 +112,8 @@ impl<const N: usize> Progress<N> {
             *x += combined(A[5], &u, i);
             *x += u[5][i];
         }
-        let trial = TrialError { error: self.error_norm(&u[5], &self.sizes(&x)), order: ERROR_ORDER };
+        let sizes = self.sizes::<M>(&x);
+        let trial = TrialError { error: self.error_norm(&u[5], &sizes), order: ERROR_ORDER };
         if trial.is_small() {
             *step = AcceptedStep {
                 dense: DenseOutput {
@@ -125,6 +126,7 @@ impl<const N: usize> Progress<N> {
                 x,
                 end_derivative: None,
                 stiffness: h * self.fastest::<M>(&linearization.jacobian),
+                moved: self.moved_to(&x, &sizes),
             };
         }
         trial

@@ -3,14 +3,24 @@
 //! ```text
 //! h_new/h = 0.9 err^(-1/p)                                          from one step
 //! h_new/h = 0.9 err^(-1/p) (h/h_before) (err_before/err)^(1/p)      from two: the error continues its trend
+//! h_new/h = 0.955 err^(-3/4p) err_before^(3/8p)                      from two: the error returns to its mean
 //! ```
 //!
-//! The shorter of the two is taken (predictive controller: Gustafsson, ACM Transactions on Mathematical Software 20,
+//! The shorter of the first two is taken (predictive controller: Gustafsson, ACM Transactions on Mathematical Software 20,
 //! 1994), so that steps shrink in time where the solution gets rougher. After a rejected step the next one is no longer
 //! than the one that was accepted.
+//!
+//! Errors that go up and down from step to step have no trend: those of an oscillation in a few steps a period, and of
+//! steps that stability ends. Once a step of a stretch was rejected against its trend, the third counts as well (PI
+//! controller: Gustafsson, ACM Transactions on Mathematical Software 17, 1991; Hairer and Wanner, Solving Ordinary Differential
+//! Equations II, IV.2). It holds steps at the bound of stability without rejections. A system that is made to oscillate takes
+//! many steps a period, whose errors do have a trend.
 
-/// An error over the allowed one that is next to none says little of another size.
-pub(crate) const LITTLE: f64 = 1e-2;
+/// A step cut short whose error over the allowed one is less says nothing of the size for the allowed one.
+pub(crate) const NEXT_TO_NONE: f64 = 1e-6;
+
+/// An error over the allowed one that is less counts as this in a trend.
+const LITTLE: f64 = 1e-2;
 
 /// The last accepted step of this stretch: its size, and err^(1/p) of its error over the allowed one.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +34,8 @@ struct Before {
 pub(crate) struct StepControl {
     before: Option<Before>,
     rejected: bool,
+    /// Whether an error of this stretch has turned out to follow no trend.
+    overshot: bool,
 }
 
 impl StepControl {
@@ -32,25 +44,37 @@ impl StepControl {
     #[inline]
     pub fn factor(&mut self, h: f64, error: f64, order: f64) -> f64 {
         let root = root_of(error.max(1e-10), order);
-        let plain = 0.9 / root;
         let good = error <= 1.0;
+        let plain = 0.9 / root;
         let predicted = match self.before {
-            Some(before) if good => plain * h / before.h * before.root / root,
+            Some(before) if good => {
+                let trend = plain * h / before.h * before.root / root;
+                if self.overshot { trend.min(damped(root, before.root)) } else { trend }
+            }
             _ => plain,
         };
         let max_growth = if self.rejected { 1.0 } else { 5.0 };
         if good {
             let at_least = if error < LITTLE { root_of(LITTLE, order) } else { root };
-            *self = StepControl { before: Some(Before { h, root: at_least }), rejected: false };
+            *self = StepControl { before: Some(Before { h, root: at_least }), rejected: false, ..*self };
         }
         plain.min(predicted).clamp(0.2, max_growth)
     }
 
-    /// A step was too long.
+    /// A step was too long, of a system that is made to oscillate or is not.
     #[inline]
-    pub fn reject(&mut self) {
+    pub fn reject(&mut self, oscillates: bool) {
         self.rejected = true;
+        self.overshot |= self.before.is_some() && !oscillates;
     }
+}
+
+/// 0.955 root^(-3/4) before^(3/8).
+#[inline(never)]
+fn damped(root: f64, before: f64) -> f64 {
+    let [half, half_before] = [root, before].map(f64::sqrt);
+    let quarter_before = half_before.sqrt();
+    0.955 / (half * half.sqrt()) * quarter_before * quarter_before.sqrt()
 }
 
 /// Up to which size a step of the method for short steps is good enough: by the errors of such steps, and where there
@@ -118,6 +142,29 @@ fn root_of(x: f64, order: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Trials and rejections of `steps` steps from `h` on, with an error that goes with h.
+    fn rejections(mut h: f64, steps: u32, error_of: impl Fn(f64) -> f64) -> u32 {
+        let (mut control, mut accepted, mut rejected) = (StepControl::default(), 0, 0);
+        while accepted < steps {
+            let error = error_of(h);
+            h *= control.factor(h, error, 5.0);
+            if error <= 1.0 {
+                accepted += 1;
+            } else {
+                control.reject(false);
+                rejected += 1;
+            }
+        }
+        rejected
+    }
+
+    #[test]
+    fn an_error_that_goes_with_its_power_is_met_by_the_next_trial() {
+        for size in [1.5, 100.0, 1500.0] {
+            assert_eq!(rejections(1.0, 50, |h| size * h.powi(5)), 1, "{size}");
+        }
+    }
 
     #[test]
     fn roots_are_right_to_a_thousandth() {

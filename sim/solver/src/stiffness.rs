@@ -4,7 +4,7 @@
 //! happens. A right-hand side that goes with the root of a state (a flow through an
 //! orifice) decays with no bound near its zero. Where step after step ends at that
 //! bound, or moves the state by no more than a few errors, the implicit method takes over, until its own
-//! steps are no longer than the bound.
+//! steps are no longer than the bound and grow no more.
 
 /// h times the rate of decay at which explicit steps end (Dormand-Prince: 3.3, Merson: 3.5).
 const BOUND: f64 = 3.0;
@@ -14,11 +14,14 @@ const BOUND: f64 = 3.0;
 const IDLE: f64 = 30.0;
 
 /// So many steps at the bound, without [`CALM`] others in a row, are a stiff stretch.
-const STIFF: u32 = 50;
+const STIFF: u32 = 30;
 const CALM: u32 = 6;
 
 /// An implicit step costs three explicit ones.
 const WORTH: f64 = 3.0 * BOUND;
+
+/// An implicit step that is to grow by more than this has not yet the size that it can have.
+const GROWING: f64 = 1.25;
 
 /// The verdict on the present stretch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,12 +32,13 @@ pub(crate) struct Stiffness {
 }
 
 impl Stiffness {
-    /// Takes an accepted step into account: h times the rate of decay that it met, and how far it moved
-    /// the state in allowed errors.
+    /// Takes an accepted step into account: h times the rate of decay that it met, how far it moved the state in allowed
+    /// errors, and the next h over h. Tells whether the method changes.
     #[inline]
-    pub fn note(&mut self, rate: f64, moved: f64) {
+    pub fn note(&mut self, rate: f64, moved: f64, growth: f64) -> bool {
+        let before = self.implicit;
         if self.implicit {
-            if rate < WORTH && moved > IDLE {
+            if rate < WORTH && moved > IDLE && growth < GROWING {
                 *self = Stiffness::default();
             }
         } else if rate > BOUND || moved < IDLE {
@@ -48,5 +52,6 @@ impl Stiffness {
                 *self = Stiffness::default();
             }
         }
+        self.implicit != before
     }
 }

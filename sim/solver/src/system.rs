@@ -52,14 +52,9 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
         G
     }
 
-    /// How many states the system has, whatever its modes: the first ones. Those behind them never move.
-    fn n_states(&self) -> usize {
-        N
-    }
-
-    /// How many of them move in the present modes: again the first ones. The others have no derivative.
+    /// How many states move in the present modes: the first ones. Those behind them have no derivative.
     fn n_moving(&self) -> usize {
-        self.n_states()
+        N
     }
 
     /// Changes the modes at an event, and the state where it jumps. Tells what that makes of dx/dt.

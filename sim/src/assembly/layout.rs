@@ -40,10 +40,10 @@ pub(crate) mod slot {
         VELOCITY,
         MASS: 2,
         EXNER: 2,
-        SPOOL,
-        SPOOL_VELOCITY,
         /// Pressure behind a lagged tube over that at its known end: supply, cylinder 1, cylinder 2.
         RATIO: 3,
+        SPOOL,
+        SPOOL_VELOCITY,
         /// Pressures of lagged sensors, Pa.
         SENSED: 2,
         /// Those of the model of the load's friction.
@@ -79,8 +79,10 @@ pub(crate) mod guard {
 pub(crate) const STATES: usize = slot::COUNT;
 /// Position, velocity and air come first: they move alone where the spool has a closed form, nothing lags and the load's
 /// friction has no states.
-pub(crate) const CORE: usize = slot::SPOOL;
-/// Those of the spool and of lagged tubes come next: behind them are those of lagged sensors and of the load's friction.
+pub(crate) const CORE: usize = slot::RATIO[0];
+/// Those of lagged tubes come next.
+pub(crate) const LAGGED: usize = slot::SPOOL;
+/// Then those of the spool: behind them are those of lagged sensors and of the load's friction.
 pub(crate) const USUAL: usize = slot::SENSED[0];
 /// Guards read from the state.
 pub(crate) const GUARDS: usize = guard::COUNT;

@@ -226,6 +226,14 @@ fn chase(t: f64, x: &[f64; 1]) -> [f64; 1] {
 }
 
 #[test]
+fn steps_at_the_bound_of_stability_are_hardly_rejected() {
+    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
+    integrator.integrate_to(&mut Smooth(chase), 9e-5, 9e-5).expect("a solution");
+    let Statistics { n_steps, n_rejected_steps, .. } = integrator.statistics();
+    assert!(!integrator.stiffness.implicit && n_steps > 25 && n_rejected_steps <= 2, "{n_rejected_steps}");
+}
+
+#[test]
 fn a_stiff_stretch_is_followed_in_steps_of_what_happens_in_it() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
     integrator.integrate_to(&mut Smooth(chase), 3.0, 3.0).expect("a solution");
@@ -330,7 +338,7 @@ impl System<4, 0, 0> for Partly {
         let [fast] = chase(t, &[x[0]]);
         if self.n_moving == 1 { [fast, 0.0, 0.0, 0.0] } else { [fast, x[2], -x[1], 0.0] }
     }
-    fn n_states(&self) -> usize {
+    fn n_moving(&self) -> usize {
         self.n_moving
     }
     fn guards(&mut self, _: f64, _: &[f64; 4]) -> [f64; 0] {
