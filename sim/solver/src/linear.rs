@@ -71,6 +71,7 @@ mod tests {
         let found = Factors::of(jacobian, 0.0).solve(right);
         assert!(found.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
     }
+
     #[test]
     fn a_state_that_rests_does_so_exactly_whatever_depends_on_it() {
         for k in 1..100 {

@@ -4,16 +4,17 @@ use super::*;
 use crate::assembly::{GUARDS, STATES};
 use crate::rig::BUILTIN;
 
-/// Every built-in rig with commands to and fro, held, flying, in its stops, on dry friction and on bristles: `System::n_moving`
-/// leaves what rests out of the sums of a step, and `System::n_guards` what stays out of the search for its first event.
+/// Every built-in rig with commands to and fro, held, flying, in its stops, on dry friction and on bristles, behind tubes and
+/// sensors that lag or not: `System::n_moving` leaves what rests out of the sums of a step, and `System::n_guards` what stays
+/// out of the search for its first event.
 #[test]
 fn states_that_are_said_to_rest_have_no_derivative_and_guards_that_are_said_to_stay_do() {
-    let (mut samples, bristles) = ([0; STATES + 1], "load.friction=lugre".to_owned());
-    let mut with_guards = [0; GUARDS + 1];
+    let (mut samples, mut with_guards) = ([0; STATES + 1], [0; GUARDS + 1]);
+    let others = ["load.friction=lugre", "tubing.lag_s=0.002", "sensors.pressure_lag_s=0.005"];
     for (name, _) in BUILTIN {
         let rig = Rig::builtin(name).expect("a built-in rig");
-        let with_bristles = rig.with_settings(std::slice::from_ref(&bristles));
-        for rig in [Ok(rig), with_bristles].into_iter().flatten() {
+        let others = others.map(|setting| rig.with_settings(&[setting.to_owned()]));
+        for rig in std::iter::once(Ok(rig)).chain(others).flatten() {
             let mut plant = Plant::new(&rig, Accuracy::of_motion(&rig), 0);
             for k in 0..400_i16 {
                 let counts = [0, 700, -1500, 2048][usize::from(k.unsigned_abs() / 25 % 4)];
@@ -32,6 +33,6 @@ fn states_that_are_said_to_rest_have_no_derivative_and_guards_that_are_said_to_s
             }
         }
     }
-    assert_eq!(samples.iter().filter(|count| **count > 100).count(), 3, "{samples:?}");
+    assert_eq!(samples.iter().filter(|count| **count > 100).count(), 5, "{samples:?}");
     assert_eq!(with_guards.iter().filter(|count| **count > 100).count(), 2, "{with_guards:?}");
 }

@@ -45,6 +45,19 @@ fn another_goal_or_comment_is_the_same_sweep_and_another_value_is_not() {
 }
 
 #[test]
+fn draws_are_as_exact_as_neighbours_single_rigs_as_a_run_and_all_as_the_file_says() {
+    let tolerance = |text: &str| {
+        let sweep = sweep(text);
+        sweep.accuracy_for(&sweep.rig).tolerance
+    };
+    let drawn = "[draw]\ncount = 3\n[vary]\nload.mass_kg = { uniform = [1, 2] }";
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    assert_eq!(tolerance(drawn), Accuracy::of_neighbour(&rig, 1e-5).tolerance);
+    assert_eq!(tolerance("[vary]\nload.mass_kg = [1, 2]"), Accuracy::of(&rig).tolerance);
+    assert_eq!(tolerance(&format!("tolerance = 1e-10\n{drawn}")), 1e-10);
+}
+
+#[test]
 fn a_row_reads_back_as_it_was_in_every_bit() {
     let sweep = sweep("[vary]\nload.mass_kg = [1, 2]");
     let row = Row {

@@ -230,7 +230,8 @@ fn steps_at_the_bound_of_stability_are_hardly_rejected() {
     let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
     integrator.integrate_to(&mut Smooth(chase), 9e-5, 9e-5).expect("a solution");
     let Statistics { n_steps, n_rejected_steps, .. } = integrator.statistics();
-    assert!(!integrator.stiffness.implicit && n_steps > 25 && n_rejected_steps <= 2, "{n_rejected_steps}");
+    let explicit = !integrator.stiffness.implicit;
+    assert!(explicit && n_steps > 20 && n_rejected_steps <= 2, "{explicit} {n_steps} {n_rejected_steps}");
 }
 
 #[test]
