@@ -4,7 +4,7 @@
 use clap::{Args, ValueEnum};
 use pneudrive_analysis::page::Library;
 use pneudrive_records::judged::Spacing;
-use pneudrive_sim::{Accuracy, Method, Rig};
+use pneudrive_sim::{Accuracy, Method, NEIGHBOURS_APART, Rig};
 
 /// Which rig, and what to change in it.
 #[derive(Debug, Args)]
@@ -87,7 +87,7 @@ pub struct Neighbours {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub ensemble: u16,
     /// Distance of the neighbours: relative change of the mass, and change of the starting position relative to the stroke
-    #[arg(long, value_name = "X", default_value_t = 1e-5, value_parser = change)]
+    #[arg(long, value_name = "X", default_value_t = NEIGHBOURS_APART, value_parser = change)]
     pub change: f64,
 }
 

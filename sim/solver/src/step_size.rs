@@ -13,8 +13,8 @@
 //! Errors that go up and down from step to step have no trend: those of an oscillation in a few steps a period, and of
 //! steps that stability ends. Once a step of a stretch was rejected against its trend, the third counts as well (PI
 //! controller: Gustafsson, ACM Transactions on Mathematical Software 17, 1991; Hairer and Wanner, Solving Ordinary Differential
-//! Equations II, IV.2). It holds steps at the bound of stability without rejections. A system that is made to oscillate takes
-//! many steps a period, whose errors do have a trend.
+//! Equations II, IV.2). It holds steps at the bound of stability without rejections. Where a system says that it oscillates,
+//! steps are many a period, and their errors do have a trend.
 
 /// A step cut short whose error over the allowed one is less says nothing of the size for the allowed one.
 pub(crate) const NEXT_TO_NONE: f64 = 1e-6;
@@ -34,7 +34,7 @@ struct Before {
 pub(crate) struct StepControl {
     before: Option<Before>,
     rejected: bool,
-    /// Whether an error of this stretch has turned out to follow no trend.
+    /// Whether a trial of this stretch was rejected against its trend, or left no number.
     overshot: bool,
 }
 
@@ -61,7 +61,7 @@ impl StepControl {
         plain.min(predicted).clamp(0.2, max_growth)
     }
 
-    /// A step was too long, of a system that is made to oscillate or is not.
+    /// A step was too long, of a system that oscillates or does not.
     #[inline]
     pub fn reject(&mut self, oscillates: bool) {
         self.rejected = true;
@@ -143,7 +143,7 @@ fn root_of(x: f64, order: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Trials and rejections of `steps` steps from `h` on, with an error that goes with h.
+    /// The rejections of `steps` steps from `h` on, with an error that goes with h.
     fn rejections(mut h: f64, steps: u32, error_of: impl Fn(f64) -> f64) -> u32 {
         let (mut control, mut accepted, mut rejected) = (StepControl::default(), 0, 0);
         while accepted < steps {

@@ -4,7 +4,7 @@
 //! happens. A right-hand side that goes with the root of a state (a flow through an
 //! orifice) decays with no bound near its zero. Where step after step ends at that
 //! bound, or moves the state by no more than a few errors, the implicit method takes over, until its own
-//! steps are no longer than the bound and grow no more.
+//! steps are no longer than three times the bound and grow no more.
 
 /// h times the rate of decay at which explicit steps end (Dormand-Prince: 3.3, Merson: 3.5).
 const BOUND: f64 = 3.0;

@@ -41,8 +41,8 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
     /// A step of size `h` is about to be tried: an error of dx/dt counts `h` times in it.
     fn begin_step(&mut self, _h: f64) {}
 
-    /// Whether a state oscillates in the present modes. Step sizes with and without an oscillation are remembered
-    /// apart.
+    /// Whether a state oscillates in the present modes, in many steps a period. Step sizes with and without an oscillation
+    /// are remembered apart, and errors are taken to follow their trend in it.
     fn oscillates(&self) -> bool {
         false
     }

@@ -95,7 +95,7 @@ pub(super) const SPOOL_GUARDS: usize = GUARDS - guard::SPOOL;
 pub(crate) type StateVector = [f64; STATES];
 
 /// What counts as large in each state, for the integrator's tolerance: m, m/s, kg and w (relative
-/// to themselves, hence small), m, m/s; ratios of pressures; Pa.
+/// to themselves, hence small), ratios of pressures, m, m/s, Pa.
 const SCALE: StateVector = {
     let mut scale = [1.0; STATES];
     scale[slot::POSITION] = 0.1;

@@ -3,7 +3,7 @@
 //! | key | is |
 //! |---|---|
 //! | `rig` | a built-in rig, or a rig file beside this one |
-//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: what the drive needs |
+//! | `settled_mm`, `tolerance` | 0.05, and the allowed error of a step of the integrator: what the drive needs, of draws what a neighbour needs |
 //! | `ensemble` | 1; with more, each point is run with neighbours, and its metrics are ranges over them; not with `[draw]` |
 //! | `[set]` | keys of the rig that all points have in common |
 //! | `[vary]` | a key and what it takes on (`file/vary.rs`) |

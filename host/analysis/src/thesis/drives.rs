@@ -27,7 +27,7 @@ pub(super) fn rig_and(name: &str, more: &str, settings: &[&str]) -> Result<Rig> 
     Ok(Rig::read_with(name, &format!("{text}{more}"), &settings)?)
 }
 
-/// The run of a rig, as one of many draws, with the air inside its valve.
+/// The run of a rig, as exact as its motion needs, with the air inside its valve.
 pub(super) fn run(rig: &Rig) -> Result<Run> {
     run_recorded(rig, Accuracy::of_motion(rig), Recording { valve: true }, |_, _| {})
         .with_context(|| format!("{} cannot be simulated", rig.name()))
