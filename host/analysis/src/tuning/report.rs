@@ -136,7 +136,7 @@ fn reason(task: &Task, tuned: &Tuned) -> Option<String> {
         let own = settled(&tuned.after);
         Some(format!("With {what}, the drive settles in {count} of them, instead of in {own}."))
     });
-    let none = "Removing any single imperfection changes that by no more than chance could.";
+    let none = "Removing any single imperfection leaves the 95 % intervals overlapping, so none is named as the cause.";
     Some(better.unwrap_or_else(|| none.to_owned()))
 }
 
