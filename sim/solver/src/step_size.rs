@@ -3,7 +3,7 @@
 //! ```text
 //! h_new/h = 0.9 err^(-1/p)                                          from one step
 //! h_new/h = 0.9 err^(-1/p) (h/h_before) (err_before/err)^(1/p)      from two: the error continues its trend
-//! h_new/h = 0.955 err^(-3/4p) err_before^(3/8p)                      from two: the error returns to its mean
+//! h_new/h = 0.955 err^(-3/4p) err_before^(3/8p)                     from two: the error returns to its mean
 //! ```
 //!
 //! The shorter of the first two is taken (predictive controller: Gustafsson, ACM Transactions on Mathematical Software 20,
@@ -13,7 +13,7 @@
 //! Errors that go up and down from step to step have no trend: those of an oscillation in a few steps a period, and of
 //! steps that stability ends. Once a step of a stretch was rejected against its trend, the third counts as well (PI
 //! controller: Gustafsson, ACM Transactions on Mathematical Software 17, 1991; Hairer and Wanner, Solving Ordinary Differential
-//! Equations II, IV.2). It holds steps at the bound of stability without rejections. Where a system says that it oscillates,
+//! Equations II, IV.2). It holds steps at the bound of stability with next to no rejections. Where a system says that it oscillates,
 //! steps are many a period, and their errors do have a trend.
 
 /// A step cut short whose error over the allowed one is less says nothing of the size for the allowed one.

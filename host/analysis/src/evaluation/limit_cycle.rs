@@ -157,19 +157,14 @@ const MAX_TREND: f64 = 1.0 / 3.0;
 const ROUNDING_COUNTS: f64 = 0.3;
 
 impl LimitCycle {
-    /// What the positions of a move (mm) over time (s) show, and the pressures of its chambers (kPa).
-    #[must_use]
-    pub fn of(time: &[f64], position: &[f64], pressures: [&[f64]; 2], mm_per_count: f64) -> LimitCycle {
-        LimitCycle::beyond(still_band(position, mm_per_count), time, position, pressures, mm_per_count)
-    }
-
-    /// The same of a drive that moves by `still_mm` at most while it rests.
-    pub(super) fn beyond(
-        still_mm: f64,
+    /// What the positions of a move (mm) over time (s) show, and the pressures of its chambers (kPa). The drive moves by
+    /// `still_mm` at most while it rests ([`still_band`]).
+    pub(super) fn of(
         time: &[f64],
         position: &[f64],
         pressures: [&[f64]; 2],
         mm_per_count: f64,
+        still_mm: f64,
     ) -> LimitCycle {
         if duration(time) < REST_S {
             return LimitCycle::Undecided(Doubt::TooShort);

@@ -6,6 +6,11 @@ use crate::evaluation::noise::tests::normal;
 const PERIOD_S: f64 = 0.0013;
 const COUNT_MM: f64 = 0.01205;
 
+/// What positions (mm) over time (s) and pressures (kPa) show.
+fn shown(time: &[f64], position: &[f64], pressures: [&[f64]; 2]) -> LimitCycle {
+    LimitCycle::of(time, position, pressures, COUNT_MM, still_band(position, COUNT_MM))
+}
+
 /// What the counts of a motion (mm over s) show.
 fn seen(motion: impl Fn(f64) -> f64, seconds: f64) -> LimitCycle {
     seen_with_noise(motion, seconds, || 0.0)
@@ -17,7 +22,7 @@ fn seen_with_noise(motion: impl Fn(f64) -> f64, seconds: f64, mut noise: impl Fn
     let position: Vec<f64> =
         time.iter().map(|&t| (motion(t) / COUNT_MM + noise()).floor() * COUNT_MM).collect();
     let pressures = vec![400.0; time.len()];
-    LimitCycle::of(&time, &position, [&pressures, &pressures], COUNT_MM)
+    shown(&time, &position, [&pressures, &pressures])
 }
 
 /// A step of 60 mm that a time constant of 30 ms carries to its end.
@@ -252,7 +257,7 @@ fn a_hold_must_last_to_show_that_the_drive_rests() {
     assert_eq!(seen(|_| 100.0, 0.15), LimitCycle::Undecided(Doubt::TooShort));
     assert_eq!(seen(|t| 100.0 * (t / 0.2).min(1.0), 0.35), LimitCycle::Undecided(Doubt::JustStopped));
     assert!(matches!(seen(|_| 100.0, 0.0), LimitCycle::Undecided(_)), "one sample");
-    assert!(matches!(LimitCycle::of(&[], &[], [&[], &[]], COUNT_MM), LimitCycle::Undecided(_)));
+    assert!(matches!(shown(&[], &[], [&[], &[]]), LimitCycle::Undecided(_)));
 }
 
 /// A drive that sticks and jumps, once a second, stands still for longer than it moves.
@@ -261,7 +266,7 @@ fn a_drive_that_stands_while_its_pressures_go_on_changing_is_not_known_to_rest()
     let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * PERIOD_S).collect();
     let seen = |pressure: &dyn Fn(f64) -> f64| {
         let pressure: Vec<f64> = time.iter().map(|&t| pressure(t)).collect();
-        LimitCycle::of(&time, &vec![100.0; time.len()], [&vec![400.0; time.len()], &pressure], COUNT_MM)
+        shown(&time, &vec![100.0; time.len()], [&vec![400.0; time.len()], &pressure])
     };
     for ramp_kpa_s in [-40.0, 8.0, 100.0] {
         let found = seen(&|t| 300.0 + ramp_kpa_s * t);
@@ -280,8 +285,7 @@ fn a_drive_that_stands_is_not_known_to_rest_where_no_pressure_is_measured() {
     let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * PERIOD_S).collect();
     let (known, unknown) = (vec![400.0; time.len()], vec![f64::NAN; time.len()]);
     let still = vec![100.0; time.len()];
-    let seen =
-        |position: &[f64], pressures: [&[f64]; 2]| LimitCycle::of(&time, position, pressures, COUNT_MM);
+    let seen = |position: &[f64], pressures: [&[f64]; 2]| shown(&time, position, pressures);
     let found = seen(&still, [&unknown, &unknown]);
     assert_eq!(found, LimitCycle::Undecided(Doubt::PressuresUnknown));
     assert!(Doubt::PressuresUnknown.to_string().contains("without its pressures"));
