@@ -6,6 +6,7 @@
 //! ```
 
 mod bench;
+mod bus;
 mod chips;
 mod wires;
 
@@ -37,7 +38,8 @@ use crate::native::{Callers, listener, port_name};
 use crate::service::commission;
 use crate::{Delayed, Target};
 use bench::Bench;
-use chips::{Bus, Ls7366r, Mcp3208, Mcp4922};
+use bus::{Bus, Model};
+use chips::{Ls7366r, Mcp3208, Mcp4922};
 use wires::{KeptWords, Microseconds, NoSwitch, Output, OutputLine, Terminals, Wires};
 
 /// The chips.
@@ -50,6 +52,11 @@ pub enum Chip {
     /// The converter of the valve.
     Mcp4922,
 }
+
+/// The clocks of the buses, kHz: as on the Pico 2, and half of what a counter takes at 3.3 V.
+const SENSORS_KHZ: u64 = 1000;
+const VALVE_KHZ: u64 = 10_000;
+const ENCODER_KHZ: u64 = 2000;
 
 /// The most samples between two looks at the port.
 const SAMPLES_AT_ONCE: u32 = 64;
@@ -153,18 +160,23 @@ impl TestBoard {
         let encoder = Rc::new(RefCell::new(Ls7366r::default()));
         let bench = Bench::new(rig, Rc::clone(wires), Rc::clone(&encoder));
         let pin = |output| OutputLine(Rc::clone(wires), output);
-        let Ok(steps) =
-            StepPins::new(pin(Output::Step), pin(Output::Direction), Microseconds(Rc::clone(wires)));
-        let valve = bus(Mcp4922::new(Rc::clone(wires)), wires);
+        let waits = || Microseconds(Rc::clone(wires));
+        let Ok(steps) = StepPins::new(pin(Output::Step), pin(Output::Direction), waits());
+        let valve = bus(Mcp4922::new(Rc::clone(wires)), wires, VALVE_KHZ);
+        let sensors = bus(Mcp3208::new(Rc::clone(wires)), wires, SENSORS_KHZ);
+        let counter = Bus::new(Rc::clone(&encoder), wires, ENCODER_KHZ);
         let kept = FlashStore::take_up(RamFlash::default(), RamFlash::layout(), [0; MEMORY_BYTES]);
         let board = SpiBoard {
             name: "board of chips on SPI",
-            encoder: ls7366r::Ls7366r::start(Bus { chip: encoder, wires: Rc::clone(wires) })
-                .expect("a counter that answers"),
-            pressures: mcp3208::Mcp3208::new(bus(Mcp3208::new(Rc::clone(wires)), wires), [0, 1, 2]),
+            encoder: ls7366r::Ls7366r::start(counter, waits()).expect("a counter that answers"),
+            pressures: mcp3208::Mcp3208::new(sensors, waits(), [0, 1, 2]),
             home_switch: NoSwitch,
             terminals: Terminals::default(),
-            stages: Stages::new(mcp4922::Mcp4922::new(valve, Channel::A), steps, pin(Output::Enable)),
+            stages: Stages::new(
+                mcp4922::Mcp4922::new(valve, waits(), Channel::A),
+                steps,
+                pin(Output::Enable),
+            ),
             clock: Clock::start(Microseconds(Rc::clone(wires)), Config::default().timing),
             spool: KeptWords::default(),
             store: kept.expect("the layout is that of this flash").0,
@@ -176,8 +188,8 @@ impl TestBoard {
 }
 
 /// A chip on a bus of its own.
-fn bus<M>(chip: M, wires: &Wires) -> Bus<M> {
-    Bus { chip: Rc::new(RefCell::new(chip)), wires: Rc::clone(wires) }
+fn bus<M: Model>(chip: M, wires: &Wires, khz: u64) -> Bus<M> {
+    Bus::new(Rc::new(RefCell::new(chip)), wires, khz)
 }
 
 impl Board for TestBoard {

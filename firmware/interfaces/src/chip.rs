@@ -1,10 +1,12 @@
 //! Drivers of chips, over `embedded-hal` 1.0. The data sheets are named in each file.
 //!
 //! Each chip has its own [`embedded_hal::spi::SpiDevice`], which holds its chip select; several of them may share a
-//! bus whose clock and mode suit them all. The module of each chip says which.
+//! bus whose clock and mode suit them all. The module of each chip says which, and how long its chip select must be
+//! high and low around a frame ([`frame`]): the driver waits for that, whatever the bus does.
 
 use core::fmt;
 
+pub mod frame;
 pub mod ls7366r;
 pub mod mcp3208;
 pub mod mcp4922;

@@ -29,7 +29,7 @@ pub trait Lines {
     type Step: OutputPin;
     /// The translator's direction.
     type Direction: OutputPin;
-    /// Waits for the translator.
+    /// Waits for the chips and the translator.
     type Delay: DelayNs;
     /// Gates amplifier, translator and dump valve.
     type Enable: OutputPin;
@@ -50,9 +50,9 @@ pub trait Lines {
 pub struct Chips<L>(PhantomData<L>);
 
 impl<L: Lines> Parts for Chips<L> {
-    type Encoder = Ls7366r<L::Encoder>;
-    type Pressures = Mcp3208<L::Converter>;
-    type Valve = Mcp4922<L::Valve>;
+    type Encoder = Ls7366r<L::Encoder, L::Delay>;
+    type Pressures = Mcp3208<L::Converter, L::Delay>;
+    type Valve = Mcp4922<L::Valve, L::Delay>;
     type Steps = StepPins<L::Step, L::Direction, L::Delay>;
     type Enable = L::Enable;
     type HomeSwitch = L::HomeSwitch;

@@ -1,27 +1,23 @@
 //! The LS7366R against its data sheet: LSI/CSI 7366R-122205, "32-bit quadrature counter with serial interface", the
 //! registers MDR0 and MDR1, and Table 1 (instructions).
 
+mod chip_bus;
 mod failing_bus;
 
+use chip_bus::{Frame, NO_WAIT, exchange};
 use embedded_hal::spi::ErrorKind;
-use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+use embedded_hal_mock::eh1::spi::Mock;
 use failing_bus::FailingBus;
 use pneudrive_interfaces::EncoderCounter;
 use pneudrive_interfaces::chip::ChipError;
-use pneudrive_interfaces::chip::ls7366r::Ls7366r;
-
-type Frame = [Transaction<u8>; 3];
+use pneudrive_interfaces::chip::ls7366r::{Ls7366r, TIMES};
 
 fn write(bytes: &[u8]) -> Frame {
-    [Transaction::transaction_start(), Transaction::write_vec(bytes.to_vec()), Transaction::transaction_end()]
+    exchange(TIMES, bytes, &vec![0xff; bytes.len()])
 }
 
 fn transfer(sent: &[u8], received: &[u8]) -> Frame {
-    [
-        Transaction::transaction_start(),
-        Transaction::transfer_in_place(sent.to_vec(), received.to_vec()),
-        Transaction::transaction_end(),
-    ]
+    exchange(TIMES, sent, received)
 }
 
 /// What a start sends, and the mode that is read back.
@@ -38,7 +34,8 @@ fn reading(count: [u8; 4], mode: u8) -> Vec<Frame> {
 /// What the counts are on a bus with these frames after those of a start.
 fn counts(frames: &[Vec<Frame>]) -> Vec<Result<i32, ChipError<ErrorKind>>> {
     let all: Vec<Frame> = start(0x03).into_iter().chain(frames.iter().flatten().cloned()).collect();
-    let mut counter = Ls7366r::start(Mock::new(all.as_flattened())).expect("a chip that keeps its mode");
+    let mut counter =
+        Ls7366r::start(Mock::new(all.as_flattened()), NO_WAIT).expect("a chip that keeps its mode");
     let counts = frames.iter().map(|_| counter.count()).collect();
     counter.release().done();
     counts
@@ -77,12 +74,12 @@ fn a_line_that_is_stuck_is_an_error_and_no_count() {
 fn without_a_chip_nothing_starts() {
     for (mode, error) in [(0x00, STUCK_LOW), (0xff, STUCK_HIGH)] {
         let mut bus = Mock::new(start(mode).as_flattened());
-        assert_eq!(Ls7366r::start(bus.clone()).err(), Some(error));
+        assert_eq!(Ls7366r::start(bus.clone(), NO_WAIT).err(), Some(error));
         bus.done();
     }
 }
 
 #[test]
 fn a_bus_that_fails_is_an_error() {
-    assert_eq!(Ls7366r::start(FailingBus).err(), Some(ChipError::Bus(ErrorKind::Other)));
+    assert_eq!(Ls7366r::start(FailingBus, NO_WAIT).err(), Some(ChipError::Bus(ErrorKind::Other)));
 }

@@ -1,26 +1,25 @@
 //! The MCP3208 against its data sheet: Microchip DS21298, "2.7V 4-Channel/8-Channel 12-Bit A/D Converters with SPI
 //! Serial Interface", Table 5-2 (channels) and Figure 6-1 (frames of eight bits).
 
+mod chip_bus;
 mod failing_bus;
 
+use chip_bus::{Frame, NO_WAIT, exchange};
 use embedded_hal::spi::ErrorKind;
+use embedded_hal_mock::eh1::delay::{CheckedDelay, Transaction as Wait};
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
 use failing_bus::FailingBus;
 use pneudrive_interfaces::chip::ChipError;
-use pneudrive_interfaces::chip::mcp3208::Mcp3208;
+use pneudrive_interfaces::chip::mcp3208::{Mcp3208, TIMES};
 use pneudrive_interfaces::{Conversions, PressureInput};
 
 /// One conversion on the bus.
-fn frame(sent: [u8; 3], received: [u8; 3]) -> [Transaction<u8>; 3] {
-    [
-        Transaction::transaction_start(),
-        Transaction::transfer_in_place(sent.to_vec(), received.to_vec()),
-        Transaction::transaction_end(),
-    ]
+fn frame(sent: [u8; 3], received: [u8; 3]) -> Frame {
+    exchange(TIMES, &sent, &received)
 }
 
 fn converted(channels: [u8; 3], frames: &[Transaction<u8>]) -> Result<Conversions, ChipError<ErrorKind>> {
-    let mut converter = Mcp3208::new(Mock::new(frames), channels);
+    let mut converter = Mcp3208::new(Mock::new(frames), NO_WAIT, channels);
     let converted = converter.convert();
     converter.release().done();
     converted
@@ -69,6 +68,17 @@ fn a_chip_that_fails_at_the_second_channel_gives_none_of_the_three() {
 
 #[test]
 fn a_bus_that_fails_is_an_error() {
-    let mut converter = Mcp3208::new(FailingBus, [0, 1, 2]);
+    let mut converter = Mcp3208::new(FailingBus, NO_WAIT, [0, 1, 2]);
     assert_eq!(converter.convert(), Err(ChipError::Bus(ErrorKind::Other)));
+}
+
+#[test]
+fn the_chip_select_is_high_for_500_ns_before_each_conversion() {
+    let frames =
+        [frame([0x06, 0x00, 0], [0; 3]), frame([0x06, 0x40, 0], [0; 3]), frame([0x06, 0x80, 0], [0; 3])];
+    let mut waits = CheckedDelay::new(&[Wait::delay_ns(500), Wait::delay_ns(500), Wait::delay_ns(500)]);
+    let mut converter = Mcp3208::new(Mock::new(frames.as_flattened()), waits.clone(), [0, 1, 2]);
+    converter.convert().expect("three conversions");
+    converter.release().done();
+    waits.done();
 }

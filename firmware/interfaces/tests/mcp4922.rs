@@ -1,22 +1,20 @@
 //! The MCP4922 against its data sheet: Microchip DS21897, "12-Bit DAC with SPI Interface", Register 5-1.
 
+mod chip_bus;
 mod failing_bus;
 
+use chip_bus::{NO_WAIT, exchange};
 use embedded_hal::spi::ErrorKind;
-use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+use embedded_hal_mock::eh1::spi::Mock;
 use failing_bus::FailingBus;
 use pneudrive_interfaces::ValveOutput;
 use pneudrive_interfaces::chip::ChipError;
-use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922};
+use pneudrive_interfaces::chip::mcp4922::{Channel, Mcp4922, TIMES};
 
 /// The frame that goes out for a code.
 fn expect(channel: Channel, code: u16, frame: [u8; 2]) {
-    let bus = Mock::new(&[
-        Transaction::transaction_start(),
-        Transaction::write_vec(frame.to_vec()),
-        Transaction::transaction_end(),
-    ]);
-    let mut converter = Mcp4922::new(bus, channel);
+    let bus = Mock::new(&exchange(TIMES, &frame, &[0xff; 2]));
+    let mut converter = Mcp4922::new(bus, NO_WAIT, channel);
     converter.set_code(code).expect("the bus works");
     converter.release().done();
 }
@@ -42,6 +40,6 @@ fn a_code_beyond_the_range_is_the_largest_and_changes_no_other_bit() {
 
 #[test]
 fn a_bus_that_fails_is_an_error() {
-    let mut converter = Mcp4922::new(FailingBus, Channel::A);
+    let mut converter = Mcp4922::new(FailingBus, NO_WAIT, Channel::A);
     assert_eq!(converter.set_code(2048), Err(ChipError::Bus(ErrorKind::Other)));
 }

@@ -1,21 +1,21 @@
 //! A potentiometer at an MCP3208, against the converter's data sheet: Microchip DS21298, Table 5-2 and Figure 6-1.
 
+mod chip_bus;
 mod failing_bus;
 
+use chip_bus::{NO_WAIT, exchange};
 use embedded_hal::spi::ErrorKind;
-use embedded_hal_mock::eh1::spi::{Mock, Transaction};
+use embedded_hal_mock::eh1::delay::NoopDelay;
+use embedded_hal_mock::eh1::spi::Mock;
 use failing_bus::FailingBus;
 use pneudrive_interfaces::EncoderCounter;
 use pneudrive_interfaces::chip::ChipError;
+use pneudrive_interfaces::chip::mcp3208::TIMES;
 use pneudrive_interfaces::chip::wiper::Wiper;
 
 fn counted(channel: u8, sent: [u8; 3], received: [u8; 3]) -> Result<i32, ChipError<ErrorKind>> {
-    let frame = [
-        Transaction::transaction_start(),
-        Transaction::transfer_in_place(sent.to_vec(), received.to_vec()),
-        Transaction::transaction_end(),
-    ];
-    let mut wiper = Wiper::new(Mock::new(&frame), channel);
+    let frame = exchange(TIMES, &sent, &received);
+    let mut wiper = Wiper::new(Mock::new(&frame), NO_WAIT, channel);
     let counted = wiper.count();
     wiper.release().done();
     counted
@@ -31,10 +31,10 @@ fn a_count_is_one_conversion_of_the_channel_of_the_wiper() {
 fn a_converter_that_is_missing_is_an_error_and_no_count() {
     let answer = 0x1fff;
     assert_eq!(counted(0, [0x06, 0x00, 0], [0xff; 3]), Err(ChipError::Nonsense { chip: "MCP3208", answer }));
-    assert_eq!(Wiper::new(FailingBus, 0).count(), Err(ChipError::Bus(ErrorKind::Other)));
+    assert_eq!(Wiper::new(FailingBus, NO_WAIT, 0).count(), Err(ChipError::Bus(ErrorKind::Other)));
 }
 
 #[test]
 fn it_knows_the_position_after_a_reset() {
-    const { assert!(<Wiper<FailingBus> as EncoderCounter>::IS_ABSOLUTE) };
+    const { assert!(<Wiper<FailingBus, NoopDelay> as EncoderCounter>::IS_ABSOLUTE) };
 }

@@ -1,13 +1,8 @@
 //! Models of the chips on SPI, bit by bit, after their data sheets, which the drivers name
 //! (`pneudrive_interfaces::chip`). They know nothing of the drivers.
 
-use std::cell::RefCell;
-use std::convert::Infallible;
-use std::rc::Rc;
-
-use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
-
 use super::Chip;
+use super::bus::{Limits, Model};
 use super::wires::Wires;
 
 /// Voltage of both converters' reference, V.
@@ -15,64 +10,6 @@ pub const REFERENCE_V: f64 = 3.3;
 
 /// Codes of both.
 pub const CODES: f64 = 4096.0;
-
-/// A chip on SPI, mode 0.
-pub trait Model {
-    /// Which it is.
-    const CHIP: Chip;
-
-    /// The chip select falls.
-    fn select(&mut self);
-
-    /// One clock: the bit on its input, and the bit on its output; true where nothing drives it, as the bus is
-    /// pulled up.
-    fn clock(&mut self, input: bool) -> bool;
-
-    /// The chip select rises.
-    fn deselect(&mut self);
-}
-
-/// The bus to a chip, with its chip select.
-pub struct Bus<M> {
-    pub chip: Rc<RefCell<M>>,
-    pub wires: Wires,
-}
-
-impl<M> ErrorType for Bus<M> {
-    type Error = Infallible;
-}
-
-impl<M: Model> Bus<M> {
-    fn exchange(&self, sent: u8) -> u8 {
-        if self.wires.borrow().without_supply == Some(M::CHIP) {
-            return 0xff;
-        }
-        let mut chip = self.chip.borrow_mut();
-        (0..8).rev().fold(0, |received, bit| received << 1 | u8::from(chip.clock(sent >> bit & 1 == 1)))
-    }
-}
-
-impl<M: Model> SpiDevice for Bus<M> {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
-        self.chip.borrow_mut().select();
-        for operation in operations {
-            match operation {
-                Operation::Read(bytes) => bytes.iter_mut().for_each(|byte| *byte = self.exchange(0)),
-                Operation::Write(bytes) => {
-                    for byte in *bytes {
-                        self.exchange(*byte);
-                    }
-                }
-                Operation::TransferInPlace(bytes) => {
-                    bytes.iter_mut().for_each(|byte| *byte = self.exchange(*byte));
-                }
-                Operation::Transfer(_, _) | Operation::DelayNs(_) => unreachable!("no driver does this"),
-            }
-        }
-        self.chip.borrow_mut().deselect();
-        Ok(())
-    }
-}
 
 /// MCP4922, converter A.
 pub struct Mcp4922 {
@@ -89,6 +26,9 @@ impl Mcp4922 {
 
 impl Model for Mcp4922 {
     const CHIP: Chip = Chip::Mcp4922;
+
+    /// In mode 0 nothing is asked for between select and clock.
+    const LIMITS: Limits = Limits { high_ns: 15, idle_ns: 40, setup_ns: 0, hold_ns: 15, half_clock_ns: 15 };
 
     fn select(&mut self) {
         (self.shifted, self.clocks) = (0, 0);
@@ -144,6 +84,8 @@ impl Mcp3208 {
 
 impl Model for Mcp3208 {
     const CHIP: Chip = Chip::Mcp3208;
+
+    const LIMITS: Limits = Limits { high_ns: 500, idle_ns: 0, setup_ns: 100, hold_ns: 0, half_clock_ns: 250 };
 
     fn select(&mut self) {
         (self.clocks, self.channel) = (0, 0);
@@ -220,6 +162,10 @@ impl Ls7366r {
 
 impl Model for Ls7366r {
     const CHIP: Chip = Chip::Ls7366r;
+
+    /// Half a clock of 4 MHz for each, as the sheet's table was not at hand.
+    const LIMITS: Limits =
+        Limits { high_ns: 125, idle_ns: 125, setup_ns: 125, hold_ns: 125, half_clock_ns: 125 };
 
     fn select(&mut self) {
         (self.clocks, self.shifted, self.output) = (0, 0, 0);

@@ -30,6 +30,8 @@ pub struct Lines {
     pub steps: i8,
     /// The microcontroller's counter, microseconds.
     pub now_us: u32,
+    /// What has passed at the chips, ns: waits and clocks alone, so no frame leans on the time between two interrupts.
+    pub passed_ns: u64,
     /// The instants that its channels are set to, and whether they were reached.
     pub instants: [(u32, bool); 2],
     /// A chip that has lost its supply: its output is pulled up by the resistor of the bus.
@@ -124,13 +126,12 @@ impl InputPin for NoSwitch {
     }
 }
 
-/// The microcontroller's timer; waiting lets its time pass.
+/// The microcontroller's timer; waiting lets the time of the chips pass.
 pub struct Microseconds(pub Wires);
 
 impl DelayNs for Microseconds {
     fn delay_ns(&mut self, ns: u32) {
-        let lines = &mut *self.0.borrow_mut();
-        lines.now_us = lines.now_us.wrapping_add(ns.div_ceil(1000));
+        self.0.borrow_mut().passed_ns += u64::from(ns);
     }
 }
 

@@ -18,13 +18,19 @@
 //! Mode 0. The clock of SPI may have 5 MHz with 5 V and 4 MHz with 3.3 V; that of the filter must be four times as fast
 //! as the edges of the encoder.
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
 use super::ChipError;
+use super::frame::{Frames, Times};
 use crate::EncoderCounter;
 
 /// Name for messages.
 const CHIP: &str = "LS7366R";
+
+/// A whole clock at 2 MHz each. Of the data sheet the table of these times was not at hand; its clock may have 4 MHz
+/// with 3.3 V, so no half of a clock is longer than 125 ns.
+pub const TIMES: Times = Times { rest_ns: 500, lead_ns: 500, trail_ns: 500 };
 
 const CLEAR_COUNTER: u8 = 0x20;
 const READ_MODE_0: u8 = 0x48;
@@ -39,33 +45,33 @@ const MODE_1: u8 = 0x00;
 
 /// The counter of an encoder.
 #[derive(Debug)]
-pub struct Ls7366r<SPI> {
-    spi: SPI,
+pub struct Ls7366r<SPI, D> {
+    frames: Frames<SPI, D>,
 }
 
-impl<SPI: SpiDevice> Ls7366r<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> Ls7366r<SPI, D> {
     /// Starts counting from 0.
     ///
     /// # Errors
     /// When the bus fails, or the chip does not keep its mode.
-    pub fn start(spi: SPI) -> Result<Ls7366r<SPI>, ChipError<SPI::Error>> {
-        let mut counter = Ls7366r { spi };
-        counter.spi.write(&[WRITE_MODE_0, MODE_0]).map_err(ChipError::Bus)?;
-        counter.spi.write(&[WRITE_MODE_1, MODE_1]).map_err(ChipError::Bus)?;
-        counter.spi.write(&[CLEAR_COUNTER]).map_err(ChipError::Bus)?;
+    pub fn start(spi: SPI, delay: D) -> Result<Ls7366r<SPI, D>, ChipError<SPI::Error>> {
+        let mut counter = Ls7366r { frames: Frames::new(spi, delay, TIMES) };
+        counter.frames.exchange(&mut [WRITE_MODE_0, MODE_0])?;
+        counter.frames.exchange(&mut [WRITE_MODE_1, MODE_1])?;
+        counter.frames.exchange(&mut [CLEAR_COUNTER])?;
         counter.check_mode()?;
         Ok(counter)
     }
 
     /// Gives the bus back.
     pub fn release(self) -> SPI {
-        self.spi
+        self.frames.release()
     }
 
     /// Whether the chip has the mode that it was given.
     fn check_mode(&mut self) -> Result<(), ChipError<SPI::Error>> {
         let mut bytes = [READ_MODE_0, 0];
-        self.spi.transfer_in_place(&mut bytes).map_err(ChipError::Bus)?;
+        self.frames.exchange(&mut bytes)?;
         match bytes {
             [_, MODE_0] => Ok(()),
             [_, mode] => Err(ChipError::Nonsense { chip: CHIP, answer: u32::from(mode) }),
@@ -73,12 +79,12 @@ impl<SPI: SpiDevice> Ls7366r<SPI> {
     }
 }
 
-impl<SPI: SpiDevice> EncoderCounter for Ls7366r<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> EncoderCounter for Ls7366r<SPI, D> {
     type Error = ChipError<SPI::Error>;
 
     fn count(&mut self) -> Result<i32, Self::Error> {
         let mut bytes = [READ_COUNTER, 0, 0, 0, 0];
-        self.spi.transfer_in_place(&mut bytes).map_err(ChipError::Bus)?;
+        self.frames.exchange(&mut bytes)?;
         let [_, count @ ..] = bytes;
         self.check_mode()?;
         Ok(i32::from_be_bytes(count))

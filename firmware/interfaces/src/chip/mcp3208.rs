@@ -13,15 +13,20 @@
 //! (`safety.sensor_margin`).
 //!
 //! Mode 0 or 3. At most 2 MHz with a supply of 5 V and 1 MHz with 2.7 V; at least 10 kHz, as the capacitor of the
-//! sample discharges. Three channels at 1 MHz take 72 microseconds and more.
+//! sample discharges. Three channels at 1 MHz take 75 microseconds and more.
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
 use super::ChipError;
+use super::frame::{Frames, Times};
 use crate::{Conversions, PressureInput};
 
 /// Name for messages.
 const CHIP: &str = "MCP3208";
+
+/// Section 1, timing parameters: t_CSH 500 ns, t_SUCS 100 ns; nothing is asked for behind the last clock.
+pub const TIMES: Times = Times { rest_ns: 500, lead_ns: 100, trail_ns: 0 };
 
 const START: u16 = 1 << 10;
 const SINGLE_ENDED: u16 = 1 << 9;
@@ -31,21 +36,21 @@ const NULL_BIT: u16 = 1 << 12;
 
 /// The converter, with sensors at three of its channels.
 #[derive(Debug)]
-pub struct Mcp3208<SPI> {
-    spi: SPI,
+pub struct Mcp3208<SPI, D> {
+    frames: Frames<SPI, D>,
     channels: [u8; 3],
 }
 
-impl<SPI: SpiDevice> Mcp3208<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> Mcp3208<SPI, D> {
     /// A converter with pressure 1, pressure 2 and spool at these channels, 0 to 7; of a larger number the lowest three
     /// bits count.
-    pub fn new(spi: SPI, channels: [u8; 3]) -> Mcp3208<SPI> {
-        Mcp3208 { spi, channels }
+    pub fn new(spi: SPI, delay: D, channels: [u8; 3]) -> Mcp3208<SPI, D> {
+        Mcp3208 { frames: Frames::new(spi, delay, TIMES), channels }
     }
 
     /// Gives the bus back.
     pub fn release(self) -> SPI {
-        self.spi
+        self.frames.release()
     }
 
     /// Converts one channel, 0 to 4095.
@@ -55,7 +60,7 @@ impl<SPI: SpiDevice> Mcp3208<SPI> {
     pub(super) fn convert_channel(&mut self, channel: u8) -> Result<u16, ChipError<SPI::Error>> {
         let [high, low] = request(channel);
         let mut bytes = [high, low, 0];
-        self.spi.transfer_in_place(&mut bytes).map_err(ChipError::Bus)?;
+        self.frames.exchange(&mut bytes)?;
         let [_, high, low] = bytes;
         let answer = u16::from_be_bytes([high, low]) & (NULL_BIT | 0x0fff);
         if answer & NULL_BIT != 0 {
@@ -70,7 +75,7 @@ fn request(channel: u8) -> [u8; 2] {
     (START | SINGLE_ENDED | u16::from(channel & 7) << 6).to_be_bytes()
 }
 
-impl<SPI: SpiDevice> PressureInput for Mcp3208<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> PressureInput for Mcp3208<SPI, D> {
     type Error = ChipError<SPI::Error>;
 
     fn convert(&mut self) -> Result<Conversions, Self::Error> {

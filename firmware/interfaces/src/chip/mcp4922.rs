@@ -15,10 +15,12 @@
 //! does not move as it should. After its power came, the output is not driven, and the amplifier sees whatever its own
 //! resistor says: `drive_enable` must be low then.
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 use pneudrive_controller::drive::MAX_CODE;
 
 use super::ChipError;
+use super::frame::{Frames, Times};
 use crate::ValveOutput;
 
 /// One of the two converters.
@@ -30,26 +32,29 @@ pub enum Channel {
     B,
 }
 
+/// Section 1, SPI timing: t_IDLE 40 ns, which holds t_CSH 15 ns, t_CSSR 40 ns, t_CHS 15 ns.
+pub const TIMES: Times = Times { rest_ns: 40, lead_ns: 40, trail_ns: 15 };
+
 const CHANNEL_B: u16 = 1 << 15;
 const GAIN_1: u16 = 1 << 13;
 const ACTIVE: u16 = 1 << 12;
 
 /// The converter of a valve.
 #[derive(Debug)]
-pub struct Mcp4922<SPI> {
-    spi: SPI,
+pub struct Mcp4922<SPI, D> {
+    frames: Frames<SPI, D>,
     channel: Channel,
 }
 
-impl<SPI: SpiDevice> Mcp4922<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> Mcp4922<SPI, D> {
     /// One of the chip's converters. Nothing is driven before the first code.
-    pub fn new(spi: SPI, channel: Channel) -> Mcp4922<SPI> {
-        Mcp4922 { spi, channel }
+    pub fn new(spi: SPI, delay: D, channel: Channel) -> Mcp4922<SPI, D> {
+        Mcp4922 { frames: Frames::new(spi, delay, TIMES), channel }
     }
 
     /// Gives the bus back.
     pub fn release(self) -> SPI {
-        self.spi
+        self.frames.release()
     }
 }
 
@@ -59,10 +64,10 @@ fn frame(channel: Channel, code: u16) -> [u8; 2] {
     (select | GAIN_1 | ACTIVE | code.min(MAX_CODE)).to_be_bytes()
 }
 
-impl<SPI: SpiDevice> ValveOutput for Mcp4922<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> ValveOutput for Mcp4922<SPI, D> {
     type Error = ChipError<SPI::Error>;
 
     fn set_code(&mut self, code: u16) -> Result<(), Self::Error> {
-        self.spi.write(&frame(self.channel, code)).map_err(ChipError::Bus)
+        self.frames.exchange(&mut frame(self.channel, code))
     }
 }

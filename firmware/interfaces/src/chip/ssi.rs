@@ -15,6 +15,9 @@
 //! number of bits make errors, the last of them at some positions only. Clocks beyond the 0, up to a whole byte, are
 //! ignored.
 //!
+//! Nobody waits for that pause: readings are a period apart, 100 microseconds and more. One that comes too early finds the
+//! line low, and is an error.
+//!
 //! At most 1.5 MHz on a short line, 100 kHz on one of 400 m. The bus must not be shared with chips of another mode.
 
 use embedded_hal::spi::SpiDevice;

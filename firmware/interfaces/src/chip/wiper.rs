@@ -5,6 +5,7 @@
 //! to ground makes that 0, and a potentiometer that is longer than the stroke keeps 0 outside of what positions read
 //! (`encoder.zero_mm`).
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::SpiDevice;
 
 use super::ChipError;
@@ -13,15 +14,15 @@ use crate::EncoderCounter;
 
 /// The potentiometer.
 #[derive(Debug)]
-pub struct Wiper<SPI> {
-    converter: Mcp3208<SPI>,
+pub struct Wiper<SPI, D> {
+    converter: Mcp3208<SPI, D>,
     channel: u8,
 }
 
-impl<SPI: SpiDevice> Wiper<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> Wiper<SPI, D> {
     /// One at this channel, 0 to 7; of a larger number the lowest three bits count.
-    pub fn new(spi: SPI, channel: u8) -> Wiper<SPI> {
-        Wiper { converter: Mcp3208::new(spi, [channel; 3]), channel }
+    pub fn new(spi: SPI, delay: D, channel: u8) -> Wiper<SPI, D> {
+        Wiper { converter: Mcp3208::new(spi, delay, [channel; 3]), channel }
     }
 
     /// Gives the bus back.
@@ -30,7 +31,7 @@ impl<SPI: SpiDevice> Wiper<SPI> {
     }
 }
 
-impl<SPI: SpiDevice> EncoderCounter for Wiper<SPI> {
+impl<SPI: SpiDevice, D: DelayNs> EncoderCounter for Wiper<SPI, D> {
     type Error = ChipError<SPI::Error>;
 
     const IS_ABSOLUTE: bool = true;
