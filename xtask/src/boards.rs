@@ -47,7 +47,10 @@ const NUCLEO: Board = Board {
 
 const PICO2: Board = Board {
     image: firmware::PICO2,
-    variants: &[Variant { features: &[], interrupts: &["TIMER0_IRQ_0", "TIMER0_IRQ_1"] }],
+    variants: &[
+        Variant { features: &["log"], interrupts: &["TIMER0_IRQ_0", "TIMER0_IRQ_1"] },
+        Variant { features: &[], interrupts: &["TIMER0_IRQ_0", "TIMER0_IRQ_1"] },
+    ],
     flash_start: 0x1000_0000,
     kept: pico2::KEPT,
     flash_limit: pico2::KEPT.start as u64,
@@ -77,6 +80,11 @@ pub fn check_pico2() -> Result<()> {
 }
 
 fn check(board: &Board) -> Result<()> {
+    ensure!(
+        firmware::is_refused(board.image, "debug", "never in a release image")?,
+        "{}: a release image with the feature debug can be built: halted, an open valve would stay open",
+        board.image
+    );
     board.variants.iter().try_for_each(|variant| {
         let name = [&[board.image], variant.features].concat().join(" with ");
         judge(board, variant, &name).with_context(|| name)
@@ -134,4 +142,27 @@ fn interrupt_is_safe(image: &Image, name: &str, interrupt: &str) -> Result<()> {
         reached.iter().map(String::as_str).filter(|name| Kind::of_symbol(name).is_some()).collect();
     ensure!(bad.is_empty(), "{interrupt} reaches {}", bad.join(", "));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a file of cargo or rustup names, by the path of its keys.
+    fn named(file: &str, keys: &[&str]) -> String {
+        let text =
+            fs::read_to_string(cargo::root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        let document: toml_edit::DocumentMut = text.parse().unwrap_or_else(|error| panic!("{file}: {error}"));
+        let item = keys.iter().try_fold(document.as_item(), |item, key| item.get(key));
+        item.unwrap_or_else(|| panic!("{file}: no {keys:?}")).to_string()
+    }
+
+    #[test]
+    fn the_toolchain_of_a_fresh_machine_has_the_target_of_each_board() {
+        let targets = named("rust-toolchain.toml", &["toolchain", "targets"]);
+        for workspace in ["firmware", "firmware/pico2"] {
+            let target = named(&format!("{workspace}/.cargo/config.toml"), &["build", "target"]);
+            assert!(targets.contains(target.trim()), "{workspace}: {target} is not among {targets}");
+        }
+    }
 }

@@ -19,11 +19,30 @@ pub const PICO2: &str = "pico2";
 /// # Errors
 /// When the target of the board is missing, or the build fails.
 pub fn build(target_folder: &Path, image: &str, features: &[&str]) -> Result<PathBuf> {
-    let workspace = cargo::firmware();
+    let (workspace, target) = home(image);
+    build_from(&workspace, target, target_folder, image, features)
+}
+
+/// The workspace of an image and its target.
+fn home(image: &str) -> (PathBuf, &'static str) {
     match image {
-        PICO2 => build_from(&workspace.join(PICO2), THUMB_V8, target_folder, image, features),
-        _ => build_from(&workspace, THUMB, target_folder, image, features),
+        PICO2 => (cargo::firmware().join(PICO2), THUMB_V8),
+        _ => (cargo::firmware(), THUMB),
     }
+}
+
+/// Whether an image with this feature does not compile with the release profile, for a reason in these words.
+///
+/// # Errors
+/// When the target of the board is missing, or cargo can't be started.
+pub fn is_refused(image: &str, feature: &str, reason: &str) -> Result<bool> {
+    let (workspace, target) = home(image);
+    cargo::ensure_target(target)?;
+    let package = format!("pneudrive-{image}");
+    let arguments = ["check", "--package", &package, "--release", "--target", target, "--features", feature];
+    let mut check = cargo::in_inner(&workspace, &arguments, &cargo::image_folder()?);
+    let output = check.output().context("cargo can't be started")?;
+    Ok(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains(reason))
 }
 
 /// The same from another copy of the inner workspace.

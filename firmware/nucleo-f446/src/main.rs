@@ -32,6 +32,11 @@
 #![no_std]
 #![no_main]
 
+#[cfg(all(feature = "debug", not(debug_assertions)))]
+compile_error!(
+    "never in a release image: with the feature debug an open valve stays open while the processor is halted"
+);
+
 #[cfg(not(feature = "plant-bus"))]
 mod board;
 #[cfg(not(feature = "plant-bus"))]

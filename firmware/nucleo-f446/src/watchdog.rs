@@ -6,6 +6,9 @@ use stm32f4xx_hal::pac::iwdg::RegisterBlock;
 use stm32f4xx_hal::pac::iwdg::kr::KEY;
 use stm32f4xx_hal::pac::{DBGMCU, IWDG};
 
+/// Whether watchdog and timer stand while a debugger has halted the processor.
+const HALTS: bool = cfg!(feature = "debug");
+
 /// Looks at the watchdog's state before it is given up: it takes over a time within five of its
 /// clocks, 0.3 ms at most.
 const PATIENCE: u32 = 100_000;
@@ -16,9 +19,10 @@ pub struct Watchdog(());
 
 impl Watchdog {
     /// Gets it ready; it does not run yet. It goes on while a debugger has halted the processor: a valve that is open
-    /// then would stay open. No reset but that of the power clears these bits (RM0390, DBGMCU_APB1_FZ).
+    /// then would stay open. With the feature `debug` it stands. No reset but that of the power clears these bits (RM0390,
+    /// DBGMCU_APB1_FZ).
     pub fn new(_: IWDG, debug: &DBGMCU) -> Watchdog {
-        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().clear_bit().dbg_tim5_stop().clear_bit());
+        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().bit(HALTS).dbg_tim5_stop().bit(HALTS));
         Watchdog(())
     }
 

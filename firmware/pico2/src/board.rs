@@ -27,8 +27,8 @@ pub struct Pico2;
 
 impl Parts for Pico2 {
     type Encoder = Encoder;
-    type Pressures = Mcp3208<SensorBus>;
-    type Valve = Mcp4922<ValveBus>;
+    type Pressures = Mcp3208<SensorBus, Wait>;
+    type Valve = Mcp4922<ValveBus, Wait>;
     type Steps = StepPins<Output<Gpio6>, Output<Gpio7>, Wait>;
     type Enable = Output<Gpio8>;
     type HomeSwitch = Pin<Gpio4, FunctionSio<SioInput>, PullUp>;

@@ -1,12 +1,40 @@
-//! TIMER0: a free-running counter of microseconds, with the sample on alarm 0 and its output on alarm 1.
+//! TIMER0: a free-running counter of the processor's cycles, read as microseconds, with the sample on alarm 0 and its
+//! output on alarm 1. The processor's clock is the crystal's; the ticks that the timer could count instead come from the
+//! watchdog's clock ([`pneudrive_pico2_plan::clocks`]).
 
 use embedded_hal::delay::DelayNs;
 use pneudrive_app::runtime::clock::{Mark, Timer};
+use pneudrive_pico2_plan::clocks::{cycles, microseconds, wait_cycles};
 use rp235x_hal::pac::timer0::RegisterBlock;
 use rp235x_hal::pac::{RESETS, TIMER0};
 
+use crate::watchdog::HALTS;
+
+/// The registers, to be read.
+fn registers() -> &'static RegisterBlock {
+    // SAFETY: outside of `ControlTimer`, the counter is read and nothing else, and reading changes nothing.
+    unsafe { &*TIMER0::ptr() }
+}
+
+/// The counter, microseconds.
+#[inline]
+pub fn now_us() -> u32 {
+    let timer = registers();
+    loop {
+        let high = timer.timerawh().read().bits();
+        let low = timer.timerawl().read().bits();
+        if timer.timerawh().read().bits() == high {
+            return microseconds(high, low);
+        }
+    }
+}
+
 /// The timer of the control.
-pub struct ControlTimer(TIMER0);
+pub struct ControlTimer {
+    timer: TIMER0,
+    /// What the alarms are set to, microseconds.
+    instants: [u32; 2],
+}
 
 impl ControlTimer {
     /// Starts the counter at 0; both alarms interrupt.
@@ -14,41 +42,50 @@ impl ControlTimer {
         resets.reset().modify(|_, w| w.timer0().set_bit());
         resets.reset().modify(|_, w| w.timer0().clear_bit());
         while resets.reset_done().read().timer0().bit_is_clear() {}
-        // The counter goes on while a debugger has halted the processor: a valve that is open then would stay open.
-        timer.dbgpause().write(|w| w.dbg0().clear_bit().dbg1().clear_bit());
+        timer.source().write(|w| w.clk_sys().clk_sys());
+        // The counter goes on while a debugger has halted the processor, but with the feature `debug`.
+        timer.dbgpause().write(|w| w.dbg0().bit(HALTS).dbg1().bit(HALTS));
         timer.inte().write(|w| w.alarm_0().set_bit().alarm_1().set_bit());
-        ControlTimer(timer)
+        ControlTimer { timer, instants: [0; 2] }
     }
 }
 
 impl Timer for ControlTimer {
     #[inline]
     fn counter(&self) -> u32 {
-        self.0.timerawl().read().bits()
+        now_us()
     }
 
     #[inline]
     fn instant(&self, mark: Mark) -> u32 {
+        let [sample, output] = self.instants;
         match mark {
-            Mark::Sample => self.0.alarm0().read().bits(),
-            Mark::Output => self.0.alarm1().read().bits(),
+            Mark::Sample => sample,
+            Mark::Output => output,
         }
     }
 
     /// Writing the instant arms the alarm.
     #[inline]
     fn set_instant(&mut self, mark: Mark, instant: u32) {
+        let [sample, output] = &mut self.instants;
         match mark {
-            // SAFETY: any 32 bits are an instant.
-            Mark::Sample => self.0.alarm0().write(|w| unsafe { w.bits(instant) }),
-            // SAFETY: as above.
-            Mark::Output => self.0.alarm1().write(|w| unsafe { w.bits(instant) }),
-        };
+            Mark::Sample => {
+                *sample = instant;
+                // SAFETY: any 32 bits are a count.
+                self.timer.alarm0().write(|w| unsafe { w.bits(cycles(instant)) });
+            }
+            Mark::Output => {
+                *output = instant;
+                // SAFETY: as above.
+                self.timer.alarm1().write(|w| unsafe { w.bits(cycles(instant)) });
+            }
+        }
     }
 
     #[inline]
     fn is_reached(&self, mark: Mark) -> bool {
-        let reached = self.0.intr().read();
+        let reached = self.timer.intr().read();
         match mark {
             Mark::Sample => reached.alarm_0().bit_is_set(),
             Mark::Output => reached.alarm_1().bit_is_set(),
@@ -59,8 +96,8 @@ impl Timer for ControlTimer {
     #[inline]
     fn clear(&mut self, mark: Mark) {
         match mark {
-            Mark::Sample => self.0.intr().write(|w| w.alarm_0().clear_bit_by_one()),
-            Mark::Output => self.0.intr().write(|w| w.alarm_1().clear_bit_by_one()),
+            Mark::Sample => self.timer.intr().write(|w| w.alarm_0().clear_bit_by_one()),
+            Mark::Output => self.timer.intr().write(|w| w.alarm_1().clear_bit_by_one()),
         };
     }
 }
@@ -70,17 +107,15 @@ pub struct Wait;
 
 impl Wait {
     fn counter() -> u32 {
-        // SAFETY: the counter is read and nothing else, and reading changes nothing.
-        let timer: &RegisterBlock = unsafe { &*TIMER0::ptr() };
-        timer.timerawl().read().bits()
+        registers().timerawl().read().bits()
     }
 }
 
 impl DelayNs for Wait {
+    /// To the cycle of 7.8 ns.
     #[inline]
     fn delay_ns(&mut self, ns: u32) {
-        let (begun, us) = (Wait::counter(), ns.div_ceil(1000));
-        // One more: the present microsecond has begun already.
-        while Wait::counter().wrapping_sub(begun) <= us {}
+        let (begun, long) = (Wait::counter(), wait_cycles(ns));
+        while Wait::counter().wrapping_sub(begun) < long {}
     }
 }

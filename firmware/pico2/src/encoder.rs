@@ -9,8 +9,8 @@ use rp235x_hal::pio::{
     InstallError, PIO, PIO0SM0, PIOBuilder, PIOExt, Running, Rx, ShiftDirection, StateMachine,
 };
 
-/// The system clock is divided by this: 15 MHz, so the tracks are looked at 1.5 million times a second and more.
-const DIVIDER: u16 = 10;
+/// The system clock is divided by this: 16 MHz, so the tracks are looked at 1.6 million times a second and more.
+const DIVIDER: u16 = 8;
 
 /// What the state machine has offered already when it is asked: four counts in its queue.
 const QUEUED: u32 = 4;

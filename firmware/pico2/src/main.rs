@@ -10,9 +10,11 @@
 //! | module | holds |
 //! |---|---|
 //! | [`board`] | the parts of its [`pneudrive_app::Board`] |
-//! | [`clock`] | TIMER0: microseconds, with an alarm for samples and one for outputs |
+//! | [`clock`] | TIMER0: microseconds of the processor's clock, with an alarm for samples and one for outputs |
 //! | [`encoder`] | PIO0: the encoder |
 //! | [`flash`] | configuration and fault log, written by the boot ROM |
+//! | [`log`] | with the feature `log`: what a debug probe is told |
+//! | [`oscillators`] | the crystal's clock for the control, the ring oscillator's for the watchdog |
 //! | [`port`] | UART0: the protocol |
 //! | [`reset`] | what happens at a breakdown, and what is known of it after the reset |
 //! | [`spi`] | the buses of the converters |
@@ -23,15 +25,25 @@
 #![no_std]
 #![no_main]
 
+#[cfg(all(feature = "debug", not(debug_assertions)))]
+compile_error!(
+    "never in a release image: with the feature debug an open valve stays open while the processor is halted"
+);
+
 mod board;
 mod clock;
 mod encoder;
 mod flash;
+mod log;
+mod oscillators;
 mod port;
 mod reset;
 mod spi;
 mod start;
 mod watchdog;
+
+#[cfg(feature = "log")]
+use defmt_rtt as _;
 
 use board::Pico2Board;
 use pneudrive_app::Recorder;
@@ -88,8 +100,9 @@ mod app {
     #[idle(local = [talk], shared = [drive])]
     fn idle(mut context: idle::Context) -> ! {
         loop {
-            // A flash that refuses leaves the log in memory: there is nobody to be told here.
-            let _ = context.local.talk.round(&mut context.shared.drive);
+            if context.local.talk.round(&mut context.shared.drive).is_err() {
+                crate::log::tell!(error, "the fault log can't be stored before the next reset");
+            }
         }
     }
 }

@@ -11,9 +11,10 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::{ExceptionFrame, exception};
 use pneudrive_app::fault_log::Memory;
-use pneudrive_app::runtime::reset::{PANICKED, Reset, noted};
+use pneudrive_app::runtime::reset::{CLOCK_FAILED, PANICKED, Reset, noted};
 use rp235x_hal::pac::{POWMAN, SIO};
 
+use crate::log::tell;
 use crate::start::ENABLE_PIN;
 use crate::watchdog;
 
@@ -53,23 +54,34 @@ fn switch_off() {
     unsafe { &*SIO::ptr() }.gpio_out_clr().write(|w| unsafe { w.bits(1 << ENABLE_PIN) });
 }
 
-fn break_down() -> ! {
+/// Off, noted, told, reset. What breaks down in telling is not told again.
+fn break_down(cause: u32, tell: impl FnOnce()) -> ! {
     cortex_m::interrupt::disable();
     switch_off();
     if noted(watchdog::note()).is_none() {
-        watchdog::leave_note(PANICKED);
+        watchdog::leave_note(cause);
+        tell();
     }
     watchdog::reset()
 }
 
+/// Crystal and ring oscillator disagree.
+pub fn clock_failed() -> ! {
+    break_down(CLOCK_FAILED, || tell!(error, "the crystal and the ring oscillator disagree"))
+}
+
 #[panic_handler]
-fn panic(_: &PanicInfo<'_>) -> ! {
-    break_down()
+fn panic(info: &PanicInfo<'_>) -> ! {
+    break_down(PANICKED, || {
+        if let Some(place) = info.location() {
+            tell!(error, "broke down at {=str}:{=u32}", place.file(), place.line());
+        }
+    })
 }
 
 /// A fault of the processor, such as an address that does not exist.
 // SAFETY: the attribute wants `unsafe`. It does not return, so it cannot disturb what it interrupted.
 #[exception]
-unsafe fn HardFault(_: &ExceptionFrame) -> ! {
-    break_down()
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    break_down(PANICKED, || tell!(error, "fault of the processor at {=u32:#x}", frame.pc()))
 }

@@ -1,6 +1,7 @@
 //! Clocks, pins and parts. Runs once, with interrupts disabled; what goes wrong here breaks down.
 
 use pneudrive_app::Recorder;
+use pneudrive_app::fault_log::{Recovery, Restored};
 use pneudrive_app::runtime::clock::Clock;
 use pneudrive_app::store::FlashStore;
 use pneudrive_interfaces::chip::mcp3208::Mcp3208;
@@ -9,28 +10,26 @@ use pneudrive_interfaces::digital_pins::DigitalPins;
 use pneudrive_interfaces::step_pins::StepPins;
 use pneudrive_interfaces::wired_board::Stages;
 use pneudrive_pico2_plan::flash::layout;
-use rp235x_hal::clocks::{Clock as _, init_clocks_and_plls};
+use rp235x_hal::Sio;
 use rp235x_hal::gpio::{PinState, Pins, PullNone};
 use rp235x_hal::pac::Peripherals;
-use rp235x_hal::{Sio, watchdog::Watchdog as Ticks};
 
 use crate::board::{Pico2Board, Store};
 use crate::clock::{ControlTimer, Wait};
 use crate::encoder::Encoder;
 use crate::flash::KeptFlash;
+use crate::log::tell;
+use crate::oscillators::Sources;
 use crate::port::Port;
 use crate::watchdog::{KeptSpool, Watchdog};
-use crate::{Control, Drive, Talk, reset, spi};
+use crate::{Control, Drive, Talk, oscillators, reset, spi};
 
 /// The pin of `drive_enable`.
 pub const ENABLE_PIN: u8 = 8;
 
-/// The crystal, Hz. The system clock is 150 MHz of it.
-const CRYSTAL_HZ: u32 = 12_000_000;
-
 /// The longest piece of a request to an enabled drive, microseconds: the 2,400 instructions of docs/firmware-figures.md at
-/// six cycles each and 150 MHz. Not measured on this board.
-const PIECE_US: u32 = 96;
+/// six cycles each and 128 MHz. Not measured on this board.
+const PIECE_US: u32 = 113;
 
 /// All that there is.
 pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive, Talk) {
@@ -40,17 +39,15 @@ pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive
     let enable = pins.gpio8.into_pull_type::<PullNone>().into_push_pull_output_in_state(PinState::Low);
     let reset = reset::reason(&device.POWMAN);
     let mut watchdog = Watchdog::new(&device.WATCHDOG, &device.PSM);
-    let clocks = init_clocks_and_plls(
-        CRYSTAL_HZ,
-        device.XOSC,
-        device.CLOCKS,
-        device.PLL_SYS,
-        device.PLL_USB,
-        &mut device.RESETS,
-        &mut Ticks::new(device.WATCHDOG),
-    )
-    .unwrap_or_else(|_| panic!("the crystal and its multipliers start"));
-    let peripheral_clock = clocks.peripheral_clock.freq();
+    let sources = Sources {
+        crystal: device.XOSC,
+        ring: device.ROSC,
+        pll: device.PLL_SYS,
+        clocks: device.CLOCKS,
+        ticks: device.TICKS,
+    };
+    let peripheral_clock = oscillators::start(sources, &mut device.RESETS)
+        .unwrap_or_else(|| panic!("crystal and ring oscillator are what they can be"));
     let timer = ControlTimer::start(device.TIMER0, &device.RESETS);
 
     let valve = spi::valve(
@@ -77,7 +74,7 @@ pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive
     let mut board = Pico2Board {
         name: "Raspberry Pi Pico 2",
         encoder: encoder.unwrap_or_else(|_| panic!("the program fits its state machine")),
-        pressures: Mcp3208::new(sensors, [0, 1, 2]),
+        pressures: Mcp3208::new(sensors, Wait, [0, 1, 2]),
         home_switch: pins.gpio4.into_pull_up_input(),
         terminals: DigitalPins::new(
             [
@@ -109,7 +106,7 @@ pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive
                     .into_dyn_pin(),
             ],
         ),
-        stages: Stages::new(Mcp4922::new(valve, Channel::A), steps, enable),
+        stages: Stages::new(Mcp4922::new(valve, Wait, Channel::A), steps, enable),
         clock: Clock::start(timer, control.config().timing),
         spool: KeptSpool,
         store: store(watchdog),
@@ -117,13 +114,14 @@ pub fn start(mut device: Peripherals, recorder: &'static mut Recorder) -> (Drive
         enabled_us: 0,
     };
     if let Some(fault) = reset.fault() {
+        tell!(error, "reset by fault {=u8}", fault.code());
         control.trip(fault);
     }
     control.take_up(&mut board);
     board.clock.keep(control.config().timing);
     let lines = (pins.gpio0.reconfigure(), pins.gpio1.reconfigure());
     let port = Port::open(device.UART0, device.DMA, lines, &mut device.RESETS, peripheral_clock);
-    let port = port.unwrap_or_else(|_| panic!("150 MHz has this baud rate"));
+    let port = port.unwrap_or_else(|_| panic!("128 MHz has this baud rate"));
     watchdog.start();
     (Drive::new(control, board, PIECE_US), Talk::new(port, watchdog))
 }
@@ -133,5 +131,16 @@ fn store(watchdog: Watchdog) -> Store {
     // SAFETY: once after a reset, since there is one start.
     let memory = unsafe { reset::fault_memory() };
     let taken_up = FlashStore::take_up(KeptFlash::new(watchdog), layout(), memory);
-    taken_up.unwrap_or_else(|_| panic!("the plan's layout is that of this flash")).0
+    let (store, recovery, restored) =
+        taken_up.unwrap_or_else(|_| panic!("the plan's layout is that of this flash"));
+    match recovery {
+        Recovery::Lost => tell!(info, "fault log: none in memory"),
+        Recovery::Kept { events, damaged } => {
+            tell!(info, "fault log: {=usize} events in memory, {=usize} damaged", events, damaged);
+        }
+    }
+    if let Restored::Events(events) = restored {
+        tell!(info, "fault log: {=usize} events from flash", events);
+    }
+    store
 }

@@ -1,5 +1,8 @@
-//! The watchdog, which counts microseconds of the crystal, and its scratch registers: memory that every reset but that of
-//! the power leaves as it is (RP2350 data sheet, 12.9).
+//! The watchdog, which counts by the ring oscillator, whatever becomes of the crystal; and its scratch registers: memory
+//! that every reset but that of the power leaves as it is (RP2350 data sheet, 12.9).
+//!
+//! Whoever feeds it compares the two clocks ([`pneudrive_pico2_plan::clocks`]). If they disagree, no period is right any
+//! more: the drive is disabled, noted, reset.
 //!
 //! | register | holds |
 //! |---|---|
@@ -7,16 +10,25 @@
 //! | SCRATCH1, SCRATCH2 | where a stepper's spool is |
 //! | SCRATCH4 to SCRATCH7 | the boot ROM's |
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use pneudrive_app::runtime::spool::SpoolMemory;
 use pneudrive_app::runtime::talk;
+use pneudrive_pico2_plan::clocks::{LOOK_US, RUNNING_US, WRITING_FLASH_US, agree};
 use rp235x_hal::pac::watchdog::RegisterBlock;
 use rp235x_hal::pac::{PSM, WATCHDOG};
 
-/// While the drive may move, microseconds: above the longest period of 100 ms.
-const RUNNING_US: u32 = 300_000;
+use crate::clock::now_us;
+use crate::reset;
 
-/// While a sector is erased or pages are written, microseconds: 4 KiB take 400 ms at most.
-const WRITING_FLASH_US: u32 = 2_000_000;
+/// Whether watchdog and timer stand while a debugger has halted the processor.
+pub const HALTS: bool = cfg!(feature = "debug");
+
+/// 32 us of the processor, dozens of cycles of the slowest ring oscillator.
+const SETTLING_CYCLES: u32 = 4096;
+
+/// When it was loaded last, by the timer.
+static LOADED_AT_US: AtomicU32 = AtomicU32::new(0);
 
 /// What is reset: everything but the two oscillators.
 const RESET_ALL: u32 = 0x01ff_fff3;
@@ -33,10 +45,10 @@ pub struct Watchdog(());
 
 impl Watchdog {
     /// Gets it ready; it does not run yet. It goes on while a debugger has halted the processor: a valve that is open
-    /// then would stay open.
+    /// then would stay open. With the feature `debug` it stands.
     pub fn new(_: &WATCHDOG, power: &PSM) -> Watchdog {
         registers().ctrl().write(|w| {
-            w.pause_dbg0().clear_bit().pause_dbg1().clear_bit().pause_jtag().clear_bit().enable().clear_bit()
+            w.pause_dbg0().bit(HALTS).pause_dbg1().bit(HALTS).pause_jtag().bit(HALTS).enable().clear_bit()
         });
         // SAFETY: any set of parts may be reset.
         power.wdsel().write(|w| unsafe { w.bits(RESET_ALL) });
@@ -59,12 +71,35 @@ impl Watchdog {
 }
 
 impl talk::Watchdog for Watchdog {
+    /// A watchdog that was fed a moment ago is left alone: the clocks are compared over a time that shows them.
     fn feed(&mut self) {
+        if counted_us() < LOOK_US {
+            return;
+        }
+        // Looked at twice: the counter of the other clock may not show yet what it was loaded with.
+        if clocks_disagree() {
+            cortex_m::asm::delay(SETTLING_CYCLES);
+            if clocks_disagree() {
+                reset::clock_failed();
+            }
+        }
         load(RUNNING_US);
     }
 }
 
+/// What the watchdog has counted since it was loaded while the drive may move.
+fn counted_us() -> u32 {
+    RUNNING_US.saturating_sub(registers().ctrl().read().time().bits())
+}
+
+fn clocks_disagree() -> bool {
+    let passed_us = now_us().wrapping_sub(LOADED_AT_US.load(Ordering::Relaxed));
+    let counted_us = counted_us();
+    counted_us >= LOOK_US && !agree(counted_us, passed_us)
+}
+
 fn load(us: u32) {
+    LOADED_AT_US.store(now_us(), Ordering::Relaxed);
     // SAFETY: 24 bits, and both times have fewer.
     registers().load().write(|w| unsafe { w.bits(us) });
 }

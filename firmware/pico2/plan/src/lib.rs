@@ -3,10 +3,12 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`clocks`] | the crystal's clock and the watchdog's, and whether they agree |
 //! | [`flash`] | where in the flash what is |
 //! | [`quadrature`] | the program of the state machine that counts the encoder's edges |
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod clocks;
 pub mod flash;
 pub mod quadrature;
