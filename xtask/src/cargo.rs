@@ -59,6 +59,12 @@ pub fn in_root(arguments: &[&str]) -> Command {
     cargo(root(), arguments)
 }
 
+/// A cargo call in another folder of the project.
+#[must_use]
+pub fn in_folder(folder: &Path, arguments: &[&str]) -> Command {
+    cargo(folder, arguments)
+}
+
 /// A cargo call in the inner workspace, with the target of its `.cargo/config.toml`. Flags meant for
 /// the PC don't reach it.
 #[must_use]

@@ -8,6 +8,7 @@
 //! | [`firmware`] | builds an image of the inner workspace and tells its size |
 //! | [`flashed`] | runs the image of the Nucleo board with models of its peripherals |
 //! | [`boards`] | builds the images for the Nucleo board and the Pico 2 and judges their size and their control |
+//! | [`deny`] | licences, sources and advisories of other people's code |
 //! | [`link`] | the link under faults: often, and in all its states |
 //! | [`targets`] | what must compile for other systems |
 //! | [`web`] | the studio's page as a folder of files, with the designer as WebAssembly |
@@ -29,6 +30,7 @@
 pub mod axe;
 pub mod boards;
 pub mod cargo;
+pub mod deny;
 pub mod figures;
 pub mod firmware;
 pub mod flashed;

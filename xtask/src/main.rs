@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use xtask::deny;
 use xtask::link;
 use xtask::steps::{self, Group};
 use xtask::tally::Tally;
@@ -36,6 +37,9 @@ enum Command {
     Lint,
     /// Build the documentation, warnings as errors
     Docs,
+    /// Whether licences and sources of other people's code are those that deny.toml allows; advisories by cargo-deny, where
+    /// it is installed and reaches their database
+    Deny,
     /// Build the image that links the controller; no panic, no float, no division routine may be in it
     Probe,
     /// Have the Rust crate fmi load FMUs and run controller and plant in a loop: installs clang where allowed
@@ -100,6 +104,7 @@ fn main() -> ExitCode {
         Command::Fmt { check } => steps::fmt(&mut tally, check),
         Command::Lint => steps::lint(&mut tally),
         Command::Docs => steps::docs(&mut tally),
+        Command::Deny => deny::check(&mut tally),
         Command::Probe => steps::probe(&mut tally),
         Command::Fmi => steps::fmi(&mut tally),
         Command::Web { out } => steps::web(&mut tally, out),

@@ -11,7 +11,8 @@ use crate::cargo::{self, THUMB, THUMB_V8, in_firmware, in_root, run};
 use crate::tally::{Counts, Tally};
 use crate::tools::{CHROMIUM, CLANG, QEMU};
 use crate::{
-    axe, boards, firmware, flashed, fmu, instructions, link, memory, probe, processors, python, targets, web,
+    axe, boards, deny, firmware, flashed, fmu, instructions, link, memory, probe, processors, python,
+    targets, web,
 };
 
 /// Formats both workspaces, or checks that they are formatted.
@@ -375,6 +376,7 @@ pub fn ci(tally: &mut Tally) {
         test_group(tally, *group);
     }
     link::states_in_short(tally);
+    deny::check(tally);
     docs(tally);
 }
 
