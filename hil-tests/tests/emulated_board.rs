@@ -238,6 +238,11 @@ fn inputs_or_a_host_own_the_emulated_board_and_never_both() {
 }
 
 #[test]
+fn a_stop_by_a_host_withdraws_what_the_inputs_may() {
+    body::records::a_stop_by_a_host_withdraws_what_the_inputs_may(emulated_board);
+}
+
+#[test]
 fn a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new_on_the_emulated_board() {
     body::records::a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new(supplied);
 }

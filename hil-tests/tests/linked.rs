@@ -94,3 +94,8 @@ fn a_stop_by_an_input_always_wins_on_a_board_whose_plant_is_at_a_port() {
 fn inputs_or_a_host_own_a_board_whose_plant_is_at_a_port_and_never_both() {
     body::records::a_drive_has_one_owner(linked);
 }
+
+#[test]
+fn a_stop_by_a_host_withdraws_what_the_inputs_may() {
+    body::records::a_stop_by_a_host_withdraws_what_the_inputs_may(linked);
+}

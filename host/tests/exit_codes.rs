@@ -92,6 +92,27 @@ fn a_port_without_a_rig_ends_with_4() {
     }
 }
 
+/// The link breaks in the middle: once this ended with 1.
+#[test]
+fn a_rig_that_closes_the_connection_ends_with_4() {
+    use std::process::{Command, Stdio};
+    let asks = [
+        "monitor --every 0.02 --port",
+        "run servo-b-tuned --set test.duration_s=20 --port",
+        "run servo-b-tuned --set test.duration_s=20 --stream s.csv --port",
+    ];
+    for asked in asks {
+        let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
+        let line = format!("{asked} {}", rig.port());
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pneudrive"));
+        command.current_dir(folder.path()).args(line.split_whitespace());
+        let mut program = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it runs");
+        std::thread::sleep(std::time::Duration::from_millis(700));
+        drop(rig);
+        assert_eq!(program.wait().expect("it was started").code(), Some(4), "{asked}");
+    }
+}
+
 #[test]
 fn a_rig_that_refuses_ends_with_5() {
     let (folder, rig) = (folder(), virtual_rig("servo-b-tuned"));

@@ -275,7 +275,7 @@ fn a_fault_takes_the_same_steps_however_often_the_plant_is_looked_at() {
 /// not come back from an overshoot.
 #[test]
 fn a_drive_with_positive_gains_only_jerks_after_an_overshoot_and_does_not_hold() {
-    let faulty = simulate("servo-b-tuned", &[], &["faults.positive_gain_only=true"]);
+    let faulty = simulate("servo-b-tuned", &[], &["faults.gain_bug=positive-error"]);
     let healthy = simulate("servo-b-tuned", &[], &[]);
     let overshoot = |run: &Run| {
         let row = rows(run, 0.3, 1.72).find(|row| row.observation.error < 0);
@@ -297,8 +297,8 @@ fn a_drive_with_positive_gains_only_jerks_after_an_overshoot_and_does_not_hold()
 
 /// The trace has the command of the faulty law: what a standing drive of a negative error is given.
 #[test]
-fn the_trace_of_the_positive_gain_bug_shows_its_command() {
-    let run = simulate("servo-b-tuned", &[], &["faults.positive_gain_only=true", UNWATCHED]);
+fn the_trace_of_the_gain_bug_shows_its_command() {
+    let run = simulate("servo-b-tuned", &[], &["faults.gain_bug=positive-error", UNWATCHED]);
     let resting = run.observations.iter().filter(|seen| seen.velocity == 0 && seen.acceleration == 0);
     let negative: Vec<_> = resting.filter(|seen| seen.error < 0).collect();
     assert!(negative.len() > 20 && negative.iter().all(|seen| seen.command > 0), "{}", negative.len());

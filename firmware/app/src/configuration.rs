@@ -36,6 +36,8 @@ impl Prepared {
     ///
     /// # Errors
     /// When they do not go together.
+    #[cold]
+    #[inline(never)]
     pub fn of(parameters: Parameters) -> Result<Prepared, ConfigError> {
         let config = Config::new(&parameters)?;
         let hash = configuration_hash(&parameters);
@@ -75,13 +77,17 @@ pub struct Configuration {
     saves: u32,
     saved_hash: Option<u32>,
     ignored: u16,
-    /// What was learned since is to be stored once the drive rests.
+    /// What was learned since is to be stored once the drive rests, if it is worth it.
     learned: bool,
+    /// The null offset that was saved last, counts or steps.
+    saved_null: i16,
 }
 
 impl Configuration {
     /// Takes up what is stored, after a reset. False when it is lost: the thesis's parameters are in force
     /// then, and the drive must not run on them.
+    #[cold]
+    #[inline(never)]
     pub fn take_up(&mut self, store: &mut impl Store) -> bool {
         let Load { parameters, records, outcome } = store.load();
         let report = match outcome {
@@ -98,6 +104,7 @@ impl Configuration {
         self.source = if as_stored { Source::Stored } else { Source::TakenOver };
         self.saves = report.generation;
         self.saved_hash = as_stored.then_some(prepared.hash);
+        self.saved_null = prepared.config.law.null_offset;
         self.in_force = prepared;
         self.records = records;
         true
@@ -110,6 +117,8 @@ impl Configuration {
     }
 
     /// Puts other move records in force.
+    #[cold]
+    #[inline(never)]
     pub fn replace_records(&mut self, records: MoveRecords) {
         self.records_changed |= records != self.records;
         self.records = records;
@@ -128,22 +137,33 @@ impl Configuration {
         }
     }
 
-    /// Stores what was learned since the last save, if anything. It is tried once: what cannot be stored is learned
-    /// again after the next reset.
+    /// Stores what was learned since the last save, if the null has moved by a 512th of the largest command at least: each
+    /// save wears the flash. It is tried once: what cannot be stored is learned again after the next reset.
     ///
     /// # Errors
     /// As for [`Configuration::save`].
+    #[cold]
+    #[inline(never)]
     pub fn save_learned(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
-        if core::mem::take(&mut self.learned) { self.save(store) } else { Ok(()) }
+        let moved = self.config().law.null_offset.abs_diff(self.saved_null);
+        let worth = self.config().limits.largest_command.unsigned_abs() / 512;
+        if !self.learned || moved < worth.max(1) {
+            return Ok(());
+        }
+        self.learned = false;
+        self.save(store)
     }
 
     /// Stores parameters and move records for the next reset.
     ///
     /// # Errors
     /// When they are not stored; what was stored before is whole then.
+    #[cold]
+    #[inline(never)]
     pub fn save(&mut self, store: &mut impl Store) -> Result<(), NotStored> {
         self.saves = store.save(self.parameters(), &self.records)?;
         self.saved_hash = Some(self.hash());
+        self.saved_null = self.config().law.null_offset;
         self.records_changed = false;
         self.learned = false;
         self.source = Source::Stored;
@@ -157,10 +177,10 @@ impl Configuration {
         self.source == Source::Damaged
     }
 
-    /// Whether parameters and move records are those that the next reset will take up.
+    /// Whether parameters and move records are those that the next reset will take up, but for what was learned since.
     #[must_use]
     pub fn is_saved(&self) -> bool {
-        self.saved_hash == Some(self.hash()) && !self.records_changed
+        (self.learned || self.saved_hash == Some(self.hash())) && !self.records_changed
     }
 
     /// The move records.

@@ -2,12 +2,15 @@
 //!
 //! The log stands in memory that a reset leaves as it is. Each event has a CRC-32 of its own there, so
 //! that logging takes the time of one event, and a reset in the middle of it costs that one alone. While
-//! the drive is disarmed, [`FaultLog::flush`] copies the log to flash, for power cuts.
+//! the drive is disarmed, [`FaultLog::flush`] copies what is new to flash, for power cuts: each event as a mark in what the
+//! log leaves free of its slots. Only where the marks have no more room is the log saved anew, which erases a slot.
 //!
-//! It counts the boots, too: in that memory and, as marks in what the log leaves free of its slots, in flash. So the number
-//! of a boot is that of no other one, also after a power cut.
+//! It counts the boots, too, in that memory and as marks. So the number of a boot is that of no other one, also after a
+//! power cut.
 //!
 //! At boot: [`FaultLog::recover`], then [`FaultLog::restore`] and [`FaultLog::count_boot`], and only then the first event.
+
+mod mark;
 
 use core::borrow::BorrowMut;
 use core::ops::Range;
@@ -99,6 +102,8 @@ pub struct FaultLog<M> {
 
 impl<M: BorrowMut<Memory>> FaultLog<M> {
     /// Takes the log up again after a reset, with what in the memory is whole, and counts the reset.
+    #[cold]
+    #[inline(never)]
     pub fn recover(memory: M) -> (Self, Recovery) {
         let mut log = FaultLog { memory, boot: 1, next: 0, whole: 0, flushed: None, counted: false };
         let damaged = log.drop_damaged();
@@ -121,6 +126,8 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
 
     /// Takes over what was flushed, if the memory holds no event. Once after a reset, before the first
     /// event: numbers go on from those in flash.
+    #[cold]
+    #[inline(never)]
     pub fn restore<F: ReadNorFlash>(&mut self, store: &FaultStore, flash: &mut F) -> Restored {
         let record = match store.slots.find(flash) {
             Found::NeverSaved => return Restored::NeverSaved,
@@ -133,6 +140,8 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn restore_format_1<F: ReadNorFlash>(
         &mut self,
         store: &FaultStore,
@@ -153,6 +162,15 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
                 self.forget();
             }
             return Restored::Damaged;
+        }
+        let [kept, _] = store.slots.free_parts(flash, LOG_BYTES);
+        for event in marks::all(flash, kept).filter_map(|found| mark::event(&found)) {
+            if newest.is_none_or(|newest: Event| newest.number < event.number) {
+                newest = Some(event);
+                if needed {
+                    self.put(&event);
+                }
+            }
         }
         self.flushed = newest;
         match newest {
@@ -220,11 +238,13 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         newest.is_some() && newest != self.flushed
     }
 
-    /// Copies the log to flash, if there are events that are not there yet; tells whether there were. Only
-    /// while disarmed: it erases a slot, and takes as long as that takes.
+    /// Copies the events that are not in flash yet; tells whether there were any. Only while disarmed: where the marks have
+    /// no more room it erases a slot, and takes as long as that takes.
     ///
     /// # Errors
     /// When the flash refuses or does not hold what was written. The log flushed before is whole then.
+    #[cold]
+    #[inline(never)]
     pub fn flush<F: NorFlash>(
         &mut self,
         store: &FaultStore,
@@ -233,6 +253,9 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         if !self.needs_flush() {
             return Ok(false);
         }
+        if self.append(store, flash) {
+            return Ok(true);
+        }
         self.save(store, flash)?;
         if self.counted {
             self.mark(store, flash)?;
@@ -240,6 +263,24 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         Ok(true)
     }
 
+    /// Marks the events that are not in flash yet, the oldest first. False where the flash has no log that they could be
+    /// added to, or no room.
+    #[cold]
+    #[inline(never)]
+    fn append<F: NorFlash>(&mut self, store: &FaultStore, flash: &mut F) -> bool {
+        let Some(flushed) = self.flushed else { return false };
+        let [kept, _] = store.slots.free_parts(flash, LOG_BYTES);
+        let is_new = |event: &Event| flushed.number < event.number;
+        let mut add = |event| marks::add(flash, kept, &mark::of_event(&event));
+        let added = self.oldest_first().filter(is_new).all(&mut add);
+        if added {
+            self.flushed = self.newest();
+        }
+        added
+    }
+
+    #[cold]
+    #[inline(never)]
     fn save<F: NorFlash>(&mut self, store: &FaultStore, flash: &mut F) -> Result<(), SaveError<F::Error>> {
         store.slots.save(flash, FORMAT, || self.oldest_first().map(|event| event.to_bytes()))?;
         self.flushed = self.newest();
@@ -252,13 +293,16 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
     ///
     /// # Errors
     /// When the flash refuses or does not hold what was written. The number may be that of an earlier boot then.
+    #[cold]
+    #[inline(never)]
     pub fn count_boot<F: NorFlash>(
         &mut self,
         store: &FaultStore,
         flash: &mut F,
     ) -> Result<u32, SaveError<F::Error>> {
         let parts = store.slots.free_parts(flash, LOG_BYTES);
-        let counted = parts.iter().filter_map(|&part| marks::newest(flash, part)).max();
+        let newest = |part| marks::all(flash, part).filter_map(|found| mark::boot(&found)).max();
+        let counted = parts.into_iter().filter_map(newest).max();
         self.set_boot(self.boot.max(counted.unwrap_or(0).saturating_add(1)));
         if self.mark(store, flash).is_err() {
             // The slot that is erased is not the one with the marks.
@@ -270,9 +314,11 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
     }
 
     /// Writes the number of this boot into the slot that the next save leaves alone.
+    #[cold]
+    #[inline(never)]
     fn mark<F: NorFlash>(&self, store: &FaultStore, flash: &mut F) -> Result<(), SaveError<F::Error>> {
         let [kept, _] = store.slots.free_parts(flash, LOG_BYTES);
-        if marks::add(flash, kept, self.boot) { Ok(()) } else { Err(SaveError::NotAsWritten) }
+        if marks::add(flash, kept, &mark::of_boot(self.boot)) { Ok(()) } else { Err(SaveError::NotAsWritten) }
     }
 
     /// Clears the places. The flash keeps what it has.
@@ -294,17 +340,24 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         Some(Event::from_bytes(bytes)).filter(|event| event.number == number)
     }
 
+    #[cold]
+    #[inline(never)]
     fn put(&mut self, event: &Event) {
         let place = place_of(event.number);
         let bytes = event.to_bytes();
-        let sealed = bytes.into_iter().chain(crc(&bytes).to_le_bytes());
         self.whole |= bit(place);
-        if let Some(to) = self.places_mut().nth(place) {
-            to.iter_mut().zip(sealed).for_each(|(to, from)| *to = from);
+        let to = self.places_mut().nth(place).and_then(|to| to.split_first_chunk_mut());
+        if let Some((to, rest)) = to {
+            *to = bytes;
+            if let Some(to) = rest.first_chunk_mut() {
+                *to = crc(&bytes).to_le_bytes();
+            }
         }
     }
 
     /// Clears the places that hold no whole event, notes the others, and counts those that were damaged.
+    #[cold]
+    #[inline(never)]
     fn drop_damaged(&mut self) -> usize {
         let (mut whole, mut damaged) = (0, 0);
         for (nth, place) in self.places_mut().enumerate() {

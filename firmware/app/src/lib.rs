@@ -16,6 +16,8 @@
 //!
 //! The same code runs natively as the virtual rig and on the microcontroller. A board whose plant is
 //! simulated exchanges it over the [`plant_bus`] and is a [`LockStep`].
+//!
+//! What neither interrupt calls is marked cold where it is long: it is made small then, and not inlined where it is called.
 #![no_std]
 #![forbid(unsafe_code)]
 

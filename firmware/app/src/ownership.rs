@@ -13,6 +13,10 @@
 //! The digital inputs of a drive are an owner as well ([`session::INPUTS`]): what they have begun is theirs until it is
 //! disabled, and they begin nothing that a host has enabled.
 //!
+//! A request is a sign of life once: a copy of it, by a gateway that repeats what it has, is none, nor is an older request. The
+//! numbers of a session's requests grow; they wrap, so one counts if it is ahead of the last by less than half of their range
+//! (RFC 1982).
+//!
 //! What an owner has said before it fell silent may still be on the line, and come once nobody watches the drive any
 //! more. So an owner that was gone arms or takes over again before it starts or homes. Hosts of version 4 and older are one
 //! session, of which each is as good as the other; they are obeyed as ever.
@@ -90,6 +94,10 @@ pub struct Ownership {
     host: HostName,
     /// None on a board that does not judge silence.
     heard_ms: Option<u64>,
+    /// The number of its last request.
+    last: Option<u16>,
+    /// The session that has asked last, and the number of its request.
+    asked: Option<(u32, u16)>,
     left: bool,
     /// It was silent for too long, and heard again.
     lapsed: bool,
@@ -99,15 +107,33 @@ impl Ownership {
     /// A host that has just been heard.
     #[must_use]
     pub fn of(session: u32, host: &str, now_ms: Option<u64>) -> Ownership {
-        Ownership { session, host: cut(host), heard_ms: now_ms, left: false, lapsed: false }
+        Ownership { session, host: cut(host), heard_ms: now_ms, ..Ownership::default() }
     }
 
-    /// A request of this session has come; an owner is gone after `silence_ms` of silence, 0: never.
-    pub fn heard(&mut self, session: u32, now_ms: Option<u64>, silence_ms: u32) {
-        if session == self.session && !self.left {
+    /// A host that owns the drive from its present request on.
+    #[must_use]
+    pub fn passed_to(&self, session: u32, host: &str, now_ms: Option<u64>) -> Ownership {
+        let of_its_own = self.asked.filter(|asked| asked.0 == session);
+        Ownership { last: of_its_own.map(|asked| asked.1), ..Ownership::of(session, host, now_ms) }
+    }
+
+    /// The request of this number of a session has come; an owner is gone after `silence_ms` of silence, 0: never.
+    pub fn heard(&mut self, session: u32, sequence: u16, now_ms: Option<u64>, silence_ms: u32) {
+        self.asked = Some((session, sequence));
+        if session == self.session && !self.left && self.is_new(sequence) {
+            self.last = Some(sequence);
             self.lapsed |= self.gone_for_ms(now_ms, silence_ms).is_some();
             self.heard_ms = now_ms;
         }
+    }
+
+    /// Whether the owner's request of this number is none that was heard before. Hosts of version 4 and older share a session,
+    /// and each has numbers of its own.
+    fn is_new(&self, sequence: u16) -> bool {
+        self.last.is_none_or(|last| match self.session {
+            session::OLD_HOSTS => sequence != last,
+            _ => sequence.wrapping_sub(last).cast_signed() > 0,
+        })
     }
 
     /// Whether the owner was gone since it became the owner, and so must not move the drive.

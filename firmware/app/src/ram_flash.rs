@@ -1,4 +1,4 @@
-//! A flash in memory, for rungs without one: never worn, and kept for as long as its owner keeps it.
+//! A flash in memory, for rungs without one: it counts its erases, is never worn, and kept for as long as its owner keeps it.
 
 use core::convert::Infallible;
 
@@ -18,11 +18,14 @@ pub const WORD: usize = 4;
 
 /// Four sectors: two slots of the configuration, two of the fault log.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RamFlash([u8; BYTES]);
+pub struct RamFlash {
+    bytes: [u8; BYTES],
+    erases: [u32; SECTORS],
+}
 
 impl Default for RamFlash {
     fn default() -> Self {
-        RamFlash([0xff; BYTES])
+        RamFlash { bytes: [0xff; BYTES], erases: [0; SECTORS] }
     }
 }
 
@@ -37,12 +40,18 @@ impl RamFlash {
     /// All its bytes.
     #[must_use]
     pub fn bytes(&self) -> &[u8; BYTES] {
-        &self.0
+        &self.bytes
+    }
+
+    /// How often each sector was erased.
+    #[must_use]
+    pub fn erases(&self) -> [u32; SECTORS] {
+        self.erases
     }
 
     fn range(&mut self, offset: u32, len: usize) -> &mut [u8] {
         let start = offset as usize;
-        self.0.get_mut(start..start.saturating_add(len)).unwrap_or(&mut [])
+        self.bytes.get_mut(start..start.saturating_add(len)).unwrap_or(&mut [])
     }
 }
 
@@ -70,6 +79,8 @@ impl NorFlash for RamFlash {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
         self.range(from, to.saturating_sub(from) as usize).fill(0xff);
+        let sectors = from as usize / SECTOR..to as usize / SECTOR;
+        self.erases.get_mut(sectors).unwrap_or(&mut []).iter_mut().for_each(|erases| *erases += 1);
         Ok(())
     }
 

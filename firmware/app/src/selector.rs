@@ -2,23 +2,26 @@
 //!
 //! | input | does |
 //! |---|---|
-//! | number | selects a record; 0: homing |
+//! | number | selects a record; 15: homing; 0, as open wires have it: nothing |
 //! | start, from off to on | begins it, if the drive is ready; else nothing: a start while the axis moves is ignored |
 //! | run, off | stops whatever moves, whoever has enabled it: a trip (`stop`) |
 //! | enable, off | disables what the inputs have enabled, without a fault; nothing begins |
-//! | acknowledge, from off to on | acknowledges a fault: the next start may enable the drive again |
+//! | acknowledge, from off to on | acknowledges a fault or a stop: the next start may enable the drive again |
 //!
-//! Run off and enable off count at once. Everything else counts once the inputs have been the same for [`STEADY`] samples,
-//! so a contact that bounces is one edge. An edge counts only if run and enable were on before it, so nothing begins when the
-//! power comes. A board whose run input was never on since its reset has none: it does not stop what a host has enabled.
+//! Run off and enable off count at once. Everything else counts once all inputs have been the same for
+//! `input_debounce_ms`, so a contact that bounces is one edge. A start begins its record `input_settling_ms` later: start, run,
+//! enable and number must not change until then, so a number that comes late begins nothing. An edge counts only if run and
+//! enable were on before it, so nothing begins when the power comes. A board whose run input was never on since its reset has
+//! none: it does not stop what a host has enabled.
 //!
 //! One owner: the inputs begin nothing that a host has enabled, and while they have enabled the drive, hosts may read and
-//! stop.
+//! stop. A stop withdraws what the inputs were permitted, whatever the drive does: it is acknowledged before the next start.
 
+use pneudrive_controller::config::Timing;
 pub use pneudrive_protocol::io::{input, output};
 
-/// Samples on end for which the inputs are the same before they count.
-pub const STEADY: u8 = 3;
+/// The inputs without which nothing begins.
+const BOTH: u8 = input::RUN | input::ENABLE;
 
 /// What the inputs have begun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,16 +39,38 @@ pub(crate) enum Phase {
     InPosition,
 }
 
+/// A start that has counted, and for how long its number has stayed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Pending {
+    inputs: u8,
+    waited_us: u32,
+}
+
+/// What a reading makes of the inputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Taken {
+    /// Acknowledge has gone on.
+    pub acknowledges: bool,
+    /// The number that a start has selected, once it has settled.
+    pub starts: Option<u8>,
+    /// A start has not settled.
+    pub unsettled: bool,
+}
+
 /// What the inputs were, and what they have begun.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selector {
-    /// As last read, and for how many samples.
+    /// As last read, and for how long.
     read: u8,
-    steady: u8,
+    steady_us: u32,
     /// As they count.
     settled: u8,
+    pending: Option<Pending>,
     run_was_on: bool,
+    /// A fault or a stop has been acknowledged.
     pub(crate) acknowledged: bool,
+    /// A stop has yet to be acknowledged.
+    stopped: bool,
     pub(crate) phase: Phase,
     pub(crate) number: u8,
     pub(crate) refused: u8,
@@ -58,11 +83,13 @@ impl Default for Selector {
     fn default() -> Self {
         Selector {
             read: 0,
-            steady: 0,
+            steady_us: 0,
             // On when the power comes is no edge.
             settled: input::START | input::ACKNOWLEDGE,
+            pending: None,
             run_was_on: false,
             acknowledged: false,
+            stopped: false,
             phase: Phase::Idle,
             number: 0,
             refused: 0,
@@ -103,18 +130,53 @@ impl Selector {
         self.refused
     }
 
-    /// Takes a reading, and tells the inputs that have gone on, once they count.
-    pub(crate) fn take(&mut self, read: u8) -> u8 {
-        self.steady = if read == self.read { self.steady.saturating_add(1) } else { 1 };
+    /// Takes the reading of a sample.
+    pub(crate) fn take(&mut self, read: u8, timing: &Timing) -> Taken {
+        let period_us = timing.period_us.get();
+        self.steady_us = if read == self.read { self.steady_us.saturating_add(period_us) } else { 0 };
         self.read = read;
-        if self.steady < STEADY {
-            return 0;
+        let settled = self.settle(period_us, timing.input_settling_ms);
+        if self.steady_us < timing.input_debounce_ms.saturating_mul(1000) {
+            return settled;
         }
         let before = core::mem::replace(&mut self.settled, read);
         self.run_was_on |= read & input::RUN != 0;
-        let both = input::RUN | input::ENABLE;
         let rising = read & !before;
-        if before & read & both == both { rising } else { rising & !input::START }
+        if rising & input::START != 0 && before & read & BOTH == BOTH {
+            self.pending = Some(Pending { inputs: read & !input::ACKNOWLEDGE, waited_us: 0 });
+        }
+        Taken { acknowledges: rising & input::ACKNOWLEDGE != 0, ..settled }
+    }
+
+    /// What has become of a start that has counted.
+    fn settle(&mut self, period_us: u32, settling_ms: u32) -> Taken {
+        let Some(pending) = &mut self.pending else { return Taken::default() };
+        if self.read & !input::ACKNOWLEDGE != pending.inputs {
+            self.pending = None;
+            return Taken { unsettled: true, ..Taken::default() };
+        }
+        pending.waited_us = pending.waited_us.saturating_add(period_us);
+        if pending.waited_us < settling_ms.saturating_mul(1000) {
+            return Taken::default();
+        }
+        self.pending = None;
+        Taken { starts: Some(self.read & input::NUMBER), ..Taken::default() }
+    }
+
+    /// A stop: nothing that was acknowledged or started before it counts any more.
+    pub(crate) fn withdraw(&mut self) {
+        (self.acknowledged, self.stopped, self.pending) = (false, true, None);
+    }
+
+    /// Notes whether a fault or a stop is acknowledged.
+    pub(crate) fn acknowledge(&mut self, tripped: bool, acknowledges: bool) {
+        self.acknowledged = tripped && (self.acknowledged || acknowledges);
+        self.stopped &= !acknowledges;
+    }
+
+    /// Whether a fault, if there is one, and a stop have yet to be acknowledged.
+    pub(crate) fn awaits_acknowledgement(&self, tripped: bool) -> bool {
+        self.stopped || tripped && !self.acknowledged
     }
 
     /// Whether the run input stops the drive.
@@ -129,13 +191,7 @@ impl Selector {
 
     /// Whether a start would be listened to, as far as the inputs go.
     pub(crate) fn permits(&self) -> bool {
-        let both = input::RUN | input::ENABLE;
-        self.read & self.settled & both == both
-    }
-
-    /// The number that is selected.
-    pub(crate) fn selected(&self) -> u8 {
-        self.settled & input::NUMBER
+        self.read & self.settled & BOTH == BOTH
     }
 
     /// Sets an output.
@@ -146,56 +202,116 @@ impl Selector {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
     use super::*;
 
-    const READY: u8 = input::RUN | input::ENABLE;
+    /// A sample a millisecond; inputs count after 3 ms, and starts settle in 4 ms.
+    fn timing() -> Timing {
+        let period_us = 1000.try_into().expect("not 0");
+        let timing = pneudrive_controller::Config::default().timing;
+        Timing { period_us, input_debounce_ms: 3, input_settling_ms: 4, ..timing }
+    }
 
-    /// What counts of readings that follow each other.
-    fn counts<const N: usize>(readings: [u8; N]) -> [u8; N] {
+    /// What is taken of readings, each so many milliseconds long.
+    fn taken(selector: &mut Selector, readings: &[(u8, usize)]) -> Vec<Taken> {
+        let each = readings.iter().flat_map(|&(read, ms)| std::iter::repeat_n(read, ms));
+        each.map(|read| selector.take(read, &timing())).collect()
+    }
+
+    /// The numbers that are started by readings, each so many milliseconds long.
+    fn started(readings: &[(u8, usize)]) -> Vec<u8> {
+        taken(&mut Selector::default(), readings).iter().filter_map(|taken| taken.starts).collect()
+    }
+
+    const START: u8 = BOTH | input::START;
+
+    #[test]
+    fn a_start_counts_after_its_debounce_and_begins_after_its_settling_time() {
         let mut selector = Selector::default();
-        readings.map(|read| selector.take(read))
+        let all = taken(&mut selector, &[(BOTH, 4), (START | 5, 12)]);
+        let begun: Vec<usize> = (0..all.len()).filter(|&k| all[k].starts == Some(5)).collect();
+        // The edge is seen at 4 ms, counts at 7 and begins at 11.
+        assert_eq!(begun, [11]);
+    }
+
+    /// Whatever the sample period: it is the time that counts.
+    #[test]
+    fn the_times_are_those_of_the_drive_and_no_numbers_of_samples() {
+        for period_us in [100_u32, 500, 1300, 4000] {
+            let timing = Timing {
+                period_us: period_us.try_into().expect("not 0"),
+                ..pneudrive_controller::Config::default().timing
+            };
+            let mut selector = Selector::default();
+            let mut since = |read: u8, ms: u32| {
+                let readings = (ms * 1000).div_ceil(period_us) + 1;
+                (1..=readings)
+                    .find(|_| selector.take(read, &timing).starts.is_some())
+                    .map(|k| (k - 1) * period_us)
+            };
+            assert_eq!(since(BOTH, 50), None);
+            let begun_us = since(START | 5, 100).expect("a start");
+            assert!((30_000..30_000 + 3 * period_us).contains(&begun_us), "{period_us}: {begun_us}");
+        }
     }
 
     #[test]
-    fn an_edge_counts_once_the_inputs_have_been_the_same_for_a_while() {
-        let start = READY | input::START | 5;
-        assert_eq!(
-            counts([READY, READY, READY, start, start, start, start])[3..],
-            [0, 0, input::START | 5, 0]
-        );
-        let bounces = counts([READY, READY, READY, start, READY, start, READY, READY, READY, READY]);
-        assert!(bounces.iter().all(|rising| rising & input::START == 0), "{bounces:?}");
+    fn a_contact_that_bounces_begins_its_record_once_and_no_other() {
+        let bouncing = [(BOTH | 5, 4), (START | 5, 2), (BOTH | 5, 1), (START | 5, 20)];
+        assert_eq!(started(&bouncing), [5]);
+        // It bounces once more while the next number is set.
+        let released = [(BOTH | 5, 4), (START | 5, 20), (BOTH | 7, 2), (START | 7, 2), (BOTH | 7, 20)];
+        assert_eq!(started(&released), [5]);
+    }
+
+    #[test]
+    fn a_number_that_comes_late_begins_nothing_or_the_record_that_is_meant() {
+        assert_eq!(started(&[(BOTH, 4), (START, 2), (START | 5, 20)]), [5], "within the debounce");
+        let mut selector = Selector::default();
+        let late = taken(&mut selector, &[(BOTH, 4), (START | 4, 5), (START | 5, 40)]);
+        assert!(late.iter().all(|taken| taken.starts.is_none()));
+        assert_eq!(late.iter().filter(|taken| taken.unsettled).count(), 1);
+    }
+
+    #[test]
+    fn a_start_that_ends_before_it_has_settled_begins_nothing() {
+        assert_eq!(started(&[(BOTH | 5, 4), (START | 5, 6), (BOTH | 5, 20)]), []);
     }
 
     #[test]
     fn what_is_on_when_the_power_comes_is_no_edge() {
-        let all = [READY | input::START | input::ACKNOWLEDGE; 6];
-        assert!(counts(all).iter().all(|rising| rising & (input::START | input::ACKNOWLEDGE) == 0));
+        let all = taken(&mut Selector::default(), &[(START | input::ACKNOWLEDGE, 40)]);
+        assert!(all.iter().all(|taken| *taken == Taken::default()));
     }
 
     #[test]
     fn a_start_counts_only_if_run_and_enable_were_on_before_it() {
         for before in [0, input::RUN, input::ENABLE] {
-            let [.., last] = counts([
-                before,
-                before,
-                before,
-                READY | input::START,
-                READY | input::START,
-                READY | input::START,
-            ]);
-            assert_eq!(last & input::START, 0, "{before:x}");
+            assert_eq!(started(&[(before, 6), (START | 5, 40)]), [], "{before:x}");
         }
+    }
+
+    #[test]
+    fn a_stop_ends_a_start_that_has_yet_to_settle_and_asks_for_an_acknowledgement() {
+        let mut selector = Selector::default();
+        taken(&mut selector, &[(BOTH | 5, 4), (START | 5, 5)]);
+        selector.withdraw();
+        assert!(taken(&mut selector, &[(START | 5, 20)]).iter().all(|taken| taken.starts.is_none()));
+        assert!(selector.awaits_acknowledgement(false));
+        selector.acknowledge(false, true);
+        assert!(!selector.awaits_acknowledgement(false));
     }
 
     #[test]
     fn a_run_input_that_was_never_on_stops_nothing_and_one_that_goes_off_stops_at_once() {
         let mut selector = Selector::default();
-        assert_eq!([0; 9].map(|read| selector.take(read)), [0; 9]);
+        taken(&mut selector, &[(0, 9)]);
         assert!(!selector.stops(), "it has no such contact");
-        assert_eq!([READY; 3].map(|read| selector.take(read)), [0, 0, READY]);
+        taken(&mut selector, &[(BOTH, 4)]);
         assert!(!selector.stops() && selector.enables());
-        selector.take(0);
+        taken(&mut selector, &[(0, 1)]);
         assert!(selector.stops() && !selector.enables(), "at the first reading");
     }
 }

@@ -183,7 +183,7 @@ fn is_heard(meant: &InBoot<'_>, drive: &mut impl SharedDrive) -> bool {
     drive.lock(|control, board| {
         let of_this_boot = meant.counts_in(board.store().boot());
         if of_this_boot {
-            control.host_heard(meant.asked.session, board);
+            control.host_heard(meant.asked.session, meant.asked.request.sequence, board);
         }
         of_this_boot
     })

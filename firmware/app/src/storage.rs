@@ -119,6 +119,8 @@ impl ConfigStore {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn load_format_1<F: ReadNorFlash>(&self, flash: &mut F, record: &Record) -> Load {
         let mut taken = Taken::new(record);
         let whole = self.slots.read(flash, record, |[i0, i1, v0, v1, v2, v3]| {
@@ -185,6 +187,8 @@ impl Taken {
         Taken { parameters, records: MoveRecords::default(), report }
     }
 
+    #[cold]
+    #[inline(never)]
     fn pair(&mut self, id: u16, value: i32) {
         if self.records.take(id, value) {
             return;

@@ -126,6 +126,8 @@ mod tests {
         latest_output_us: 600,
         host_silence_ms: 0,
         hold_ms: 0,
+        input_debounce_ms: 10,
+        input_settling_ms: 20,
     };
 
     /// A clock after samples at these times, each with an output 510 us later; who is idle settles.

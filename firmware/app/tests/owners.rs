@@ -293,3 +293,51 @@ fn a_drive_that_holds_and_is_pushed_at_a_wide_open_valve_without_moving_trips() 
     bench.samples(600);
     assert_eq!(bench.mode(), Mode::Fault(Fault::NoMotion));
 }
+
+/// A gateway repeats what it has, byte for byte, again and again; the drive trips as if the line were silent.
+#[test]
+fn what_a_gateway_repeats_of_a_silent_owner_keeps_no_drive_moving() {
+    for repeated in [1, 3] {
+        let mut bench = armed_by_one();
+        bench.done(start());
+        let frames: Vec<_> = (0..repeated).map(|_| bench.frame(RequestBody::Status)).collect();
+        for frame in &frames {
+            bench.waits(100);
+            assert!(!bench.send(frame).is_empty(), "answered");
+        }
+        assert_eq!(bench.mode(), Mode::Running);
+        for frame in frames.iter().cycle().take(6) {
+            bench.waits(100);
+            bench.send(frame);
+        }
+        assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent), "{repeated} repeated");
+    }
+}
+
+#[test]
+fn the_request_that_arms_is_no_sign_of_life_when_it_is_repeated() {
+    let mut bench = armed_by_one();
+    let arms = bench.frame(RequestBody::ArmAs { host: "one" });
+    bench.send(&arms);
+    bench.done(start());
+    for _ in 0..6 {
+        bench.waits(100);
+        bench.send(&arms);
+    }
+    assert_eq!(bench.mode(), Mode::Fault(Fault::HostSilent));
+}
+
+/// 65,536 requests are two minutes of polling.
+#[test]
+fn an_owner_whose_numbers_wrap_is_heard_on() {
+    let mut bench = armed_by_one();
+    bench.sequence = u16::MAX - 3;
+    bench.done(RequestBody::ArmAs { host: "one" });
+    bench.done(start());
+    for _ in 0..8 {
+        bench.waits(400);
+        let frame = bench.frame(RequestBody::Status);
+        bench.send(&frame);
+    }
+    assert_eq!(bench.mode(), Mode::Running);
+}

@@ -92,8 +92,8 @@ fn parameters_change_all_or_none_and_only_while_disarmed() {
         "Config { first_id: 7, values: [1000, 2000] }"
     );
     assert_eq!(
-        bench.ask(RequestBody::ConfigGet { first_id: id::PRESSURE_SENSORS, count: 2 }),
-        "Refused(UnknownParameter { id: 62 })"
+        bench.ask(RequestBody::ConfigGet { first_id: id::INPUT_SETTLING_MS, count: 2 }),
+        "Refused(UnknownParameter { id: 65 })"
     );
     bench.armed(10, 1, 0);
     let refused = format!("Refused(NotNow({}))", Refusal::NotDisarmed.code());

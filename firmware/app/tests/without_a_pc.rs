@@ -4,11 +4,10 @@ mod bench;
 
 use bench::Bench;
 use pneudrive_app::inputs::attend;
-use pneudrive_app::selector::STEADY;
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Mode, Refusal};
 use pneudrive_protocol::change::{Entry, PART_BYTES};
-use pneudrive_protocol::io::input::{ACKNOWLEDGE, ENABLE, RUN, START};
+use pneudrive_protocol::io::input::{ACKNOWLEDGE, ENABLE, HOMING, RUN, START};
 use pneudrive_protocol::io::output::{FAULT, IN_POSITION, LAMP, READY};
 use pneudrive_protocol::io::refused;
 use pneudrive_protocol::{ProfiledMove, RequestBody, code};
@@ -21,7 +20,10 @@ const HERE: u8 = 1;
 const THERE: u8 = 2;
 /// The dwell of both, samples.
 const DWELL: u32 = 5;
-const STEADY_SAMPLES: u32 = STEADY as u32;
+/// Samples of 1.3 ms until inputs count, 10 ms behind the first reading of them.
+const DEBOUNCE: u32 = 9;
+/// Samples until a start has settled, 20 ms later.
+const SETTLING: u32 = 16;
 
 impl Bench {
     /// A referenced drive whose rod stands at 0, with two records, its inputs on.
@@ -49,13 +51,14 @@ impl Bench {
     /// The inputs change, and stay so until they count.
     fn input(&mut self, inputs: u8) {
         self.board.inputs = inputs;
-        self.live(STEADY_SAMPLES);
+        self.live(DEBOUNCE);
     }
 
     /// A start of this number, from off to on.
     fn start(&mut self, number: u8) {
         self.input(ON | number);
         self.input(ON | START | number);
+        self.live(SETTLING);
     }
 
     fn shows(&self, output: u8) -> bool {
@@ -143,14 +146,14 @@ fn run_off_trips_what_moves_and_the_fault_is_acknowledged_before_the_next_start(
 /// Run off and start on in the same reading, and run off while the start has yet to count.
 #[test]
 fn a_stop_during_a_start_wins() {
-    for before in [0, STEADY_SAMPLES - 1] {
+    for before in [0, DEBOUNCE - 1, DEBOUNCE + SETTLING - 1] {
         let mut bench = Bench::with_records();
         bench.board.inputs = ON | START | HERE;
         bench.live(before);
         bench.board.inputs = ENABLE | START | HERE;
-        bench.live(10);
+        bench.live(30);
         bench.board.inputs = ON | START | HERE;
-        bench.live(10);
+        bench.live(60);
         assert_eq!(bench.mode(), Mode::Disarmed, "{before}: the edge was while run was off");
     }
 }
@@ -175,13 +178,15 @@ fn what_cannot_begin_says_why_and_leaves_the_drive_as_it_was() {
 }
 
 #[test]
-fn an_axis_that_is_not_referenced_is_homed_by_number_0_first() {
+fn an_axis_that_is_not_referenced_is_homed_by_number_15_first() {
     let mut bench = Bench::with_records();
     bench.app.control.set_parameters(id::ENCODER_INVERTED, [1].into_iter()).expect("disarmed");
     bench.start(HERE);
     assert_eq!((bench.mode(), bench.why_refused()), (Mode::Disarmed, Refusal::NotReferenced.code()));
     bench.board.stop = Some(-300);
     bench.start(0);
+    assert_eq!((bench.mode(), bench.why_refused()), (Mode::Disarmed, refused::NO_RECORD), "a cut cable");
+    bench.start(HOMING);
     assert_eq!(bench.mode(), Mode::Homing);
     bench.live(5000);
     assert!(bench.app.control.state().supervisor.is_referenced());
@@ -216,6 +221,41 @@ fn a_host_may_read_and_stop_what_the_inputs_have_begun() {
     assert!(bench.ask(RequestBody::Io).starts_with("Io { inputs: 210, settled: 210, outputs: "));
     bench.done(RequestBody::Stop);
     assert_eq!(bench.mode(), Mode::Fault(Fault::Stop));
+}
+
+#[test]
+fn a_stop_by_a_host_withdraws_the_acknowledgement_and_the_start_whatever_the_drive_does() {
+    let mut bench = Bench::with_records();
+    bench.start(THERE);
+    bench.input(ENABLE);
+    bench.input(ON | ACKNOWLEDGE);
+    bench.done(RequestBody::Stop);
+    bench.start(HERE);
+    assert_eq!((bench.mode(), bench.why_refused()), (Mode::Fault(Fault::Stop), refused::FAULT));
+    assert!(bench.shows(FAULT) && !bench.shows(READY));
+    bench.input(ON | ACKNOWLEDGE);
+    bench.start(HERE);
+    assert_eq!(bench.mode(), Mode::Running, "acknowledged once more");
+
+    let mut disabled = Bench::with_records();
+    disabled.done(RequestBody::Stop);
+    disabled.start(HERE);
+    assert_eq!(disabled.why_refused(), refused::FAULT, "nothing had moved");
+
+    let mut starting = Bench::with_records();
+    starting.input(ON | START | HERE);
+    starting.done(RequestBody::Stop);
+    starting.live(2 * SETTLING);
+    assert!(!matches!(starting.mode(), Mode::Running), "a start that had yet to settle");
+}
+
+#[test]
+fn a_number_that_comes_behind_its_start_begins_no_other_record() {
+    let mut bench = Bench::with_records();
+    bench.input(ON | START | HERE);
+    bench.board.inputs = ON | START | THERE;
+    bench.live(3 * SETTLING);
+    assert_eq!((bench.mode(), bench.why_refused()), (Mode::Disarmed, refused::UNSETTLED));
 }
 
 #[test]

@@ -63,6 +63,11 @@ fn pins_or_a_host_own_the_flashed_image_and_never_both() {
 }
 
 #[test]
+fn a_stop_by_a_host_withdraws_what_the_inputs_may() {
+    body::records::a_stop_by_a_host_withdraws_what_the_inputs_may(fast);
+}
+
+#[test]
 fn a_power_cut_while_a_table_is_saved_in_its_flash_leaves_the_old_or_the_new() {
     body::records::a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new(supplied);
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Fault, Move};
 use pneudrive_link::client::{Client, Io};
-use pneudrive_protocol::io::input::{ACKNOWLEDGE, ENABLE, RUN, START};
+use pneudrive_protocol::io::input::{ACKNOWLEDGE, ENABLE, HOMING, RUN, START};
 use pneudrive_protocol::io::output::{FAULT, IN_POSITION, LAMP, READY};
 use pneudrive_protocol::io::refused;
 use pneudrive_protocol::{Mode, code};
@@ -95,7 +95,7 @@ impl Bench {
 }
 
 /// Records begin by their number, one after the other from where the axis stands. A start while the axis moves is ignored, a
-/// record that does not exist changes nothing, and number 0 homes the axis.
+/// record that does not exist changes nothing, number 0 is none, and number 15 homes the axis.
 ///
 /// # Panics
 /// When it is not so.
@@ -118,7 +118,9 @@ pub fn records_begin_by_their_numbers(start: Start) {
     bench.input(RUN);
     assert_eq!(bench.mode(), Mode::Disarmed, "{}: enable off is no fault", bench.target.name());
     bench.start(0);
-    bench.until("homed", |io| io.number == 0 && io.outputs & IN_POSITION != 0);
+    bench.until("refused", |io| io.number == 0 && io.refused == refused::NO_RECORD);
+    bench.start(HOMING);
+    bench.until("homed", |io| io.number == HOMING && io.outputs & IN_POSITION != 0);
     assert_eq!(bench.mode(), Mode::Armed, "{}", bench.target.name());
 }
 
@@ -175,6 +177,35 @@ pub fn a_drive_has_one_owner(start: Start) {
     assert_eq!(bench.mode(), Mode::Fault, "{}", bench.target.name());
 }
 
+/// A PC's stop is acknowledged before the inputs begin anything, also if the drive had tripped before and that was acknowledged,
+/// and if it was disabled.
+///
+/// # Panics
+/// When it is not so.
+pub fn a_stop_by_a_host_withdraws_what_the_inputs_may(start: Start) {
+    let mut bench = Bench::new(start);
+    bench.input(ON);
+    bench.start(LONG);
+    bench.until("begun", |io| io.number == LONG && io.outputs & READY == 0);
+    bench.input(ENABLE);
+    bench.input(ON | ACKNOWLEDGE);
+    bench.until("acknowledged", |io| io.outputs & !LAMP == READY);
+    bench.client.stop().expect("everybody may stop");
+    bench.until("withdrawn", |io| io.outputs & !LAMP == FAULT);
+    bench.start(NEAR);
+    bench.until("refused", |io| io.refused == refused::FAULT);
+    assert_eq!(bench.mode(), Mode::Fault, "{}: nothing moves", bench.target.name());
+    bench.input(ON | ACKNOWLEDGE);
+    bench.start(NEAR);
+    bench.arrives(NEAR);
+    bench.client.stop().expect("everybody may stop");
+    bench.client.arm().expect("a host arms anew");
+    bench.client.disarm().expect("and disarms");
+    bench.start(NEAR);
+    let io = bench.until("refused", |io| io.refused == refused::FAULT);
+    assert_eq!((bench.mode(), io.outputs & !LAMP), (Mode::Disarmed, FAULT), "{}", bench.target.name());
+}
+
 /// The power goes at every other operation while a table is saved: after it, the drive has the old table or the new one.
 ///
 /// # Panics
@@ -182,7 +213,7 @@ pub fn a_drive_has_one_owner(start: Start) {
 pub fn a_power_cut_while_a_table_is_saved_leaves_the_old_or_the_new(start: StartSupplied) {
     let mut target = start(&rig("servo-b", &["test.duration_s=0.3"]));
     let table =
-        |target: i32| [1, 15].map(|number| MoveRecord { number, next: Move::step(0, target), dwell: 0 });
+        |target: i32| [1, 14].map(|number| MoveRecord { number, next: Move::step(0, target), dwell: 0 });
     let mut client = target.connect().expect("a rig that answers");
     client.replace_move_records(&table(0)).expect("disarmed");
     client.save_parameters().expect("disarmed");

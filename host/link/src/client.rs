@@ -18,6 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_controller::Fault;
 use pneudrive_protocol::{
     ANY_BOOT, Accumulator, CURRENT_VERSION, InBoot, InSession, MAX_FRAME, MIN_VERSION, Mode, Recent, Reply,
     ReplyBody, Request, RequestBody, Status, decode_reply, encode_and_know, frame,
@@ -75,6 +76,8 @@ pub struct Client {
     boot: u32,
     /// Whether it has armed the drive, or taken it over.
     commands: bool,
+    /// Checks without which it may arm the drive.
+    without: Vec<Fault>,
     /// The test that it has downloaded, as a start request names it.
     test_crc32: Option<u32>,
     /// The parameters that it has read, and their fingerprint on the rig.
@@ -148,6 +151,7 @@ impl Client {
             session,
             boot: ANY_BOOT,
             commands: false,
+            without: Vec::new(),
             test_crc32: None,
             known: None,
             meant: None,
@@ -170,7 +174,7 @@ impl Client {
     /// The first words over a link.
     fn greet(&mut self) -> Result<()> {
         // Ends a frame that an earlier program left incomplete.
-        self.link.write(&[0]).with_context(|| format!("cannot write to {}", self.name))?;
+        self.link.write(&[0]).map_err(|error| failed(format!("cannot write to {}", self.name), error))?;
         if self.name.starts_with("tcp://")
             && let Some(token) = token()?
         {
@@ -235,7 +239,12 @@ impl Client {
         };
         let (frame, crc32) = framed.ok_or_else(|| anyhow!("a request is too long to send"))?;
         self.recent.add(crc32);
-        self.link.write(frame).with_context(|| format!("the link to {} broke", self.name))
+        self.link.write(frame).map_err(|error| self.broken(error))
+    }
+
+    /// The failure of a link that can no longer be read or written, whatever its system says of it.
+    fn broken(&self, error: std::io::Error) -> anyhow::Error {
+        failed(format!("the link to {} broke", self.name), error)
     }
 
     /// Passes the rig's replies to `take` until it returns something, or the deadline has passed. Damaged frames and echoes
@@ -262,8 +271,7 @@ impl Client {
                 return Ok(None);
             }
             let mut bytes = vec![0; 4096];
-            let count =
-                self.link.read(&mut bytes).with_context(|| format!("the link to {} broke", self.name))?;
+            let count = self.link.read(&mut bytes).map_err(|error| self.broken(error))?;
             bytes.truncate(count);
             self.heard = bytes.into_iter();
         }
@@ -391,4 +399,9 @@ impl Client {
             words::fault_meaning(status.fault)
         ))
     }
+}
+
+/// Nothing can be heard from a rig whose link fails.
+fn failed(what: String, error: std::io::Error) -> anyhow::Error {
+    Failure::NoAnswer.of(anyhow::Error::new(error).context(what))
 }

@@ -1,5 +1,7 @@
 //! Notes on firmware that lacks something.
 
+use anyhow::Result;
+use pneudrive_protocol::io::input;
 use pneudrive_records::parameter_names::names_of;
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::words;
@@ -11,6 +13,32 @@ pub fn report_boots(client: &Client) {
     if !client.names_its_boot() {
         log::info!("{}", words::no_boots(client.speaks(6)));
     }
+}
+
+/// Warns, once a drive is armed, of checks that are switched off.
+///
+/// # Errors
+/// When the rig does not answer.
+pub fn report_armed(client: &mut Client) -> Result<()> {
+    let off = client.checks_off()?;
+    if !off.is_empty() {
+        let names: Vec<&str> = off.into_iter().map(words::fault_name).collect();
+        log::warn!("the drive is armed, and will never trip with: {}", names.join(", "));
+    }
+    Ok(())
+}
+
+/// Says that a run input that is off may be none.
+///
+/// # Errors
+/// When the rig does not answer.
+pub fn report_run_input(client: &mut Client) -> Result<()> {
+    if client.speaks(8) && client.io()?.inputs & input::RUN == 0 {
+        log::info!(
+            "the digital input run is off: if it was never on since the board's reset, it does not stop what is armed here"
+        );
+    }
+    Ok(())
 }
 
 /// Notes which parameters the rig's firmware does not have.

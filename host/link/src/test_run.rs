@@ -15,7 +15,7 @@ use pneudrive_sim::keys;
 
 use crate::client::Client;
 use crate::failure::Failure;
-use crate::firmware_notes::{report_boots, report_missing};
+use crate::firmware_notes::{report_armed, report_boots, report_missing};
 
 /// How long a stepper's spool may take to mid-travel; after that, the rig refuses the start and says why.
 const WALK_TO_NULL: Duration = Duration::from_secs(2);
@@ -58,7 +58,8 @@ pub fn prepare(
 /// When the rig refuses, or `interrupted` says so.
 pub fn start(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
     client.arm()?;
-    let ready = wait_for_null(client, rig, interrupted)
+    let ready = report_armed(client)
+        .and_then(|()| wait_for_null(client, rig, interrupted))
         .and_then(|()| wait_for_samples_before(client, rig, interrupted));
     if let Err(error) = ready.and_then(|()| client.start()) {
         client.disarm()?;

@@ -322,7 +322,7 @@ fn an_older_program_is_answered_in_its_own_version() {
         (RequestBody::Info, 0),
         (RequestBody::Status, 1),
         (RequestBody::ConfigGet { first_id: 1, count: 30 }, 2),
-        (RequestBody::ConfigGet { first_id: 1, count: 200 }, 6),
+        (RequestBody::ConfigGet { first_id: 60, count: 200 }, 6),
         (RequestBody::Disarm, 3),
         (RequestBody::RecordInfo, 4),
         (RequestBody::RecordRead { first: 0, count: 32 }, 5),

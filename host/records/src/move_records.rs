@@ -94,7 +94,7 @@ fn record_of(entry: &Table, number: Option<u8>, drive: &RigParameters) -> Result
     };
     let number = u8::try_from(number).ok().filter(|number| (1..=MOVE_RECORDS).contains(number));
     let number =
-        number.with_context(|| format!("numbers go from 1 to {MOVE_RECORDS}; number 0 homes the axis"))?;
+        number.with_context(|| format!("numbers go from 1 to {MOVE_RECORDS}; number 15 homes the axis"))?;
     let dwell_s = match entry.remove("dwell_s") {
         Some(item) => number_in(&item).context("dwell_s is a number of seconds")?,
         None => 0.0,
@@ -226,8 +226,8 @@ mod tests {
         let refused = |text: &str| format!("{:#}", records_of("f.toml", text, &drive()).expect_err(text));
         for (text, says) in [
             ("[[record]]\nto_mm = 1\n", "f.toml: [[record]] 1: give its number"),
-            ("[[record]]\nnumber = 0\nto_mm = 1\n", "numbers go from 1 to 15; number 0 homes"),
-            ("[[record]]\nnumber = 16\nto_mm = 1\n", "numbers go from 1 to 15"),
+            ("[[record]]\nnumber = 0\nto_mm = 1\n", "numbers go from 1 to 14; number 15 homes"),
+            ("[[record]]\nnumber = 16\nto_mm = 1\n", "numbers go from 1 to 14; number 15 homes"),
             ("[[record]]\nnumber = 1\n", "give either to_mm or to_counts"),
             ("[[record]]\nnumber = 1\nto_mm = 400\n", "lies beyond it"),
             ("[[record]]\nnumber = 1\nto_mm = 1\nspeed = 3\n", "speed"),

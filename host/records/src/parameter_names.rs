@@ -73,6 +73,8 @@ const KEYS: &[(u16, &str, Form)] = &[
     (id::PULSE_WIDTH_US, "operator.pulse_width_us", Whole),
     (id::DIRECTION_SETUP_US, "operator.direction_setup_us", Whole),
     (id::HOLD_MS, "safety.hold_s", Scaled(3)),
+    (id::INPUT_DEBOUNCE_MS, "safety.input_debounce_s", Scaled(3)),
+    (id::INPUT_SETTLING_MS, "safety.input_settling_s", Scaled(3)),
     (id::GAIN_PROFILE, "controller.gain_profile", Whole),
 ];
 

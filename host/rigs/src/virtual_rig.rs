@@ -6,6 +6,8 @@
 //! at once, so that a `stop` reaches it while a run is followed.
 
 mod caller;
+#[cfg(test)]
+mod leaving_tests;
 mod listener;
 mod reset;
 
@@ -20,8 +22,8 @@ use pneudrive_app::store::FlashStore;
 use pneudrive_app::{Board, Control, inputs};
 use pneudrive_controller::{Command, Config, Mode, Sample};
 use pneudrive_sim::component::controller;
+use pneudrive_sim::gain_bug;
 use pneudrive_sim::keys;
-use pneudrive_sim::positive_gain::SWITCHES;
 use pneudrive_sim::{Accuracy, IntegrationError, Plant, Rig};
 
 use crate::noise::RunSeeds;
@@ -266,8 +268,8 @@ impl VirtualRig {
                 "the continuous controller exists only in the simulator; a virtual rig runs the firmware's controller, so write controller.model = \"sampled\""
             );
         }
-        if let Some(switch) = SWITCHES.into_iter().find(|switch| rig.get(switch)) {
-            bail!("{} is only for the simulator; no firmware has this bug", switch.path);
+        if let Some(bug) = gain_bug::named(&rig) {
+            bail!("{bug} is only for the simulator; no firmware has this bug");
         }
         let mut board = VirtualBoard::new(rig, seed, pace, flash);
         let control = booted(&mut board, None)?;
@@ -316,12 +318,16 @@ impl VirtualRig {
     fn hear(&mut self, callers: &mut Vec<Caller>) -> bool {
         let mut heard = false;
         callers.retain_mut(|caller| {
-            let Ok(count) = caller.hear(&mut self.control, &mut self.board) else {
-                caller.server.host_goes(&mut self.control);
+            let count = caller.hear(&mut self.control, &mut self.board);
+            if self.board.store.flash().is_powered_off() {
                 return false;
-            };
-            heard |= count > 0;
-            !self.board.store.flash().is_powered_off() && caller.speak().is_ok()
+            }
+            let served = count.and_then(|count| caller.speak().map(|()| count));
+            heard |= served.as_ref().is_ok_and(|count| *count > 0);
+            if served.is_err() {
+                caller.server.host_goes(&mut self.control);
+            }
+            served.is_ok()
         });
         heard
     }

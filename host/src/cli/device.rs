@@ -154,7 +154,7 @@ pub enum RecordsAction {
     /// Make one record; the drive must be disarmed
     #[command(allow_negative_numbers = true)]
     Set {
-        /// Its number; number 0 is no record, it homes the axis
+        /// Its number, 1 to 14; number 15 is no record, it homes the axis
         #[arg(value_parser = clap::value_parser!(u8).range(1..=15))]
         number: u8,
         /// What it does: the keys of [[test.move]], and dwell_s: to_mm=120 profile=s-curve velocity_mm_s=300 dwell_s=0.1

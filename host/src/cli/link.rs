@@ -5,6 +5,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use pneudrive_controller::Fault;
+use pneudrive_link::client::Client;
+use pneudrive_records::words;
 
 /// The name of a port in the form that `port::open` takes.
 fn port(text: &str) -> Result<String, String> {
@@ -28,6 +31,29 @@ pub struct PortChoice {
     /// A device (/dev/ttyACM0, COM3), pty:PATH or tcp://HOST:PORT
     #[arg(long, short, value_name = "PORT", value_parser = port)]
     pub port: String,
+    /// Arm the drive though its parameters switch these checks off: host-silent, no-motion, ...
+    #[arg(long, value_name = "CHECKS", value_delimiter = ',', value_parser = check)]
+    pub without: Vec<Fault>,
+}
+
+impl PortChoice {
+    /// Finds the rig at the port.
+    ///
+    /// # Errors
+    /// As for [`Client::connect`].
+    pub fn connect(&self) -> anyhow::Result<Client> {
+        let mut client = Client::connect(&self.port)?;
+        client.accept_without(&self.without);
+        Ok(client)
+    }
+}
+
+/// The check with this name.
+fn check(name: &str) -> Result<Fault, String> {
+    let named = Fault::ALL.into_iter().find(|fault| words::fault_name(*fault) == name);
+    named.ok_or_else(|| {
+        format!("there is no check {name:?}; `pneudrive device arm` names those that are switched off")
+    })
 }
 
 /// Arguments of `run`.

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::{Client, Commander};
-use pneudrive_link::firmware_notes::report_boots;
+use pneudrive_link::firmware_notes::{report_armed, report_boots, report_run_input};
 use pneudrive_protocol::{
     ConfigState, Event, HISTOGRAM_BINS, Mode, Motion, Presence, Spread, Status, UNTIL_STOPPED,
 };
@@ -27,13 +27,16 @@ use crate::exit::Exit;
 use crate::json;
 
 pub(super) fn execute(arguments: &Device) -> Result<()> {
-    let mut client = Client::connect(&arguments.port.port)?;
+    let mut client = arguments.port.connect()?;
     match &arguments.action {
         DeviceAction::Info => info(&mut client),
         DeviceAction::Status => status(&mut client, arguments.counts),
         DeviceAction::Arm => {
             report_boots(&client);
-            client.arm().map(|()| say!("armed: the drive is enabled, the valve at null"))
+            client.arm()?;
+            say!("armed: the drive is enabled, the valve at null");
+            report_armed(&mut client)?;
+            report_run_input(&mut client)
         }
         DeviceAction::Disarm => {
             client.disarm()?;

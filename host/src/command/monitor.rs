@@ -6,7 +6,6 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
-use pneudrive_link::client::Client;
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::units::Units;
 use pneudrive_records::words;
@@ -20,7 +19,7 @@ use crate::output::{self, Stream};
 const COLUMNS: &str = "time_s,mode,index,setpoint_counts,position_counts,error_counts,command_counts,pressure_1_raw,pressure_2_raw,spool_raw,recorded,damaged_frames\n";
 
 pub(super) fn execute(arguments: &Monitor) -> Result<()> {
-    let mut client = Client::connect(&arguments.port.port)?;
+    let mut client = arguments.port.connect()?;
     let parameters = client.parameters()?;
     let units = if arguments.counts { Units::raw(&parameters) } else { Units::of(&parameters) };
     let mut csv = arguments.csv.as_deref().map(new_csv).transpose()?;

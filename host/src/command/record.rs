@@ -17,7 +17,7 @@ use crate::json;
 
 pub(super) fn execute(arguments: &Record) -> Result<()> {
     make_writable(&arguments.dir)?;
-    let mut client = Client::connect(&arguments.port.port)?;
+    let mut client = arguments.port.connect()?;
     let (path, file) = record(&mut client, &arguments.dir)?;
     json::figures(|| json!({ "file": path, "samples": file.samples.len() }));
     say!("{}: {} samples", path.display(), file.samples.len());

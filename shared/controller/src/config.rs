@@ -1,16 +1,19 @@
 //! The validated form of the parameters: what the law runs on, immutable while it does.
 
+mod consistency;
 mod error;
+mod unwatched;
 
 use core::num::NonZeroU32;
 
 pub use error::ConfigError;
+pub use unwatched::unwatched;
 
 use crate::drive::{DacConfig, DriveConfig, MAX_COUNTS, Translator};
 use crate::estimator::EstimatorConfig;
 use crate::homing::{HomingConfig, HomingKind};
 use crate::law::{LawConfig, LawKind, Loop};
-use crate::limits::{Limits, NULL_SAMPLES, NoMotion};
+use crate::limits::{Limits, NULL_DRIFT, NULL_SAMPLES, NoMotion};
 use crate::parameters::{Parameters, id};
 use crate::sequencer::{FeedForward, MotionConfig};
 
@@ -52,6 +55,10 @@ pub struct Timing {
     pub host_silence_ms: u32,
     /// How long an enabled drive stands without a host before it is disarmed, milliseconds.
     pub hold_ms: u32,
+    /// For how long digital inputs are the same before they count, milliseconds.
+    pub input_debounce_ms: u32,
+    /// For how long start and number stay before the start begins something, milliseconds.
+    pub input_settling_ms: u32,
 }
 
 /// The thesis's controller: what [`Config::new`] makes of the default parameters.
@@ -69,6 +76,8 @@ impl Default for Config {
                 latest_output_us: 600,
                 host_silence_ms: 500,
                 hold_ms: 60_000,
+                input_debounce_ms: 10,
+                input_settling_ms: 20,
             },
             estimator: EstimatorConfig { velocity_window: 5, acceleration_window: 3 },
             law: LawConfig {
@@ -83,7 +92,7 @@ impl Default for Config {
                 dead_band: 0,
                 dead_zone: 102,
                 relay_hysteresis: 0,
-                pressure_feedback_gain: 775,
+                pressure_gain: 0,
                 scale: SCALE,
                 null_offset: 0,
                 learning_gain: 0,
@@ -116,6 +125,7 @@ impl Default for Config {
                 sensor_samples: 4,
                 no_motion: NoMotion { idle: 102, full: 1024, most: 384 * (1024 - 102) - 1 },
                 null_motion: 345,
+                null_drift: 1380,
                 no_motion_counts: 40,
                 end_min: 0,
                 end_max: 24_896,
@@ -139,18 +149,8 @@ impl Config {
 
         let period_us = divisor(id::PERIOD_US)?;
         let delay_us = divisor(id::DELAY_US)?;
-        ensure(delay_us < period_us, ConfigError::DelayNotBelowPeriod)?;
+        consistency::check(parameters)?;
         let drive = drive(parameters);
-        let limits = limits(parameters, period_us, drive.largest());
-        ensure(limits.position_min < limits.position_max, ConfigError::PositionLimitsCrossed)?;
-        ensure(limits.end_min < limits.end_max, ConfigError::EndPositionsCrossed)?;
-        ensure(get(id::PRESSURE_MIN_PA) < get(id::PRESSURE_MAX_PA), ConfigError::PressureRangeEmpty)?;
-        ensure(get(id::SPOOL_MIN_NM) < get(id::SPOOL_MAX_NM), ConfigError::SpoolRangeEmpty)?;
-        ensure(get(id::HOMING_COMMAND_COUNTS) != 0, ConfigError::HomingStandsStill)?;
-        let pulse_us = unsigned(id::DIRECTION_SETUP_US).saturating_add(unsigned(id::PULSE_WIDTH_US));
-        ensure(pulse_us < period_us.get(), ConfigError::PulseTooLong)?;
-        let feeds_back = get(id::LAW) == ON_OFF && get(id::PRESSURE_FEEDBACK_GAIN) != 0;
-        ensure(has_pressure_sensors(parameters) || !feeds_back, ConfigError::NothingToFeedBack)?;
 
         Ok(Config {
             timing: Timing {
@@ -160,6 +160,8 @@ impl Config {
                 latest_output_us: delay_us.get().saturating_add(unsigned(id::LATE_OUTPUT_US)),
                 host_silence_ms: unsigned(id::HOST_SILENCE_MS),
                 hold_ms: unsigned(id::HOLD_MS),
+                input_debounce_ms: unsigned(id::INPUT_DEBOUNCE_MS),
+                input_settling_ms: unsigned(id::INPUT_SETTLING_MS),
             },
             estimator: EstimatorConfig {
                 velocity_window: unsigned(id::VELOCITY_WINDOW_SAMPLES) as u8,
@@ -168,16 +170,13 @@ impl Config {
             law: law(parameters, &divisor)?,
             motion: motion(parameters, period_us),
             homing: homing(parameters, period_us),
-            limits,
+            limits: limits(parameters, period_us, drive.largest()),
             drive,
             encoder_inverted: get(id::ENCODER_INVERTED) != 0,
             pressure_mask: if has_pressure_sensors(parameters) { ALL_BITS } else { 0 },
         })
     }
 }
-
-/// The value of the law that feeds back pressures.
-const ON_OFF: i32 = 3;
 
 /// A mask that leaves a number as it is.
 const ALL_BITS: i16 = -1;
@@ -196,7 +195,7 @@ fn law(
         kind: match parameters.scalar(id::LAW) {
             1 => LawKind::Proportional,
             2 => LawKind::MooreProportional,
-            ON_OFF => LawKind::OnOff,
+            3 => LawKind::OnOff,
             _ => LawKind::GainProfile,
         },
         gain_profile: parameters.gain_profile,
@@ -208,7 +207,7 @@ fn law(
         dead_band: unsigned(id::DEAD_BAND_COUNTS),
         dead_zone: unsigned(id::DEAD_ZONE_COUNTS) as u16,
         relay_hysteresis: unsigned(id::RELAY_HYSTERESIS_COUNTS),
-        pressure_feedback_gain: unsigned(id::PRESSURE_FEEDBACK_GAIN) as u16,
+        pressure_gain: consistency::pressure_gain(parameters),
         scale: divisor(id::SCALE)?,
         null_offset: parameters.scalar(id::NULL_OFFSET_COUNTS) as i16,
         learning_gain: unsigned(id::LEARNING_GAIN) as u16,
@@ -282,6 +281,7 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
     // A time below a period is one sample, not "off".
     let no_motion_samples = samples_of_ms(no_motion_ms, period_us).max(u32::from(no_motion_ms > 0));
     let [sensor_low, sensor_high] = sensor_ends(parameters);
+    let null_motion = get(id::ENCODER_STEP_COUNTS).unsigned_abs().saturating_mul(NULL_SAMPLES) / 100;
     Limits {
         largest_command: largest,
         position_min: get(id::POSITION_MIN_COUNTS),
@@ -290,7 +290,8 @@ fn limits(parameters: &Parameters, period_us: NonZeroU32, largest: i16) -> Limit
         sensor_low: sensor_low as i16,
         sensor_high,
         sensor_samples: get(id::SENSOR_SAMPLES).unsigned_abs(),
-        null_motion: get(id::ENCODER_STEP_COUNTS).unsigned_abs().saturating_mul(NULL_SAMPLES) / 100,
+        null_motion,
+        null_drift: null_motion.saturating_mul(NULL_DRIFT),
         no_motion: NoMotion::of(no_motion_samples, largest, get(id::DEAD_ZONE_COUNTS).unsigned_abs()),
         no_motion_counts: get(id::NO_MOTION_COUNTS).unsigned_abs(),
         end_min: get(id::END_MIN_COUNTS),
@@ -313,10 +314,6 @@ fn drive(parameters: &Parameters) -> DriveConfig {
             },
         }
     }
-}
-
-fn ensure(holds: bool, error: ConfigError) -> Result<(), ConfigError> {
-    if holds { Ok(()) } else { Err(error) }
 }
 
 #[cfg(test)]
@@ -382,26 +379,5 @@ mod tests {
     fn a_time_without_motion_below_a_period_is_one_sample_and_none_is_off() {
         let most = |ms| with(&[(id::NO_MOTION_MS, ms)]).map(|config| config.limits.no_motion.most);
         assert_eq!([0, 1, 13].map(most), [u32::MAX, 921, 9219].map(Ok), "periods of 1.3 ms");
-    }
-
-    #[test]
-    fn parameters_that_do_not_go_together_are_named() {
-        let cases: [(&[(u16, i32)], ConfigError); 5] = [
-            (&[(id::PERIOD_US, 500)], ConfigError::DelayNotBelowPeriod),
-            (
-                &[(id::POSITION_MIN_COUNTS, 10), (id::POSITION_MAX_COUNTS, 10)],
-                ConfigError::PositionLimitsCrossed,
-            ),
-            (&[(id::PRESSURE_MIN_PA, 1_000_000)], ConfigError::PressureRangeEmpty),
-            (&[(id::SPOOL_MIN_NM, 1_250_000)], ConfigError::SpoolRangeEmpty),
-            (&[(id::PRESSURE_SENSORS, 0), (id::LAW, 3)], ConfigError::NothingToFeedBack),
-        ];
-        for (changes, error) in cases {
-            assert_eq!(with(changes), Err(error));
-            assert!(error.advice().contains("must be"));
-        }
-        assert!(with(&[(id::PERIOD_US, 501)]).is_ok(), "a delay just below the period");
-        let without = [(id::PRESSURE_SENSORS, 0), (id::LAW, 3), (id::PRESSURE_FEEDBACK_GAIN, 0)];
-        assert!(with(&without).is_ok() && with(&without[..1]).is_ok(), "nothing is fed back");
     }
 }

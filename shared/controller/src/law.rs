@@ -3,18 +3,18 @@
 //! ```text
 //! n_p    = setpoint - position
 //! i      = min(|n_p| / span, 255)                       gain-profile index (Appendix IX a)
-//! n_DAC1 = Kp[i] n_p - Kv n_v - Ka n_a + n_f            exact in i64, saturated once to i32
+//! n_DAC1 = Kp[i] n_p - Kv n_v - Ka n_a - k5 n_q + n_f   exact in i64, saturated once to i32
 //! demand = n_DAC1 / scale + null offset                 toward zero
 //! ```
 //!
-//! - **Gain profile**: as above.
+//! - **Gain profile**: as above. k5 is 0 unless pressures are fed back for damping (9.1.2, [`crate::pressure`]).
 //! - **Proportional**: the same with one gain for `Kp[i]`.
 //! - **Moore's proportional** (L(22) = 13; the thesis has no equation of it): the proportional law, and
 //!   in the direction of the error the command that takes the spool across the dead zone of the valve,
 //!   `demand = n_DAC1 / scale + sign(n_p) dead zone + null offset`. The profile's high gains on small
 //!   errors, "based on the findings of Moore" (Appendix IX), do the same.
 //! - **On-off** (L(22) = 2): Burrows' relay with a dead zone and hysteresis, on position, velocity and
-//!   quasi-transient pressure ([`crate::pressure`], gain k5 = C(68)). The relay switches on
+//!   quasi-transient pressure (gain k5 = C(68)). The relay switches on
 //!   `s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale`; its demand is the full range to either side, or 0.
 //!
 //! **Feed-forward** (not in the thesis) is of the setpoint's own motion while a profile moves it, with windows of Wv and
@@ -91,8 +91,8 @@ pub struct LawConfig {
     pub dead_zone: u16,
     /// On-off law: the relay drops out this much below its dead zone, counts of error.
     pub relay_hysteresis: u32,
-    /// On-off law: k5, on the raw quasi-transient pressure difference.
-    pub pressure_feedback_gain: u16,
+    /// k5, on the raw quasi-transient pressure difference; 0: pressures are not fed back.
+    pub pressure_gain: u16,
     /// L_DAC: 256 for the solenoid, 65536 for the stepper.
     pub scale: NonZeroU32,
     /// Added to the demand: the command at which the valve is at its null, counts.
@@ -154,27 +154,31 @@ pub(crate) fn demand(
     match (config.control_loop, config.kind) {
         (Loop::Open, _) => aim.setpoint,
         (Loop::Closed, LawKind::OnOff) => {
-            let s = relay_input(config, &mut memory.pressure, aim.error, motion, input);
-            let side = memory.relay.switch(s, config.dead_band, config.relay_hysteresis);
+            let sum = weighed(config, config.proportional_gain, aim.error, motion)
+                - pressure(config, &mut memory.pressure, input);
+            let side = memory.relay.switch(scaled(config, sum), config.dead_band, config.relay_hysteresis);
             i32::from(side) * i32::from(MAX_COUNTS)
         }
         (Loop::Closed, _) => {
             let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts());
-            from_null(config, aim, motion).saturating_add(null)
+            let pressure = pressure(config, &mut memory.pressure, input);
+            from_null(config, aim, motion, pressure).saturating_add(null)
         }
     }
 }
 
-/// s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale.
-fn relay_input(config: &LawConfig, mean: &mut Mean, error: i32, motion: &Motion, input: &Sample) -> i32 {
-    let pressure = i64::from(config.pressure_feedback_gain) * i64::from(mean.transient(input));
-    scaled(config, weighed(config, config.proportional_gain, error, motion) - pressure)
+/// k5 n_q.
+fn pressure(config: &LawConfig, mean: &mut Mean, input: &Sample) -> i64 {
+    match config.pressure_gain {
+        0 => 0,
+        gain => i64::from(gain) * i64::from(mean.transient(input)),
+    }
 }
 
-/// The demand as the valve's null has it.
-fn from_null(config: &LawConfig, aim: &Aim, motion: &Motion) -> i32 {
+/// The demand as the valve's null has it; `pressure` is k5 n_q.
+fn from_null(config: &LawConfig, aim: &Aim, motion: &Motion, pressure: i64) -> i32 {
     let error = aim.error;
-    let by_gain = |gain| scaled(config, weighed(config, gain, error, motion) + aim.feed_forward);
+    let by_gain = |gain| scaled(config, weighed(config, gain, error, motion) - pressure + aim.feed_forward);
     match config.kind {
         _ if error.unsigned_abs() < config.dead_band && aim.feed_forward == 0 => 0,
         LawKind::GainProfile => by_gain(profile_gain(config, error)),
@@ -244,11 +248,11 @@ mod tests {
         let by_band = LawConfig { dead_band: 8, velocity_gain: 512, ..thesis };
         let moving = Motion { velocity: 10, ..Motion::default() };
         for error in [-7, 0, 7] {
-            assert_eq!(from_null(&by_profile, &at(error), &moving), -20, "error {error}");
-            assert_eq!(from_null(&by_band, &at(error), &moving), 0, "error {error}");
+            assert_eq!(from_null(&by_profile, &at(error), &moving, 0), -20, "error {error}");
+            assert_eq!(from_null(&by_band, &at(error), &moving, 0), 0, "error {error}");
         }
-        assert_eq!(from_null(&by_profile, &at(8), &moving), 8 * 16 - 20);
-        assert_eq!(from_null(&by_band, &at(8), &moving), 8 * 16 - 20);
+        assert_eq!(from_null(&by_profile, &at(8), &moving, 0), 8 * 16 - 20);
+        assert_eq!(from_null(&by_band, &at(8), &moving, 0), 8 * 16 - 20);
     }
 
     fn at(error: i32) -> Aim {
@@ -260,8 +264,19 @@ mod tests {
         let law = LawConfig { dead_band: 8, ..crate::Config::default().law };
         let aim = Aim { error: 3, feed_forward: 256 * 50, ..Aim::default() };
         let by_error = 3 * i32::from(profile_gain(&law, 3));
-        assert_eq!(from_null(&law, &aim, &Motion::default()), (by_error + 256 * 50) / 256);
-        assert_eq!(from_null(&law, &Aim { feed_forward: 0, ..aim }, &Motion::default()), 0);
+        assert_eq!(from_null(&law, &aim, &Motion::default(), 0), (by_error + 256 * 50) / 256);
+        assert_eq!(from_null(&law, &Aim { feed_forward: 0, ..aim }, &Motion::default(), 0), 0);
+    }
+
+    /// (8192 3 - 1000 10) / 256 = 56.9; in the dead band a law asks for nothing, whatever the pressures do.
+    #[test]
+    fn a_rising_pressure_difference_is_subtracted_outside_of_the_dead_band() {
+        let law = crate::Config::default().law;
+        let rising = 1000 * 10;
+        assert_eq!(from_null(&law, &at(3), &Motion::default(), rising), 56);
+        assert_eq!(from_null(&law, &at(3), &Motion::default(), -rising), 135);
+        let banded = LawConfig { dead_band: 8, ..law };
+        assert_eq!(from_null(&banded, &at(3), &Motion::default(), rising), 0);
     }
 
     #[test]
@@ -269,7 +284,7 @@ mod tests {
         let law = LawConfig { scale: NonZeroU32::MIN, ..crate::Config::default().law };
         for (sign, expected) in [(1, i32::MAX), (-1, i32::MIN)] {
             let aim = Aim { error: sign as i32 * i32::MAX, feed_forward: sign << 48, setpoint: 0 };
-            assert_eq!(from_null(&law, &aim, &Motion::default()), expected);
+            assert_eq!(from_null(&law, &aim, &Motion::default(), 0), expected);
         }
     }
 }

@@ -6,7 +6,7 @@
 //! | the position, once counts mean positions | [`Fault::PositionOutside`] |
 //! | a raw pressure near an end of its converter, for some samples | [`Fault::SensorRange`] |
 //! | a valve that is open and moves nothing: of a closed loop that runs or holds, and of a homing run that leaves its stop or looks for its switch | [`Fault::NoMotion`] |
-//! | an axis that moves though its valve is at null: armed, or behind the moves of an open loop | [`Fault::MotionAtNull`] |
+//! | an axis that moves though its valve is at null, armed or behind the moves of an open loop: faster than a hundredth of the highest speed, or slowly, but far from where it came to stand | [`Fault::MotionAtNull`] |
 //!
 //! The last but one notices swapped tubes (the cylinder runs into its end and stays), a lost encoder and a
 //! stuck spool. What an open valve must move is the sum of its opening over the time:
@@ -45,6 +45,8 @@ pub struct Limits {
     pub no_motion: NoMotion,
     /// Furthest motion with the valve at null in [`NULL_SAMPLES`], counts: at a hundredth of the highest speed.
     pub null_motion: u32,
+    /// Furthest from where it came to stand that an axis may creep with the valve at null, counts.
+    pub null_drift: u32,
     /// So far from where it stood is motion, counts.
     pub no_motion_counts: u32,
     /// Software end positions, counts: setpoints beyond them are refused, and an open loop does not
@@ -56,6 +58,9 @@ pub struct Limits {
 
 /// Over so many samples motion at null is judged.
 pub const NULL_SAMPLES: u32 = 64;
+
+/// So many times as far as in [`NULL_SAMPLES`] an axis may creep in all.
+pub const NULL_DRIFT: u32 = 4;
 
 /// An axis that was driven may coast for so many samples before its motion at null is judged: 1 s at 1.3 ms.
 const COASTING_SAMPLES: i32 = 768;
@@ -136,7 +141,9 @@ pub(crate) struct Evidence<'a> {
 pub(crate) struct Watch {
     bad_sensor: u32,
     standstill: Standstill,
-    /// Where an axis was when the present [`NULL_SAMPLES`] at null began, and how many of them have passed; negative
+    /// Where an axis at null came to stand; None while it may coast.
+    stands_at: Option<i32>,
+    /// Where it was when the present [`NULL_SAMPLES`] at null began, and how many of them have passed; negative
     /// while it may coast.
     null_from: i32,
     null_samples: i32,
@@ -180,12 +187,17 @@ impl Watch {
 
     /// Whether an axis moves though its valve is at null. `open`: the spool is still on the way there.
     pub fn runs_away(&mut self, limits: &Limits, position: i32, open: bool) -> bool {
+        if open || self.null_samples < 0 {
+            self.stands_at = None;
+        }
         if open || self.null_samples <= 0 {
             self.null_from = position;
         }
+        let stands_at = *self.stands_at.get_or_insert(position);
         let next = self.null_samples.wrapping_add(1);
         self.null_samples = if next == NULL_SAMPLES as i32 { 0 } else { next };
         position.abs_diff(self.null_from) > limits.null_motion
+            || position.abs_diff(stands_at) > limits.null_drift
     }
 
     /// Whether the valve should have moved an axis that has stood.
@@ -250,5 +262,19 @@ mod tests {
         let rest = 100 * COASTING_SAMPLES;
         assert!(!watch.runs_away(&limits, rest + 10, false));
         assert!(watch.runs_away(&limits, rest + 11, false));
+    }
+
+    /// A count in as many samples as it takes to be slower than any window sees.
+    #[test]
+    fn an_axis_that_creeps_at_null_goes_no_further_than_allowed_from_where_it_came_to_stand() {
+        let limits = Limits { null_motion: 10, null_drift: 40, ..Config::default().limits };
+        for (mut watch, stands_from) in
+            [(Watch::default(), 0), (Watch::of_a_coasting_axis(), COASTING_SAMPLES - 1)]
+        {
+            let position = |k: i32| 1000 + k / 16;
+            let tripped = (0..3000).find(|&k| watch.runs_away(&limits, position(k), false));
+            let crept = tripped.map(|k| position(k) - position(stands_from));
+            assert_eq!(crept, Some(41));
+        }
     }
 }

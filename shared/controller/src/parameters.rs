@@ -70,6 +70,9 @@ pub mod id {
     pub const ENCODER_MODEL: u16 = 59;
     pub const ENCODER_ZERO_COUNTS: u16 = 60;
     pub const PRESSURE_SENSORS: u16 = 61;
+    pub const PRESSURE_DAMPING_GAIN: u16 = 62;
+    pub const INPUT_DEBOUNCE_MS: u16 = 63;
+    pub const INPUT_SETTLING_MS: u16 = 64;
     /// Entry 0; entry i has the id `GAIN_PROFILE + i`.
     pub const GAIN_PROFILE: u16 = 256;
 }
@@ -120,12 +123,13 @@ const WINDOW_MAX: i32 = crate::estimator::MAX_WINDOW_SAMPLES as i32;
 const COMMAND_MAX: i32 = crate::drive::MAX_COUNTS as i32;
 const RAW_MAX: i32 = i16::MAX as i32;
 const TIME_MAX: i32 = i32::MAX;
+const SECOND_MS: i32 = 1000;
 const HOUR_MS: i32 = 3_600_000;
 const CODE_MAX: i32 = crate::drive::MAX_CODE as i32;
 
 /// Scalars in the order of their ids (id - 1 is the place), then the gain profile.
 #[rustfmt::skip]
-pub static TABLE: [Parameter; 62] = [
+pub static TABLE: [Parameter; 65] = [
     scalar!(PERIOD_US, "period_us", "us", 100, 100_000, 1300, "C(41)", "Sample period."),
     scalar!(DELAY_US, "delay_us", "us", 1, 99_999, 500, "C(26)", "From the sample to its output; less than the period."),
     scalar!(OPEN_LOOP, "open_loop", "", 0, 1, 0, "L(3)", "0: the law closes the loop. 1: moves are valve commands."),
@@ -187,6 +191,9 @@ pub static TABLE: [Parameter; 62] = [
     scalar!(ENCODER_MODEL, "encoder_model", "", 0, 2, 0, "", "0: quadrature. 1: potentiometer. 2: SSI. The last two need no homing."),
     scalar!(ENCODER_ZERO_COUNTS, "encoder_zero_counts", "counts", -COUNT_MAX, COUNT_MAX, 0, "", "The position at count 0 of an absolute encoder."),
     scalar!(PRESSURE_SENSORS, "pressure_sensors", "", 0, 1, 1, "", "1: both pressures are measured. 0: none is; their inputs trip nothing and are recorded as 0."),
+    scalar!(PRESSURE_DAMPING_GAIN, "pressure_damping_gain", "", 0, GAIN_MAX, 0, "9.1.2", "Gain of the laws but the on-off one on the raw quasi-transient pressure difference; 0: off."),
+    scalar!(INPUT_DEBOUNCE_MS, "input_debounce_ms", "ms", 1, SECOND_MS, 10, "", "Digital inputs count once all of them have been the same for so long."),
+    scalar!(INPUT_SETTLING_MS, "input_settling_ms", "ms", 1, SECOND_MS, 20, "", "A start begins its record once start and number have stayed for so long behind it."),
     Parameter {
         id: id::GAIN_PROFILE, name: "gain_profile", len: PROFILE_LEN as u16, unit: "", min: 0, max: GAIN_MAX,
         default: 256, thesis: "Kp(0)..Kp(255)",

@@ -250,7 +250,8 @@ fn an_open_loop_that_runs_away_behind_its_moves_trips_once_it_had_time_to_come_t
             bench.mode() == Mode::Fault(Fault::MotionAtNull)
         })
     };
-    assert_eq!(after(3), None, "it creeps");
+    assert_eq!(after(0), None, "it stands");
+    assert_eq!(after(3), Some(4 + 768 + 460), "1 s, and the 460 samples in which it creeps 1380 counts");
     assert_eq!(after(10), Some(4 + 768 + 35), "1 s, and the 35 samples in which it goes 345 counts");
 }
 

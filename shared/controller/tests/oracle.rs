@@ -7,8 +7,8 @@ use bench::{Bench, WIDE, changed};
 use pneudrive_controller::parameters::id;
 use pneudrive_controller::{Parameters, Sample};
 
-/// n_DAC2 of Appendix IX (a) to (d), in real numbers.
-fn oracle(parameters: &Parameters, setpoint: f64, positions: &[f64]) -> f64 {
+/// n_DAC2 of Appendix IX (a) to (d), in real numbers, with a quasi-transient pressure difference n_q fed back.
+fn oracle(parameters: &Parameters, setpoint: f64, positions: &[f64], n_q: f64) -> f64 {
     let get = |id| f64::from(parameters.get(id).expect("known id"));
     let n = |back: f64| {
         let k = positions.len() as f64 - 1.0 - back;
@@ -24,7 +24,10 @@ fn oracle(parameters: &Parameters, setpoint: f64, positions: &[f64]) -> f64 {
         _ => get(id::PROPORTIONAL_GAIN),
     };
     let n_v_used = if n_v.abs() < get(id::VELOCITY_DEAD_BAND) { 0.0 } else { n_v };
-    let raw = gain * n_p - get(id::VELOCITY_GAIN) * n_v_used - get(id::ACCELERATION_GAIN) * n_a;
+    let raw = gain * n_p
+        - get(id::VELOCITY_GAIN) * n_v_used
+        - get(id::ACCELERATION_GAIN) * n_a
+        - get(id::PRESSURE_DAMPING_GAIN) * n_q;
     let saturated = raw.clamp(f64::from(i32::MIN), f64::from(i32::MAX));
     let across = if get(id::LAW) == 2.0 { get(id::DEAD_ZONE_COUNTS) * sign(n_p) } else { 0.0 };
     let demand = if n_p.abs() < get(id::DEAD_BAND_COUNTS) {
@@ -47,7 +50,7 @@ fn agree(changes: &[(u16, i32)], setpoint: i32, positions: &[i32]) {
     let mut history = Vec::new();
     for &position in positions {
         history.push(f64::from(position));
-        let expected = oracle(&parameters, f64::from(setpoint), &history);
+        let expected = oracle(&parameters, f64::from(setpoint), &history, 0.0);
         let counts = bench.take(Sample { position, ..Sample::default() });
         assert_eq!(f64::from(counts), expected, "{changes:?}, setpoint {setpoint}, positions {history:?}");
     }
@@ -101,6 +104,53 @@ fn relay(side: f64, s: f64, dead_zone: f64, hysteresis: f64) -> f64 {
     }
 }
 
+/// q less its mean, which forgets in 64 samples, in real numbers.
+#[derive(Default)]
+struct QuasiTransient {
+    /// 64 times the mean.
+    sum: Option<f64>,
+}
+
+impl QuasiTransient {
+    fn take(&mut self, [pressure_1, pressure_2]: [i16; 2]) -> f64 {
+        let q = f64::from(pressure_1) - f64::from(pressure_2);
+        let sum = self.sum.get_or_insert(64.0 * q);
+        *sum += q - (*sum / 64.0).floor();
+        q - (*sum / 64.0).floor()
+    }
+}
+
+/// Pressures that rise and fall again and again, raw.
+fn pressures(k: i32) -> [i16; 2] {
+    [2000 + (k * 7) % 300, 2000 - (k * 11) % 200].map(|raw| raw as i16)
+}
+
+/// Thesis 9.1.2, on a path through the dead band with every direction of velocity and pressure.
+#[test]
+fn every_law_with_a_gain_damps_by_the_quasi_transient_pressure() {
+    for (law, gain) in [(0, 0), (0, 900), (1, 900), (2, 65_535)] {
+        let changes = [
+            (id::LAW, law),
+            (id::PROPORTIONAL_GAIN, 300),
+            (id::VELOCITY_GAIN, 100),
+            (id::DEAD_BAND_COUNTS, 5),
+            (id::PRESSURE_DAMPING_GAIN, gain),
+        ];
+        let changes = [WIDE.as_slice(), &changes].concat();
+        let (parameters, mut transient) = (changed(&changes), QuasiTransient::default());
+        let (mut controller, mut history) = (Bench::running(&changes, &[(0, 0)]), Vec::new());
+        for k in 0..400 {
+            let position = ((f64::from(k) / 20.0).sin() * 30.0).trunc();
+            history.push(position);
+            let [pressure_1, pressure_2] = pressures(k);
+            let n_q = transient.take([pressure_1, pressure_2]);
+            let position = position as i32;
+            let counts = controller.take(Sample { position, pressure_1, pressure_2, ..Sample::default() });
+            assert_eq!(f64::from(counts), oracle(&parameters, 0.0, &history, n_q), "law {law}, k {k}");
+        }
+    }
+}
+
 /// Burrows' law on a path with every direction of error, velocity and pressure.
 #[test]
 fn the_on_off_law_is_a_relay_on_position_velocity_and_quasi_transient_pressure() {
@@ -116,19 +166,15 @@ fn the_on_off_law_is_a_relay_on_position_velocity_and_quasi_transient_pressure()
         ];
         let changes = [WIDE.as_slice(), &changes].concat();
         let (mut controller, mut history) = (Bench::running(&changes, &[(0, 0)]), vec![0.0; 5]); // at 0 before k = 0
-        let (mut side, mut mean) = (0.0, None);
+        let (mut side, mut transient) = (0.0, QuasiTransient::default());
         for k in 0..400 {
             let position = (f64::from(k) / 20.0).sin() * 30.0;
-            let (p1, p2) = (2000 + (k * 7) % 300, 2000 - (k * 11) % 200);
+            let [pressure_1, pressure_2] = pressures(k);
             history.push(position.trunc());
-            let q = f64::from(p1 - p2);
-            let acc: &mut f64 = mean.get_or_insert(64.0 * q);
-            *acc += q - (*acc / 64.0).floor();
-            let n_q = q - (*acc / 64.0).floor();
+            let n_q = transient.take([pressure_1, pressure_2]);
             let (n, before) = (history[history.len() - 1], history[history.len() - 6]);
             let s = ((-256.0 * n - 100.0 * (n - before) - 775.0 * n_q) / f64::from(scale)).trunc();
             side = relay(side, s, f64::from(dead_zone), f64::from(hysteresis));
-            let (pressure_1, pressure_2) = (p1 as i16, p2 as i16);
             let position = position.trunc() as i32;
             let counts = controller.take(Sample { position, pressure_1, pressure_2, ..Sample::default() });
             assert_eq!(f64::from(counts), side * 2048.0, "k {k}, s {s}");

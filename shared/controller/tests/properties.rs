@@ -31,8 +31,21 @@ fn any_config() -> impl Strategy<Value = Config> {
         ] {
             if parameters.get(min) >= parameters.get(max) {
                 parameters.set(min, 0).ok()?;
-                parameters.set(max, 1).ok()?;
+                parameters.set(max, 2).ok()?;
             }
+        }
+        let [low, high] = [id::POSITION_MIN_COUNTS, id::POSITION_MAX_COUNTS].map(|id| parameters.get(id));
+        let range = i64::from(high?) - i64::from(low?);
+        let full = (1 << parameters.get(id::SENSOR_BITS)?) - 1;
+        for (id, most) in [
+            (id::LATE_SAMPLE_US, 1299),
+            (id::LATE_OUTPUT_US, 799),
+            (id::SENSOR_SAMPLES, 769),
+            (id::SENSOR_HIGH_RAW, full),
+            (id::ENCODER_STEP_COUNTS, range - 1),
+        ] {
+            let value = i64::from(parameters.get(id)?).min(most);
+            parameters.set(id, value as i32).ok()?;
         }
         Config::new(&parameters).ok()
     })

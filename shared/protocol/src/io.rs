@@ -5,11 +5,13 @@
 
 /// Inputs.
 pub mod input {
-    /// The number of a move record; 0 homes the axis.
+    /// The number of a move record; [`HOMING`] homes the axis. 0 is none: so are lines that are all open.
     pub const NUMBER: u8 = 0x0f;
+    /// The number that homes the axis: no open line makes it of another one.
+    pub const HOMING: u8 = 15;
     /// From off to on: begins the record of the number.
     pub const START: u8 = 0x10;
-    /// From off to on: acknowledges a fault.
+    /// From off to on: acknowledges a fault or a stop.
     pub const ACKNOWLEDGE: u8 = 0x20;
     /// Off: stops the drive. So an open wire stops, as a contact that opens does.
     pub const RUN: u8 = 0x40;
@@ -23,7 +25,7 @@ pub mod output {
     pub const READY: u8 = 0x01;
     /// What was begun last is done: the axis has arrived, has stayed for its dwell, and is there now.
     pub const IN_POSITION: u8 = 0x02;
-    /// The drive has tripped, and nobody has acknowledged it.
+    /// The drive has tripped or was stopped, and nobody has acknowledged it.
     pub const FAULT: u8 = 0x04;
     /// The lamp of the board.
     pub const LAMP: u8 = 0x08;
@@ -36,6 +38,8 @@ pub mod refused {
     pub const NO_RECORD: u8 = 160;
     /// Records are positions: the controller must be in closed loop.
     pub const OPEN_LOOP: u8 = 161;
-    /// The fault was not acknowledged.
+    /// The fault or the stop was not acknowledged.
     pub const FAULT: u8 = 162;
+    /// Start or number changed before they had stayed for their settling time.
+    pub const UNSETTLED: u8 = 163;
 }

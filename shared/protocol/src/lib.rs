@@ -108,7 +108,7 @@ pub const MAX_EVENTS: usize = 16;
 pub const MAX_TOLD_MOVES: usize = 12;
 
 /// The numbers of move records: 1 to this one.
-pub const MOVE_RECORDS: u8 = 15;
+pub const MOVE_RECORDS: u8 = 14;
 
 /// The most rows of a stream that one message carries.
 pub const MAX_ROWS: usize = 24;

@@ -87,7 +87,7 @@ keys! {
     HOMING_BACK_OFF_COUNTS: i64 = integer("controller.homing_back_off_counts", 400, 1, COUNT, "", "A homing run goes so far back from where it has found its stop or switch, and must find it again at the same place.");
     HOMING_STILL_S: f64 = number("controller.homing_still_s", 0.5, 0.001, 3600.0, "", "Standing still for so long is being at the stop.");
     HOMING_TIMEOUT_S: f64 = number("controller.homing_timeout_s", 10.0, 0.001, 3600.0, "", "A longer homing run trips.");
-    PRESSURE_FEEDBACK_GAIN: f64 = number("controller.pressure_feedback_gain", 12.4, 0.0, 1e6, "C(68)", "Burrows' k5: counts of error that a kPa of quasi-transient pressure difference subtracts in the on-off law; the thesis does not give its unit.");
+    PRESSURE_FEEDBACK_GAIN: f64 = number("controller.pressure_feedback_gain", 12.4, 0.0, 1e6, "C(68)", "Counts of error that a kPa of quasi-transient pressure difference subtracts: it damps (9.1.2). 12.4 is Burrows' k5 and the default of the on-off law (the thesis does not give its unit); 0 is that of the other laws.");
 }
 
 /// What the clock of the controller must hold.

@@ -45,9 +45,9 @@ fn check_without_pressures(rig: &Rig, findings: &mut Findings) {
         return;
     }
     let gain = &controller::keys::PRESSURE_FEEDBACK_GAIN;
-    if rig.get(&controller::keys::LAW) == controller::Law::OnOff && rig.get(gain) != 0.0 {
+    if rig.get(gain) != 0.0 {
         let message = format!(
-            "must be 0 with sensors.pressure = false, is {}: the on-off law has no pressures to feed back; write 0, or take another controller.law, or give the rig its sensors",
+            "must be 0 with sensors.pressure = false, is {}: there are no pressures to feed back; write 0, or give the rig its sensors",
             rig.get(gain)
         );
         findings.note(gain, message);

@@ -2,6 +2,7 @@
 //! for such a check). What concerns one component alone stands with it.
 
 use pneudrive_controller::Config;
+use pneudrive_controller::config::ConfigError;
 use pneudrive_controller::parameters::lookup;
 
 use crate::component::actuator::Actuator;
@@ -11,7 +12,7 @@ use crate::component::tubing::speed_outweighs_supply_tube;
 use crate::component::{actuator, controller, encoder, faults, friction, operator, sensors, valve};
 use crate::key::Typed;
 use crate::values::{Findings, Rig};
-use crate::{keys, positive_gain, schedule, start};
+use crate::{gain_bug, keys, schedule, start};
 
 /// The largest part of a dead volume that may be lost to the stop's giving way, at rest.
 const MAX_TAKEN_UP: f64 = 0.5;
@@ -32,7 +33,7 @@ pub(super) fn check(rig: &Rig, findings: &mut Findings) {
         schedule::check,
         start::check,
         faults::check,
-        positive_gain::check,
+        gain_bug::check,
     ] {
         check(rig, findings);
     }
@@ -48,11 +49,22 @@ pub(super) fn check(rig: &Rig, findings: &mut Findings) {
 fn check_parameters(rig: &Rig, findings: &mut Findings) {
     match rig.try_parameters().map(|parameters| Config::new(&parameters)) {
         Ok(Ok(_)) => {}
-        Ok(Err(error)) => findings.0.push(("controller", error.advice().to_owned())),
+        Ok(Err(error)) => findings.0.push((key_of(error), error.advice().to_owned())),
         Err((id, value)) => {
             let name = lookup(id).map_or("?", |parameter| parameter.name);
             findings.0.push(("controller", format!("its parameter {name} cannot be {value}")));
         }
+    }
+}
+
+/// The key to change where parameters do not go together.
+fn key_of(error: ConfigError) -> &'static str {
+    match error {
+        ConfigError::LateSampleNotBelowPeriod => keys::safety::LATE_SAMPLE_US.path,
+        ConfigError::LateOutputBehindPeriod => keys::safety::LATE_OUTPUT_US.path,
+        ConfigError::EncoderStepSpansLimits => keys::safety::MAX_SPEED_M_S.path,
+        ConfigError::EndPositionsCrossed => keys::safety::END_MIN_MM.path,
+        _ => "controller",
     }
 }
 
@@ -76,6 +88,8 @@ fn check_continuous(rig: &Rig, findings: &mut Findings) {
         || is_above_0(&keys::controller::VELOCITY_DEAD_BAND)
     {
         "it has no dead bands; they are for the sampled one"
+    } else if rig.get(&keys::controller::PRESSURE_FEEDBACK_GAIN) != 0.0 {
+        "it feeds no pressures back; leave controller.pressure_feedback_gain out"
     } else {
         return;
     };

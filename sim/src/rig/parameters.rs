@@ -67,9 +67,10 @@ impl Rig {
         if self.get(&key::LEARN_NULL_OFFSET) {
             values.push((id::LEARNING_GAIN, self.whole(&key::LEARNING_GAIN)));
         }
-        if self.get(&key::LAW) == Law::OnOff {
-            values.push((id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()));
-        }
+        values.push(match self.get(&key::LAW) {
+            Law::OnOff => (id::PRESSURE_FEEDBACK_GAIN, self.pressure_feedback_gain()),
+            _ => (id::PRESSURE_DAMPING_GAIN, self.pressure_feedback_gain()),
+        });
         values
     }
 
@@ -89,6 +90,8 @@ impl Rig {
             (id::HOST_SILENCE_MS, self.scaled(&key::HOST_SILENCE_S, 1e3)),
             (id::HOLD_MS, self.scaled(&key::HOLD_S, 1e3)),
             (id::NO_MOTION_MS, self.scaled(&key::NO_MOTION_S, 1e3)),
+            (id::INPUT_DEBOUNCE_MS, self.scaled(&key::INPUT_DEBOUNCE_S, 1e3)),
+            (id::INPUT_SETTLING_MS, self.scaled(&key::INPUT_SETTLING_S, 1e3)),
             (id::SENSOR_LOW_RAW, low),
             (id::SENSOR_HIGH_RAW, high),
         ];

@@ -10,7 +10,6 @@ use pneudrive_protocol::session::OLD_HOSTS;
 use super::Control;
 use crate::board::Board;
 use crate::configuration::Prepared;
-use crate::ownership::Ownership;
 use crate::recorder::Recorder;
 use crate::timing::Clock;
 
@@ -57,7 +56,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if !self.state.supervisor.is_referenced() {
             self.locate();
         }
-        self.ownership = Ownership::of(session, host, board.host_clock_ms());
+        self.ownership = self.ownership.passed_to(session, host, board.host_clock_ms());
         self.logged = false;
         // Storing has stalled the processor: what was late while disarmed is no fault.
         self.clock = Clock::default();
@@ -116,8 +115,10 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         Ok(())
     }
 
-    /// Stops at once: a fault that only arming leaves.
+    /// Stops at once: a fault that only arming leaves. Digital inputs begin nothing before they have acknowledged it, also if
+    /// the drive was disabled or has tripped before.
     pub fn stop(&mut self) {
+        self.selector.withdraw();
         self.trip(Fault::Stop);
     }
 

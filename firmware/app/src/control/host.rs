@@ -7,7 +7,7 @@ use pneudrive_protocol::{Owner, Presence};
 
 use super::Control;
 use crate::board::Board;
-use crate::ownership::{Need, Ownership};
+use crate::ownership::Need;
 use crate::recorder::Recorder;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -37,10 +37,10 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// A request of this session has come just now.
-    pub fn host_heard(&mut self, session: u32, board: &impl Board) {
+    /// The request of this number of a session has come just now.
+    pub fn host_heard(&mut self, session: u32, sequence: u16, board: &impl Board) {
         let silence_ms = self.config().timing.host_silence_ms;
-        self.ownership.heard(session, board.host_clock_ms(), silence_ms);
+        self.ownership.heard(session, sequence, board.host_clock_ms(), silence_ms);
     }
 
     /// Whether the owner of an enabled drive was silent for too long since it has armed it or taken it over.
@@ -92,7 +92,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if !self.state.supervisor.drives() {
             return Err(Refusal::NotArmed);
         }
-        self.ownership = Ownership::of(session, host, board.host_clock_ms());
+        self.ownership = self.ownership.passed_to(session, host, board.host_clock_ms());
         Ok(())
     }
 }

@@ -14,7 +14,7 @@ use crate::configuration::Prepared;
 use crate::lamp;
 use crate::move_records::MoveRecord;
 use crate::recorder::Recorder;
-use crate::selector::Phase;
+use crate::selector::{Phase, Taken};
 
 /// What the inputs call themselves as an owner.
 const NAME: &str = "digital inputs";
@@ -22,7 +22,7 @@ const NAME: &str = "digital inputs";
 impl<R: BorrowMut<Recorder>> Control<R> {
     /// Looks at the inputs and drives the outputs. Whether a record is to be begun.
     pub(crate) fn heed_inputs(&mut self, board: &mut impl Board) -> bool {
-        let gone_on = self.selector.take(board.inputs());
+        let taken = self.selector.take(board.inputs(), &self.configuration.config().timing);
         if self.selector.stops() && self.state.supervisor.drives() {
             self.trip(Fault::Stop);
         }
@@ -32,19 +32,33 @@ impl<R: BorrowMut<Recorder>> Control<R> {
                 false => self.disarm(),
             }
         }
-        let tripped = matches!(self.state.supervisor.mode(), Mode::Fault(_));
-        self.selector.acknowledged = tripped
-            && !self.configuration.is_lost()
-            && (self.selector.acknowledged || gone_on & input::ACKNOWLEDGE != 0);
+        let may_acknowledge = !self.configuration.is_lost();
+        self.selector
+            .acknowledge(self.is_tripped() && may_acknowledge, taken.acknowledges && may_acknowledge);
         self.follow_phase();
-        let begins = gone_on & input::START != 0 && !self.state.supervisor.moves();
-        if begins {
-            (self.selector.number, self.selector.refused) = (self.selector.selected(), 0);
-        }
+        let begins = self.heed_start(&taken);
         let period_us = self.configuration.config().timing.period_us.get();
         self.selector.time_us = self.selector.time_us.wrapping_add(period_us);
         self.tell(board);
         begins || self.selector.phase == Phase::Waiting
+    }
+
+    /// Whether a start has settled that is to begin something.
+    fn heed_start(&mut self, taken: &Taken) -> bool {
+        if self.state.supervisor.moves() {
+            return false;
+        }
+        if taken.unsettled {
+            self.selector.refused = refused::UNSETTLED;
+        }
+        if let Some(number) = taken.starts {
+            (self.selector.number, self.selector.refused) = (number, 0);
+        }
+        taken.starts.is_some()
+    }
+
+    fn is_tripped(&self) -> bool {
+        matches!(self.state.supervisor.mode(), Mode::Fault(_))
     }
 
     fn inputs_own(&self) -> bool {
@@ -80,7 +94,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     #[inline(never)] // One copy of it.
     fn tell(&mut self, board: &mut impl Board) {
         let (mode, config) = (self.state.supervisor.mode(), self.configuration.config());
-        let faulty = matches!(mode, Mode::Fault(_)) && !self.selector.acknowledged;
+        let faulty = self.selector.awaits_acknowledgement(self.is_tripped());
         let taken = self.state.supervisor.drives() && !self.ownership.is_of_inputs();
         let ready = self.selector.permits()
             && !(faulty || taken || self.state.supervisor.moves() || self.configuration.is_lost())
@@ -137,13 +151,13 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if supervisor.drives() && !self.ownership.is_of_inputs() {
             return Err(code::OWNED);
         }
-        if matches!(supervisor.mode(), Mode::Fault(_)) && !self.selector.acknowledged {
+        if self.selector.awaits_acknowledgement(self.is_tripped()) {
             return Err(refused::FAULT);
         }
         if config.law.control_loop == Loop::Open {
             return Err(refused::OPEN_LOOP);
         }
-        if number == 0 {
+        if number == input::HOMING {
             return Ok(None);
         }
         let record = self.configuration.records().get(number).ok_or(refused::NO_RECORD)?;

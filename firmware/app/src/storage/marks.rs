@@ -1,36 +1,57 @@
-//! Numbers in what the records of a pair of slots leave free, each a mark of its own: to note one takes no erase.
+//! Entries in what the records of a pair of slots leave free, each a mark of its own: to note one takes no erase.
 //!
 //! | bytes of a mark | hold |
 //! |---|---|
-//! | 4 | magic |
-//! | 4 | the number |
+//! | its kind's | magic |
+//! | its kind's | the entry |
 //! | 4 | CRC-32 (ISO-HDLC) of both |
-//! | 20 | nothing: erased |
+//! | the rest of 32 | nothing: erased |
 //!
-//! Numbers are little endian. Each mark goes to the first erased place. One that a power cut has torn takes its place for
-//! good and is passed over; one that still reads as erased is tried again.
+//! Each mark goes to the first erased place. One that a power cut has torn takes its place for good and is passed over; one
+//! that still reads as erased is tried again.
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 use pneudrive_protocol::frame;
 
 use super::stream::{CHUNK_BYTES, ERASED, Span};
 
-const MAGIC: [u8; 4] = *b"PDbt";
+/// What a place holds.
+pub type Mark = [u8; CHUNK_BYTES];
 
-type Mark = [u8; CHUNK_BYTES];
-
-/// The largest number that is marked; None: no mark is whole.
-pub fn newest<F: ReadNorFlash>(flash: &mut F, part: Span) -> Option<u32> {
-    places(part).filter_map(|at| number_in(&read(flash, at)?)).max()
+/// The marks of a part, in the order of their places. What cannot be read is left out.
+pub fn all<F: ReadNorFlash>(flash: &mut F, part: Span) -> impl Iterator<Item = Mark> {
+    places(part).filter_map(|at| read(flash, at))
 }
 
-/// Marks a number, and tells whether the flash holds it now. A place that reads as erased may refuse: a power cut has hit
+/// Writes a mark, and tells whether the flash holds it now. A place that reads as erased may refuse: a power cut has hit
 /// it before. The next one is tried then.
-pub fn add<F: NorFlash>(flash: &mut F, part: Span, number: u32) -> bool {
-    let mark = mark_of(number);
+#[cold]
+#[inline(never)]
+pub fn add<F: NorFlash>(flash: &mut F, part: Span, mark: &Mark) -> bool {
     places(part).any(|at| {
-        is_blank(&read(flash, at)) && flash.write(at, &mark).is_ok() && read(flash, at) == Some(mark)
+        read(flash, at) == Some([ERASED; CHUNK_BYTES])
+            && flash.write(at, mark).is_ok()
+            && read(flash, at) == Some(*mark)
     })
+}
+
+/// The mark of an entry behind the magic of its kind.
+#[cold]
+#[inline(never)]
+pub fn of(magic: &[u8], entry: &[u8]) -> Mark {
+    let mut mark = [ERASED; CHUNK_BYTES];
+    let sealed = magic.iter().chain(entry);
+    mark.iter_mut().zip(sealed).for_each(|(to, from)| *to = *from);
+    let length = magic.len() + entry.len();
+    let crc = frame::crc32(mark.get(..length).unwrap_or(&mark)).to_le_bytes();
+    mark.iter_mut().skip(length).zip(crc).for_each(|(to, from)| *to = from);
+    mark
+}
+
+/// The entry of N bytes in a mark; None if it is torn or of another kind.
+pub fn entry<const N: usize>(magic: &[u8], mark: &Mark) -> Option<[u8; N]> {
+    let entry = *mark.get(magic.len()..)?.first_chunk()?;
+    (*mark == of(magic, &entry)).then_some(entry)
 }
 
 fn places(part: Span) -> impl Iterator<Item = u32> {
@@ -42,25 +63,4 @@ fn places(part: Span) -> impl Iterator<Item = u32> {
 fn read<F: ReadNorFlash>(flash: &mut F, at: u32) -> Option<Mark> {
     let mut mark = [0; CHUNK_BYTES];
     flash.read(at, &mut mark).ok().map(|()| mark)
-}
-
-fn is_blank(mark: &Option<Mark>) -> bool {
-    *mark == Some([ERASED; CHUNK_BYTES])
-}
-
-fn mark_of(number: u32) -> Mark {
-    let [m0, m1, m2, m3] = MAGIC;
-    let [n0, n1, n2, n3] = number.to_le_bytes();
-    let sealed = [m0, m1, m2, m3, n0, n1, n2, n3];
-    let bytes = sealed.into_iter().chain(frame::crc32(&sealed).to_le_bytes());
-    let mut mark = [ERASED; CHUNK_BYTES];
-    mark.iter_mut().zip(bytes).for_each(|(to, from)| *to = from);
-    mark
-}
-
-/// The number in a mark; None if it is torn or something else.
-fn number_in(mark: &Mark) -> Option<u32> {
-    let (_, behind) = mark.split_first_chunk::<4>()?;
-    let number = u32::from_le_bytes(*behind.first_chunk()?);
-    (*mark == mark_of(number)).then_some(number)
 }

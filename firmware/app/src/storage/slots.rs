@@ -251,6 +251,8 @@ impl Slots {
 
     /// What records of up to so many bytes of entries leave free in each slot: first in the one that the next save leaves
     /// alone, then in the one that it erases.
+    #[cold]
+    #[inline(never)]
     pub fn free_parts<F: ReadNorFlash>(&self, flash: &mut F, entry_bytes: usize) -> [Span; 2] {
         let found = self.find(flash);
         let written = self.span_to_write(flash, &found);
@@ -276,6 +278,8 @@ impl Slots {
 
     /// The slot without the newest whole record. If there is none: one that holds no damage, as long as
     /// there is one, for damage must not turn into `NeverSaved`; and a blank one rather than another.
+    #[cold]
+    #[inline(never)]
     fn span_to_write<F: ReadNorFlash>(&self, flash: &mut F, found: &Found) -> Span {
         let [first, second] = self.spans;
         let second_is_better = match found {
@@ -299,6 +303,8 @@ impl Slots {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn whole_record<F: ReadNorFlash>(&self, flash: &mut F, span: Span) -> Option<Header> {
         let mut reader = Reader::new(flash, record_part(span));
         let header = Header::from_bytes(self.magic, reader.take()?)?;

@@ -92,6 +92,8 @@ impl<'a, F: ReadNorFlash> Reader<'a, F> {
         byte
     }
 
+    #[cold]
+    #[inline(never)]
     fn refill(&mut self) -> Option<()> {
         let next = self.span.start.checked_add(CHUNK_BYTES as u32).filter(|&next| next <= self.span.end)?;
         self.flash.read(self.span.start, &mut self.chunk).ok()?;
@@ -140,6 +142,8 @@ impl<'a, F: NorFlash> Writer<'a, F> {
     }
 
     /// Writes the chunk up to the word that is filled last; its remaining bytes stay erased.
+    #[cold]
+    #[inline(never)]
     fn flush(&mut self) -> Result<(), F::Error> {
         let bytes = self.filled.next_multiple_of(F::WRITE_SIZE);
         let words = self.chunk.get(..bytes).unwrap_or(&self.chunk);

@@ -107,7 +107,7 @@ impl Bench {
     }
 
     pub fn frame(&mut self, body: RequestBody<'_>) -> Vec<u8> {
-        self.sequence += 1;
+        self.sequence = self.sequence.wrapping_add(1);
         let request = Request { sequence: self.sequence, body };
         let mut frame = [0; MAX_FRAME];
         let asked = InSession { request, session: self.session };

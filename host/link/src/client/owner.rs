@@ -4,6 +4,8 @@
 use std::hash::{BuildHasher, RandomState};
 
 use anyhow::{Context, Result};
+use pneudrive_controller::Fault;
+use pneudrive_controller::config::unwatched;
 use pneudrive_protocol::{ANY_BOOT, Owner, Presence, Refused, ReplyBody, Request, RequestBody, session};
 use pneudrive_records::untrusted::{NAME, sanitised};
 use pneudrive_records::words;
@@ -41,6 +43,15 @@ pub(super) fn any_session() -> u32 {
 /// What this program calls itself.
 fn host_name() -> String {
     format!("pneudrive, process {}", std::process::id())
+}
+
+/// Says what a drive would not notice, and what to do.
+fn checks_are_off(name: &str, off: &[Fault]) -> String {
+    let names: Vec<&str> = off.iter().map(|check| words::fault_name(*check)).collect();
+    let names = names.join(",");
+    format!(
+        "{name}: its parameters switch checks off, so the drive would never trip with: {names}. Set them again (`pneudrive device config`, the keys safety.*), or arm it with `--without {names}` if that is meant"
+    )
 }
 
 impl Client {
@@ -87,11 +98,29 @@ impl Client {
         self.commands
     }
 
+    /// From now on [`Client::arm`] enables a drive whose parameters switch these checks off.
+    pub fn accept_without(&mut self, checks: &[Fault]) {
+        self.without.extend(checks);
+    }
+
+    /// The checks that the drive's parameters switch off ([`unwatched`]).
+    ///
+    /// # Errors
+    /// When the rig does not answer.
+    pub fn checks_off(&mut self) -> Result<Vec<Fault>> {
+        Ok(unwatched(&self.parameters_in_force()?.values).collect())
+    }
+
     /// Enables the drive. This client commands it until it is disarmed or trips, or the client is dropped.
     ///
     /// # Errors
-    /// When it is refused, for instance because another host commands the drive, or not answered.
+    /// When a check is switched off that it was not told to do without, when the drive refuses, for instance because
+    /// another host commands it, or does not answer.
     pub fn arm(&mut self) -> Result<()> {
+        let off = self.checks_off()?;
+        if off.iter().any(|check| !self.without.contains(check)) {
+            return Err(Failure::Refused.error(checks_are_off(&self.name, &off)));
+        }
         if self.version < 5 {
             return self.ask_done(RequestBody::Arm);
         }

@@ -36,6 +36,16 @@ impl Client {
         bail!("{}: its parameters change while they are read; is another program using the rig?", self.name)
     }
 
+    /// The same, from what was read before if that is still in force.
+    pub(super) fn parameters_in_force(&mut self) -> Result<RigParameters> {
+        if let Some((hash, known)) = self.known.clone()
+            && hash == self.config_state()?.hash
+        {
+            return Ok(known);
+        }
+        self.parameters()
+    }
+
     fn read_blocks(&mut self) -> Result<RigParameters> {
         let mut read = RigParameters::default();
         for (first_id, count) in blocks() {

@@ -90,7 +90,12 @@ fn reason(code: u8) -> String {
             "there is no record of this number; `pneudrive device records set` makes one".to_owned()
         }
         refused::OPEN_LOOP => "records are positions: set controller.loop to closed".to_owned(),
-        refused::FAULT => "the fault was not acknowledged: switch the input acknowledge on".to_owned(),
+        refused::FAULT => {
+            "a fault or a stop was not acknowledged: switch the input acknowledge on".to_owned()
+        }
+        refused::UNSETTLED => {
+            "start or number changed before they had settled: keep both for at least safety.input_debounce_s and safety.input_settling_s".to_owned()
+        }
         code => words::refusal(&Refused::NotNow(code)),
     }
 }

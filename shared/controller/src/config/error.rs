@@ -5,6 +5,16 @@
 pub enum ConfigError {
     /// `delay_us` must be less than `period_us`.
     DelayNotBelowPeriod,
+    /// `late_sample_us` must be less than `period_us`.
+    LateSampleNotBelowPeriod,
+    /// `delay_us` and `late_output_us` together must be less than `period_us`.
+    LateOutputBehindPeriod,
+    /// `sensor_samples` periods must be at most a second.
+    SensorWatchTooSlow,
+    /// `sensor_high_raw` must be within the converter of `sensor_bits`, or 32767.
+    SensorHighBeyondConverter,
+    /// `encoder_step_counts` must be less than the position limits are apart.
+    EncoderStepSpansLimits,
     /// `position_min_counts` must be below `position_max_counts`.
     PositionLimitsCrossed,
     /// `pressure_min_pa` must be below `pressure_max_pa`.
@@ -17,7 +27,7 @@ pub enum ConfigError {
     HomingStandsStill,
     /// `direction_setup_us` and `pulse_width_us` together must be less than `period_us`.
     PulseTooLong,
-    /// Without pressure sensors `pressure_feedback_gain` of the on-off law must be 0.
+    /// Without pressure sensors the gain of the law on pressures must be 0.
     NothingToFeedBack,
     /// A divisor (`period_us`, `delay_us`, `profile_span_counts`, `scale`) is not positive.
     DivisorNotPositive,
@@ -29,6 +39,17 @@ impl ConfigError {
     pub fn advice(self) -> &'static str {
         match self {
             ConfigError::DelayNotBelowPeriod => "delay_us must be less than period_us",
+            ConfigError::LateSampleNotBelowPeriod => "late_sample_us must be less than period_us",
+            ConfigError::LateOutputBehindPeriod => {
+                "delay_us and late_output_us together must be less than period_us"
+            }
+            ConfigError::SensorWatchTooSlow => "sensor_samples must be a second of periods at most",
+            ConfigError::SensorHighBeyondConverter => {
+                "sensor_high_raw must be within the converter's sensor_bits, or 32767 (off)"
+            }
+            ConfigError::EncoderStepSpansLimits => {
+                "encoder_step_counts must be less than the position limits are apart"
+            }
             ConfigError::PositionLimitsCrossed => "position_min_counts must be below position_max_counts",
             ConfigError::PressureRangeEmpty => "pressure_min_pa must be below pressure_max_pa",
             ConfigError::SpoolRangeEmpty => "spool_min_nm must be below spool_max_nm",
@@ -37,7 +58,9 @@ impl ConfigError {
             ConfigError::PulseTooLong => {
                 "direction_setup_us and pulse_width_us together must be less than period_us"
             }
-            ConfigError::NothingToFeedBack => "pressure_feedback_gain must be 0 where pressure_sensors is 0",
+            ConfigError::NothingToFeedBack => {
+                "pressure_feedback_gain (on-off law) or pressure_damping_gain (other laws) must be 0 where pressure_sensors is 0"
+            }
             ConfigError::DivisorNotPositive => {
                 "period_us, delay_us, profile_span_counts and scale must be positive"
             }

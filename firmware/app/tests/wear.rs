@@ -1,0 +1,91 @@
+//! How often the flash is erased: a machine that runs for years must not wear it out.
+
+mod flash_drive;
+mod nor_flash;
+
+use flash_drive::Drive;
+use nor_flash::{Flash, SECTOR};
+use pneudrive_app::control::Test;
+use pneudrive_app::fault_log::{FaultLog, FaultStore, MEMORY_BYTES, Restored};
+use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Fault, Mode, Move};
+
+/// Bytes of a slot of the fault log on both boards; the second one of the Nucleo is longer.
+const SLOT: u32 = 16 * 1024;
+const SECTORS: usize = SLOT as usize / SECTOR;
+
+/// Erases of the slot that is erased most in a day of so many faults, each flushed before the next.
+fn erases_of_a_day(faults: u32) -> u32 {
+    let mut flash = Flash::<4>::new(2 * SECTORS);
+    let store = FaultStore::new(&flash, [0..SLOT, SLOT..2 * SLOT]).expect("it fits");
+    let (mut log, _) = FaultLog::recover([0; MEMORY_BYTES]);
+    log.restore(&store, &mut flash);
+    log.count_boot(&store, &mut flash).expect("counted");
+    for number in 0..faults {
+        log.record(Fault::Stop.code(), number, 0, u64::from(number) * 60_000_000);
+        log.flush(&store, &mut flash).expect("flushed");
+    }
+    let (mut again, _) = FaultLog::recover([0; MEMORY_BYTES]);
+    assert_eq!(again.restore(&store, &mut flash), Restored::Events(100));
+    assert!(again.newest_first().eq(log.newest_first()), "after a power cut nothing is lost");
+    flash.erases.into_iter().max().unwrap_or(0)
+}
+
+/// A sector of the Nucleo bears 10,000 erases.
+#[test]
+fn a_plc_that_stops_the_drive_once_a_minute_wears_a_sector_out_in_10_years_at_the_earliest() {
+    let erases = erases_of_a_day(24 * 60);
+    assert!(erases <= 2, "{erases}");
+}
+
+#[test]
+fn twenty_thousand_stops_a_day_cost_two_dozen_erases() {
+    let erases = erases_of_a_day(20_000);
+    assert!((20..=24).contains(&erases), "{erases}");
+}
+
+/// A run that ends so many counts short teaches the drive as many.
+fn run(drive: &mut Drive, short: i32) {
+    drive.control.set_test(Test::new("learn", 9, 1, 0)).expect("disarmed");
+    drive.control.push_move(Move::step(0, drive.board.position + short)).expect("room");
+    drive.control.arm(&mut drive.board).expect("disarmed");
+    drive.control.start(&mut drive.board).expect("armed");
+    drive.samples(11);
+    assert_eq!(drive.mode(), Mode::Done);
+    drive.control.disarm();
+    drive.control.tidy_up(&mut drive.board).expect("stored");
+}
+
+fn learning_drive() -> Drive {
+    let mut drive = Drive::on(RamFlash::default());
+    drive.control.set_referenced().expect("disarmed");
+    drive.set(id::LEARNING_GAIN, 256);
+    drive.control.save_parameters(&mut drive.board).expect("disarmed");
+    drive
+}
+
+#[test]
+fn a_null_that_wanders_by_less_than_a_512th_of_the_range_is_not_stored() {
+    let mut drive = learning_drive();
+    let before = drive.board.store.flash().erases();
+    for round in 0..100 {
+        run(&mut drive, if round % 2 == 0 { 3 } else { -3 });
+    }
+    assert_eq!(drive.board.store.flash().erases(), before);
+    assert!(drive.control.configuration().is_saved(), "but for what was learned");
+    assert_eq!(drive.power_cycle().get(id::NULL_OFFSET_COUNTS), 0);
+}
+
+#[test]
+fn a_null_that_drifts_is_stored_each_time_that_it_has_moved_on() {
+    let mut drive = learning_drive();
+    for _ in 0..40 {
+        run(&mut drive, 1);
+    }
+    let in_force = drive.get(id::NULL_OFFSET_COUNTS);
+    let stored = drive.power_cycle().get(id::NULL_OFFSET_COUNTS);
+    assert!(in_force >= 35 && (0..4).contains(&(in_force - stored)), "{in_force}, stored {stored}");
+    let [one, other, ..] = drive.board.store.flash().erases();
+    assert!((8..=11).contains(&(one + other)), "{one} and {other} erases");
+}
