@@ -314,6 +314,10 @@ impl System<STATES, GUARDS, END_GUARDS> for Assembly {
         self.find_step_limit(t, x)
     }
 
+    fn beyond_model(&self, x: &StateVector) -> Option<&'static str> {
+        self.parts.actuator.used_up(x[slot::POSITION])
+    }
+
     fn handle_event(&mut self, event: Event, t: f64, x: &mut StateVector) -> Derivative {
         let mut closed_form = self.parts.operator.has_closed_form();
         self.next_spool_event = None;

@@ -1,7 +1,9 @@
 //! The state in which a test begins.
 
 use crate::component::actuator::{self, Actuator};
-use crate::component::load::Load;
+use crate::component::load::{self, Load};
+use crate::component::{friction, supply};
+use crate::key::Key;
 use crate::schedule::keys as test;
 use crate::values::{Findings, Rig};
 
@@ -38,11 +40,86 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     if rig.get(&test::TARGETS).is_some() && rig.is_set(&test::MOVES) {
         findings.note(&test::TARGETS, "give either targets or moves, not both");
     }
+    if rig.get(&test::PRESSURE_1_PA).is_some() {
+        return;
+    }
+    if let Some((key, message)) = beyond_the_supply(rig) {
+        findings.note(key, message);
+        return;
+    }
     let balanced = equilibrium_pressure_1(rig);
-    if rig.get(&test::PRESSURE_1_PA).is_none() && !(1e4..=5e6).contains(&balanced) {
+    if !(1e4..=5e6).contains(&balanced) {
         let message = format!(
             "no pressure in chamber 1 balances it at the start (it would be {balanced:.0} Pa); give test.pressure_1_pa"
         );
         findings.note(&test::PRESSURE_2_PA, message);
+    }
+}
+
+/// The key of what pulls most, and what to do, if no pressures between those of exhaust and supply can hold the load.
+fn beyond_the_supply(rig: &Rig) -> Option<(&'static Key, String)> {
+    let (load, position) = (Load::of(rig), rig.get(&test::POSITION_M));
+    let standing = load.standing_force(position);
+    let sticks =
+        if standing < 0.0 { &friction::keys::STATIC_RETRACT_N } else { &friction::keys::STATIC_EXTEND_N };
+    let supply = rig.get(&supply::keys::PRESSURE_PA);
+    let air = Actuator::of(rig).largest_force(supply, -standing.signum()).max(0.0);
+    if standing.abs() <= air + rig.get(sticks) {
+        return None;
+    }
+    let message = format!(
+        "the supply cannot hold the load at the start: it pulls with {:.0} N, and the cylinder holds {air:.0} N at most; take less load, more supply or a larger bore, or give test.pressure_1_pa where it rests on a stop",
+        standing.abs()
+    );
+    Some((pulls_most(&load, position), message))
+}
+
+/// The key of the force that does most of what pulls at a load that stands.
+fn pulls_most(load: &Load, position: f64) -> &'static Key {
+    let parts: [(&'static Key, f64); 3] = [
+        (&load::keys::MASS_KG, -load.weight()),
+        (&load::keys::CONSTANT_FORCE_N, load.constant_force),
+        (&load::keys::SPRING_N_PER_M, -load.spring * position),
+    ];
+    let way = load.standing_force(position).signum();
+    let [first, others @ ..] = parts;
+    others.into_iter().fold(first, |most, part| if way * part.1 > way * most.1 { part } else { most }).0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(settings: &[&str]) -> String {
+        let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
+        let problems = Rig::read_with("servo-b", "", &settings).expect_err("it cannot be held");
+        problems.to_string()
+    }
+
+    /// Its supply holds 958 N that push it in and 718 N that pull it out, its friction 40 and 70 N more.
+    #[test]
+    fn a_load_that_the_supply_cannot_hold_is_named_by_what_pulls_most() {
+        for (settings, key) in [
+            (&["load.incline_deg=90", "load.mass_kg=400"][..], "load.mass_kg"),
+            (&["load.incline_deg=-30", "load.mass_kg=250"], "load.mass_kg"),
+            (&["load.constant_force_n=1200", "load.incline_deg=90"], "load.constant_force_n"),
+            (&["load.constant_force_n=-1200", "load.incline_deg=-90"], "load.constant_force_n"),
+            (&["load.spring_n_per_m=30e3", "load.incline_deg=10"], "load.spring_n_per_m"),
+        ] {
+            let refusal = refusal(settings);
+            assert!(refusal.contains(&format!("{key}: the supply cannot hold the load")), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn a_load_that_chamber_1_cannot_balance_at_the_pressure_of_chamber_2_is_named_by_that() {
+        let refusal = refusal(&["load.constant_force_n=700", "test.pressure_2_pa=50e3"]);
+        assert!(refusal.contains("test.pressure_2_pa: no pressure in chamber 1 balances it"), "{refusal}");
+    }
+
+    #[test]
+    fn a_load_that_rests_on_a_stop_starts_at_the_pressure_that_it_is_given() {
+        let settings = ["load.incline_deg=90", "load.mass_kg=400", "test.pressure_1_pa=300e3"];
+        assert!(Rig::read_with("servo-b", "", &settings.map(str::to_owned)).is_ok());
     }
 }

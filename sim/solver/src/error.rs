@@ -3,6 +3,9 @@
 /// Most steps in a millisecond, tried or accepted: at that pace a second takes a quarter of an hour.
 pub(crate) const MAX_STEPS: u64 = 200_000;
 
+/// From so many steps in a millisecond on, a system is asked whether its equations still hold.
+pub(crate) const MANY_STEPS: u64 = 5_000;
+
 /// Why an integration fails.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum IntegrationError {
@@ -32,10 +35,32 @@ pub enum IntegrationError {
         /// When.
         at_s: f64,
     },
+    /// The state has come to where the equations of the system do not hold.
+    #[error("at t = {at_s} s {why}")]
+    BeyondModel {
+        /// When.
+        at_s: f64,
+        /// What has happened, and what to change.
+        why: &'static str,
+    },
     /// Events follow each other without end.
     #[error("events pile up at t = {at_s} s: two modes switch to each other endlessly")]
     EventsPileUp {
         /// When.
         at_s: f64,
     },
+}
+
+impl IntegrationError {
+    /// When, s.
+    #[must_use]
+    pub fn at_s(&self) -> f64 {
+        match *self {
+            IntegrationError::NotANumber { at_s }
+            | IntegrationError::StepTooSmall { at_s, .. }
+            | IntegrationError::NoProgress { at_s }
+            | IntegrationError::BeyondModel { at_s, .. }
+            | IntegrationError::EventsPileUp { at_s } => at_s,
+        }
+    }
 }

@@ -4,7 +4,7 @@
 //! continuous, the next step has its first stage already.
 
 use crate::dense_output::{AcceptedStep, TrialError};
-use crate::error::{IntegrationError, MAX_STEPS};
+use crate::error::{IntegrationError, MANY_STEPS, MAX_STEPS};
 use crate::progress::Progress;
 use crate::rosenbrock::Linearization;
 use crate::statistics::Statistics;
@@ -151,8 +151,21 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
     /// Integrates to `t`, or a little beyond it, but not beyond `horizon`; handles every event up to and at `t`.
     ///
     /// # Errors
-    /// When the state is no longer a number, or steps or events pile up.
+    /// When the state is no longer a number, steps or events pile up, or the system says that its equations do not hold.
     pub fn integrate_to(
+        &mut self,
+        system: &mut impl System<N, G, E>,
+        t: f64,
+        horizon: f64,
+    ) -> Result<(), IntegrationError> {
+        let steps = self.step_to(system, t, horizon);
+        steps.map_err(|error| match system.beyond_model(&self.now.x) {
+            Some(why) => IntegrationError::BeyondModel { at_s: error.at_s(), why },
+            None => error,
+        })
+    }
+
+    fn step_to(
         &mut self,
         system: &mut impl System<N, G, E>,
         t: f64,
@@ -220,12 +233,14 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
         Ok(())
     }
 
-    fn count_step(&mut self) -> Result<(), IntegrationError> {
+    fn count_step(&mut self, system: &impl System<N, G, E>) -> Result<(), IntegrationError> {
         let (since, before) = self.step_count_span;
         let tried = self.now.statistics.n_steps + self.now.statistics.n_rejected_steps;
         if self.now.t - since >= STEP_COUNT_SPAN_S {
             self.step_count_span = (self.now.t, tried);
-        } else if tried - before > MAX_STEPS {
+        } else if tried - before > MAX_STEPS
+            || (tried - before > MANY_STEPS && system.beyond_model(&self.now.x).is_some())
+        {
             return Err(IntegrationError::NoProgress { at_s: self.now.t });
         }
         Ok(())
@@ -233,7 +248,7 @@ impl<const N: usize, const G: usize, const E: usize, const FEW: usize, const SOM
 
     /// One accepted step, ended at the first event in it.
     fn step(&mut self, system: &mut impl System<N, G, E>, horizon: f64) -> Result<(), IntegrationError> {
-        self.count_step()?;
+        self.count_step(system)?;
         system.tighten(self.stiffness.implicit);
         let limit = system.step_limit(self.now.t, &self.now.x);
         if limit.until <= self.now.t && limit.event.is_some() {

@@ -57,6 +57,12 @@ pub trait System<const N: usize, const G: usize, const E: usize> {
         N
     }
 
+    /// Why the equations do not hold in a state from which no step leads on: what has happened, and what to change. None
+    /// if they do. It is asked once an integration has failed, or hardly gets on.
+    fn beyond_model(&self, _x: &[f64; N]) -> Option<&'static str> {
+        None
+    }
+
     /// Changes the modes at an event, and the state where it jumps. Tells what that makes of dx/dt.
     fn handle_event(&mut self, event: Event, t: f64, x: &mut [f64; N]) -> Derivative;
 }

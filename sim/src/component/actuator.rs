@@ -112,6 +112,14 @@ impl Leak {
     }
 }
 
+/// Part of a dead volume that is next to nothing.
+const LEFT_OVER: f64 = 0.01;
+
+const USED_UP: [&str; 2] = [
+    "the piston has run into its stop and taken up all of actuator.residual_volume_1_m3: give more of it, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
+    "the piston has run into its stop and taken up all of actuator.residual_volume_2_m3: give more of it, a larger load.stop_stiffness_n_per_m, or a load that arrives more slowly",
+];
+
 impl Actuator {
     /// Areas of a cylinder with a rod on one side; `rod_diameter` 0 for a rodless one. Lengths in m.
     #[must_use]
@@ -136,6 +144,14 @@ impl Actuator {
             volume: areas * Pair::new([position, self.stroke - position]) + Pair::new(self.residual_volumes),
             rate: areas * Pair::new([velocity, -velocity]),
         }
+    }
+
+    /// Which dead volume a piston at a position (m) has taken up but for a hundredth, and what to change: a stop that gives
+    /// way that far lets it run through the end cover, and the pressure of no air at all is no number.
+    pub(crate) fn used_up(&self, position: f64) -> Option<&'static str> {
+        let volumes = self.both_volumes(position, 0.0).volume.to_array();
+        let chamber = (0..2).find(|&i| volumes[i] < LEFT_OVER * self.residual_volumes[i])?;
+        Some(USED_UP[chamber])
     }
 
     /// F_a, N, for the chamber pressures in Pa.
@@ -168,6 +184,14 @@ impl Actuator {
     ) -> Option<Pair> {
         let lengths = Pair::new([position, self.stroke - position]);
         self.walls.as_ref().map(|walls| walls.exner_rate(gas, lengths, volumes, air))
+    }
+
+    /// The largest force in the direction of `sign` (1: extension, -1: retraction), N: one chamber under `supply` Pa, the other
+    /// open to the surroundings.
+    #[must_use]
+    pub fn largest_force(&self, supply: f64, sign: f64) -> f64 {
+        let outside = self.ambient_pressure;
+        if sign < 0.0 { -self.force(outside, supply) } else { self.force(supply, outside) }
     }
 
     /// P_1 at which the cylinder delivers `force` N against `pressure_2`.

@@ -49,7 +49,7 @@ impl Load {
 }
 
 /// Standard gravity, m/s^2 (CGPM 1901).
-const GRAVITY: f64 = 9.806_65;
+pub const GRAVITY: f64 = 9.806_65;
 
 /// The parameters of a load, SI.
 #[derive(Clone, Copy, Debug)]
@@ -82,10 +82,16 @@ pub struct Motion {
 }
 
 impl Load {
+    /// The part of its weight that acts against extension, N.
+    #[must_use]
+    pub fn weight(&self) -> f64 {
+        self.mass * GRAVITY * self.uphill
+    }
+
     /// The forces that depend on neither velocity nor contact, N: constant force, spring, weight.
     #[must_use]
     pub fn standing_force(&self, position: f64) -> f64 {
-        self.constant_force - self.spring * position - self.mass * GRAVITY * self.uphill
+        self.constant_force - self.spring * position - self.weight()
     }
 
     /// All forces but F_r, N.

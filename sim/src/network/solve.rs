@@ -93,9 +93,10 @@ impl Network {
         let has_start = self.started || self.mach == 0.0;
         if !(has_start && self.by_newton(around)) {
             (self.failures, self.found) = (self.failures + 1, 0);
-            // A trial step too large may lead to where there is no solution, or leave no numbers: it is
-            // told so, and the last solution is not spoilt by it.
-            let lost = !self.far && self.failures < MAX_FAILURES;
+            // Where speeds count, a trial step too large may lead to where there is no solution: it is told so, and the
+            // last solution is not spoilt by it. Air at rest has a solution everywhere: not to have followed it, as where
+            // chambers are at the pressure of the supply and slopes are infinite, says nothing of the step.
+            let lost = self.mach > 0.0 && !self.far && self.failures < MAX_FAILURES;
             if lost || !self.by_search(around) {
                 return Nodes::NOT_NUMBERS;
             }

@@ -6,9 +6,13 @@ use super::problem::Problems;
 use super::reader::{Noted, Reader};
 use super::table::{find_key, preset_value, presets};
 use super::value::{item_of, value_of};
+use crate::component::controller::Law;
 use crate::component::operator::Model;
 use crate::keys;
 use crate::values::{Findings, Rig, Value};
+
+/// Samples and outputs are late beyond this, microseconds, where the file does not say.
+const LATE_US: i64 = 100;
 
 impl Rig {
     /// Reads a rig file; `source` is its name for messages.
@@ -27,6 +31,36 @@ impl Rig {
         RigFile::read(source, text).into_rig(settings)
     }
 
+    /// Values that the file does not give and that follow from others.
+    fn suit_others(&mut self) {
+        self.suit_drive_stage();
+        self.suit_law();
+        self.suit_period();
+    }
+
+    /// What is late must be so before the next sample: at most half of the time until then.
+    fn suit_period(&mut self) {
+        let [period, delay] =
+            [&keys::controller::PERIOD_S, &keys::controller::DELAY_S].map(|key| self.get(key));
+        let until =
+            [(&keys::safety::LATE_SAMPLE_US, period), (&keys::safety::LATE_OUTPUT_US, period - delay)];
+        for (key, left_s) in until {
+            if !self.is_set(key) {
+                let half_us = (left_s * 0.5e6).max(1.0) as i64;
+                self.put(key.path, Some(Value::Integer(half_us.min(LATE_US))));
+            }
+        }
+    }
+
+    /// C(68) is Burrows': the other laws feed pressures back only if the file says so.
+    fn suit_law(&mut self) {
+        let gain = &keys::controller::PRESSURE_FEEDBACK_GAIN;
+        if !self.is_set(gain) {
+            let on_off = self.get(&keys::controller::LAW) == Law::OnOff;
+            self.put(gain.path, if on_off { preset_value(&gain.preset) } else { Some(Value::Number(0.0)) });
+        }
+    }
+
     /// What is counted in commands follows the drive stage where the file does not give it: the scale of
     /// the law (6.3.3), and the dead zone of the valve, 0.05 mm.
     fn suit_drive_stage(&mut self) {
@@ -35,9 +69,13 @@ impl Rig {
             (&keys::controller::DEAD_ZONE_COUNTS, 4),
             (&keys::controller::HOMING_COMMAND_COUNTS, -4),
         ];
+        let stepper = self.get(&keys::operator::MODEL) == Model::Stepper;
         for (key, value) in of_stepper {
-            if self.get(&keys::operator::MODEL) == Model::Stepper && !self.is_set(key) {
-                self.put(key.path, Some(Value::Integer(value)));
+            if !self.is_set(key) {
+                self.put(
+                    key.path,
+                    if stepper { Some(Value::Integer(value)) } else { preset_value(&key.preset) },
+                );
             }
         }
     }
@@ -77,7 +115,8 @@ impl Rig {
     }
 
     /// The same where its reader has found nothing wrong yet.
-    fn checked_by(self, mut reader: Reader) -> Result<Rig, Problems> {
+    fn checked_by(mut self, mut reader: Reader) -> Result<Rig, Problems> {
+        self.suit_others();
         if reader.file.problems.is_empty() {
             let mut findings = Findings::default();
             check(&self, &mut findings);
@@ -122,7 +161,6 @@ impl RigFile {
             reader.setting(&mut rig, setting);
         }
         reader.finish(&mut rig);
-        rig.suit_drive_stage();
         rig.checked_by(reader)
     }
 }

@@ -156,7 +156,7 @@ fn what_does_not_go_together_is_refused_at_its_key() {
         ("[test]\nmoves = [[0.0]]\n", "must be a list of [time in s, counts]"),
         ("[test]\nposition_m = 0.4\n", "must not be above actuator.stroke_m"),
         ("[test]\nmoves = [[0.0, 1]]\ntargets = [2]\n", "give either targets or moves, not both"),
-        ("[load]\nconstant_force_n = 90000\n", "no pressure in chamber 1 balances it at the start"),
+        ("[load]\nconstant_force_n = 90000\n", "load.constant_force_n: the supply cannot hold the load"),
         ("[tubing]\nmodel = \"analytical\"\nlength_m = 0.1\n", "make the tube longer or narrower"),
         ("[actuator]\nresidual_volume_2_m3 = 1e-9\n", "pressed into its stop"),
         ("[controller]\ngain_profile = []\n", "must have 1 to 256 entries, has 0"),
@@ -209,6 +209,45 @@ fn counts_of_a_command_default_to_those_of_the_drive_stage() {
     assert_eq!((of(&dac), of(&stepper)), ([Some(256), Some(102)], [Some(65_536), Some(4)]));
     let given = read("[operator]\nmodel = \"stepper\"\n[controller]\nscale = 256\ndead_zone_counts = 0\n");
     assert_eq!(of(&given), [Some(256), Some(0)]);
+}
+
+#[test]
+fn what_the_file_leaves_open_follows_a_setting_there_and_back() {
+    let of = |rig: &Rig| {
+        let gain = [id::PRESSURE_FEEDBACK_GAIN, id::PRESSURE_DAMPING_GAIN].map(|id| rig.parameters().get(id));
+        (rig.parameters().get(id::SCALE), gain)
+    };
+    let set = |rig: &Rig, setting: &str| rig.with_settings(&[setting.to_owned()]).expect("valid");
+    let dac = read("");
+    let stepper = set(&dac, "operator.model=stepper");
+    assert_eq!([&dac, &stepper].map(|rig| of(rig).0), [Some(256), Some(65_536)]);
+    assert_eq!(of(&set(&stepper, "operator.model=solenoid")), of(&dac));
+    let relay = set(&dac, "controller.law=on-off");
+    assert_eq!(of(&relay).1, [Some(775), Some(0)]);
+    assert_eq!(of(&set(&relay, "controller.law=proportional")), of(&dac));
+    assert_eq!(of(&dac).1, [Some(775), Some(0)], "the parameter of the relay is none of this law");
+}
+
+#[test]
+fn what_is_late_is_so_before_the_next_sample_at_any_period() {
+    let of = |settings: &str| {
+        let rig = read(&format!("[controller]\n{settings}"));
+        [id::LATE_SAMPLE_US, id::LATE_OUTPUT_US].map(|id| rig.parameters().get(id))
+    };
+    assert_eq!(of(""), [Some(100), Some(100)]);
+    assert_eq!(of("period_s = 0.0001\ndelay_s = 0.00004\n"), [Some(50), Some(30)]);
+    let message = only_problem("[safety]\nlate_sample_us = 1300\n");
+    assert!(
+        message.contains("safety.late_sample_us: late_sample_us must be less than period_us"),
+        "{message}"
+    );
+    let message = only_problem("[safety]\nlate_output_us = 800\n");
+    assert!(
+        message.contains("safety.late_output_us") && message.contains("less than period_us"),
+        "{message}"
+    );
+    let message = only_problem("[safety]\nmax_speed_m_s = 100\n[controller]\nperiod_s = 0.1\n");
+    assert!(message.contains("safety.max_speed_m_s"), "{message}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! `pneudrive rig check`.
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
+use pneudrive_analysis::runnable::{Obstacle, Remedy, obstacle};
 use pneudrive_analysis::sensitivity::{Effect, Sensitivity, sensitivity};
 use pneudrive_design::values;
 use pneudrive_sim::Rig;
@@ -19,10 +20,14 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
     for key in rig.unused() {
         say!("{file}: {key} is not used by the chosen model");
     }
+    let is_to_run = builtin(file).is_none() && !quick;
+    if is_to_run {
+        try_test(file, &rig)?;
+    }
     say!("{file}: a valid rig ({})", rig.name());
     json::figures(|| json!({ "rig": rig.name(), "unused": rig.unused() }));
     // The comments of the built-in rigs give the source of each value.
-    if builtin(file).is_some() || quick {
+    if !is_to_run {
         return Ok(());
     }
     let counts = values::count(&rig).into_iter().filter(|(source, count)| {
@@ -34,6 +39,28 @@ pub(super) fn execute(file: &str, quick: bool) -> Result<()> {
         rank(&rig)?;
     }
     Ok(())
+}
+
+/// Refuses a rig whose test cannot be simulated.
+fn try_test(file: &str, rig: &Rig) -> Result<()> {
+    let mut progress = Progress::of("looking for the cause", "runs");
+    let found = obstacle(rig, |done, all| progress.at(done as u64, all as u64));
+    progress.done();
+    match found {
+        Some(obstacle) => Err(anyhow!("{file}: {}", in_words(rig, &obstacle))),
+        None => Ok(()),
+    }
+}
+
+/// What ends the test, and the values with which it would run.
+fn in_words(rig: &Rig, Obstacle { cause, remedies }: &Obstacle) -> String {
+    let line = |remedy: &Remedy| {
+        let Remedy { key, value, instead } = remedy;
+        let [value, instead] = [value, instead].map(|value| digits(*value));
+        format!("\n  {}: with {instead} {} instead of {value} it runs", key.path, key.unit())
+    };
+    let others: String = remedies.iter().take(SHOWN).map(line).collect();
+    format!("the test of {} cannot be simulated: {cause}{others}", rig.name())
 }
 
 fn rank(rig: &Rig) -> Result<()> {

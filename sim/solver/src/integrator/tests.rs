@@ -220,6 +220,35 @@ fn a_run_that_would_take_for_ever_is_ended_and_said_so() {
     assert!(matches!(error, IntegrationError::NoProgress { at_s } if at_s < 1e-3), "{error}");
 }
 
+/// A leak that empties a vessel within a second, by a law that has no root of what is not there.
+struct Vessel;
+
+impl System<1, 0, 0> for Vessel {
+    fn derivative(&mut self, _: f64, x: &[f64; 1]) -> [f64; 1] {
+        [-1.0 / x[0].sqrt()]
+    }
+
+    fn guards(&mut self, _: f64, _: &[f64; 1]) -> [f64; 0] {
+        []
+    }
+
+    fn beyond_model(&self, x: &[f64; 1]) -> Option<&'static str> {
+        (x[0] < 0.01).then_some("the vessel is empty")
+    }
+
+    fn handle_event(&mut self, _: Event, _: f64, _: &mut [f64; 1]) -> Derivative {
+        Derivative::Continuous
+    }
+}
+
+#[test]
+fn a_state_that_its_equations_do_not_hold_for_is_told_in_the_words_of_the_system() {
+    let mut integrator = Integrator::<1, 0, 0>::new(Method::DormandPrince, 1e-8, [1.0], [1.0]);
+    let error = integrator.integrate_to(&mut Vessel, 1.0, 1.0).expect_err("empty after 2/3 s");
+    let IntegrationError::BeyondModel { at_s, why } = error else { panic!("{error}") };
+    assert!(why == "the vessel is empty" && (at_s - 2.0 / 3.0).abs() < 1e-3, "{error}");
+}
+
 /// A fast decay towards a slow oscillation (Prothero and Robinson): x = cos t.
 fn chase(t: f64, x: &[f64; 1]) -> [f64; 1] {
     [-1e6 * (x[0] - t.cos()) - t.sin()]

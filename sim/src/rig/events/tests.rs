@@ -125,8 +125,8 @@ fn a_dip_that_is_none_is_refused() {
 }
 
 #[test]
-fn the_positive_gain_bug_is_for_the_laws_that_it_was_in() {
-    let bug = "[faults]\npositive_gain_only = true\n";
+fn the_gain_bug_is_for_the_laws_that_it_was_in() {
+    let bug = "[faults]\ngain_bug = \"positive-error\"\n";
     for (controller, refused) in [
         ("law = \"on-off\"", Some("gain-profile and proportional")),
         ("law = \"moore-proportional\"", Some("gain-profile and proportional")),
@@ -139,15 +139,12 @@ fn the_positive_gain_bug_is_for_the_laws_that_it_was_in() {
             None => assert!(result.is_ok(), "{controller}"),
             Some(why) => {
                 let message = &result.expect_err("refused")[0];
-                assert!(
-                    message.starts_with("rig.toml:2: faults.positive_gain_only: ") && message.contains(why)
-                );
+                assert!(message.starts_with("rig.toml:2: faults.gain_bug: ") && message.contains(why));
             }
         }
     }
-    let other = "[faults]\nlast_gain_for_negative_errors = true\n";
+    let other = "[faults]\ngain_bug = \"last-gain\"\n";
     assert!(only_problem(&format!("{other}[controller]\nlaw = \"proportional\"\n")).contains("gain-profile"));
-    assert!(only_problem(&format!("{other}positive_gain_only = true\n")).contains("one of its readings"));
     assert!(read(other).is_ok());
     let continuous = "[controller]\nmodel = \"continuous\"\n[operator]\nhysteresis_percent = 0\n";
     assert!(only_problem(&format!("{bug}{continuous}")).contains("of the sampled controller"));

@@ -1,0 +1,50 @@
+//! Rigs at the edge of what anybody builds: they run, or the run ends by the name of what it went beyond.
+
+mod extreme;
+
+use std::time::{Duration, Instant};
+
+use pneudrive_sim::{Accuracy, IntegrationError, Rig, run};
+
+/// Seeds of rigs that take no long time; the example `extremes` draws more.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=24;
+
+#[test]
+fn a_drawn_rig_at_the_edge_runs_or_is_refused_by_key_or_ends_by_what_its_piston_ran_through() {
+    let mut ran = 0;
+    for seed in SEEDS {
+        let rig = match extreme::rig(seed) {
+            Ok(rig) => rig,
+            Err(problems) => {
+                assert!(problems.0.iter().all(|problem| problem.key.contains('.')), "{seed}: {problems}");
+                continue;
+            }
+        };
+        match run(&rig, Accuracy::of(&rig)) {
+            Ok(run) => {
+                assert!(run.rows.iter().all(|row| row.values().iter().all(|value| value.is_finite())));
+                ran += 1;
+            }
+            Err(IntegrationError::BeyondModel { why, .. }) => assert!(why.contains("actuator."), "{why}"),
+            Err(error) => panic!("{seed}: {error}"),
+        }
+    }
+    assert!(ran > 12, "{ran}");
+}
+
+/// Its piston of 5 kg arrives at 2.4 m/s, and its stop gives way by more than the dead volume is long. Once the run ended as
+/// "too stiff", after a fifth of a million steps.
+#[test]
+fn a_piston_that_runs_through_its_end_cover_is_said_to_soon() {
+    let rig = Rig::read("too_stiff.toml", include_str!("extreme/too_stiff.toml"));
+    let rig = rig.unwrap_or_else(|problems| panic!("{problems}"));
+    let since = Instant::now();
+    let ended = run(&rig, Accuracy::of(&rig)).expect_err("no air is left");
+    assert!(since.elapsed() < Duration::from_secs(5), "{:?}", since.elapsed());
+    let IntegrationError::BeyondModel { at_s, why } = ended else { panic!("{ended}") };
+    assert!((0.08..0.082).contains(&at_s), "{at_s}");
+    assert!(
+        why.contains("actuator.residual_volume_2_m3") && why.contains("load.stop_stiffness_n_per_m"),
+        "{why}"
+    );
+}
