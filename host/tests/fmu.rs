@@ -37,7 +37,7 @@ fn what_cannot_be_an_fmu_is_refused_and_nothing_is_written() {
         ("fmu servo-b --plant --library no.so", 1, "no.so is not the library of FMUs"),
         ("fmu servo-b --plant --library gone.so", 3, "cannot read gone.so"),
         ("fmu servo-b --plant --set load.mass_kg=-1", 1, "load.mass_kg"),
-        ("fmu servo-b --drive --set faults.positive_gain_only=true", 1, "faults.positive_gain_only is a bug"),
+        ("fmu servo-b --drive --set faults.gain_bug=positive-error", 1, "is a bug"),
     ] {
         let said = transcript(folder.path(), arguments);
         assert!(said.contains(says) && said.ends_with(&format!("= {code}")), "{arguments}: {said}");

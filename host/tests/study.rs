@@ -21,7 +21,7 @@ const VERDICTS: [(&str, &[Verdict]); 12] = [
     ("reduced-gain", &[Open, Depends, Open]),
     ("null-learning", &[Agrees]),
     ("step-time", &[Agrees, Open]),
-    ("positive-gain", &[Depends, Differs]),
+    ("positive-gain", &[Agrees, Differs]),
     ("continuous", &[Agrees, Open, Differs, Differs]),
     ("empirical-operator", &[Open, Open, Depends]),
     ("leakage", &[Open, Depends, Agrees]),

@@ -29,5 +29,5 @@ pub use crate::component::valve::flow_force::keys as flow_force;
 pub use crate::component::valve::flow_map::keys as flow_map;
 pub use crate::component::valve::iso6358::keys as iso6358;
 pub use crate::component::valve::keys as valve;
-pub use crate::positive_gain::keys as positive_gain;
+pub use crate::gain_bug::keys as gain_bug;
 pub use crate::schedule::keys as test;

@@ -14,7 +14,7 @@
 //! | `assembly` | the parts put together as one event-driven system |
 //! | [`plant`] | what the controller sees: a command in, a sample out |
 //! | [`continuous`] | the controller in real numbers, for comparison |
-//! | [`positive_gain`] | the historical bug of the gain routine, for repetition |
+//! | [`gain_bug`] | the historical bug of the gain routine, for repetition |
 //! | [`characteristics`] | the thesis's component tests, on these very parts |
 //! | [`follow`](mod@follow) | the plant under commands that were recorded |
 //! | [`decision`] | whether a transient is decided, or the error of its integration chose it |
@@ -29,13 +29,13 @@ pub mod component;
 pub mod continuous;
 pub mod decision;
 pub mod follow;
+pub mod gain_bug;
 pub mod key;
 pub mod keys;
 pub mod monotone;
 pub mod network;
 mod number;
 pub mod plant;
-pub mod positive_gain;
 mod random;
 pub mod rig;
 pub mod run;

@@ -3,9 +3,9 @@
 use pneudrive_controller::{Command, Config, Fault, Mode, Observation, Sequence, State, output, sample};
 
 use crate::component::sensors::Reading;
+use crate::gain_bug::GainBug;
 use crate::keys;
 use crate::plant::{Accuracy, Plant, PlantWork};
-use crate::positive_gain::PositiveGain;
 use crate::trace::{MotionRow, Row};
 use crate::values::{Rig, seconds, whole_microseconds};
 use pneudrive_solver::IntegrationError;
@@ -252,7 +252,7 @@ struct Drive {
     sequence: Sequence,
     state: State,
     plant: Plant,
-    bug: Option<PositiveGain>,
+    bug: Option<GainBug>,
     /// What is recorded of a sample where it is not what the controller has seen.
     seen: Option<Observation>,
     /// The present target of a continuous controller.
@@ -270,7 +270,7 @@ impl Drive {
         state.locate(parameters.absolute_zero().unwrap_or(0));
         state.supervisor.arm().expect("a new drive does not run");
         state.start(&config, &sequence).expect("a checked rig has moves that may be run");
-        let (plant, bug) = (Plant::new(rig, accuracy, 0), PositiveGain::of(rig, &config));
+        let (plant, bug) = (Plant::new(rig, accuracy, 0), GainBug::of(rig, &config));
         Drive { config, sequence, state, plant, bug, seen: None, target: None, fault: None }
     }
 

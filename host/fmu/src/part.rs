@@ -4,8 +4,8 @@ use anyhow::{Result, bail};
 use pneudrive_protocol::frame::crc32;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Model;
+use pneudrive_sim::gain_bug;
 use pneudrive_sim::keys;
-use pneudrive_sim::positive_gain::SWITCHES;
 
 /// A part of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,10 +60,11 @@ impl Part {
                 "the continuous controller is the simulator's own and has no samples; write controller.model = \"sampled\""
             );
         }
-        if let Some(switch) = SWITCHES.into_iter().find(|switch| self.has_controller() && rig.get(*switch)) {
+        if self.has_controller()
+            && let Some(bug) = gain_bug::named(rig)
+        {
             bail!(
-                "{} is a bug that the simulator adds to the controller, and no firmware has; take it out",
-                switch.path
+                "{bug} is a bug that the simulator adds to the controller, and no firmware has; take it out"
             );
         }
         Ok(())

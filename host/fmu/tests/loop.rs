@@ -356,8 +356,8 @@ fn there_is_no_fmu_of_what_no_firmware_has() {
     let continuous = rig("servo-b", &["controller.model=continuous", "controller.law=proportional"]);
     let refused = Instance::new(Part::Plant, continuous).expect_err("no samples").to_string();
     assert!(refused.contains("controller.model = \"sampled\""), "{refused}");
-    let bug = rig("servo-b", &["faults.positive_gain_only=true"]);
+    let bug = rig("servo-b", &["faults.gain_bug=positive-error"]);
     let refused = Instance::new(Part::Drive, bug.clone()).expect_err("the simulator's bug").to_string();
-    assert!(refused.contains("faults.positive_gain_only"), "{refused}");
+    assert!(refused.contains("faults.gain_bug"), "{refused}");
     Instance::new(Part::Plant, bug).expect("it is no matter to the plant");
 }

@@ -29,7 +29,7 @@ static BEFORE_FRICTION: &[&[&Key]] = &[
 #[rustfmt::skip]
 static BEHIND_FRICTION: &[&[&Key]] = &[
     crate::keys::stop::ALL,
-    crate::keys::faults::ALL, crate::keys::positive_gain::ALL,
+    crate::keys::faults::ALL, crate::keys::gain_bug::ALL,
     crate::keys::safety::ALL,
     crate::keys::test::ALL,
 ];

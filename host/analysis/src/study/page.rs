@@ -21,6 +21,7 @@ pub fn page(study: &Study, studied: &Studied) -> Page {
         notes: vec![summary(&studied.findings), over(studied.moves.first().map_or(0, Vec::len))],
         tables: tables.into_iter().chain(moves).collect(),
         figures: graphs(&transients),
+        ..Page::default()
     }
 }
 
@@ -109,6 +110,6 @@ pub fn index(studies: &[&Study], findings: &[Vec<Finding>]) -> Page {
                 .to_vec(),
             rows: rows.collect(),
         }],
-        figures: Vec::new(),
+        ..Page::default()
     }
 }

@@ -48,7 +48,7 @@ pub(super) const EXHIBITS: [&[Exhibit]; 1] = [&[
     Exhibit {
         about: "A bug of the control software",
         lost: "both responses",
-        why: "The bug is read as the wrong index of the profile for negative errors, \"min(n_p/4, 255)\" to the letter. What the 68000 read there is not known; the model takes the last entry, which is the smallest gain, so its command jumps by less and not by more.",
+        why: "What the gain routine gave in place of a negative gain is not printed. To the letter it gave none; then negative errors are not answered, and the command jumps less than without the bug. With the error taken as positive it jumps by up to 1965 counts, depending on the start.",
         takes_s: 1.4,
         ..of_study("positive-gain", "8.2.5", "Fig. 8.5", NONE)
     },

@@ -217,31 +217,42 @@ const SHORT_STEPS: &str = "test.moves=[[0.0, 8192], [0.3, 16384], [1.01, 8192], 
 pub(super) const POSITIVE_GAIN: Study = Study {
     name: "positive-gain",
     section: "8.2.5",
-    about: "The software bug by which negative errors had the wrong gain",
-    variants: &[THESIS, drive("with the bug", &["faults.last_gain_for_negative_errors=true"])],
+    about: "The software bug by which the gain routine \"could only give positive gains\"",
+    variants: &[
+        THESIS,
+        drive("without negative gains", &["faults.gain_bug=no-negative-gain"]),
+        drive("with the error as positive", &["faults.gain_bug=positive-error"]),
+        drive("with the last gain for negative errors", &["faults.gain_bug=last-gain"]),
+    ],
     statements: &[
         Statement {
             thesis: "With the bug a test does not run as it does without.",
             judge: |runs| {
-                let share = runs[0].deviation(&runs[1], POSITION);
-                let shows = format!("the positions are {:.1} % of their range apart (rms)", 100.0 * share);
-                Finding::new(share > 0.01, shows)
+                let share = |bug: &Outcome| runs[0].deviation(bug, POSITION);
+                let shows = of_each_bug(runs, |bug| format!("{:.1} %", 100.0 * share(bug)));
+                let shows = format!("the positions are apart by, of their range (rms): {shows}");
+                Finding::new(share(&runs[1]) > 0.01, shows)
             },
         },
         Statement {
             thesis: "The spool command shows jerks with the bug, and none without.",
             judge: |runs| {
-                let [well, ill] = [runs[0].jerk(), runs[1].jerk()];
-                Finding::new(
-                    ill > 2.0 * well,
-                    format!(
-                        "the command jumps by {ill:.0} counts at most while the setpoint holds, and by {well:.0} without the bug"
-                    ),
-                )
+                let well = runs[0].jerk();
+                let shows = of_each_bug(runs, |bug| format!("{:.0}", bug.jerk()));
+                let shows = format!(
+                    "while the setpoint holds, the command jumps by at most {well:.0} counts without the bug; {shows}"
+                );
+                Finding::new(runs[1].jerk() > 2.0 * well, shows)
             },
         },
     ],
 };
+
+/// A figure of each reading of the bug. The verdict is that of the first, which takes the thesis's sentence to the letter.
+fn of_each_bug(runs: &[Outcome], figure: impl Fn(&Outcome) -> String) -> String {
+    let figures = runs[1..].iter().map(|bug| format!("{} {}", figure(bug), bug.name));
+    figures.collect::<Vec<_>>().join(", ")
+}
 
 fn both(one: &Outcome, other: &Outcome) -> String {
     format!("{}; {}", one.rest(), other.rest())

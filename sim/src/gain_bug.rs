@@ -1,18 +1,20 @@
-//! The historical bug of the gain routine (thesis 8.2.5, L(19); EQUATIONS section 9): it could give
-//! positive gains only. The thesis has no more of it, so there are two readings:
+//! The historical bug of the gain routine (thesis 8.2.5, L(19); EQUATIONS section 9): it "could only give positive
+//! gains". The thesis has no more of it, so there are three readings:
 //!
 //! ```text
-//! positive_gain_only               n_pg = Kp[i] |n_p|       instead of Kp[i] n_p
-//! last_gain_for_negative_errors    n_pg = Kp[last] n_p      for n_p < 0
+//! no-negative-gain   n_pg = max(Kp[i] n_p, 0)    to the letter: the positional gain n_pg (6.3.3) is never negative
+//! positive-error     n_pg = Kp[i] |n_p|          the error counts as positive
+//! last-gain          n_pg = Kp[last] n_p         for n_p < 0
 //! demand = (n_pg - Kv n_v - Ka n_a) / scale + null offset
 //! ```
 //!
-//! The second is "min(n_p/4, 255)" of Appendix IX (a) to the letter: n_p/4 of a negative n_p is a large number without
+//! The last one is "min(n_p/4, 255)" of Appendix IX (a) to the letter: n_p/4 of a negative n_p is a large number without
 //! its sign.
 //!
 //! All else is as in the gain-profile and proportional laws: exact sums, one saturation, division toward
 //! zero, dead bands, limits. It is a component of the simulator alone, for a repetition of the thesis's
-//! figures: no firmware has it. After an overshoot the first pushes on in the direction of the error.
+//! figures: no firmware has it. After an overshoot the second pushes on in the direction of the error, and the first
+//! leaves the drive to its velocity feedback.
 
 use std::num::NonZeroU32;
 
@@ -21,21 +23,30 @@ use pneudrive_controller::law::{LawConfig, LawKind};
 use pneudrive_controller::{Command, Config, Mode, Observation};
 
 use crate::component::controller::{self, Law, Loop};
-use crate::key::{Typed, keys};
+use crate::key::{Choice, keys, words};
 use crate::values::{Findings, Rig};
 
-/// The readings of the bug.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reading {
-    /// The error counts as positive.
-    PositiveError,
-    /// Negative errors have the last gain of the profile.
-    LastGain,
+words! {
+    /// The readings of the bug.
+    pub enum Reading {
+        /// The gain routine is sound.
+        None = "none",
+        /// The positional gain is never negative.
+        NoNegativeGain = "no-negative-gain",
+        /// The error counts as positive.
+        PositiveError = "positive-error",
+        /// Negative errors have the last gain of the profile.
+        LastGain = "last-gain",
+    }
+}
+
+keys! {
+    GAIN_BUG: Reading = choice("faults.gain_bug", "L(19)", "The bug of the thesis's gain routine, which \"could only give positive gains\" (8.2.5), in one of three readings: no negative gain, the error counts as positive, negative errors have the last gain of the profile; in the simulator only.");
 }
 
 /// The faulty law, in place of the controller's between its sample and its output.
 #[derive(Clone, Debug)]
-pub struct PositiveGain {
+pub struct GainBug {
     reading: Reading,
     law: LawConfig,
     drive: DriveConfig,
@@ -43,30 +54,26 @@ pub struct PositiveGain {
     location: i16,
 }
 
-keys! {
-    LAST_GAIN_FOR_NEGATIVE_ERRORS: bool = switch("faults.last_gain_for_negative_errors", false, "L(19)", "The same bug in another reading: a negative error has the last gain of the profile; in the simulator only.");
-    POSITIVE_GAIN_ONLY: bool = switch("faults.positive_gain_only", false, "L(19)", "The controller's historical bug (thesis 8.2.5): the error always counts as positive; in the simulator only.");
+/// The bug that a rig has, named by its key and word.
+#[must_use]
+pub fn named(rig: &Rig) -> Option<String> {
+    match rig.get(&keys::GAIN_BUG) {
+        Reading::None => None,
+        reading => Some(format!("{} = \"{}\"", keys::GAIN_BUG.path, reading.word())),
+    }
 }
-
-/// The keys that ask for it, the first one before the second.
-pub static SWITCHES: [&Typed<bool>; 2] = [&keys::POSITIVE_GAIN_ONLY, &keys::LAST_GAIN_FOR_NEGATIVE_ERRORS];
 
 /// The constraints on a rig with the bug.
 pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
-    let [positive, last] = SWITCHES.map(|switch| rig.get(switch));
-    if positive && let Some(refused) = refused(rig, false) {
-        findings.note(SWITCHES[0], refused);
-    }
-    if last {
-        let refused =
-            if positive { Some("there is one bug: take one of its readings") } else { refused(rig, true) };
-        if let Some(refused) = refused {
-            findings.note(SWITCHES[1], refused);
-        }
+    let reading = rig.get(&keys::GAIN_BUG);
+    if reading != Reading::None
+        && let Some(refused) = refused(rig, reading == Reading::LastGain)
+    {
+        findings.note(&keys::GAIN_BUG, refused);
     }
 }
 
-/// Why a controller cannot have the bug, in the reading of a profile's last gain or the other one.
+/// Why a controller cannot have the bug, in the reading of a profile's last gain or another one.
 fn refused(rig: &Rig, last_gain: bool) -> Option<&'static str> {
     if rig.get(&controller::keys::MODEL) != controller::Model::Sampled {
         return Some("it is a bug of the sampled controller");
@@ -74,29 +81,30 @@ fn refused(rig: &Rig, last_gain: bool) -> Option<&'static str> {
     if rig.get(&controller::keys::LOOP) != Loop::Closed {
         return Some("an open loop has no gain");
     }
+    match rig.get(&controller::keys::LAW) {
+        Law::GainProfile => {}
+        _ if last_gain => return Some("it is for the law gain-profile"),
+        Law::Proportional => {}
+        _ => return Some("it is for the laws gain-profile and proportional"),
+    }
+    if rig.get(&controller::keys::PRESSURE_FEEDBACK_GAIN) != 0.0 {
+        return Some("it is a bug of the thesis's controller, which feeds no pressures back");
+    }
     let feed_forward =
         [&controller::keys::VELOCITY_FEED_FORWARD, &controller::keys::ACCELERATION_FEED_FORWARD];
-    if feed_forward.iter().any(|gain| rig.get(gain) != 0) {
-        return Some("it is a bug of the thesis's controller, which feeds nothing forward");
-    }
-    match rig.get(&controller::keys::LAW) {
-        Law::GainProfile => None,
-        _ if last_gain => Some("it is for the law gain-profile"),
-        Law::Proportional => None,
-        _ => Some("it is for the laws gain-profile and proportional"),
-    }
+    let fed_forward = feed_forward.iter().any(|gain| rig.get(gain) != 0);
+    fed_forward.then_some("it is a bug of the thesis's controller, which feeds nothing forward")
 }
 
-impl PositiveGain {
+impl GainBug {
     /// The bug, if a rig has it.
     #[must_use]
-    pub fn of(rig: &Rig, config: &Config) -> Option<PositiveGain> {
-        let reading = match SWITCHES.map(|switch| rig.get(switch)) {
-            [true, _] => Reading::PositiveError,
-            [false, true] => Reading::LastGain,
-            [false, false] => return None,
-        };
-        Some(PositiveGain { reading, law: config.law.clone(), drive: config.drive, location: 0 })
+    pub fn of(rig: &Rig, config: &Config) -> Option<GainBug> {
+        let reading = rig.get(&keys::GAIN_BUG);
+        if reading == Reading::None {
+            return None;
+        }
+        Some(GainBug { reading, law: config.law.clone(), drive: config.drive, location: 0 })
     }
 
     /// What the faulty law makes of a sample: the same with another command, which is null where the
@@ -134,11 +142,13 @@ impl PositiveGain {
         let still =
             seen.velocity.unsigned_abs() < u64::from(law.velocity_dead_band.map_or(0, NonZeroU32::get));
         let velocity = if still { 0 } else { seen.velocity };
-        let error = match self.reading {
-            Reading::PositiveError => i64::from(seen.error).abs(),
-            Reading::LastGain => i64::from(seen.error),
+        let gain = i64::from(self.gain(seen.error)) * i64::from(seen.error);
+        let positional = match self.reading {
+            Reading::NoNegativeGain => gain.max(0),
+            Reading::PositiveError => gain.abs(),
+            Reading::LastGain | Reading::None => gain,
         };
-        let sum = i64::from(self.gain(seen.error)) * error
+        let sum = positional
             - i64::from(law.velocity_gain) * velocity
             - i64::from(law.acceleration_gain) * seen.acceleration;
         sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) / i64::from(law.scale.get()) + null
@@ -168,17 +178,18 @@ impl PositiveGain {
 mod tests {
     use super::*;
 
-    fn faulty(settings: &[&str]) -> PositiveGain {
+    fn faulty(settings: &[&str]) -> GainBug {
         let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-        let rig = Rig::read_with("test", "[faults]\npositive_gain_only = true\n", &settings).expect("valid");
-        PositiveGain::of(&rig, &Config::new(&rig.parameters()).expect("valid")).expect("asked for")
+        let rig =
+            Rig::read_with("test", "[faults]\ngain_bug = \"positive-error\"\n", &settings).expect("valid");
+        GainBug::of(&rig, &Config::new(&rig.parameters()).expect("valid")).expect("asked for")
     }
 
     fn seen(error: i32, velocity: i64, acceleration: i64) -> Observation {
         Observation { error, velocity, acceleration, ..Observation::default() }
     }
 
-    fn command(law: &PositiveGain, seen: Observation) -> i16 {
+    fn command(law: &GainBug, seen: Observation) -> i16 {
         law.corrupt(Mode::Running, seen).command
     }
 
@@ -197,10 +208,20 @@ mod tests {
     /// By hand: 96 and 168 counts of command for errors of 3 and 7, and 256/256 counts to the count of a negative one.
     #[test]
     fn negative_errors_have_the_last_gain_of_the_profile_if_the_index_is_wrong() {
-        let law = faulty(&["faults.positive_gain_only=false", "faults.last_gain_for_negative_errors=true"]);
+        let law = faulty(&["faults.gain_bug=last-gain"]);
         for (error, expected) in [(3, 96), (7, 168), (-3, -3), (-7, -7), (1000, 1000), (-1000, -1000)] {
             assert_eq!(command(&law, seen(error, 0, 0)), expected, "{error}");
         }
+    }
+
+    /// By hand, as above; -1000 - 300 = -1300, and -1300/256 = -5.1.
+    #[test]
+    fn negative_errors_ask_for_nothing_but_damping_if_no_gain_is_negative() {
+        let law = faulty(&["faults.gain_bug=no-negative-gain"]);
+        for (error, expected) in [(3, 96), (7, 168), (-3, 0), (-1000, 0)] {
+            assert_eq!(command(&law, seen(error, 0, 0)), expected, "{error}");
+        }
+        assert_eq!(command(&law, seen(-3, 1000, 300)), -5);
     }
 
     #[test]
