@@ -65,10 +65,11 @@ const WIDE: [(u16, i32); 6] = [
 
 /// Makes parameters go together: the defaults for those that do not.
 fn reconcile(parameters: &mut Parameters) {
-    let together: [&[u16]; 7] = [
+    let together: [&[u16]; 8] = [
         &[id::PRESSURE_SENSORS],
         &[id::PERIOD_US, id::DELAY_US, id::PULSE_WIDTH_US, id::DIRECTION_SETUP_US],
-        &[id::POSITION_MIN_COUNTS, id::POSITION_MAX_COUNTS],
+        &[id::LATE_SAMPLE_US, id::LATE_OUTPUT_US, id::SENSOR_SAMPLES, id::SENSOR_BITS, id::SENSOR_HIGH_RAW],
+        &[id::POSITION_MIN_COUNTS, id::POSITION_MAX_COUNTS, id::ENCODER_STEP_COUNTS],
         &[id::END_MIN_COUNTS, id::END_MAX_COUNTS],
         &[id::PRESSURE_MIN_PA, id::PRESSURE_MAX_PA],
         &[id::SPOOL_MIN_NM, id::SPOOL_MAX_NM],

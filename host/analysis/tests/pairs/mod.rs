@@ -1,0 +1,73 @@
+//! Pairs of runs of closed loops drawn at random: the run as it comes, and a reference by another method at 1e-13.
+
+#[path = "../../../../sim/tests/drawn/mod.rs"]
+pub mod drawn;
+#[path = "../own_drives/mod.rs"]
+mod own_drives;
+
+use std::time::{Duration, Instant};
+
+use drawn::Drawn;
+use own_drives::{Kind, Steps, own_drive};
+use pneudrive_sim::{Accuracy, Decision, Method, Rig, Run, decide, run};
+
+/// m: two runs that are farther apart have parted.
+pub const PARTED_M: f64 = 1e-5;
+
+const REFERENCE: Accuracy = Accuracy { method: Method::Merson, tolerance: 1e-13 };
+
+const STEPS: Steps = Steps { at_s: &[0.3, 1.7], duration_s: 3.1 };
+
+/// What is drawn, in turns.
+pub const KINDS: [&str; 4] =
+    ["built-in rig", "own drive, dry friction", "own drive, LuGre", "own drive, LuGre, flow node"];
+
+/// The rig of a draw, with its place in [`KINDS`].
+pub fn drawn_rig(draw: u64) -> (usize, Drawn) {
+    let (kind, seed) = ((draw % 4) as usize, draw / 4);
+    let own = |of: Kind| {
+        let rig = own_drive(seed, of, STEPS);
+        Drawn { name: rig.name().to_owned(), rig }
+    };
+    let drawn = match kind {
+        0 => drawn::closed_loop(seed),
+        1 => own(Kind::Dry),
+        2 => own(Kind::Bristles),
+        _ => own(Kind::BristlesFlowNode),
+    };
+    (kind, drawn)
+}
+
+/// A run and its reference.
+pub struct Pair {
+    pub decision: Decision,
+    /// How far the positions at their samples are apart at most, m.
+    pub apart_m: f64,
+    /// How long the run and the decision took.
+    pub took: [Duration; 2],
+}
+
+impl Pair {
+    /// Of a rig whose run comes with this accuracy.
+    pub fn of(rig: &Rig, accuracy: Accuracy) -> Pair {
+        let begun = Instant::now();
+        let own = run(rig, accuracy).expect("a run");
+        let run_took = begun.elapsed();
+        let decision = decide(rig, accuracy, &own).expect("a decision");
+        let took = [run_took, begun.elapsed() - run_took];
+        Pair { decision, apart_m: apart(&own, &run(rig, REFERENCE).expect("a reference")), took }
+    }
+
+    /// Whether the run says that it is decided and is off by more than it says.
+    pub fn is_wrong(&self) -> bool {
+        self.decision.is_decided() && self.apart_m > self.decision.error_m
+    }
+}
+
+fn apart(one: &Run, other: &Run) -> f64 {
+    if one.readings.len() != other.readings.len() {
+        return f64::INFINITY;
+    }
+    let pairs = one.readings.iter().zip(&other.readings);
+    pairs.map(|(one, other)| (one.position - other.position).abs()).fold(0.0, f64::max)
+}
