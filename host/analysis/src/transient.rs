@@ -1,5 +1,6 @@
 //! A transient in engineering units, wherever it comes from.
 
+mod grip;
 mod of_simulation;
 mod of_target;
 
@@ -7,9 +8,11 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_records::band::Band;
-use pneudrive_records::run_folder::StoredRun;
+use pneudrive_records::run_folder::{Numbered, StoredRun};
 use pneudrive_records::target::TargetFile;
 use pneudrive_sim::trace::Extra;
+
+pub use grip::Grip;
 
 /// What is compared and drawn: name and unit of each channel.
 pub const CHANNELS: [(&str, &str); 7] = [
@@ -49,6 +52,8 @@ pub const ERROR: usize = 6;
 pub struct Transient {
     /// Where it comes from, for legends.
     pub name: String,
+    /// Number and date of a simulated run that has been written.
+    pub numbered: Option<Numbered>,
     /// What its test is called; the tests of built-in rigs have the names of their rigs.
     pub test: String,
     /// s, from the start of the test.
@@ -65,6 +70,8 @@ pub struct Transient {
     pub pressure_step_kpa: f64,
     /// Air that flows into the chambers, kg/s; None of a record, which has no flows.
     pub inflow_kg_s: Option<Vec<f64>>,
+    /// How firmly friction holds the load; None of a record, which does not show it, and without friction.
+    pub grip: Option<Grip>,
     /// Columns that not every trace has, in their own units.
     pub extras: Vec<(&'static Extra, Vec<f64>)>,
     /// Times before and after each place where samples are missing, s.
@@ -153,6 +160,7 @@ impl Transient {
         let flows = run.column("mass_flow_1_kg_s").iter().zip(run.column("mass_flow_2_kg_s"));
         Transient {
             name: name.to_owned(),
+            numbered: run.numbered.clone(),
             test: run.rig.clone(),
             time: run.column("time_s").to_vec(),
             channels: [
@@ -169,6 +177,10 @@ impl Transient {
             windows: run.windows,
             pressure_step_kpa: 0.0,
             inflow_kg_s: Some(flows.map(inflow).collect()),
+            grip: run
+                .holding
+                .as_ref()
+                .and_then(|holding| Grip::of(holding, run.column("friction_n").iter().copied())),
             extras: run.extras.iter().map(|extra| (*extra, run.column(extra.name).to_vec())).collect(),
             gaps: Vec::new(),
             band: run.band.as_ref().map(ChannelBand::of),
@@ -204,6 +216,7 @@ impl Transient {
         let end = self.time.partition_point(|&time| time <= to).max(first);
         Transient {
             name: self.name.clone(),
+            numbered: self.numbered.clone(),
             test: self.test.clone(),
             time: self.time[first..end].to_vec(),
             channels: std::array::from_fn(|channel| self.channels[channel][first..end].to_vec()),
@@ -212,6 +225,7 @@ impl Transient {
             windows: self.windows,
             pressure_step_kpa: self.pressure_step_kpa,
             inflow_kg_s: self.inflow_kg_s.as_ref().map(|flow| flow[first..end].to_vec()),
+            grip: self.grip.as_ref().map(|grip| grip.between(first, end)),
             extras: self.extras.iter().map(|(extra, of)| (*extra, of[first..end].to_vec())).collect(),
             gaps: self
                 .gaps

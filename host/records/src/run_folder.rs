@@ -5,11 +5,13 @@
 
 mod checksum;
 mod description;
+mod holding;
 mod json_file;
 mod numbering;
 mod replacement;
 mod stored;
 
+pub use holding::Holding;
 pub use numbering::{Existing, Numbered, refuse_other_rig};
 pub use stored::{StoredRun, is_trace, rig_of};
 
@@ -32,8 +34,8 @@ use description::describe;
 use json_file::read_json;
 use replacement::Replacement;
 
-/// Makes a run's page with the given mark in its head.
-pub type PageOf<'a> = &'a dyn Fn(&str) -> Result<String>;
+/// Makes a run's page with the given mark in its head, for a run of this number and date.
+pub type PageOf<'a> = &'a dyn Fn(&str, &Numbered) -> Result<String>;
 
 /// The mark of a page that identifies its run; run.json has the same under `identity`.
 pub const IDENTITY: &str = "pneudrive-run";
@@ -86,7 +88,7 @@ pub fn write(
     }
     if let Some(page) = page {
         let mark = format!("<meta name=\"{IDENTITY}\" content=\"{identity}\">");
-        set.add(PAGE, &[page(&mark)?.as_bytes()])?;
+        set.add(PAGE, &[page(&mark, &numbered)?.as_bytes()])?;
     }
     set.add(RUN, &[(serde_json::to_string_pretty(&description)? + "\n").as_bytes()])?;
     set.commit()?;

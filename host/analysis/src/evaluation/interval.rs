@@ -73,7 +73,8 @@ impl<'a> Interval<'a> {
     pub fn limit_cycle(&self) -> LimitCycle {
         let pressures = PRESSURES.map(|channel| &self.transient.channels[channel][self.begin..self.end]);
         let mm_per_count = self.transient.mm_per_count;
-        LimitCycle::of(self.time(), self.position(), pressures, mm_per_count, self.still_mm)
+        let grip = self.transient.grip.as_ref().map(|grip| grip.between(self.begin, self.end));
+        LimitCycle::of(self.time(), self.position(), pressures, grip.as_ref(), mm_per_count, self.still_mm)
     }
 
     /// How far it should go, mm, if that is at least this many counts.

@@ -13,19 +13,21 @@
 //! ringing that dies out exponentially never does.
 //!
 //! The drive comes to rest if it does not move at the end of the move for a quarter of the move, for 0.2 s, and for the
-//! length of the longest cycle before, and if its pressures come to rest, too. For the latter, this time is divided into
-//! three parts: the mean pressures must change by less than 7 kPa/s from the second part to the third, or by less than
-//! 0.7 of their change from the first to the second. A drive that sticks while its pressures still change will jump. Where
-//! neither pressure was measured, it cannot be told whether the drive comes to rest or sticks.
+//! length of the longest cycle before, if its pressures come to rest, too, and if what is still to come of them is small
+//! beside what holds the load (`standstill.rs`): a drive that sticks while its pressures still change will jump. Unless
+//! both pressures were measured, it cannot be told whether the drive comes to rest or sticks.
 //!
 //! Everything else cannot be decided: the record is too short.
 
+mod standstill;
 mod trend;
 
 use std::fmt;
 
 use super::noise;
 use super::swings::{Swing, swings};
+use crate::transient::Grip;
+use standstill::Standstill;
 use trend::Trend;
 
 /// What a move shows of a limit cycle.
@@ -70,8 +72,10 @@ pub enum Doubt {
     Sticking {
         /// How fast, kPa/s.
         kpa_s: f64,
+        /// How much longer it would have to stand to be known to rest, by how the pressures change, s.
+        still_s: f64,
     },
-    /// The drive is at rest, but nobody has measured its pressures: it may stick, and jump later.
+    /// The drive is at rest, but its pressures were not both measured: it may stick, and jump later.
     PressuresUnknown,
     /// It moves, and has not turned back lately.
     Moving,
@@ -98,9 +102,11 @@ impl fmt::Display for Doubt {
         match self {
             Doubt::TooShort => write!(f, "it lasts for less than {REST_S} s"),
             Doubt::JustStopped => f.write_str("it is at rest at the end, but not for long enough"),
-            Doubt::Sticking { kpa_s } => {
-                write!(f, "it is at rest at the end, but its pressures still change by {kpa_s:.0} kPa/s")
-            }
+            Doubt::Sticking { kpa_s, still_s } => write!(
+                f,
+                "it is at rest at the end, but its pressures still change by {kpa_s:.1} kPa/s and may make it jump: watch it for {:.0} s more",
+                still_s.ceil().max(1.0)
+            ),
             Doubt::PressuresUnknown => f.write_str(
                 "it is at rest at the end, but without its pressures it is not known whether it only sticks",
             ),
@@ -135,12 +141,6 @@ const REST_COUNTS: f64 = 2.5;
 /// The noise of an encoder, too, in its standard deviations: of 100,000 draws the range is 8.7.
 const REST_DEVIATIONS: f64 = 9.0;
 
-/// Pressures that change by less are at rest, kPa/s: 14 N in a second on a piston of 50 mm.
-const STEADY_KPA_S: f64 = 7.0;
-
-/// And those that change by less than this part of the change before.
-const STEADYING: f64 = 0.7;
-
 /// A swing that loses less than this part over the cycles is constant.
 const MAX_LOSS: f64 = 0.1;
 
@@ -158,11 +158,12 @@ const ROUNDING_COUNTS: f64 = 0.3;
 
 impl LimitCycle {
     /// What the positions of a move (mm) over time (s) show, and the pressures of its chambers (kPa). The drive moves by
-    /// `still_mm` at most while it rests ([`still_band`]).
+    /// `still_mm` at most while it rests ([`still_band`]). `grip` is known of simulated runs, at the same instants.
     pub(super) fn of(
         time: &[f64],
         position: &[f64],
         pressures: [&[f64]; 2],
+        grip: Option<&Grip>,
         mm_per_count: f64,
         still_mm: f64,
     ) -> LimitCycle {
@@ -174,10 +175,9 @@ impl LimitCycle {
         let slowest = cycles(&earlier).map(|cycle| cycle.duration_s()).fold(0.0, f64::max);
         if rest_s >= REST_S.max(REST_PART * duration(time)).max(slowest) {
             let still_since = time.partition_point(|t| *t < time[time.len() - 1] - rest_s);
-            let at_rest = pressures.map(|pressure| &pressure[still_since..]);
-            return match still_changing(at_rest, rest_s) {
-                _ if !is_any_known(at_rest) => LimitCycle::Undecided(Doubt::PressuresUnknown),
-                Some(kpa_s) => LimitCycle::Undecided(Doubt::Sticking { kpa_s }),
+            let standstill = Standstill::of(pressures, grip, still_since..time.len(), rest_s);
+            return match standstill.doubt() {
+                Some(doubt) => LimitCycle::Undecided(doubt),
                 None => LimitCycle::None { below_mm: still_mm, for_s: rest_s },
             };
         }
@@ -259,24 +259,6 @@ pub(super) fn rest(time: &[f64], position: &[f64], band_mm: f64) -> f64 {
     };
     let samples = position.iter().rev().take_while(still).count();
     duration(&time[time.len() - samples..])
-}
-
-/// Whether a pressure was measured at any time.
-fn is_any_known(pressures: [&[f64]; 2]) -> bool {
-    pressures.into_iter().flatten().any(|kpa| kpa.is_finite())
-}
-
-/// How fast pressures (kPa) over a time (s) change at its end if they do not come to rest, kPa/s.
-fn still_changing(pressures: [&[f64]; 2], during_s: f64) -> Option<f64> {
-    let last = |pressure: &[f64]| {
-        let third = pressure.len() / 3;
-        let mean = |number: usize| {
-            pressure[number * third..(number + 1) * third].iter().sum::<f64>() / third.max(1) as f64
-        };
-        let [earlier, later] = [mean(1) - mean(0), mean(2) - mean(1)].map(|by| 3.0 * by.abs() / during_s);
-        (later > STEADY_KPA_S && later > STEADYING * earlier).then_some(later)
-    };
-    pressures.into_iter().filter_map(last).reduce(f64::max)
 }
 
 fn duration(time: &[f64]) -> f64 {

@@ -1,12 +1,13 @@
 //! The transient of a run that has not been written.
 
+use pneudrive_records::run_folder::Holding;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys::controller;
 use pneudrive_sim::trace::Row;
 use pneudrive_sim::{Rig, Run};
 
-use super::{Cut, Transient};
+use super::{Cut, Grip, Transient};
 
 impl Transient {
     /// What [`Transient::of_run`] makes of the run once it is stored, without the columns that no channel needs.
@@ -18,6 +19,7 @@ impl Transient {
         let [v, a] = [&controller::VELOCITY_WINDOW_SAMPLES, &controller::ACCELERATION_WINDOW_SAMPLES];
         Transient {
             name: name.to_owned(),
+            numbered: None,
             test: rig.name().to_owned(),
             time: column(&|row| row.time),
             channels: [
@@ -37,6 +39,7 @@ impl Transient {
                 let [one, two] = row.plant.mass_flows;
                 one.max(0.0) + two.max(0.0)
             })),
+            grip: Grip::of(&Holding::of(rig), run.rows.iter().map(|row| row.plant.friction)),
             extras: Vec::new(),
             gaps: Vec::new(),
             band: None,

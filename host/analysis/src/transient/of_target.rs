@@ -28,6 +28,7 @@ impl Transient {
         };
         Ok(Transient {
             name: name.to_owned(),
+            numbered: None,
             test: file.get("test").unwrap_or_default().to_owned(),
             time: file.samples.iter().map(|(index, _)| f64::from(*index) * period).collect(),
             channels: [
@@ -48,6 +49,7 @@ impl Transient {
             ],
             pressure_step_kpa: pressure[0].abs(),
             inflow_kg_s: None,
+            grip: None,
             extras: Vec::new(),
             gaps: gaps(file, period),
             band: None,

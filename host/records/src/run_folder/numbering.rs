@@ -4,6 +4,7 @@
 //! have none and count as 0. The date is that of the clock, or of `SOURCE_DATE_EPOCH` (seconds since 1970), with which a
 //! run can be written again byte for byte.
 
+use std::fmt;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
@@ -30,6 +31,12 @@ pub struct Numbered {
     pub run: u64,
     /// When it was written, UTC, as `2026-11-22T14:05:00Z`.
     pub date: String,
+}
+
+impl fmt::Display for Numbered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "run {}, {}", self.run, self.date)
+    }
 }
 
 impl Numbered {

@@ -15,6 +15,7 @@ use serde_json::Map;
 use crate::judged::{Judged, Spacing};
 
 use super::checksum::checksum;
+use super::holding::Holding;
 use super::json_file::{json_of, read_json};
 use super::replacement::settle;
 use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS};
@@ -47,6 +48,8 @@ pub struct StoredRun {
     pub accuracy: Option<Accuracy>,
     /// Its optional columns.
     pub extras: Vec<&'static Extra>,
+    /// What holds its load; None if this program no longer accepts the values of its rig.
+    pub holding: Option<Holding>,
     /// Whether a checksum confirms its trace; runs of older versions have none.
     pub has_checksum: bool,
     columns: Vec<Vec<f64>>,
@@ -71,6 +74,7 @@ impl StoredRun {
             band: None,
             spacing: None,
             accuracy: None,
+            holding: Some(Holding::of(rig)),
             has_checksum: true,
             extras: Vec::new(),
             columns,
@@ -140,6 +144,7 @@ impl StoredRun {
             band: None,
             spacing: spacing_of(description),
             accuracy: accuracy_of(description),
+            holding: rig_in(&json_path, description).ok().map(|rig| Holding::of(&rig)),
             has_checksum: !description[CHECKSUMS][TRACE].is_null(),
             extras,
             columns,
@@ -170,7 +175,10 @@ impl StoredRun {
 /// When run.json cannot be read, or this program no longer accepts its values.
 pub fn rig_of(folder: &Path) -> Result<Rig> {
     let path = folder.join(RUN);
-    let description = read_json(&path)?;
+    rig_in(&path, &read_json(&path)?)
+}
+
+fn rig_in(path: &Path, description: &serde_json::Value) -> Result<Rig> {
     let keys = description["keys"].as_object().with_context(|| format!("{} has no keys", path.display()))?;
     let name = description["rig"].as_str().unwrap_or("run");
     Ok(Rig::read(name, &rig_text::of_keys(&with_one_form_of_moves(keys.clone()))?)?)

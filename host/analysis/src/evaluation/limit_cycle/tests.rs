@@ -8,7 +8,7 @@ const COUNT_MM: f64 = 0.01205;
 
 /// What positions (mm) over time (s) and pressures (kPa) show.
 fn shown(time: &[f64], position: &[f64], pressures: [&[f64]; 2]) -> LimitCycle {
-    LimitCycle::of(time, position, pressures, COUNT_MM, still_band(position, COUNT_MM))
+    LimitCycle::of(time, position, pressures, None, COUNT_MM, still_band(position, COUNT_MM))
 }
 
 /// What the counts of a motion (mm over s) show.
@@ -270,31 +270,80 @@ fn a_drive_that_stands_while_its_pressures_go_on_changing_is_not_known_to_rest()
     };
     for ramp_kpa_s in [-40.0, 8.0, 100.0] {
         let found = seen(&|t| 300.0 + ramp_kpa_s * t);
-        let LimitCycle::Undecided(Doubt::Sticking { kpa_s }) = found else { panic!("{found:?}") };
+        let LimitCycle::Undecided(Doubt::Sticking { kpa_s, still_s }) = found else { panic!("{found:?}") };
         assert!((kpa_s / ramp_kpa_s.abs() - 1.0).abs() < 0.01, "{kpa_s}");
+        assert_eq!(still_s, 10.0, "nothing is foreseen for longer");
     }
     let charged = seen(&|t| 300.0 + 100.0 * (-t / 0.3).exp());
     assert!(matches!(charged, LimitCycle::None { .. }), "{charged:?}");
-    let dithered = seen(&|t| 300.0 + 5.0 * (TAU * 50.0 * t).sin());
-    assert!(matches!(dithered, LimitCycle::None { .. }), "{dithered:?}");
+    for hz in [20.0, 50.0, 75.0] {
+        let dithered = seen(&|t| 300.0 + 5.0 * (TAU * hz * t).sin());
+        assert!(matches!(dithered, LimitCycle::None { .. }), "{dithered:?}");
+    }
+}
+
+/// Pressures that creep to their end for seconds: the wait ends where less than 2 kPa is to come.
+#[test]
+fn what_is_still_to_come_of_a_pressure_tells_how_much_longer_to_watch() {
+    let seen = |seconds: f64, kpa: f64, decays_s: f64| {
+        let time: Vec<f64> = (0..(seconds / PERIOD_S) as usize).map(|k| k as f64 * PERIOD_S).collect();
+        let pressure: Vec<f64> = time.iter().map(|t| 300.0 + kpa * (-t / decays_s).exp()).collect();
+        shown(&time, &vec![100.0; time.len()], [&pressure, &pressure])
+    };
+    for (kpa, decays_s) in [(30.0_f64, 1.0), (-30.0, 2.0), (10.0, 3.0)] {
+        let until_s = decays_s * (kpa.abs() / 2.0_f64).ln();
+        let found = seen(2.0, kpa, decays_s);
+        let LimitCycle::Undecided(Doubt::Sticking { still_s, .. }) = found else { panic!("{found:?}") };
+        assert!((still_s - (until_s - 2.0)).abs() < 0.1, "{kpa} kPa, {decays_s} s: {still_s}");
+        let later = seen(until_s + 0.1, kpa, decays_s);
+        assert!(matches!(later, LimitCycle::None { .. }), "{later:?}");
+    }
+}
+
+/// A pressure that turns back is on its way to somewhere that nobody knows.
+#[test]
+fn a_pressure_that_changes_its_direction_is_not_taken_for_one_that_dies_out() {
+    let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * PERIOD_S).collect();
+    let turns: Vec<f64> = time.iter().map(|t| 300.0 - 40.0 * (-t / 0.2).exp() - 4.0 * t).collect();
+    let found = shown(&time, &vec![100.0; time.len()], [&turns, &vec![400.0; time.len()]]);
+    assert!(matches!(found, LimitCycle::Undecided(Doubt::Sticking { .. })), "{found:?}");
+}
+
+/// A load that friction barely holds is moved by what a load that it holds firmly does not feel.
+#[test]
+fn what_is_to_come_is_held_against_the_friction_that_is_left() {
+    let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * PERIOD_S).collect();
+    let (still, steady) = (vec![100.0; time.len()], vec![400.0; time.len()]);
+    let rising: Vec<f64> = time.iter().map(|t| 300.0 - 30.0 * (-t / 0.4).exp()).collect();
+    let seen = |used: f64| {
+        let grip = Grip { used: vec![used; time.len()], per_kpa: [0.05; 2] };
+        LimitCycle::of(&time, &still, [&rising, &steady], Some(&grip), COUNT_MM, 0.03)
+    };
+    for used in [0.0, -0.5, 0.8] {
+        assert!(matches!(seen(used), LimitCycle::None { .. }), "{used}: {:?}", seen(used));
+    }
+    for used in [0.95, -0.95, 1.0] {
+        let found = seen(used);
+        assert!(matches!(found, LimitCycle::Undecided(Doubt::Sticking { .. })), "{used}: {found:?}");
+    }
 }
 
 /// A drive without pressure sensors may stick as any other; its swing is seen all the same.
 #[test]
-fn a_drive_that_stands_is_not_known_to_rest_where_no_pressure_is_measured() {
+fn a_drive_that_stands_is_not_known_to_rest_unless_both_pressures_are_measured() {
     let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * PERIOD_S).collect();
     let (known, unknown) = (vec![400.0; time.len()], vec![f64::NAN; time.len()]);
     let still = vec![100.0; time.len()];
     let seen = |position: &[f64], pressures: [&[f64]; 2]| shown(&time, position, pressures);
-    let found = seen(&still, [&unknown, &unknown]);
-    assert_eq!(found, LimitCycle::Undecided(Doubt::PressuresUnknown));
-    assert!(Doubt::PressuresUnknown.to_string().contains("without its pressures"));
-    for one_known in [[&known[..], &unknown[..]], [&unknown[..], &known[..]]] {
-        assert!(matches!(seen(&still, one_known), LimitCycle::None { .. }));
+    let [known, unknown] = [&known[..], &unknown[..]];
+    for pressures in [[unknown, unknown], [known, unknown], [unknown, known]] {
+        assert_eq!(seen(&still, pressures), LimitCycle::Undecided(Doubt::PressuresUnknown));
     }
+    assert!(Doubt::PressuresUnknown.to_string().contains("without its pressures"));
+    assert!(matches!(seen(&still, [known, known]), LimitCycle::None { .. }));
     let counted = |mm: f64| (mm / COUNT_MM).floor() * COUNT_MM;
     let swing: Vec<f64> = time.iter().map(|&t| counted(100.0 + sine(5.0, 6.0, 0.0)(t))).collect();
-    assert!(matches!(seen(&swing, [&unknown, &unknown]), LimitCycle::Sustained(_)));
+    assert!(matches!(seen(&swing, [unknown, unknown]), LimitCycle::Sustained(_)));
 }
 
 #[test]
