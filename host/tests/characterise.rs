@@ -188,3 +188,24 @@ fn points_of_another_test_are_refused_with_the_columns_that_are_needed() {
     );
     assert!(printed.contains("command_percent, flow_l_min"), "{printed}");
 }
+
+/// A drive by its data sheets, held by its friction and by air, the load above and below.
+#[test]
+fn each_curve_of_a_drive_of_ones_own_is_measured_level_inclined_and_vertical() {
+    let folder = folder();
+    let drive =
+        "--cylinder iso-15552-32 --stroke 250mm --mass 8kg --valve proportional-5-3-350 --no-questions";
+    for incline in ["0", "30", "90", "-90"] {
+        let rig = format!("at{incline}.toml");
+        ok(folder.path(), &format!("rig new {rig} {drive} --incline {incline}deg"));
+        let printed = ok(folder.path(), &format!("characterise {rig} all --out at{incline}"));
+        let skipped: Vec<&str> = printed.lines().filter(|line| line.contains(": skipped, as ")).collect();
+        let has_not = ["pressure-drop", "flow-force", "leakage", "drift", "land-area", "valve-models"];
+        assert!(skipped.iter().all(|line| has_not.iter().any(|name| line.starts_with(name))), "{skipped:?}");
+        let figure = |name: &str| -> f64 { figure(&printed, name)[0].parse().expect("a number") };
+        for way in ["extending", "retracting"] {
+            let friction = figure(&format!("static friction, {way}"));
+            assert!((friction / 49.0 - 1.0).abs() < 0.05, "{incline} degrees, {way}: {friction} N");
+        }
+    }
+}

@@ -191,6 +191,7 @@ fn page(
                 panels: vec![panel(graph)],
             })
             .collect(),
+        ..Page::default()
     }
 }
 

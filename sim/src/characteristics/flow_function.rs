@@ -4,6 +4,13 @@
 //! ```text
 //! m / (A P_u / sqrt(T_u) sqrt(n/R) (2/(n+1))^((n+1)/(2(n-1))))
 //! ```
+//!
+//! Below it, the flow function with upstream Mach numbers (V.9 to V.11, Fig. 6.14) as a share of the same flow: P_u and T_u
+//! are those of the moving air. It passes what air at rest would at its stagnation state
+//!
+//! ```text
+//! T_0 = T_u s,   P_0 = P_u s^(n/(n-1)),   s = 1 + (n-1)/2 M_u^2
+//! ```
 
 use super::points::evenly;
 use super::{Characteristic, Figure, Graph, Series, Unfit};
@@ -14,7 +21,10 @@ use crate::component::valve::{Model, Valve};
 use crate::keys;
 use crate::values::Rig;
 
-pub(super) const ABOUT: &str = "flow of a land over the pressure ratio (V.9)";
+pub(super) const ABOUT: &str = "flow of a land over the pressure ratio, and the flow function with upstream Mach numbers (V.9, Fig. 6.14)";
+
+/// The Mach numbers of the curves; the thesis restricts them to subsonic ones (6.54).
+const MACH_NUMBERS: [f64; 5] = [0.0, 0.2, 0.4, 0.6, 0.8];
 
 /// Choked flow of an ideal nozzle, kg/s per m^2, from a pressure (Pa) and temperature (K) at rest.
 #[must_use]
@@ -36,6 +46,15 @@ pub fn land_flow(rig: &Rig, ratio: f64) -> f64 {
     (lands.lane(0).supply * psi / rig.get(&keys::supply::TEMPERATURE_K)).max(0.0).sqrt()
 }
 
+/// The flow function with an upstream Mach number (V.9, V.11) at a ratio of static pressures up to 1, as a share of what
+/// passes choked from rest.
+#[must_use]
+pub fn with_approach(gas: &Gas, mach: f64, ratio: f64) -> f64 {
+    let stagnation = 1.0 + (gas.heat_capacity_ratio - 1.0) / 2.0 * mach * mach;
+    let of = |upstream, downstream| FlowLaw::Orifice.flow_function(gas, upstream, downstream).value;
+    (of(stagnation, gas.exner(ratio)) / (stagnation * of(1.0, 0.0))).sqrt()
+}
+
 /// The flow that counts as one, kg/s: what an ideal nozzle of the land's area passes choked, or the land itself where it has no area.
 fn whole(rig: &Rig) -> f64 {
     if matches!(rig.get(&keys::valve::MODEL), Model::Iso6358 | Model::FlowMap) {
@@ -55,6 +74,9 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
         let psi = FlowLaw::Orifice.flow_function(&gas, 1.0, gas.exner(ratio)).value;
         (psi / FlowLaw::Orifice.flow_function(&gas, 1.0, 0.0).value).sqrt()
     });
+    let approaching = MACH_NUMBERS.map(|mach| {
+        Series::over(format!("upstream Mach {mach}"), &ratios, |ratio| with_approach(&gas, mach, ratio))
+    });
     let with_perry = Series { name: "ideal nozzle with Perry's coefficient".to_owned(), ..ideal.clone() };
     let with_perry = Series {
         y: ratios.iter().zip(&ideal.y).map(|(&ratio, flow)| flow * perry(ratio)).collect(),
@@ -63,9 +85,15 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     let n = gas.heat_capacity_ratio;
     let critical = libm::pow(2.0 / (n + 1.0), n / (n - 1.0));
     Ok(Characteristic {
-        notes: vec!["As a share of the choked flow of an ideal nozzle with the land's area, its air at rest in front of it; where conductances stand for areas, of that of the land itself.".to_owned()],
+        notes: vec![
+            "As a share of the choked flow of an ideal nozzle with the land's area, its air at rest in front of it; where conductances stand for areas, of that of the land itself.".to_owned(),
+            "Below, the flow function of an ideal nozzle that air approaches at a Mach number (Fig. 6.14), over the ratio of static pressures: at equal pressures its speed alone carries it on.".to_owned(),
+        ],
         across: "downstream over upstream pressure",
-        graphs: vec![Graph { title: "flow, share of choked", series: vec![land, ideal, with_perry] }],
+        graphs: vec![
+            Graph { title: "flow, share of choked", series: vec![land, ideal, with_perry] },
+            Graph { title: "flow function, share of choked from rest", series: approaching.into() },
+        ],
         figures: vec![
             Figure::computed("critical pressure ratio of an ideal nozzle".to_owned(), critical, ""),
             Figure::computed("choked flow of the open land".to_owned(), 1e3 * land_flow(rig, 0.0), "g/s"),
@@ -97,6 +125,23 @@ mod tests {
         }
         assert!(land_flow(&rig, 0.6) < 0.8 * ideal);
         assert_eq!(land_flow(&rig, 1.0), 0.0);
+    }
+
+    /// V.9 and V.11, with n = 1.4.
+    #[test]
+    fn the_flow_function_with_upstream_mach_numbers_is_that_of_appendix_v() {
+        let (gas, n) = (Gas::new(1.4, 286.76), 1.4_f64);
+        let shape = |base: f64| (base / (n + 1.0)).powf((n + 1.0) / (2.0 * (n - 1.0)));
+        for mach in [0.0_f64, 0.2, 0.57, 0.8, 1.0] {
+            let kinetic = mach * mach * (n - 1.0) + 2.0;
+            let critical = (kinetic / (n + 1.0)).powf(n / (n - 1.0));
+            for ratio in [0.1_f64, 0.5, 0.6, 0.7, 0.9, 0.99, 1.0] {
+                let root = (mach * mach + 2.0 / (n - 1.0) * (1.0 - ratio.powf((n - 1.0) / n))).sqrt();
+                let gamma = if ratio > critical { ratio.powf(1.0 / n) * root } else { shape(kinetic) };
+                let share = with_approach(&gas, mach, ratio);
+                assert!((share - gamma / shape(2.0)).abs() < 1e-12, "Mach {mach}, ratio {ratio}: {share}");
+            }
+        }
     }
 
     /// ISO 6358: sqrt(1 - ((r - b)/(1 - b))^2) of the choked flow C rho_0 P_u.

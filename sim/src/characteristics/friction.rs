@@ -1,7 +1,9 @@
 //! Static and dynamic friction by a slow rise of the supply (7.1.3.1, Fig. 7.10 and 7.11, Tab. 7.2).
 //!
 //! The valve is open by a quarter to one side and the supply rises from the pressure of the surroundings until the load
-//! moves. What the cylinder pushes with, less what the load weighs, is the friction:
+//! moves. A load that its friction does not hold, such as the weight of a vertical axis, rests on the air of one chamber: the
+//! supply begins at the pressure that carries it, rises to move it up and falls to let it down, both through that chamber.
+//! What the cylinder pushes with, less what the load weighs, is the friction:
 //!
 //! ```text
 //! F = P_1 A_1 - P_2 A_2 - P_e A_r + F_standing
@@ -11,6 +13,7 @@
 //! first instant of constant speed, at which nothing accelerates the mass.
 
 use super::{Characteristic, Figure, Graph, Reading, Series, Unfit};
+use crate::component::actuator::Actuator;
 use crate::component::friction::FrictionModel;
 use crate::component::load::Load;
 use crate::component::operator;
@@ -18,7 +21,6 @@ use crate::keys;
 use crate::plant::{Accuracy, Plant, Snapshot};
 use crate::rig::Rig;
 use pneudrive_controller::Command;
-use pneudrive_solver::IntegrationError;
 
 pub(super) const ABOUT: &str =
     "static and dynamic friction by a slow rise of the supply (7.1.3.1, Fig. 7.10, 7.11)";
@@ -61,6 +63,11 @@ impl Way {
             Way::Extending => "extending",
             Way::Retracting => "retracting",
         }
+    }
+
+    /// Of a force, N.
+    fn of(force: f64) -> Way {
+        if force < 0.0 { Way::Retracting } else { Way::Extending }
     }
 
     /// Where the test begins, of the stroke: most of it lies ahead.
@@ -133,23 +140,73 @@ pub(super) fn measure(rig: &Rig) -> Result<Characteristic, Unfit> {
     })
 }
 
+/// How a load is moved: what it rests on before, and through which chamber.
+struct Push {
+    /// Where it begins, m.
+    position: f64,
+    /// The chambers' pressures before, Pa.
+    pressures: [f64; 2],
+    /// The supply before, and after all steps, Pa.
+    supply: [f64; 2],
+    /// The way that the valve alone would move it.
+    valve: Way,
+}
+
+impl Push {
+    /// The one that moves the load of a rig in one way.
+    fn new(rig: &Rig, way: Way) -> Result<Push, Unfit> {
+        let [exhaust, full] =
+            [&keys::exhaust::PRESSURE_PA, &keys::supply::PRESSURE_PA].map(|key| rig.get(key));
+        let position = way.start() * rig.get(&keys::actuator::STROKE_M);
+        let load = Load::of(rig);
+        let standing = load.standing_force(position);
+        let held =
+            [&keys::friction::STATIC_RETRACT_N, &keys::friction::STATIC_EXTEND_N].map(|key| rig.get(key));
+        if (-held[0]..=held[1]).contains(&standing) {
+            return Ok(Push { position, pressures: [exhaust; 2], supply: [exhaust, full], valve: way });
+        }
+        let actuator = Actuator::of(rig);
+        let carries = Way::of(-standing);
+        let (chamber, area) = match carries {
+            Way::Extending => (0, actuator.area_1),
+            Way::Retracting => (1, actuator.area_2),
+        };
+        let carrying = exhaust + standing.abs() / area;
+        if carrying >= full {
+            return Err(Unfit::NoPart("the supply cannot hold its load"));
+        }
+        let mut pressures = [exhaust; 2];
+        pressures[chamber] = carrying;
+        let last = if way == carries { full } else { exhaust };
+        Ok(Push { position, pressures, supply: [carrying, last], valve: carries })
+    }
+
+    /// The supply at reading `k`, Pa: as fast for every load, and not beyond its last pressure.
+    fn supply(&self, k: u32, range: f64) -> f64 {
+        let [first, last] = self.supply;
+        let moved = range * f64::from(k.saturating_sub(ALONE)) / f64::from(STEPS);
+        first + (last - first).signum() * moved.min((last - first).abs())
+    }
+}
+
 /// Pushes the load of a rig one way.
-fn rise(rig: &Rig, way: Way) -> Result<Rise, IntegrationError> {
-    let [exhaust, full] = [&keys::exhaust::PRESSURE_PA, &keys::supply::PRESSURE_PA].map(|key| rig.get(key));
+fn rise(rig: &Rig, way: Way) -> Result<Rise, Unfit> {
+    let push = Push::new(rig, way)?;
+    let range = rig.get(&keys::supply::PRESSURE_PA) - rig.get(&keys::exhaust::PRESSURE_PA);
     let stroke = rig.get(&keys::actuator::STROKE_M);
     let start = [
-        ("test.position_m", way.start() * stroke),
-        ("test.pressure_1_pa", exhaust),
-        ("test.pressure_2_pa", exhaust),
+        ("test.position_m", push.position),
+        ("test.pressure_1_pa", push.pressures[0]),
+        ("test.pressure_2_pa", push.pressures[1]),
     ];
-    let rig = rig.with_numbers(&start).expect("air at the pressure of the surroundings, within the stroke");
+    let rig = rig.with_numbers(&start).expect("pressures between surroundings and supply, within the stroke");
     let mut plant = Plant::new(&rig, Accuracy::default(), 0).with_timing((1e6 * PERIOD_S) as u64, 1);
     let load = Load::of(&rig);
     let mut rise = Rise { way, creep: load.friction.creep(), readings: Vec::new(), moving: None };
     for k in 0..ALONE + STEPS {
-        let supply = exhaust + (full - exhaust) * f64::from(k.saturating_sub(ALONE)) / f64::from(STEPS);
+        let supply = push.supply(k, range);
         plant.set_supply_pressure(supply);
-        plant.command(quarter(&rig, way, k));
+        plant.command(quarter(&rig, push.valve, k));
         let looks = if rise.moving.is_some() { IN_MOTION } else { 1 };
         for look in 0..looks {
             let time = (f64::from(k) + f64::from(look) / f64::from(looks)) * PERIOD_S;
@@ -347,9 +404,52 @@ mod tests {
         }
     }
 
+    /// A drive by its data sheets, and what else it has.
+    fn own(settings: &[&str]) -> Rig {
+        let by_conductance = [
+            "valve.model=iso-6358",
+            "valve.characteristic=linear",
+            "valve.sonic_conductance_m3_per_s_pa=1.4e-8",
+            "valve.critical_ratio=0.3",
+            "valve.leakage_percent=1",
+            "valve.underlap_mm=0.025",
+            "operator.model=solenoid-empirical",
+            "operator.dither_mm=0",
+            "tubing.model=none",
+            "load.static_extend_n=60",
+            "load.static_retract_n=50",
+            "load.coulomb_extend_n=30",
+            "load.coulomb_retract_n=25",
+        ];
+        rig(&[&by_conductance[..], settings].concat())
+    }
+
+    /// Level, inclined either way and vertical, held by its friction or by air, pushed or pulled.
     #[test]
-    fn a_load_that_its_weight_moves_is_not_measured() {
-        let falls = rig(&["load.incline_deg=90", "load.mass_kg=20"]);
-        assert!(matches!(measure(&falls), Err(Unfit::NoPart(_))));
+    fn the_frictions_of_a_drive_by_data_sheets_are_found_at_every_incline() {
+        for others in [
+            &[][..],
+            &["load.incline_deg=30", "load.mass_kg=8"],
+            &["load.incline_deg=-30", "load.mass_kg=20"],
+            &["load.incline_deg=90", "load.mass_kg=4"],
+            &["load.incline_deg=90", "load.mass_kg=8.4"],
+            &["load.incline_deg=-90", "load.mass_kg=30"],
+            &["load.incline_deg=90", "load.mass_kg=30", "load.constant_force_n=-50"],
+        ] {
+            let found = measure(&own(others)).unwrap_or_else(|unfit| panic!("{others:?}: {unfit}"));
+            for (way, [stiction, coulomb]) in [("extending", [60.0, 30.0]), ("retracting", [50.0, 25.0])] {
+                assert_reads(&found, &format!("static friction, {way}"), stiction);
+                let dry = format!("dynamic friction less the viscous part, {way}");
+                if figure(&found, &dry).value().is_some() {
+                    assert_reads(&found, &dry, coulomb);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_load_that_the_supply_cannot_hold_is_said_to_be() {
+        let heavy = own(&["load.incline_deg=90", "load.mass_kg=400", "test.pressure_1_pa=300e3"]);
+        assert_eq!(measure(&heavy), Err(Unfit::NoPart("the supply cannot hold its load")));
     }
 }

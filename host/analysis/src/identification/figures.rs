@@ -1,10 +1,13 @@
 //! What records tell without a model of the air: the simpler tests of thesis 7.1.
 //!
 //! ```text
-//! F = P_1 A_1 - P_2 A_2 - P_e A_R2 + F_const - k y     measured force on the load (6.25, 6.31)
-//! F at the last sample before it moves                 stiction, unless it yields (7.1.3.1)
-//! F = M a + K_C v + F_c,ext [v > 0] - F_c,ret [v < 0]  least squares while it slips
+//! F = P_1 A_1 - P_2 A_2 - P_e A_R2 + F_const - k y     measured force on the load but its weight (6.25, 6.31)
+//! F = M (a + g sin(incline)) + K_C v + F_c,ext [v > 0] - F_c,ret [v < 0]  least squares while it slips
+//! F - M g sin(incline) at the last sample before it moves   stiction, unless it yields (7.1.3.1)
 //! ```
+//!
+//! The incline is that of the rig file. The weight goes with the mass that the balance has found, or with that of the file where
+//! no record shows it; its error is part of the error of the stiction.
 //!
 //! Speed and acceleration are differences of positions over `HALF_WIDTH` samples to either side, the force a mean over
 //! the same ones. The hysteresis is how far apart the spool stands at the same command on the way up and on the way
@@ -17,9 +20,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::actuator;
 use pneudrive_sim::component::actuator::Actuator;
-use pneudrive_sim::keys;
+use pneudrive_sim::component::load::{self, Load};
 
 use super::recording::Recording;
 use crate::page::Table;
@@ -76,7 +78,14 @@ pub struct Figures {
 struct Instant {
     speed: f64,
     acceleration: f64,
+    /// All forces but weight and friction, N.
     force: f64,
+}
+
+/// The forces on a load but its friction, from what the gauges show.
+struct Forces {
+    actuator: Actuator,
+    load: Load,
 }
 
 impl Figures {
@@ -123,16 +132,21 @@ impl Figures {
     /// Of all records together.
     #[must_use]
     pub fn of(rig: &Rig, recordings: &[Recording]) -> Figures {
-        let moving: Vec<Instant> = recordings.iter().flat_map(|recording| instants(rig, recording)).collect();
+        let forces = Forces::of(rig);
+        let moving: Vec<Instant> =
+            recordings.iter().flat_map(|recording| instants(&forces, recording)).collect();
+        let mut figures = Figures::default();
+        figures.balance(&moving, forces.uphill());
+        let weight = forces.weight(figures.mass);
         let breakaways: Vec<Breakaway> =
-            recordings.iter().flat_map(|recording| breakaways(rig, recording)).collect();
+            recordings.iter().flat_map(|recording| breakaways(&forces, weight, recording)).collect();
         let of_direction = |sign: f64| breakaways.iter().filter(move |one| one.direction == sign);
         let most = |of: &dyn Fn(&Instant) -> f64, sign: f64| {
             let largest = moving.iter().map(|instant| sign * of(instant)).fold(f64::MIN, f64::max);
             (largest > 0.0).then_some(largest)
         };
         let both = |of: &dyn Fn(&Instant) -> f64| [most(of, 1.0), most(of, -1.0)];
-        let mut figures = Figures {
+        Figures {
             // The record that tells it best: the force rises slowest.
             stiction: [1.0, -1.0].map(|sign| {
                 let sharp = of_direction(sign).filter(|one| !one.yields).map(|one| one.force);
@@ -143,14 +157,12 @@ impl Figures {
             top_speed: both(&|instant| instant.speed),
             top_acceleration: both(&|instant| instant.acceleration),
             hysteresis_mm: hysteresis_mm(recordings),
-            ..Figures::default()
-        };
-        figures.balance(&moving);
-        figures
+            ..figures
+        }
     }
 
-    /// The force balance of a load that slips.
-    fn balance(&mut self, moving: &[Instant]) {
+    /// The force balance of a load that slips, and weighs `uphill` m/s^2 of its mass against extension.
+    fn balance(&mut self, moving: &[Instant], uphill: f64) {
         let slipping: Vec<&Instant> = moving.iter().filter(|instant| instant.speed.abs() > SLIPS).collect();
         let seen = [1.0, -1.0].map(|sign| slipping.iter().any(|instant| instant.speed * sign > 0.0));
         let columns = 2 + seen.iter().filter(|&&seen| seen).count();
@@ -160,7 +172,7 @@ impl Figures {
         let matrix = DMatrix::from_fn(slipping.len(), columns, |row, column| {
             let Instant { speed, acceleration, .. } = slipping[row];
             match column {
-                0 => *acceleration,
+                0 => *acceleration + uphill,
                 1 => *speed,
                 2 if seen[0] => f64::from(*speed > 0.0),
                 _ => -f64::from(*speed < 0.0),
@@ -179,20 +191,30 @@ impl Figures {
     }
 }
 
-/// The force on the load at a sample, N.
-fn force(rig: &Rig, recording: &Recording, k: usize) -> f64 {
-    let rod = if rig.get(&keys::actuator::MODEL) == actuator::Model::Asymmetric {
-        rig.get(&keys::actuator::ROD_DIAMETER_M)
-    } else {
-        0.0
-    };
-    let [area_1, area_2, rod_area] = Actuator::areas(rig.get(&keys::actuator::BORE_M), rod);
-    let si = |c: usize| {
-        recording.channels[c].offset + recording.channels[c].measured[k] * recording.channels[c].scale
-    };
-    si(1) * area_1 - si(2) * area_2 - rig.get(&keys::exhaust::PRESSURE_PA) * rod_area
-        + rig.get(&keys::load::CONSTANT_FORCE_N)
-        - rig.get(&keys::load::SPRING_N_PER_M) * si(0)
+impl Forces {
+    fn of(rig: &Rig) -> Forces {
+        Forces { actuator: Actuator::of(rig), load: Load::of(rig) }
+    }
+
+    /// What gravity takes from the acceleration of an extending load, m/s^2.
+    fn uphill(&self) -> f64 {
+        load::GRAVITY * self.load.uphill
+    }
+
+    /// The part of the weight that acts against extension, N, with the mass that was found or that of the file.
+    fn weight(&self, found: Option<Figure>) -> Figure {
+        let mass = found.unwrap_or(Figure { value: self.load.mass, error: 0.0 });
+        Figure { value: mass.value * self.uphill(), error: mass.error * self.uphill().abs() }
+    }
+
+    /// All forces on the load at a sample but its weight and its friction, N.
+    fn at(&self, recording: &Recording, k: usize) -> f64 {
+        let si = |c: usize| {
+            recording.channels[c].offset + recording.channels[c].measured[k] * recording.channels[c].scale
+        };
+        let without_weight = Load { uphill: 0.0, ..self.load };
+        self.actuator.force(si(1), si(2)) + without_weight.standing_force(si(0))
+    }
 }
 
 fn period(recording: &Recording) -> f64 {
@@ -200,7 +222,7 @@ fn period(recording: &Recording) -> f64 {
 }
 
 /// The samples at which the drive moves all the time.
-fn instants(rig: &Rig, recording: &Recording) -> Vec<Instant> {
+fn instants(forces: &Forces, recording: &Recording) -> Vec<Instant> {
     let position = &recording.channels[0];
     let y = |k: usize| position.measured[k] * position.scale;
     let half_width_s = HALF_WIDTH as f64 * period(recording);
@@ -214,7 +236,7 @@ fn instants(rig: &Rig, recording: &Recording) -> Vec<Instant> {
         let around = k - HALF_WIDTH..=k + HALF_WIDTH;
         let weight = |i: usize| (HALF_WIDTH + 1 - i.abs_diff(k)) as f64;
         let (sum, weights) = around.fold((0.0, 0.0), |(sum, weights), i| {
-            (sum + weight(i) * force(rig, recording, i), weights + weight(i))
+            (sum + weight(i) * forces.at(recording, i), weights + weight(i))
         });
         Instant {
             speed: (y(k + HALF_WIDTH) - y(k - HALF_WIDTH)) / (2.0 * half_width_s),
@@ -230,14 +252,15 @@ fn instants(rig: &Rig, recording: &Recording) -> Vec<Instant> {
 struct Breakaway {
     /// 1: extension; -1: retraction.
     direction: f64,
-    /// The size of the force before it; its error is how far the force changed in a sample then.
+    /// The size of the force before it; its error is how far the force changed in a sample then, and that of the weight.
     force: Figure,
     /// Whether the force went on rising while the load moved slowly.
     yields: bool,
 }
 
-/// Each breakaway from a rest.
-fn breakaways(rig: &Rig, recording: &Recording) -> Vec<Breakaway> {
+/// Each breakaway from a rest of a load of a weight.
+fn breakaways(forces: &Forces, weight: Figure, recording: &Recording) -> Vec<Breakaway> {
+    let force = |k: usize| forces.at(recording, k) - weight.value;
     let counts = &recording.channels[0].measured;
     let mut found = Vec::new();
     let mut rest = 0;
@@ -250,12 +273,12 @@ fn breakaways(rig: &Rig, recording: &Recording) -> Vec<Breakaway> {
         let until = (rest..k).rev().find(|&i| counts[i] == counts[rest]).unwrap_or(rest);
         if until - rest >= REST {
             let direction = left.signum();
-            let [before, at] = [until - 1, until].map(|i| direction * force(rig, recording, i));
-            let force = Figure { value: at, error: (at - before).abs() };
+            let [before, at] = [until - 1, until].map(|i| direction * force(i));
+            let rise = (at - before).abs();
             found.push(Breakaway {
                 direction,
-                force,
-                yields: yields(rig, recording, until, direction, force),
+                force: Figure { value: at, error: rise.hypot(weight.error) },
+                yields: yields(force, recording, until, direction, Figure { value: at, error: rise }),
             });
         }
         rest = k;
@@ -264,7 +287,13 @@ fn breakaways(rig: &Rig, recording: &Recording) -> Vec<Breakaway> {
 }
 
 /// Whether the force goes on rising after a load has begun to move at a sample, until it slips or turns back.
-fn yields(rig: &Rig, recording: &Recording, from: usize, direction: f64, first: Figure) -> bool {
+fn yields(
+    force: impl Fn(usize) -> f64,
+    recording: &Recording,
+    from: usize,
+    direction: f64,
+    first: Figure,
+) -> bool {
     let position = &recording.channels[0];
     let speed = |k: usize| {
         let moved = position.measured[k + HALF_WIDTH] - position.measured[k - HALF_WIDTH];
@@ -272,7 +301,7 @@ fn yields(rig: &Rig, recording: &Recording, from: usize, direction: f64, first: 
     };
     let last = position.measured.len().saturating_sub(HALF_WIDTH);
     let slow = (from..last).take_while(|&k| (0.0..SLIPS).contains(&speed(k)));
-    let highest = slow.map(|k| direction * force(rig, recording, k)).fold(first.value, f64::max);
+    let highest = slow.map(|k| direction * force(k)).fold(first.value, f64::max);
     highest - first.value > (YIELDS * highest).max(3.0 * first.error)
 }
 
@@ -305,3 +334,6 @@ fn hysteresis_mm(recordings: &[Recording]) -> Option<f64> {
         up.iter().filter_map(|(counts, place)| Some(mean(down.get(counts)?) - mean(place))).collect();
     (both.len() >= FEWEST_COMMANDS).then(|| both.iter().sum::<f64>() / both.len() as f64)
 }
+
+#[cfg(test)]
+mod tests;

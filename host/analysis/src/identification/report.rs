@@ -249,6 +249,7 @@ pub fn page(
         notes: notes(found),
         tables: tables(found).into_iter().chain([read_off]).collect(),
         figures: recordings.iter().zip(&found.starts).filter_map(overlay).collect(),
+        ..Page::default()
     }
 }
 
