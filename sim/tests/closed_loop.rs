@@ -162,6 +162,26 @@ fn burrows_relay_comes_to_rest_in_its_dead_zone_by_its_feedback_alone() {
     assert!(peak_to_peak(&positions(&blind, 2.0, 3.0)) > 1.0);
 }
 
+/// Thesis 9.1.2: pressure feedback imposes damping. Without any, the drive overshoots its step and swings.
+#[test]
+fn pressure_feedback_damps_a_drive_that_has_no_velocity_feedback() {
+    let overshoot_mm = |gain: &str| {
+        let settings = [
+            "controller.velocity_gain=0",
+            "controller.acceleration_gain=0",
+            &format!("controller.pressure_feedback_gain={gain}"),
+        ]
+        .map(str::to_owned);
+        let text = pneudrive_sim::rig::builtin("servo-b-tuned").expect("a built-in rig");
+        let rig = Rig::read_with("servo-b-tuned", text, &settings).expect("valid");
+        let run = run(&rig, Accuracy::of(&rig)).expect("a transient");
+        let reached = positions(&run, 0.3, 1.7);
+        reached.iter().fold(f64::MIN, |most, mm| most.max(*mm)) - 16_384.0 * 0.01205
+    };
+    let (undamped, damped) = (overshoot_mm("0"), overshoot_mm("4"));
+    assert!(undamped > 5.0 && damped < 0.5 * undamped, "{undamped} and {damped} mm");
+}
+
 /// Thesis 4.1: from stop to stop.
 #[test]
 fn the_bang_bang_drive_goes_from_stop_to_stop() {

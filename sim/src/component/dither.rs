@@ -14,6 +14,7 @@ keys! {
     DITHER_HZ: f64 = number("operator.dither_hz", 50.0, 0.0, 1000.0, "C(32)", "Frequency of the amplifier's dither.").of(SOLENOIDS);
     DITHER_MM: f64 = number("operator.dither_mm", 0.2, 0.0, 10.0, "C(33)", "Amplitude of the dither.").of(SOLENOIDS).spread();
     DITHER_PHASE_DEG: f64 = number("operator.dither_phase_deg", 0.0, -360.0, 360.0, "C(34)", "Phase of the dither at t = 0.").of(SOLENOIDS);
+    DITHER_ADJUSTABLE: bool = switch("operator.dither_adjustable", false, "5.3.2", "Whether the user can set amplitude and frequency of the dither. Else no search changes them: a valve with an amplifier of its own has the dither that its maker gave it.").of(SOLENOIDS);
 }
 
 impl Dither {

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! with `full` the command that opens the valve fully and T the sample period; in addition the dead band, the null offset
-//! and, if the valve has one, the dither. Fixed keys keep the rig's value, and genes that set nothing else are left out. A
+//! and, if the rig says that its user can set it (`operator.dither_adjustable`), the dither. Fixed keys keep the rig's value, and genes that set nothing else are left out. A
 //! fixed profile keeps its span, too, and its last entry is K_far.
 
 use anyhow::{Result, bail};
@@ -31,6 +31,13 @@ const MAX_GAIN: f64 = 65_535.0;
 const PROFILE: &str = "controller.gain_profile";
 const SPAN: &str = "controller.profile_span_counts";
 const PROPORTIONAL: &str = "controller.proportional_gain";
+
+const DITHER: [&str; 2] = ["operator.dither_mm", "operator.dither_hz"];
+
+/// Whether its amplifier can have a dither.
+fn is_dithered(rig: &Rig) -> bool {
+    rig.get(&keys::operator::MODEL).is_solenoid()
+}
 
 /// The genes of a rig.
 #[derive(Clone, Debug)]
@@ -74,10 +81,10 @@ impl Space {
             bail!("the on-off law of {} has no gain to tune; choose controller.law=gain-profile", rig.name());
         }
         let has_profile = law == controller::Law::GainProfile;
-        let has_dither = rig.get(&keys::operator::MODEL).is_solenoid();
+        let has_dither = is_dithered(rig) && rig.get(&keys::dither::DITHER_ADJUSTABLE);
         let is_held = |key: &str| fixed.iter().any(|other| other == key);
         let has_gain = !is_held(if has_profile { PROFILE } else { PROPORTIONAL });
-        let dithers = !(is_held("operator.dither_mm") && rig.get(&keys::dither::DITHER_MM) == 0.0);
+        let dithers = !(is_held(DITHER[0]) && rig.get(&keys::dither::DITHER_MM) == 0.0);
         let variables = [
             (&design_variable::E_FAR, has_gain),
             (&design_variable::T_D, !is_held("controller.velocity_gain")),
@@ -91,8 +98,8 @@ impl Space {
             (&design_variable::NULL_OFFSET, !is_held("controller.null_offset_counts")),
             (&design_variable::E_NEAR, has_profile && has_gain),
             (&design_variable::E_KNEE, has_profile && has_gain),
-            (&design_variable::DITHER, has_dither && !is_held("operator.dither_mm")),
-            (&design_variable::DITHER_HZ, has_dither && dithers && !is_held("operator.dither_hz")),
+            (&design_variable::DITHER, has_dither && !is_held(DITHER[0])),
+            (&design_variable::DITHER_HZ, has_dither && dithers && !is_held(DITHER[1])),
         ];
         let variables: Vec<_> = variables
             .into_iter()
@@ -102,6 +109,13 @@ impl Space {
             bail!("every key that tune searches is fixed; fix fewer (--fix)");
         }
         Ok(Space { rig: rig.clone(), variables, fixed: fixed.to_vec(), settled_mm })
+    }
+
+    /// Keys of the valve that the search leaves as they are, because the rig does not say that its user can set them.
+    #[must_use]
+    pub fn left_alone(rig: &Rig) -> &'static [&'static str] {
+        let is_set_by_its_maker = is_dithered(rig) && !rig.get(&keys::dither::DITHER_ADJUSTABLE);
+        if is_set_by_its_maker { &DITHER } else { &[] }
     }
 
     /// How many genes there are.
@@ -156,8 +170,8 @@ impl Space {
             (SPAN, span),
             (PROFILE, profile),
             (PROPORTIONAL, proportional.map(|_| gain(far.max(1.0)))),
-            ("operator.dither_mm", value(&design_variable::DITHER).map(|mm| format!("{mm:.3}"))),
-            ("operator.dither_hz", value(&design_variable::DITHER_HZ).map(|hz| format!("{hz:.1}"))),
+            (DITHER[0], value(&design_variable::DITHER).map(|mm| format!("{mm:.3}"))),
+            (DITHER[1], value(&design_variable::DITHER_HZ).map(|hz| format!("{hz:.1}"))),
         ];
         let free = settings.into_iter().filter(|(key, _)| self.fixed.iter().all(|fixed| fixed != key));
         free.filter_map(|(key, value)| Some(format!("{key}={}", value?))).collect()

@@ -56,6 +56,7 @@ pub fn page(task: &Task, tuned: &Tuned, behaviour: &Behaviour) -> Result<(Page, 
             .chain(sines::figures(&trial, behaviour))
             .chain(search)
             .collect(),
+        ..Page::default()
     };
     Ok((page, figures::draws(task, &trial, tuned)))
 }
@@ -175,8 +176,15 @@ fn asked(task: &Task, trial: &Trial, tuned: &Tuned) -> String {
         [] => String::new(),
         fixed => format!(" Fixed: {}.", fixed.join(", ")),
     };
+    let left = match Space::left_alone(&trial.rig) {
+        [] => String::new(),
+        keys => format!(
+            " Left as the file has them: {}. If you can set them, write operator.dither_adjustable = true.",
+            keys.join(", ")
+        ),
+    };
     format!(
-        "Goal: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: for a step that meets the goal, the share of its time that it takes to settle; otherwise 1 to 2, growing with the distance from the goal. They are judged on {} other draws, which the search has not seen.{fixed} {} runs, seed {}.",
+        "Goal: {step_mm} mm there and back, {time_s} s each way, settled within {settled_mm} mm, overshoot below {overshoot_percent} % of the step, no limit cycle. The spread: {}, {}, {}, steps in either direction between {low:.1} and {high:.1} mm. The gains were tuned on {} trials, the rig of the file and draws from the spread; the cost of gains is the mean over these: for a step that meets the goal, the share of its time that it takes to settle; otherwise 1 to 2, growing with the distance from the goal. They are judged on {} other draws, which the search has not seen.{fixed}{left} {} runs, seed {}.",
         percent("load", task.spread.load),
         percent("friction", task.spread.friction),
         percent("supply", task.spread.supply),

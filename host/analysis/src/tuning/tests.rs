@@ -68,6 +68,30 @@ fn a_profile_opens_the_valve_whole_at_the_errors_that_its_genes_say() {
     assert!(profile.is_sorted_by(|a, b| a >= b), "the smaller the error, the higher the gain: {profile:?}");
 }
 
+/// Once a valve with an amplifier of its own, whose file has no dither, was tuned with one that nobody could have set.
+#[test]
+fn a_dither_is_searched_only_where_the_rig_says_that_its_user_can_set_it() {
+    let sets_dither = |name: &str, settings: &[&str]| {
+        let settings: Vec<String> = settings.iter().map(|&one| one.to_owned()).collect();
+        let rig = rig(name, &settings);
+        let space = Space::of(&rig, GOAL.settled_mm, &[]).expect("gains");
+        let set = space.settings(&vec![0.5; space.len()]);
+        let is_set = set.iter().any(|one| one.starts_with("operator."));
+        assert_eq!(is_set, Space::left_alone(&rig).is_empty(), "{name} {settings:?}: {set:?}");
+        is_set
+    };
+    for model in ["solenoid", "solenoid-empirical"] {
+        let model = format!("operator.model={model}");
+        assert!(sets_dither("servo-b", &[&model, "operator.dither_adjustable=true"]), "{model}");
+        assert!(!sets_dither("servo-b", &[&model, "operator.dither_adjustable=false"]), "{model}");
+    }
+    assert!(sets_dither("servo-b-tuned", &[]), "the amplifier of the thesis mixes its dither in");
+    let own = Rig::read("own.toml", "name = \"own\"\n").expect("a rig");
+    let space = Space::of(&own, GOAL.settled_mm, &[]).expect("gains");
+    let set = space.settings(&vec![0.5; space.len()]);
+    assert!(!set.iter().any(|one| one.starts_with("operator.")), "a file that says nothing: {set:?}");
+}
+
 #[test]
 fn what_cannot_be_tuned_is_refused_by_what_to_change() {
     let message =

@@ -10,7 +10,7 @@ fn keys_of(settings: &[String]) -> Vec<&str> {
 fn a_held_key_is_not_looked_for_and_the_others_go_by_it() {
     let space = |fixed: &[&str]| {
         let fixed: Vec<String> = fixed.iter().map(|&key| key.to_owned()).collect();
-        let settings: Vec<String> = fixed.clone();
+        let settings = [&["operator.dither_adjustable=true".to_owned()], &fixed[..]].concat();
         let keys: Vec<String> =
             fixed.iter().map(|one| one.split_once('=').expect("a value").0.to_owned()).collect();
         Space::of(&rig("servo-b", &settings), GOAL.settled_mm, &keys).expect("a space")
@@ -81,7 +81,9 @@ fn a_key_that_cannot_be_held_is_refused_by_what_can() {
 
 #[test]
 fn what_was_found_at_an_end_of_its_range_is_told_with_the_range() {
-    let space = Space::of(&rig("servo-b", &[]), GOAL.settled_mm, &[]).expect("a space");
+    let space =
+        Space::of(&rig("servo-b", &["operator.dither_adjustable=true".to_owned()]), GOAL.settled_mm, &[])
+            .expect("a space");
     let limits = |share: f64| {
         let places = space.places(&vec![share; space.len()]);
         places.into_iter().filter(|place| place.at_limit).map(|place| place.what).collect::<Vec<_>>()
