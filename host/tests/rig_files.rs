@@ -49,6 +49,20 @@ fn json_of_a_rig_is_read_by_key() {
     assert_eq!(mass["origin"], "given");
 }
 
+/// Once such a rig was called valid, and its run ended after minutes of steps.
+#[test]
+fn a_rig_whose_test_cannot_be_simulated_is_refused_by_the_key_that_causes_it() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../sim/tests/extreme/too_stiff.toml");
+    let checked = pneudrive(&["rig", "check", file]);
+    assert_eq!(checked.status.code(), Some(1), "{}", printed(&checked));
+    let told = String::from_utf8_lossy(&checked.stderr);
+    assert!(told.contains("too_stiff.toml: the test of x176 cannot be simulated"), "{told}");
+    assert!(told.contains("actuator.residual_volume_2_m3"), "{told}");
+    assert!(!printed(&checked).contains("a valid rig"), "{}", printed(&checked));
+    let looked = pneudrive(&["rig", "check", "--quick", file]);
+    assert!(looked.status.success(), "its values alone are in order");
+}
+
 #[test]
 fn two_rigs_differ_key_by_key() {
     let text = printed(&pneudrive(&["rig", "diff", "servo-b", "servo-b-tuned"]));
@@ -232,4 +246,33 @@ fn a_valve_by_its_measured_map_makes_a_rig_that_runs_and_says_how_far_it_rests_o
     }
     let flow = printed(&pneudrive(&["characterise", &file, "nominal-flow", "--out", &at("char")]));
     assert!(flow.contains("conductance C from the supply to port 1") && flow.contains("2.000"), "{flow}");
+}
+
+/// As a shell reads it, in the folder of the file.
+#[cfg(unix)]
+#[test]
+fn a_refused_drive_is_told_with_a_command_that_makes_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (answers, names) in [
+        (
+            "--cylinder iso-15552-32 --stroke '250 mm' --mass '400 kg' --incline '90 deg' --flow '350 l/min'",
+            "--mass",
+        ),
+        ("--bore '100 mm' --rod '120 mm' --stroke '1 m' --mass 8 --flow '700 l/min' --overwrite", "--rod"),
+        ("--stroke '250 mm'", "--bore"),
+    ] {
+        let shell = |command: &str| {
+            let command = command.replacen("pneudrive", env!("CARGO_BIN_EXE_pneudrive"), 1);
+            let mut shell = Command::new("sh");
+            shell.current_dir(folder.path()).args(["-c", &command]).output().expect("a shell")
+        };
+        let refused = shell(&format!("pneudrive rig new 'my own.toml' --no-questions {answers}"));
+        let told = String::from_utf8(refused.stderr).expect("UTF-8");
+        assert!(!refused.status.success() && told.contains(names), "{told}");
+        let works =
+            told.lines().find_map(|line| line.trim().strip_prefix("this works: ")).expect("a command");
+        let made = shell(works);
+        assert!(made.status.success(), "{works}: {made:?}");
+        std::fs::remove_file(folder.path().join("my own.toml")).expect("it was written");
+    }
 }

@@ -7,6 +7,7 @@
 //! | [`flow_map`] | a measured map of a valve, from a table |
 //! | [`question`], [`own_drive`] | what is asked for, and the rig file that it makes |
 //! | [`rig_file`] | rig files that say where values come from |
+//! | [`mended`] | answers that make a rig, near to some that make none |
 //! | [`parts`] | the catalogue: cylinders, valves, tubes, sensors |
 //! | [`values`] | every value of a rig, with where it comes from |
 //! | [`difference`] | two rigs, key by key |
@@ -17,6 +18,7 @@ pub mod conductance;
 pub mod difference;
 pub mod flow_answer;
 pub mod flow_map;
+pub mod mended;
 pub mod own_drive;
 pub mod parts;
 pub mod question;

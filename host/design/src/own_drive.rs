@@ -4,8 +4,10 @@
 //! and the test that finds it.
 
 mod air;
+mod behind;
 mod cylinder;
 mod gains;
+mod holding;
 mod load;
 mod test;
 mod valve;
@@ -37,6 +39,7 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
         Ok(cylinder) => {
             keep(cylinder.write(&mut file));
             keep(load::write(&mut file, answers, &cylinder));
+            keep(holding::check(answers, &cylinder));
             keep(test::write(&mut file, answers, &cylinder));
             let sonic = valve::sonic_conductance(answers);
             let written = sonic.and_then(|sonic| {
@@ -49,6 +52,12 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
     }
     keep(valve::write(&mut file, answers));
     keep(sampling(&mut file, answers));
+    let text = file.to_toml();
+    if wrong.is_empty()
+        && let Err(problems) = Rig::read(name, &text)
+    {
+        wrong = problems.0.iter().map(|problem| behind::refusal(answers, problem)).collect();
+    }
     // Two parts of the file may need the same answer.
     let mut named = Vec::new();
     wrong.retain(|refusal: &Refusal| {
@@ -56,17 +65,7 @@ pub fn rig_file(name: &str, answers: &Answers) -> Result<String, Vec<Refusal>> {
         named.push(refusal.question);
         first
     });
-    if !wrong.is_empty() {
-        return Err(wrong);
-    }
-    let text = file.to_toml();
-    match Rig::read(name, &text) {
-        Ok(_) => Ok(text),
-        Err(problems) => Err(vec![Refusal {
-            question: "stroke",
-            message: format!("these answers make no rig together:\n{problems}"),
-        }]),
-    }
+    if wrong.is_empty() { Ok(text) } else { Err(wrong) }
 }
 
 /// What a user must know of answers that were taken in one of several ways.

@@ -77,6 +77,21 @@ pub struct Refusal {
     pub question: &'static str,
     /// What is wrong, and what to do.
     pub message: String,
+    /// The nearest answer that is none of this, where one is known.
+    pub instead: Option<String>,
+}
+
+impl Refusal {
+    /// Of the answer to a question.
+    pub fn new(question: &'static str, message: impl Into<String>) -> Refusal {
+        Refusal { question, message: message.into(), instead: None }
+    }
+
+    /// The same with an answer that would do.
+    #[must_use]
+    pub fn or(self, instead: impl Into<String>) -> Refusal {
+        Refusal { instead: Some(instead.into()), ..self }
+    }
 }
 
 impl std::fmt::Display for Refusal {
@@ -99,6 +114,11 @@ impl Answers {
         }
     }
 
+    /// The answers as they were typed, each behind the name of its question, in the order of the questions.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        QUESTIONS.iter().filter_map(|question| Some((question.name, self.text(question.name)?)))
+    }
+
     /// An answer as it was typed.
     #[must_use]
     pub fn text(&self, name: &str) -> Option<&str> {
@@ -115,7 +135,7 @@ impl Answers {
     pub fn reading(&self, name: &str) -> Result<Option<Reading>, Refusal> {
         let question = question_of(name).unwrap_or_else(|| panic!("no question {name}"));
         let Some(text) = self.text(name) else { return Ok(None) };
-        let refuse = |message| Refusal { question: question.name, message };
+        let refuse = |message| Refusal::new(question.name, message);
         if question.name == FLOW {
             let flow = StatedFlow::read(text).map_err(refuse)?.flow;
             return Ok(Some(Reading { value: flow, gauge: false }));
@@ -138,7 +158,7 @@ impl Answers {
     pub fn required(&self, name: &'static str) -> Result<f64, Refusal> {
         self.number(name)?.ok_or_else(|| {
             let example = question_of(name).map_or("", |question| question.example);
-            Refusal { question: name, message: format!("is needed, such as \"{example}\"") }
+            Refusal::new(name, format!("is needed, such as \"{example}\"")).or(example)
         })
     }
 }

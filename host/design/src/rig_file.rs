@@ -52,6 +52,12 @@ impl Number {
         Number { value, source: Source::Unknown, range: Some(range), from: from.into() }
     }
 
+    /// The upper end of its range, or its value.
+    #[must_use]
+    pub fn highest(&self) -> f64 {
+        self.range.map_or(self.value, |[_, high]| high)
+    }
+
     /// The same with the ends between which it lies.
     #[must_use]
     pub fn within(self, range: Option<[f64; 2]>) -> Number {

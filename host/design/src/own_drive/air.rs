@@ -6,7 +6,7 @@ use crate::question::{Answers, Refusal};
 use crate::rig_file::{Number, RigFile};
 
 /// Absolute pressure of the surroundings at sea level, and between 600 m and a storm's high, Pa.
-const SURROUNDINGS: (f64, [f64; 2]) = (101_325.0, [94_000.0, 104_500.0]);
+pub(super) const SURROUNDINGS: (f64, [f64; 2]) = (101_325.0, [94_000.0, 104_500.0]);
 
 /// Air in a hall, K.
 const AIR: (f64, [f64; 2]) = (293.15, [283.15, 303.15]);
@@ -29,11 +29,12 @@ pub(super) fn supply(answers: &Answers) -> Result<Number, Refusal> {
         return Ok(Number::typical(absolute(6e5), [absolute(5e5), absolute(7e5)], "6 bar(g); a gauge tells"));
     };
     let text = answers.text("supply").unwrap_or_default();
-    let refuse = |message: String| Refusal { question: "supply", message };
+    let refuse = |message: String| Refusal::new("supply", message);
     if !reading.gauge && !text.ends_with('a') && !text.contains("(a") {
         return Err(refuse(format!(
             "\"{text}\" may be gauge or absolute: write \"{text}(g)\" or \"{text}(a)\""
-        )));
+        ))
+        .or(format!("{text}(g)")));
     }
     let value = if reading.gauge { absolute(reading.value) } else { reading.value };
     if value < 1.5 * SURROUNDINGS.0 {

@@ -37,7 +37,7 @@ impl Cylinder {
                 1e3 * rod.value,
                 1e3 * bore.value
             );
-            return Err(Refusal { question: "rod", message });
+            return Err(Refusal::new("rod", message).or(format!("{} mm", 400.0 * bore.value)));
         }
         let stroke = answers.required("stroke")?;
         let stroke_text = answers.text("stroke").unwrap_or_default().to_owned();
@@ -113,15 +113,14 @@ impl Tube {
             let message = format!(
                 "{length} m is no tube between a valve and a cylinder: 100 m is the longest that counts as one restriction"
             );
-            return Err(Refusal { question: "tube-length", message });
+            return Err(Refusal::new("tube-length", message));
         }
         if length == 0.0 {
             let given = ["tube", "tube-bore"].into_iter().find(|name| answers.text(name).is_some());
             return match given {
-                Some(question) => Err(Refusal {
-                    question,
-                    message: "how long is it? Give --tube-length, such as \"1 m\"".to_owned(),
-                }),
+                Some(question) => {
+                    Err(Refusal::new(question, "how long is it? Give --tube-length, such as \"1 m\""))
+                }
                 None => Ok(None),
             };
         }
@@ -142,7 +141,7 @@ pub(crate) fn part_of(
     question: &'static str,
     family: Family,
 ) -> Result<Option<Part>, Refusal> {
-    let refuse = |message| Refusal { question, message };
+    let refuse = |message| Refusal::new(question, message);
     answers.text(question).map(|name| parts::find(family, name).map_err(refuse)).transpose()
 }
 
@@ -159,7 +158,7 @@ pub(crate) fn dimension(
     }
     let Some(part) = part else { return answers.required(question).map(|value| Number::given(value, "")) };
     let found = part.figure(figure).and_then(|figure| Some((figure.value_in(unit).ok()?, &figure.basis)));
-    let missing = || Refusal { question, message: format!("{} has no {figure}: give it", part.name) };
+    let missing = || Refusal::new(question, format!("{} has no {figure}: give it", part.name));
     let (value, basis) = found.ok_or_else(missing)?;
     Ok(Number::given(value, format!("{}: {basis}", part.name)))
 }

@@ -2,12 +2,19 @@
 
 use pneudrive_sim::keys;
 
+use super::air::supply;
 use super::cylinder::{Cylinder, middle, typical};
+use super::holding::{mass, standing_force};
 use crate::question::{Answers, Refusal};
 use crate::rig_file::{Number, RigFile};
 
 /// Pressure difference for which friction is stated as a part of the piston's force, Pa.
 const GIVEN_AT: f64 = 6e5;
+
+/// Stiffness of a stop that nobody has described, N/m.
+const STOP_STIFFNESS: f64 = 1e6;
+/// How far the piston's whole force may press a stop in, m: less than half of the shortest dead volume.
+const GIVES_WAY: f64 = 2e-3;
 
 pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
     file.number(&keys::load::MASS_KG, &mass(answers, cylinder)?);
@@ -31,20 +38,18 @@ pub(super) fn write(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) 
     let viscous = typical("viscous_friction", "N s/m");
     let from = "two published drives have 11.6 and 30 N s/m; `identify --plan` finds it";
     file.number(&keys::load::VISCOUS_N_S_PER_M, &Number { from: from.to_owned(), ..viscous });
-    Ok(())
+    stops(file, answers, cylinder)
 }
 
-/// The load with piston and rod, kg.
-fn mass(answers: &Answers, cylinder: &Cylinder) -> Result<Number, Refusal> {
-    let load = answers.required("mass")?;
-    let text = answers.text("mass").unwrap_or_default();
-    Ok(match cylinder.moving_mass() {
-        None => Number::given(load, format!("{text}; piston and rod count as part of it")),
-        Some([low, high]) => {
-            Number::computed(load + (low + high) / 2.0, format!("{text}, and piston and rod of 7850 kg/m3"))
-                .within(Some([load + low, load + high]))
-        }
-    })
+/// Stiffer stops where the usual ones would let a piston take up its dead volume.
+fn stops(file: &mut RigFile, answers: &Answers, cylinder: &Cylinder) -> Result<(), Refusal> {
+    let pressed = cylinder.areas()[0] * supply(answers)?.highest() + standing_force(answers, cylinder)?.abs();
+    let stiffness = pressed / GIVES_WAY;
+    if stiffness > STOP_STIFFNESS {
+        let from = "gives way by 2 mm under the piston's largest force and the load";
+        file.number(&keys::stop::STOP_STIFFNESS_N_PER_M, &Number::computed(stiffness, from));
+    }
+    Ok(())
 }
 
 /// Running friction and that at which it breaks away, N.
@@ -60,7 +65,7 @@ fn friction(answers: &Answers, cylinder: &Cylinder) -> Result<[Number; 2], Refus
     let breakaway = match answers.number("breakaway")? {
         Some(force) if force < running.value && answers.text("friction").is_some() => {
             let message = format!("{force} N is below the running friction of {} N", running.value);
-            return Err(Refusal { question: "breakaway", message });
+            return Err(Refusal::new("breakaway", message));
         }
         Some(force) => Number::given(force, answers.text("breakaway").unwrap_or_default()),
         None => {

@@ -43,7 +43,7 @@ pub(super) fn dead_zone(answers: &Answers) -> Result<f64, Refusal> {
 
 /// The valve that was named, and the class that stands in for what nobody has said.
 fn parts_of(answers: &Answers) -> Result<(Option<Part>, Part), Refusal> {
-    let class = find(Family::Valve, CLASS).map_err(|message| Refusal { question: "valve", message })?;
+    let class = find(Family::Valve, CLASS).map_err(|message| Refusal::new("valve", message))?;
     Ok((part_of(answers, "valve", Family::Valve)?, class))
 }
 
@@ -85,7 +85,7 @@ const MAP: &str = "flow-map";
 /// The measured map of the answers.
 fn measured_map(answers: &Answers) -> Result<Option<Vec<flow_map::Row>>, Refusal> {
     let Some(path) = answers.text(MAP) else { return Ok(None) };
-    let refuse = |message: String| Refusal { question: MAP, message };
+    let refuse = |message: String| Refusal::new(MAP, message);
     let others = ["conductance", "critical-ratio", "flow", "kv", "cv", "overlap"];
     if let Some(other) = others.into_iter().find(|name| answers.text(name).is_some()) {
         return Err(refuse(format!("has the flow of the valve already: leave out --{other}")));
@@ -131,14 +131,14 @@ fn critical_ratio(answers: &Answers, part: &Part) -> Result<Number, Refusal> {
     if !(0.0..1.0).contains(&ratio.value) {
         let message =
             format!("{} is none: b lies from 0 to below 1, and from 0.1 to 0.5 for valves", ratio.value);
-        return Err(Refusal { question, message });
+        return Err(Refusal::new(question, message));
     }
     if ratio.value > 0.5 {
         let message = format!(
             "{} is that of a nozzle (0.528), not of a valve: 0.1 to 0.5. Many pages print it; leave it out if the data sheet has none",
             ratio.value
         );
-        return Err(Refusal { question, message });
+        return Err(Refusal::new(question, message));
     }
     // The middle of the range that 5/3 spool valves have.
     let value = if ratio.source == pneudrive_sim::rig::Source::Unknown { 0.3 } else { ratio.value };
@@ -152,7 +152,7 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
     if let [_, second, ..] = given[..] {
         let question = figures.into_iter().find(|name| *name == second).unwrap_or("flow");
         let message = format!("is one figure too many beside --{}: both say how much passes", given[0]);
-        return Err(Refusal { question, message });
+        return Err(Refusal::new(question, message));
     }
     if let Some(sonic) = answers.number("conductance")? {
         return Ok(Number::given(sonic, answers.text("conductance").unwrap_or_default()));
@@ -160,7 +160,7 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
     let of_part = |name: &str, unit: &str| part.and_then(|part| part.figure(name)?.value_in(unit).ok());
     let nominal = |flow: f64, from: String| by_flow(&StatedFlow { flow, pressures: None }, ratio, from);
     if let Some(text) = answers.text("flow") {
-        let stated = StatedFlow::read(text).map_err(|message| Refusal { question: "flow", message })?;
+        let stated = StatedFlow::read(text).map_err(|message| Refusal::new("flow", message))?;
         let taken = if stated.pressures.is_some() { "" } else { ", taken from 6 to 5 bar(g)" };
         return Ok(by_flow(&stated, ratio, format!("a flow of {text}{taken}")));
     }
@@ -178,10 +178,10 @@ fn conductance(answers: &Answers, part: Option<&Part>, ratio: &Number) -> Result
     }
     match (part, of_part("nominal_flow", "m3/s")) {
         (Some(part), Some(flow)) => Ok(nominal(flow, format!("{}, its nominal flow", part.name))),
-        _ => Err(Refusal {
-            question: "flow",
-            message: "is needed, such as \"350 l/min\" (6 to 5 bar(g)), or --conductance, --kv, --cv, or a --valve of the catalogue".to_owned(),
-        }),
+        _ => Err(Refusal::new(
+            "flow",
+            "is needed, such as \"350 l/min\" (6 to 5 bar(g)), or --conductance, --kv, --cv, or a --valve of the catalogue",
+        )),
     }
 }
 
@@ -255,7 +255,7 @@ fn usual(
 
 /// A figure of a part: its value, or the middle of its range.
 fn figure_of(part: &Part, name: &str, unit: &str) -> Result<Number, Refusal> {
-    let refuse = |message: String| Refusal { question: "valve", message };
+    let refuse = |message: String| Refusal::new("valve", message);
     let class = find(Family::Valve, CLASS).map_err(refuse)?;
     let figure = part.figure(name).or_else(|| class.figure(name));
     let figure = figure.ok_or_else(|| refuse(format!("{} has no {name}", part.name)))?;

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
+use pneudrive_design::mended::mended;
 use pneudrive_design::own_drive::{remarks, rig_file};
 use pneudrive_design::parts::{self, Family, Figure, Part};
-use pneudrive_design::question::{Answers, QUESTIONS, Question};
+use pneudrive_design::question::{Answers, QUESTIONS, Question, Refusal};
 use pneudrive_design::values;
 use pneudrive_records::whole_file;
 use pneudrive_sim::{Rig, keys};
@@ -38,10 +39,7 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
         ask(&mut answers, &mut stdin().lock())?;
     }
     let name = name_of(file)?;
-    let text = rig_file(&name, &answers).map_err(|wrong| {
-        let lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
-        anyhow::anyhow!("{}", lines.join("\n"))
-    })?;
+    let text = rig_file(&name, &answers).map_err(|wrong| refused(arguments, &answers, &wrong))?;
     remarks(&answers).iter().for_each(|remark| tell!("{remark}"));
     whole_file::put(file, &text).with_context(|| format!("cannot write {}", file.display()))?;
     let rig = Rig::read(&name, &text)?;
@@ -61,6 +59,37 @@ pub(super) fn execute(arguments: &NewRig) -> Result<()> {
             say!("      pneudrive {}", tuning(file, &rig, Path::new("tuned"), GENERATIONS).join(" "));
             Ok(())
         }
+    }
+}
+
+/// What is wrong with each answer, and a command with others that works.
+fn refused(arguments: &NewRig, answers: &Answers, wrong: &[Refusal]) -> anyhow::Error {
+    let mut lines: Vec<String> = wrong.iter().map(ToString::to_string).collect();
+    lines.extend(
+        mended("own", answers).map(|others| format!("this works: {}", command_of(arguments, &others))),
+    );
+    anyhow::anyhow!("{}", lines.join("\n"))
+}
+
+/// The command line of other answers.
+fn command_of(arguments: &NewRig, answers: &Answers) -> String {
+    let options = answers.given().map(|(name, text)| format!(" --{name} {}", quoted(text)));
+    let flags = [(arguments.no_questions, " --no-questions"), (arguments.overwrite, " --overwrite")];
+    let flags = flags.into_iter().filter_map(|(given, flag)| given.then_some(flag));
+    format!(
+        "pneudrive rig new {}{}{}",
+        quoted(&arguments.file.display().to_string()),
+        options.collect::<String>(),
+        flags.collect::<String>()
+    )
+}
+
+/// A word as shells take it.
+fn quoted(word: &str) -> String {
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./:,@%".contains(letter);
+    match word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("\"{}\"", word.replace('"', "\\\"")),
     }
 }
 

@@ -1,0 +1,69 @@
+//! Answers that make a rig, near to some that make none.
+
+use crate::own_drive::rig_file;
+use crate::question::{Answers, QUESTIONS, Refusal, question_of};
+
+/// The same answers but those that are refused: each is replaced by what its refusal proposes, left out, or replaced by the
+/// example of its question, whichever does first. None if nothing of this makes a rig.
+#[must_use]
+pub fn mended(name: &str, answers: &Answers) -> Option<Answers> {
+    let mut answers = answers.clone();
+    for _ in QUESTIONS {
+        let Err(wrong) = rig_file(name, &answers) else { return Some(answers) };
+        answers = without(name, &answers, wrong.first()?)?;
+    }
+    rig_file(name, &answers).is_ok().then_some(answers)
+}
+
+/// Answers to which one refusal no longer applies.
+fn without(name: &str, answers: &Answers, refusal: &Refusal) -> Option<Answers> {
+    let question = question_of(refusal.question)?;
+    let proposals = [refusal.instead.as_deref(), Some(""), Some(question.example)];
+    proposals.into_iter().flatten().find_map(|text| {
+        let mut other = answers.clone();
+        other.answer(question, text);
+        let wrong = rig_file(name, &other).err().unwrap_or_default();
+        wrong.iter().all(|still| still.question != question.name).then_some(other)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answers(given: &[(&str, &str)]) -> Answers {
+        let mut answers = Answers::default();
+        for (name, text) in given {
+            answers.answer(question_of(name).expect("a question"), text);
+        }
+        answers
+    }
+
+    #[test]
+    fn what_is_missing_and_what_is_wrong_become_answers_that_make_a_rig() {
+        for given in [
+            &[][..],
+            &[("cylinder", "iso-15552-33"), ("mass", "8"), ("valve", "proportional-5-3-350")],
+            &[("bore", "10 mm"), ("rod", "12 mm"), ("stroke", "250 mm"), ("flow", "350"), ("kv", "0.3")],
+            &[("cylinder", "iso-15552-32"), ("incline", "90 deg"), ("mass", "400 kg"), ("supply", "6 bar")],
+            &[("cylinder", "iso-6432-16"), ("force", "2 kN"), ("stroke", "30 m"), ("resolution", "1 m")],
+        ] {
+            let given = answers(given);
+            let mended = mended("own", &given).unwrap_or_else(|| panic!("{given:?}"));
+            assert!(rig_file("own", &mended).is_ok(), "{mended:?}");
+        }
+    }
+
+    #[test]
+    fn answers_that_make_a_rig_stay_as_they_are() {
+        let given = [
+            ("cylinder", "iso-15552-32"),
+            ("stroke", "250 mm"),
+            ("mass", "8 kg"),
+            ("valve", "proportional-5-3-350"),
+        ];
+        let mended = mended("own", &answers(&given)).expect("a rig");
+        assert!(given.iter().all(|(name, text)| mended.text(name) == Some(text)));
+        assert_eq!(mended.given().count(), given.len());
+    }
+}

@@ -1,0 +1,65 @@
+//! The answer behind a key of the rig file.
+
+use pneudrive_sim::rig::Problem;
+
+use crate::question::{Answers, Refusal};
+
+/// How keys begin, and the questions that decide them.
+const BEHIND: &[(&str, &[&str])] = &[
+    ("actuator.stroke_m", &["stroke"]),
+    ("actuator.rod_diameter_m", &["rod", "cylinder"]),
+    ("actuator.", &["bore", "cylinder"]),
+    ("load.mass_kg", &["mass"]),
+    ("load.incline_deg", &["incline"]),
+    ("load.constant_force_n", &["force"]),
+    ("load.coulomb", &["friction", "bore", "cylinder"]),
+    ("load.static", &["breakaway", "friction", "bore", "cylinder"]),
+    ("load.", &["bore", "cylinder"]),
+    ("valve.underlap_mm", &["overlap", "valve"]),
+    ("valve.critical_ratio", &["critical-ratio", "valve"]),
+    ("valve.flow_map", &["flow-map"]),
+    ("valve.", &["conductance", "flow", "kv", "cv", "flow-map", "valve"]),
+    ("operator.hysteresis_percent", &["hysteresis", "valve"]),
+    ("operator.", &["bandwidth", "valve"]),
+    ("tubing.length_m", &["tube-length"]),
+    ("tubing.", &["tube-bore", "tube"]),
+    ("supply.", &["supply"]),
+    ("sensors.", &["supply"]),
+    ("encoder.", &["resolution"]),
+    ("controller.", &["period"]),
+    ("test.pressure", &["supply"]),
+];
+
+/// The first of the questions behind a key that was answered, or the last of them; the stroke for a key without one.
+fn question(answers: &Answers, key: &str) -> &'static str {
+    let questions =
+        BEHIND.iter().find(|(start, _)| key.starts_with(start)).map_or(&["stroke"][..], |(_, all)| all);
+    let answered = questions.iter().find(|question| answers.text(question).is_some());
+    answered.or(questions.last()).expect("no entry is empty")
+}
+
+/// What is wrong with a rig, said of the answer that decides it.
+pub(super) fn refusal(answers: &Answers, problem: &Problem) -> Refusal {
+    let question = question(answers, &problem.key);
+    let answer = answers.text(question).map_or_else(|| "left out".to_owned(), |text| format!("\"{text}\""));
+    Refusal::new(question, format!("{answer} makes no rig, as {} {}", problem.key, problem.message))
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_sim::rig::all_keys;
+
+    use super::*;
+    use crate::question::question_of;
+
+    #[test]
+    fn every_entry_stands_for_keys_and_questions_that_there_are() {
+        for (start, questions) in BEHIND {
+            assert!(all_keys().any(|key| key.path.starts_with(start)), "{start}");
+            assert!(
+                !questions.is_empty() && questions.iter().all(|name| question_of(name).is_some()),
+                "{start}"
+            );
+        }
+    }
+}
