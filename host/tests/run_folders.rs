@@ -34,17 +34,25 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let named = entries.map(|path| (path.file_name().expect("a name").to_string_lossy().into_owned(), path));
     let read = |name: &str, path| match name {
-        "run.json" => without_number(&fs::read_to_string(path).expect("a file")).into_bytes(),
+        "run.json" => without(&["  \"run\": ", "  \"date\": "], &fs::read_to_string(path).expect("a file")),
+        "report.html" => without(&[GRAPHS], &fs::read_to_string(path).expect("a file")),
         _ => fs::read(path).expect("a file"),
     };
     named.map(|(name, path)| (name.clone(), read(&name, path))).collect()
 }
 
-/// A run.json without two of its lines.
-fn without_number(text: &str) -> String {
-    let of_time = |line: &&str| line.starts_with("  \"run\": ") || line.starts_with("  \"date\": ");
-    assert_eq!(text.lines().filter(of_time).count(), 2, "a number and a date: {text}");
-    text.lines().filter(|line| !of_time(line)).map(|line| format!("{line}\n")).collect()
+/// The graphs of a page, compressed: number and date stand below each.
+const GRAPHS: &str = "<script type=\"application/gzip\" id=\"graphs\">";
+
+/// A text without the lines that begin with these, of which it has one each.
+fn without(beginnings: &[&str], text: &str) -> Vec<u8> {
+    let is_left_out = |line: &&str| beginnings.iter().any(|beginning| line.starts_with(beginning));
+    assert_eq!(text.lines().filter(is_left_out).count(), beginnings.len(), "one line for each: {text}");
+    text.lines()
+        .filter(|line| !is_left_out(line))
+        .flat_map(|line| [line, "\n"])
+        .collect::<String>()
+        .into_bytes()
 }
 
 /// What of a run does not change from one time to the next: all but the page's order of attributes is the run's own.

@@ -327,7 +327,7 @@ rig = "servo-b-tuned"
 [set]
 test.moves = [[0.0, 8192], [0.3, 13171]]
 [vary]
-test.duration_s = [0.42, 2.3]
+test.duration_s = [0.42, 6.3]
 [metrics]
 limit_cycle_mm = { figure = "limit_cycle_mm", move = 2 }
 limit_cycle_hz = { figure = "limit_cycle_hz", move = 2 }
@@ -344,5 +344,5 @@ limit_cycle_mm = { max = 0.0 }
     let csv = written(folder.path(), "s/sweep.csv");
     let [cut, whole] = [1, 2].map(|line| csv.lines().nth(line).expect("a point"));
     assert_eq!(cut, "0,0.42,,,,,,,yes,,", "{csv}");
-    assert!(whole.starts_with("1,2.3,0.0,0.0,0.0,"), "{csv}");
+    assert!(whole.starts_with("1,6.3,0.0,0.0,0.0,"), "{csv}");
 }

@@ -285,6 +285,7 @@ pub fn page(name: &str, rungs: &[Rung]) -> Page {
         ],
         tables: vec![table(rungs)],
         figures: vec![cost, transients],
+        ..Page::default()
     }
 }
 

@@ -38,6 +38,7 @@ pub mod range;
 pub mod recorded_test;
 pub mod replay;
 pub mod report;
+pub mod runnable;
 pub mod runners;
 pub mod sensitivity;
 pub mod spectrum;

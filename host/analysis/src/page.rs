@@ -10,6 +10,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use pneudrive_records::own_file::{GENERATOR, refuse_to_replace};
+use pneudrive_records::run_folder::Numbered;
 use pneudrive_records::whole_file::{folder_of, is_device, put};
 
 pub use figure::{COLOURS, Curve, Figure, Look, Panel, Shade};
@@ -27,6 +28,8 @@ pub struct Page {
     pub tables: Vec<Table>,
     /// The graphs.
     pub figures: Vec<Figure>,
+    /// Number and date of the runs that the graphs show (thesis I.1 (b)): below each graph, also of a saved one. May be empty.
+    pub runs: String,
 }
 
 /// A table with a heading; its cells are plain text. One that names a page beside this one, such as
@@ -42,6 +45,12 @@ pub struct Table {
 }
 
 impl Page {
+    /// The same page of a run that is being written.
+    #[must_use]
+    pub fn of_run(&self, run: &Numbered) -> Page {
+        Page { runs: run.to_string(), ..self.clone() }
+    }
+
     /// Writes the page, and its library where it needs one beside it.
     ///
     /// # Errors
@@ -100,7 +109,8 @@ impl Page {
     /// The library, the data of the graphs, and what draws them; and what stands in place of graphs without a library.
     fn scripts(&self, lead: Option<&Figure>, library: Library) -> Result<(String, String)> {
         let (element, without) = library.element()?;
-        let graphs = packed("graphs", &plot::plots(lead.into_iter().chain(&self.figures)).to_string())?;
+        let graphs =
+            packed("graphs", &plot::plots(lead.into_iter().chain(&self.figures), &self.runs).to_string())?;
         Ok((format!("{element}{graphs}<script>\n{DRAW}</script>\n"), without))
     }
 
@@ -211,6 +221,7 @@ mod tests {
                 rows: vec![vec!["1".to_owned(), "60.00".to_owned()]],
             }],
             figures: vec![Figure::over_time(vec![Panel::new("position, mm", vec![curve])])],
+            runs: String::new(),
         }
     }
 

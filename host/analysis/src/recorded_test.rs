@@ -177,7 +177,7 @@ fn from_end_of_run(run: &StoredRun, rig: &Rig) -> Result<Taken> {
     let note = format!(
         "position, pressures and temperatures are those of the run of {} at its end, {at:.4} s{}",
         run.rig,
-        run.numbered.as_ref().map_or_else(String::new, |one| format!(" (run {}, {})", one.run, one.date))
+        run.numbered.as_ref().map_or_else(String::new, |one| format!(" ({one})"))
     );
     Ok(Taken { rig: rig.with_settings(&start.settings(None))?, notes: vec![note] })
 }

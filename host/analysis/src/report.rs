@@ -22,7 +22,24 @@ const COLOURS: [[&str; 7]; 3] = [
 /// The page of some transients, the first of which is the reference, under the tables of their deviations.
 #[must_use]
 pub fn page(title: &str, notes: Vec<String>, transients: &[Transient], tables: Vec<Table>) -> Page {
-    Page { title: title.to_owned(), notes, tables, figures: vec![Figure::over_time(panels(transients))] }
+    Page {
+        title: title.to_owned(),
+        notes,
+        tables,
+        figures: vec![Figure::over_time(panels(transients))],
+        runs: runs(transients),
+    }
+}
+
+/// Number and date of those transients that are runs of a folder, by name if there are several transients.
+#[must_use]
+pub fn runs(transients: &[Transient]) -> String {
+    let of = |transient: &Transient| {
+        let run = transient.numbered.as_ref()?;
+        let name = if transients.len() > 1 { format!("{}: ", transient.name) } else { String::new() };
+        Some(format!("{name}{run}"))
+    };
+    transients.iter().filter_map(of).collect::<Vec<_>>().join("; ")
 }
 
 /// The graphs of some transients, the first of which is the reference.

@@ -16,7 +16,8 @@ use crate::parallel;
 const CHANGE: f64 = 0.1;
 
 /// Tables of values that are physics, not choices.
-const PHYSICAL: [&str; 7] = ["supply", "exhaust", "operator", "valve", "tubing", "actuator", "load"];
+pub(crate) const PHYSICAL: [&str; 7] =
+    ["supply", "exhaust", "operator", "valve", "tubing", "actuator", "load"];
 
 /// What a value does to the transient of the test.
 #[derive(Clone, Debug)]

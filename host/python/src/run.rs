@@ -11,7 +11,7 @@ use pneudrive_analysis::{report, transient};
 use pneudrive_controller::Observation;
 use pneudrive_records::band::CHANNELS;
 use pneudrive_records::judged::{FailedNeighbours, Judged, Spacing};
-use pneudrive_records::run_folder::{self, Existing, StoredRun};
+use pneudrive_records::run_folder::{self, Existing, Numbered, StoredRun};
 use pneudrive_records::units::lacks_pressures;
 use pneudrive_records::words;
 use pneudrive_sim::trace::{EXTRAS, Extra};
@@ -333,7 +333,8 @@ impl Run {
             std::fs::create_dir_all(&folder)?;
             run_folder::refuse_other_rig(&folder, &self.rig.rig, existing)?;
             let page = self.page();
-            let pieces = |mark: &str| page.text_in(&folder, mark, Library::Beside);
+            let pieces =
+                |mark: &str, run: &Numbered| page.of_run(run).text_in(&folder, mark, Library::Beside);
             let moves = to_json(self.measured());
             run_folder::write(&folder, &self.rig.rig, &self.judged, moves, Some(&pieces), existing)
         })

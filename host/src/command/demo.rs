@@ -11,7 +11,7 @@ use pneudrive_analysis::transient::Transient;
 use pneudrive_link::client::Client;
 use pneudrive_records::judged::{Judged, Spacing};
 use pneudrive_records::own_file::make_writable;
-use pneudrive_records::run_folder::{self, StoredRun};
+use pneudrive_records::run_folder::{self, Numbered, StoredRun};
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::words;
 use pneudrive_rigs::virtual_rig::{Background, Listener, Pace, VirtualRig};
@@ -73,7 +73,9 @@ pub(super) fn execute(arguments: &Demo) -> Result<()> {
     let moves = to_json(&ensemble.measured);
     json::figures(|| figures::run(&model, &judged, &moves));
     json::figures(|| json!({ "record": target_path, "recorded": target.samples.len() }));
-    let pieces = |mark: &str| page.text_in(&arguments.out, mark, arguments.pages.library());
+    let pieces = |mark: &str, run: &Numbered| {
+        page.of_run(run).text_in(&arguments.out, mark, arguments.pages.library())
+    };
     run_folder::write(&arguments.out, &model, &judged, moves, Some(&pieces), existing)?;
     say!("open {} in a browser", arguments.out.join("report.html").display());
     Ok(())

@@ -62,6 +62,7 @@ pub(super) fn execute(arguments: &Eval) -> Result<()> {
         notes: notes(&transient, chambers.as_ref()).into_iter().chain(remarks).collect(),
         tables: vec![table],
         figures: vec![Figure::over_time(panels(&transient, &motion))],
+        runs: report::runs(std::slice::from_ref(&transient)),
     };
     page.write(&arguments.out, arguments.pages.library())?;
     say!("{}", arguments.out.display());

@@ -25,7 +25,7 @@ use crate::json;
 
 pub(super) fn execute(arguments: &Run) -> Result<()> {
     let rig = rig_of(arguments)?;
-    let mut client = Client::connect(&arguments.port.port)?;
+    let mut client = arguments.port.connect()?;
     let streaming = arguments.stream.as_deref().map(|path| (path, arguments.every));
     let last_sample = last_sample(arguments, &rig)?;
     run_test(&mut client, &rig, last_sample, arguments.config, streaming)?;

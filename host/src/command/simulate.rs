@@ -12,7 +12,7 @@ use pneudrive_analysis::transient::Transient;
 use pneudrive_records::judged::Judged;
 use pneudrive_records::move_points::Through;
 use pneudrive_records::own_file::make_writable;
-use pneudrive_records::run_folder::{self, Existing, PageOf, StoredRun};
+use pneudrive_records::run_folder::{self, Existing, Numbered, PageOf, StoredRun};
 use pneudrive_records::words;
 use pneudrive_sim::{Recording, Rig, Run, run_recorded};
 use serde_json::json;
@@ -47,8 +47,9 @@ pub(super) fn execute(arguments: &Simulate) -> Result<()> {
     let remarks = remarks(&moves);
     notes.extend(remarks.iter().cloned());
     let page = (!arguments.no_report).then(|| page(&rig, &judged, notes.clone(), table.clone()));
-    let pieces =
-        page.as_ref().map(|page| |mark: &str| page.text_in(&arguments.out, mark, arguments.pages.library()));
+    let pieces = page.as_ref().map(|page| {
+        |mark: &str, run: &Numbered| page.of_run(run).text_in(&arguments.out, mark, arguments.pages.library())
+    });
     let number = run_folder::write(
         &arguments.out,
         &rig,

@@ -120,6 +120,7 @@ fn page(all: &[Samples], spectra: &[Spectrum], tables: Vec<Table>, window: Windo
         )],
         tables,
         figures: vec![Figure { across: "frequency, Hz".to_owned(), panels, ..Figure::default() }],
+        ..Page::default()
     }
 }
 

@@ -22,16 +22,16 @@ impl<'a> Axes<'a> {
     }
 }
 
-/// The plots of figures, and the axes of their curves.
-pub(super) fn plots<'a>(figures: impl Iterator<Item = &'a Figure>) -> Value {
+/// The plots of figures, each with `runs` below it, and the axes of their curves.
+pub(super) fn plots<'a>(figures: impl Iterator<Item = &'a Figure>, runs: &str) -> Value {
     let mut axes = Axes::default();
-    let plots: Vec<Value> = figures.map(|figure| plot(figure, &mut axes)).collect();
+    let plots: Vec<Value> = figures.map(|figure| plot(figure, runs, &mut axes)).collect();
     let axes: Vec<Value> = axes.0.into_iter().map(|axis| numbers(axis, 9)).collect();
     json!({ "axes": axes, "plots": plots })
 }
 
 /// Traces, layout and configuration of a figure.
-fn plot<'a>(figure: &'a Figure, axes: &mut Axes<'a>) -> Value {
+fn plot<'a>(figure: &'a Figure, runs: &str, axes: &mut Axes<'a>) -> Value {
     let mut traces = Vec::new();
     for (row, panel) in figure.panels.iter().enumerate() {
         for (place, band) in panel.bands.iter().enumerate() {
@@ -47,7 +47,11 @@ fn plot<'a>(figure: &'a Figure, axes: &mut Axes<'a>) -> Value {
         }
     }
     let config = json!({ "responsive": true, "displaylogo": false });
-    json!({ "data": traces, "layout": layout(figure), "config": config })
+    let mut layout = layout(figure);
+    if !runs.is_empty() {
+        layout["annotations"] = json!([below(runs)]);
+    }
+    json!({ "data": traces, "layout": layout, "config": config })
 }
 
 /// The lower edge, and the upper one that is filled down to it.
@@ -130,6 +134,14 @@ fn layout(figure: &Figure) -> Value {
     layout
 }
 
+/// Small text at the right end below a plot, beside the title of its axis.
+fn below(text: &str) -> Value {
+    json!({
+        "text": text, "showarrow": false, "font": { "size": 10, "color": "#666666" },
+        "xref": "paper", "x": 1, "xanchor": "right", "yref": "paper", "y": 0, "yanchor": "top", "yshift": -32,
+    })
+}
+
 fn vertical(panel: &Panel, domain: [f64; 2]) -> Value {
     let mut axis = axis(&panel.title, panel.logarithmic);
     axis["domain"] = json!(domain);
@@ -161,7 +173,7 @@ mod tests {
     #[test]
     fn curves_of_one_name_and_colour_stand_in_the_legend_once() {
         let told = |colour: Option<&'static str>| {
-            let plots = plots(std::iter::once(&figure(colour)));
+            let plots = plots(std::iter::once(&figure(colour)), "");
             let traces = plots["plots"][0]["data"].as_array().expect("traces").clone();
             traces.iter().filter(|trace| trace["showlegend"] == true).count()
         };
@@ -169,8 +181,17 @@ mod tests {
     }
 
     #[test]
+    fn number_and_date_of_a_run_stand_below_each_of_its_graphs() {
+        let figures = [figure(None), figure(None)];
+        let plots = plots(figures.iter(), "run 3, 2026-11-22T14:05:00Z");
+        for plot in plots["plots"].as_array().expect("plots") {
+            assert_eq!(plot["layout"]["annotations"][0]["text"], "run 3, 2026-11-22T14:05:00Z");
+        }
+    }
+
+    #[test]
     fn curves_over_the_same_time_share_it_and_a_value_that_is_none_leaves_a_gap() {
-        let plots = plots([figure(None), figure(None)].iter());
+        let plots = plots([figure(None), figure(None)].iter(), "");
         assert_eq!(plots["axes"], json!([[0.0, 1.0]]));
         for trace in plots["plots"][1]["data"].as_array().expect("traces") {
             assert_eq!((&trace["x"], &trace["y"]), (&json!(0), &json!([4.125, null])));
@@ -179,7 +200,7 @@ mod tests {
 
     #[test]
     fn graphs_stand_under_each_other_over_one_axis() {
-        let plots = plots(std::iter::once(&figure(None)));
+        let plots = plots(std::iter::once(&figure(None)), "");
         let layout = &plots["plots"][0]["layout"];
         assert_eq!(layout["xaxis"]["anchor"], "y3");
         let top = |name: &str| layout[name]["domain"][1].as_f64().expect("a place");

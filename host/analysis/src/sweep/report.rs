@@ -25,6 +25,7 @@ pub fn page(sweep: &Sweep, rows: &[Row]) -> Page {
         notes: notes(sweep, rows),
         tables,
         figures: sweep.axes.iter().flat_map(|axis| figures(sweep, axis, rows)).collect(),
+        ..Page::default()
     }
 }
 

@@ -142,7 +142,7 @@ class Controller(Table):
         """A longer homing run trips, s."""
     @property
     def pressure_feedback_gain(self) -> float:
-        """Burrows' k5: counts of error that a kPa of quasi-transient pressure difference subtracts in the on-off law; the thesis does not give its unit."""
+        """Counts of error that a kPa of quasi-transient pressure difference subtracts: it damps (9.1.2). 12.4 is Burrows' k5 and the default of the on-off law (the thesis does not give its unit); 0 is that of the other laws."""
 
 class Encoder(Table):
     @property
@@ -249,6 +249,9 @@ class Operator(Table):
     def dither_phase_deg(self) -> float:
         """Phase of the dither at t = 0, deg."""
     @property
+    def dither_adjustable(self) -> bool:
+        """Whether the user can set amplitude and frequency of the dither. Else no search changes them: a valve with an amplifier of its own has the dither that its maker gave it."""
+    @property
     def amplifier_gain(self) -> float:
         """Gain of the amplifier on the command."""
     @property
@@ -336,7 +339,7 @@ class Valve(Table):
         """C_Fout: the same for air that comes out."""
     @property
     def land_length_m(self) -> float:
-        """Length of the lands, for flow forces, m."""
+        """Length of the lands. It has no effect: it weighs the rates of change of the mass flows, which the flow forces leave out, m."""
     @property
     def discharge_model(self) -> str:
         """How the coefficient of discharge depends on the pressure ratio."""
@@ -508,11 +511,8 @@ class Faults(Table):
     def event(self) -> list[dict[str, Any]] | None:
         """Faults and their times, one table [[faults.event]] each."""
     @property
-    def last_gain_for_negative_errors(self) -> bool:
-        """The same bug in another reading: a negative error has the last gain of the profile; in the simulator only."""
-    @property
-    def positive_gain_only(self) -> bool:
-        """The controller's historical bug (thesis 8.2.5): the error always counts as positive; in the simulator only."""
+    def gain_bug(self) -> str:
+        """The bug of the thesis's gain routine, which "could only give positive gains" (8.2.5), in one of three readings: no negative gain, the error counts as positive, negative errors have the last gain of the profile; in the simulator only."""
 
 class Safety(Table):
     @property
@@ -528,6 +528,12 @@ class Safety(Table):
     def hold_s(self) -> float:
         """Time after the loss of its host at which an enabled drive that is armed or holds its last setpoint is disarmed, s."""
     @property
+    def input_debounce_s(self) -> float:
+        """Digital inputs count once all of them have been the same for so long, s."""
+    @property
+    def input_settling_s(self) -> float:
+        """A start begins its record once start and number have stayed for so long behind it, s."""
+    @property
     def sensor_watch(self) -> bool:
         """Whether a pressure within a 64th of the range of an end of its converter trips, if no pressure of the drive can be there."""
     @property
@@ -541,10 +547,10 @@ class Safety(Table):
         """The other software end position, mm."""
     @property
     def late_output_us(self) -> int:
-        """An output that is later than this is not driven and trips the supervisor, us."""
+        """An output that is later than this is not driven and trips the supervisor; less than the time from it to the next sample, by default at most half of it, us."""
     @property
     def late_sample_us(self) -> int:
-        """A sample later than this trips the supervisor, us."""
+        """A sample later than this trips the supervisor; less than the period, by default at most half of it, us."""
 
 class Test(Table):
     @property
