@@ -104,7 +104,7 @@ struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    fn ask(&mut self, name: &'static str, request: impl FnOnce(&mut Client) -> Result<()>) -> Result<()> {
+    fn ask<T>(&mut self, name: &'static str, request: impl FnOnce(&mut Client) -> Result<T>) -> Result<()> {
         // What was asked before is told with the outputs that follow it.
         let settle = || std::thread::sleep(Duration::from_millis(20));
         settle();

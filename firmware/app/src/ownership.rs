@@ -86,6 +86,17 @@ impl Need {
     }
 }
 
+/// Who asks to own the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Asker<'a> {
+    /// Its session.
+    pub session: u32,
+    /// What it calls itself.
+    pub host: &'a str,
+    /// The number of the request in which it asks; None for one that sends none.
+    pub sequence: Option<u16>,
+}
+
 /// The session that has armed the drive last, and how long ago it was heard. By default the hosts of version 4 and
 /// older, which have no session of their own.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -96,30 +107,21 @@ pub struct Ownership {
     heard_ms: Option<u64>,
     /// The number of its last request.
     last: Option<u16>,
-    /// The session that has asked last, and the number of its request.
-    asked: Option<(u32, u16)>,
     left: bool,
     /// It was silent for too long, and heard again.
     lapsed: bool,
 }
 
 impl Ownership {
-    /// A host that has just been heard.
-    #[must_use]
-    pub fn of(session: u32, host: &str, now_ms: Option<u64>) -> Ownership {
-        Ownership { session, host: cut(host), heard_ms: now_ms, ..Ownership::default() }
-    }
-
     /// A host that owns the drive from its present request on.
     #[must_use]
-    pub fn passed_to(&self, session: u32, host: &str, now_ms: Option<u64>) -> Ownership {
-        let of_its_own = self.asked.filter(|asked| asked.0 == session);
-        Ownership { last: of_its_own.map(|asked| asked.1), ..Ownership::of(session, host, now_ms) }
+    pub fn of(by: &Asker<'_>, now_ms: Option<u64>) -> Ownership {
+        let Asker { session, host, sequence } = *by;
+        Ownership { session, host: cut(host), heard_ms: now_ms, last: sequence, ..Ownership::default() }
     }
 
     /// The request of this number of a session has come; an owner is gone after `silence_ms` of silence, 0: never.
     pub fn heard(&mut self, session: u32, sequence: u16, now_ms: Option<u64>, silence_ms: u32) {
-        self.asked = Some((session, sequence));
         if session == self.session && !self.left && self.is_new(sequence) {
             self.last = Some(sequence);
             self.lapsed |= self.gone_for_ms(now_ms, silence_ms).is_some();

@@ -1,6 +1,7 @@
 //! Notes on firmware that lacks something.
 
 use anyhow::Result;
+use pneudrive_controller::Fault;
 use pneudrive_protocol::io::input;
 use pneudrive_records::parameter_names::names_of;
 use pneudrive_records::rig_info::RigParameters;
@@ -16,16 +17,11 @@ pub fn report_boots(client: &Client) {
 }
 
 /// Warns, once a drive is armed, of checks that are switched off.
-///
-/// # Errors
-/// When the rig does not answer.
-pub fn report_armed(client: &mut Client) -> Result<()> {
-    let off = client.checks_off()?;
+pub fn report_armed(off: &[Fault]) {
     if !off.is_empty() {
-        let names: Vec<&str> = off.into_iter().map(words::fault_name).collect();
+        let names: Vec<&str> = off.iter().map(|check| words::fault_name(*check)).collect();
         log::warn!("the drive is armed, and will never trip with: {}", names.join(", "));
     }
-    Ok(())
 }
 
 /// Says that a run input that is off may be none.

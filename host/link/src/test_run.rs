@@ -57,9 +57,8 @@ pub fn prepare(
 /// # Errors
 /// When the rig refuses, or `interrupted` says so.
 pub fn start(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) -> Result<()> {
-    client.arm()?;
-    let ready = report_armed(client)
-        .and_then(|()| wait_for_null(client, rig, interrupted))
+    report_armed(&client.arm()?);
+    let ready = wait_for_null(client, rig, interrupted)
         .and_then(|()| wait_for_samples_before(client, rig, interrupted));
     if let Err(error) = ready.and_then(|()| client.start()) {
         client.disarm()?;

@@ -291,7 +291,9 @@ fn what_was_meant_for_a_rig_before_its_reset_is_refused_by_name_and_a_new_connec
     assert!(client.names_its_boot());
     client.arm().expect("disarmed");
     rig.change(Simulation::reset);
-    for error in [client.arm(), client.set_parameters(id::VELOCITY_GAIN, &[7]), client.save_parameters()] {
+    for error in
+        [client.arm().map(drop), client.set_parameters(id::VELOCITY_GAIN, &[7]), client.save_parameters()]
+    {
         let error = error.expect_err("of another boot").to_string();
         assert!(error.contains("the rig was reset since this program connected (boot 4 now)"), "{error}");
     }

@@ -33,9 +33,9 @@ pub(super) fn execute(arguments: &Device) -> Result<()> {
         DeviceAction::Status => status(&mut client, arguments.counts),
         DeviceAction::Arm => {
             report_boots(&client);
-            client.arm()?;
+            let off = client.arm()?;
             say!("armed: the drive is enabled, the valve at null");
-            report_armed(&mut client)?;
+            report_armed(&off);
             report_run_input(&mut client)
         }
         DeviceAction::Disarm => {

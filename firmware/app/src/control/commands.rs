@@ -10,6 +10,7 @@ use pneudrive_protocol::session::OLD_HOSTS;
 use super::Control;
 use crate::board::Board;
 use crate::configuration::Prepared;
+use crate::ownership::{Asker, Ownership};
 use crate::recorder::Recorder;
 use crate::timing::Clock;
 
@@ -21,28 +22,20 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// # Errors
     /// The controller's refusal, and that of a drive whose stored configuration is lost.
     pub fn arm(&mut self, board: &mut impl Board) -> Result<(), Refusal> {
-        self.arm_as(OLD_HOSTS, "", board)
-    }
-
-    /// The same, for a host that owns the drive from now on.
-    ///
-    /// # Errors
-    /// As for [`Control::arm`].
-    pub fn arm_as(&mut self, session: u32, host: &str, board: &mut impl Board) -> Result<(), Refusal> {
         let learned = self.learned_parameters().and_then(|learned| Prepared::of(learned).ok());
-        self.arm_with(learned.as_ref(), session, host, board)
+        let by = Asker { session: OLD_HOSTS, host: "", sequence: None };
+        self.arm_with(learned.as_ref(), &by, board)
     }
 
-    /// The same with [`Control::learned_parameters`] that have been prepared before: that takes longer than a control
-    /// interrupt may wait.
+    /// The same, for a host that owns the drive from now on, with [`Control::learned_parameters`] that have been prepared
+    /// before: that takes longer than a control interrupt may wait.
     ///
     /// # Errors
     /// As for [`Control::arm`].
     pub fn arm_with(
         &mut self,
         learned: Option<&Prepared>,
-        session: u32,
-        host: &str,
+        by: &Asker<'_>,
         board: &mut impl Board,
     ) -> Result<(), Refusal> {
         if self.configuration.is_lost() {
@@ -56,7 +49,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if !self.state.supervisor.is_referenced() {
             self.locate();
         }
-        self.ownership = self.ownership.passed_to(session, host, board.host_clock_ms());
+        self.ownership = Ownership::of(by, board.host_clock_ms());
         self.logged = false;
         // Storing has stalled the processor: what was late while disarmed is no fault.
         self.clock = Clock::default();

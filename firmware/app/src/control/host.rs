@@ -7,7 +7,7 @@ use pneudrive_protocol::{Owner, Presence};
 
 use super::Control;
 use crate::board::Board;
-use crate::ownership::Need;
+use crate::ownership::{Asker, Need, Ownership};
 use crate::recorder::Recorder;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
@@ -37,8 +37,11 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// The request of this number of a session has come just now.
+    /// The request of this number of a session has come just now. A disabled drive listens to nobody.
     pub fn host_heard(&mut self, session: u32, sequence: u16, board: &impl Board) {
+        if !self.state.supervisor.drives() {
+            return;
+        }
         let silence_ms = self.config().timing.host_silence_ms;
         self.ownership.heard(session, sequence, board.host_clock_ms(), silence_ms);
     }
@@ -88,11 +91,11 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     ///
     /// # Errors
     /// When the drive is not enabled.
-    pub fn take_over(&mut self, session: u32, host: &str, board: &impl Board) -> Result<(), Refusal> {
+    pub fn take_over(&mut self, by: &Asker<'_>, board: &impl Board) -> Result<(), Refusal> {
         if !self.state.supervisor.drives() {
             return Err(Refusal::NotArmed);
         }
-        self.ownership = self.ownership.passed_to(session, host, board.host_clock_ms());
+        self.ownership = Ownership::of(by, board.host_clock_ms());
         Ok(())
     }
 }

@@ -13,6 +13,7 @@ use crate::board::Board;
 use crate::configuration::Prepared;
 use crate::lamp;
 use crate::move_records::MoveRecord;
+use crate::ownership::Asker;
 use crate::recorder::Recorder;
 use crate::selector::{Phase, Taken};
 
@@ -131,7 +132,8 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if let Some(record) = record {
             self.test.become_record(number, record.next);
         }
-        self.arm_with(learned, session::INPUTS, NAME, board).map_err(code)?;
+        let by = Asker { session: session::INPUTS, host: NAME, sequence: None };
+        self.arm_with(learned, &by, board).map_err(code)?;
         self.selector.phase = match record {
             None => {
                 self.home(board).map_err(code)?;

@@ -18,7 +18,7 @@ use crate::board::Board;
 use crate::change::{NotWhole, Parts};
 use crate::configuration::Prepared;
 use crate::control::{ChangeError, Control, MoveError, SaveRefused, TakeError, Test};
-use crate::ownership::Need;
+use crate::ownership::{Asker, Need};
 use crate::recorder::Recorder;
 use crate::repetition::counts_in_any_boot;
 use crate::shared_drive::SharedDrive;
@@ -33,6 +33,7 @@ pub(super) fn carry_out<'a>(
     scratch: &'a mut Scratch,
 ) -> ReplyBody<'a> {
     let InBoot { asked: InSession { request, session }, .. } = *meant;
+    let by = |host| Asker { session, host, sequence: Some(request.sequence) };
     match drive.lock(|control, board| admission(meant, control, board)) {
         Admission::OtherBoot { number } => return ReplyBody::Refused(Refused::OtherBoot { number }),
         Admission::Owned => {
@@ -49,10 +50,10 @@ pub(super) fn carry_out<'a>(
         }
         // A host that has a session arms by `ArmAs`: this is something else that reads as it, such as an echo.
         RequestBody::Arm if session != OLD_HOSTS => ReplyBody::Refused(Refused::Unknown),
-        RequestBody::Arm => arm(drive, session, ""),
-        RequestBody::ArmAs { host } => arm(drive, session, host),
+        RequestBody::Arm => arm(drive, &by("")),
+        RequestBody::ArmAs { host } => arm(drive, &by(host)),
         RequestBody::TakeOver { host } => {
-            drive.lock(|control, board| done(control.take_over(session, host, board).map_err(not_now)))
+            drive.lock(|control, board| done(control.take_over(&by(host), board).map_err(not_now)))
         }
         RequestBody::Leave => drive.lock(|control, _| {
             control.host_leaves(session);
@@ -177,12 +178,10 @@ fn admission<R: BorrowMut<Recorder>>(
 }
 
 /// Arms. What the last run has learned is prepared while the control goes on: a drive that holds may be armed anew.
-fn arm<'a>(drive: &mut impl SharedDrive, session: u32, host: &str) -> ReplyBody<'a> {
+fn arm<'a>(drive: &mut impl SharedDrive, by: &Asker<'_>) -> ReplyBody<'a> {
     let learned = drive.lock(|control, _| control.learned_parameters());
     let learned = learned.and_then(|learned| Prepared::of(learned).ok());
-    drive.lock(|control, board| {
-        done(control.arm_with(learned.as_ref(), session, host, board).map_err(not_now))
-    })
+    drive.lock(|control, board| done(control.arm_with(learned.as_ref(), by, board).map_err(not_now)))
 }
 
 /// Starts, unless the drive is armed with a test that is not meant.

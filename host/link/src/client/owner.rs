@@ -103,30 +103,24 @@ impl Client {
         self.without.extend(checks);
     }
 
-    /// The checks that the drive's parameters switch off ([`unwatched`]).
-    ///
-    /// # Errors
-    /// When the rig does not answer.
-    pub fn checks_off(&mut self) -> Result<Vec<Fault>> {
-        Ok(unwatched(&self.parameters_in_force()?.values).collect())
-    }
-
-    /// Enables the drive. This client commands it until it is disarmed or trips, or the client is dropped.
+    /// Enables the drive, and returns the checks that its parameters switch off ([`unwatched`]). This client commands it
+    /// until it is disarmed or trips, or the client is dropped.
     ///
     /// # Errors
     /// When a check is switched off that it was not told to do without, when the drive refuses, for instance because
     /// another host commands it, or does not answer.
-    pub fn arm(&mut self) -> Result<()> {
-        let off = self.checks_off()?;
+    pub fn arm(&mut self) -> Result<Vec<Fault>> {
+        let off: Vec<Fault> = unwatched(&self.scalars()?).collect();
         if off.iter().any(|check| !self.without.contains(check)) {
             return Err(Failure::Refused.error(checks_are_off(&self.name, &off)));
         }
         if self.version < 5 {
-            return self.ask_done(RequestBody::Arm);
+            self.ask_done(RequestBody::Arm)?;
+            return Ok(off);
         }
         self.ask_done(RequestBody::ArmAs { host: &host_name() })?;
         self.commands = true;
-        Ok(())
+        Ok(off)
     }
 
     /// Takes command of a drive that another host armed and left. A drive without an owner stays as it is.

@@ -36,14 +36,13 @@ impl Client {
         bail!("{}: its parameters change while they are read; is another program using the rig?", self.name)
     }
 
-    /// The same, from what was read before if that is still in force.
-    pub(super) fn parameters_in_force(&mut self) -> Result<RigParameters> {
-        if let Some((hash, known)) = self.known.clone()
-            && hash == self.config_state()?.hash
-        {
-            return Ok(known);
+    /// All but the gain profile, as they are in force.
+    pub(super) fn scalars(&mut self) -> Result<Parameters> {
+        let mut read = RigParameters::default();
+        for (first_id, count) in blocks().filter(|(first_id, _)| *first_id < id::GAIN_PROFILE) {
+            self.read_block(first_id, first_id + u16::from(count), &mut read)?;
         }
-        self.parameters()
+        Ok(read.values)
     }
 
     fn read_blocks(&mut self) -> Result<RigParameters> {
