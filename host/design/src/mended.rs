@@ -31,14 +31,6 @@ fn without(name: &str, answers: &Answers, refusal: &Refusal) -> Option<Answers> 
 mod tests {
     use super::*;
 
-    fn answers(given: &[(&str, &str)]) -> Answers {
-        let mut answers = Answers::default();
-        for (name, text) in given {
-            answers.answer(question_of(name).expect("a question"), text);
-        }
-        answers
-    }
-
     #[test]
     fn what_is_missing_and_what_is_wrong_become_answers_that_make_a_rig() {
         for given in [
@@ -48,7 +40,7 @@ mod tests {
             &[("cylinder", "iso-15552-32"), ("incline", "90 deg"), ("mass", "400 kg"), ("supply", "6 bar")],
             &[("cylinder", "iso-6432-16"), ("force", "2 kN"), ("stroke", "30 m"), ("resolution", "1 m")],
         ] {
-            let given = answers(given);
+            let given = Answers::of(given);
             let mended = mended("own", &given).unwrap_or_else(|| panic!("{given:?}"));
             assert!(rig_file("own", &mended).is_ok(), "{mended:?}");
         }
@@ -62,7 +54,7 @@ mod tests {
             ("mass", "8 kg"),
             ("valve", "proportional-5-3-350"),
         ];
-        let mended = mended("own", &answers(&given)).expect("a rig");
+        let mended = mended("own", &Answers::of(&given)).expect("a rig");
         assert!(given.iter().all(|(name, text)| mended.text(name) == Some(text)));
         assert_eq!(mended.given().count(), given.len());
     }

@@ -164,21 +164,25 @@ impl Answers {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn answers(given: &[(&str, &str)]) -> Answers {
+impl Answers {
+    /// These answers, each by the name of its question.
+    pub(crate) fn of(given: &[(&str, &str)]) -> Answers {
         let mut answers = Answers::default();
         for (name, text) in given {
             answers.answer(question_of(name).expect("a question"), text);
         }
         answers
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
 
     #[test]
     fn every_example_answers_its_question() {
         for question in QUESTIONS.iter().filter(|question| question.unit != "text") {
-            let answers = answers(&[(question.name, question.example)]);
+            let answers = Answers::of(&[(question.name, question.example)]);
             assert!(
                 answers.reading(question.name).is_ok_and(|reading| reading.is_some()),
                 "{}",
@@ -196,14 +200,14 @@ mod tests {
 
     #[test]
     fn an_answer_without_its_unit_is_refused_with_the_option() {
-        let message = answers(&[("bore", "32")]).number("bore").expect_err("no unit").to_string();
+        let message = Answers::of(&[("bore", "32")]).number("bore").expect_err("no unit").to_string();
         assert!(message.starts_with("--bore: needs a unit"), "{message}");
-        let message = answers(&[]).required("stroke").expect_err("none").to_string();
+        let message = Answers::of(&[]).required("stroke").expect_err("none").to_string();
         assert_eq!(message, "--stroke: is needed, such as \"250 mm\"");
     }
 
     #[test]
     fn an_empty_answer_leaves_the_question_open() {
-        assert_eq!(answers(&[("bore", " ")]).number("bore"), Ok(None));
+        assert_eq!(Answers::of(&[("bore", " ")]).number("bore"), Ok(None));
     }
 }

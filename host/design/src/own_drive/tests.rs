@@ -7,15 +7,6 @@ use pneudrive_sim::{Accuracy, Rig, keys, run};
 
 use super::*;
 use crate::parts::{Family, parts};
-use crate::question::question_of;
-
-fn answers(given: &[(&str, &str)]) -> Answers {
-    let mut answers = Answers::default();
-    for (name, text) in given {
-        answers.answer(question_of(name).expect("a question"), text);
-    }
-    answers
-}
 
 const OWN: &[(&str, &str)] = &[
     ("cylinder", "iso-15552-32"),
@@ -33,12 +24,12 @@ fn with(more: &[(&'static str, &'static str)]) -> Vec<(&'static str, &'static st
 }
 
 fn rig(given: &[(&str, &str)]) -> Rig {
-    let text = rig_file("own", &answers(given)).unwrap_or_else(|wrong| panic!("{wrong:?}"));
+    let text = rig_file("own", &Answers::of(given)).unwrap_or_else(|wrong| panic!("{wrong:?}"));
     Rig::read("own.toml", &text).unwrap_or_else(|problems| panic!("{problems}\n{text}"))
 }
 
 fn refusal(given: &[(&str, &str)]) -> String {
-    let wrong = rig_file("own", &answers(given)).expect_err("refused");
+    let wrong = rig_file("own", &Answers::of(given)).expect_err("refused");
     assert_eq!(wrong.len(), 1, "{wrong:?}");
     wrong[0].to_string()
 }
@@ -247,7 +238,7 @@ fn an_answer_beyond_what_a_rig_can_have_is_named_itself() {
 
 #[test]
 fn a_flow_without_its_pressures_is_taken_as_nominal_and_said_to_be() {
-    let remarks = |flow: &'static str| remarks(&answers(&with(&[("flow", flow)])));
+    let remarks = |flow: &'static str| remarks(&Answers::of(&with(&[("flow", flow)])));
     let [remark] = &remarks("350 l/min")[..] else { panic!("one remark") };
     assert!(remark.contains("no pressures") && remark.contains("6 to 5 bar(g)"), "{remark}");
     assert!(remarks("350 l/min, 6 to 5 bar(g)").is_empty());
