@@ -37,7 +37,7 @@ pub fn faults_of_the_plant_trip_by_name(start: Start) {
         client.arm().expect("disarmed");
         client.start().expect("referenced");
         let error = client.follow(&AtomicBool::new(false), |_| {}).expect_err("it trips").to_string();
-        assert!(error.contains(&format!("tripped at sample {k}, after ")), "{}: {error}", target.name());
+        assert!(error.contains(&format!("tripped at sample {k}: ")), "{}: {error}", target.name());
         let events = client.events().expect("a log");
         let newest = events.first().expect("logged");
         assert_eq!((newest.code, newest.index), (fault.code(), k), "{}: {event}", target.name());
