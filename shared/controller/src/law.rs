@@ -154,20 +154,24 @@ pub(crate) fn demand(
     match (config.control_loop, config.kind) {
         (Loop::Open, _) => aim.setpoint,
         (Loop::Closed, LawKind::OnOff) => {
-            let sum = weighed(config, config.proportional_gain, aim.error, motion)
-                - pressure(config, &mut memory.pressure, input);
-            let side = memory.relay.switch(scaled(config, sum), config.dead_band, config.relay_hysteresis);
+            let s = relay_input(config, &mut memory.pressure, aim.error, motion, input);
+            let side = memory.relay.switch(s, config.dead_band, config.relay_hysteresis);
             i32::from(side) * i32::from(MAX_COUNTS)
         }
         (Loop::Closed, _) => {
             let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts());
-            let from_null = match config.pressure_gain {
-                0 => from_null(config, aim, motion),
-                _ => damped(config, &mut memory.pressure, aim, motion, input),
-            };
-            from_null.saturating_add(null)
+            if config.pressure_gain != 0 {
+                return damped(config, &mut memory.pressure, aim, motion, input).saturating_add(null);
+            }
+            from_null(config, aim, motion).saturating_add(null)
         }
     }
+}
+
+/// s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale.
+fn relay_input(config: &LawConfig, mean: &mut Mean, error: i32, motion: &Motion, input: &Sample) -> i32 {
+    let pressure = pressure(config, mean, input);
+    scaled(config, weighed(config, config.proportional_gain, error, motion) - pressure)
 }
 
 /// k5 n_q.
@@ -175,15 +179,15 @@ fn pressure(config: &LawConfig, mean: &mut Mean, input: &Sample) -> i64 {
     i64::from(config.pressure_gain) * i64::from(mean.transient(input))
 }
 
-/// The demand of a law that damps by the pressures: k5 n_q is taken off what is fed forward. A drive that rests in its dead
-/// band is left alone, whatever the pressures do. Apart from the usual path, which it would lengthen.
+/// The demand of a law that damps by the pressures: k5 n_q is taken off what is fed forward. In the dead band it asks for
+/// nothing, whatever the pressures do. Apart from the usual path, which it would lengthen.
 #[cold]
 #[inline(never)]
 fn damped(config: &LawConfig, mean: &mut Mean, aim: &Aim, motion: &Motion, input: &Sample) -> i32 {
     let pressure = pressure(config, mean, input);
     match is_idle(config, aim) {
         true => 0,
-        false => beyond_band(config, aim.error, aim.feed_forward - pressure, motion),
+        false => from_null(config, &Aim { feed_forward: aim.feed_forward - pressure, ..*aim }, motion),
     }
 }
 
@@ -193,18 +197,12 @@ fn is_idle(config: &LawConfig, aim: &Aim) -> bool {
 }
 
 /// The demand as the valve's null has it.
+#[inline(always)] // Not a call: it would cost the usual path twelve instructions.
 fn from_null(config: &LawConfig, aim: &Aim, motion: &Motion) -> i32 {
-    match is_idle(config, aim) {
-        true => 0,
-        false => beyond_band(config, aim.error, aim.feed_forward, motion),
-    }
-}
-
-/// The same beyond the dead band.
-#[inline(always)] // Else the usual path calls it, for 13 instructions more.
-fn beyond_band(config: &LawConfig, error: i32, feed_forward: i64, motion: &Motion) -> i32 {
-    let by_gain = |gain| scaled(config, weighed(config, gain, error, motion) + feed_forward);
+    let error = aim.error;
+    let by_gain = |gain| scaled(config, weighed(config, gain, error, motion) + aim.feed_forward);
     match config.kind {
+        _ if is_idle(config, aim) => 0,
         LawKind::GainProfile => by_gain(profile_gain(config, error)),
         LawKind::MooreProportional => {
             let across_dead_zone = error.signum() * i32::from(config.dead_zone);
