@@ -93,6 +93,7 @@ impl Default for Config {
                 dead_zone: 102,
                 relay_hysteresis: 0,
                 pressure_gain: 0,
+                by_pressures: false,
                 scale: SCALE,
                 null_offset: 0,
                 learning_gain: 0,
@@ -190,14 +191,16 @@ fn law(
     divisor: &impl Fn(u16) -> Result<NonZeroU32, ConfigError>,
 ) -> Result<LawConfig, ConfigError> {
     let unsigned = |id| parameters.scalar(id).unsigned_abs();
+    let kind = match parameters.scalar(id::LAW) {
+        1 => LawKind::Proportional,
+        2 => LawKind::MooreProportional,
+        3 => LawKind::OnOff,
+        _ => LawKind::GainProfile,
+    };
+    let pressure_gain = consistency::pressure_gain(parameters);
     Ok(LawConfig {
         control_loop: if parameters.scalar(id::OPEN_LOOP) == 0 { Loop::Closed } else { Loop::Open },
-        kind: match parameters.scalar(id::LAW) {
-            1 => LawKind::Proportional,
-            2 => LawKind::MooreProportional,
-            3 => LawKind::OnOff,
-            _ => LawKind::GainProfile,
-        },
+        kind,
         gain_profile: parameters.gain_profile,
         profile_span: divisor(id::PROFILE_SPAN_COUNTS)?,
         proportional_gain: unsigned(id::PROPORTIONAL_GAIN) as u16,
@@ -207,7 +210,8 @@ fn law(
         dead_band: unsigned(id::DEAD_BAND_COUNTS),
         dead_zone: unsigned(id::DEAD_ZONE_COUNTS) as u16,
         relay_hysteresis: unsigned(id::RELAY_HYSTERESIS_COUNTS),
-        pressure_gain: consistency::pressure_gain(parameters),
+        pressure_gain,
+        by_pressures: kind == LawKind::OnOff || pressure_gain != 0,
         scale: divisor(id::SCALE)?,
         null_offset: parameters.scalar(id::NULL_OFFSET_COUNTS) as i16,
         learning_gain: unsigned(id::LEARNING_GAIN) as u16,

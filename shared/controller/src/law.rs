@@ -93,6 +93,8 @@ pub struct LawConfig {
     pub relay_hysteresis: u32,
     /// k5, on the raw quasi-transient pressure difference; 0: pressures are not fed back.
     pub pressure_gain: u16,
+    /// Whether the law looks at the pressures: the on-off one, and one that damps by them.
+    pub by_pressures: bool,
     /// L_DAC: 256 for the solenoid, 65536 for the stepper.
     pub scale: NonZeroU32,
     /// Added to the demand: the command at which the valve is at its null, counts.
@@ -151,43 +153,37 @@ pub(crate) fn demand(
     motion: &Motion,
     input: &Sample,
 ) -> i32 {
-    match (config.control_loop, config.kind) {
-        (Loop::Open, _) => aim.setpoint,
-        (Loop::Closed, LawKind::OnOff) => {
-            let s = relay_input(config, &mut memory.pressure, aim.error, motion, input);
-            let side = memory.relay.switch(s, config.dead_band, config.relay_hysteresis);
-            i32::from(side) * i32::from(MAX_COUNTS)
-        }
-        (Loop::Closed, _) => {
+    match config.control_loop {
+        Loop::Open => aim.setpoint,
+        Loop::Closed if config.by_pressures => by_pressures(config, memory, aim, motion, input),
+        Loop::Closed => {
             let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts());
-            if config.pressure_gain != 0 {
-                return damped(config, &mut memory.pressure, aim, motion, input).saturating_add(null);
-            }
             from_null(config, aim, motion).saturating_add(null)
         }
     }
 }
 
-/// s = (Kp n_p - Kv n_v - Ka n_a - k5 n_q) / scale.
-fn relay_input(config: &LawConfig, mean: &mut Mean, error: i32, motion: &Motion, input: &Sample) -> i32 {
-    let pressure = pressure(config, mean, input);
-    scaled(config, weighed(config, config.proportional_gain, error, motion) - pressure)
-}
-
-/// k5 n_q.
-fn pressure(config: &LawConfig, mean: &mut Mean, input: &Sample) -> i64 {
-    i64::from(config.pressure_gain) * i64::from(mean.transient(input))
-}
-
-/// The demand of a law that damps by the pressures: k5 n_q is taken off what is fed forward. In the dead band it asks for
-/// nothing, whatever the pressures do. Apart from the usual path, which it would lengthen.
+/// The demand of a law that looks at the pressures: of the on-off one, and of one that damps by them. In its dead band the
+/// latter asks for nothing, whatever the pressures do. Apart from the usual path, which it would lengthen.
 #[cold]
 #[inline(never)]
-fn damped(config: &LawConfig, mean: &mut Mean, aim: &Aim, motion: &Motion, input: &Sample) -> i32 {
-    let pressure = pressure(config, mean, input);
-    match is_idle(config, aim) {
-        true => 0,
-        false => from_null(config, &Aim { feed_forward: aim.feed_forward - pressure, ..*aim }, motion),
+fn by_pressures(config: &LawConfig, memory: &mut Memory, aim: &Aim, motion: &Motion, input: &Sample) -> i32 {
+    let pressure = i64::from(config.pressure_gain) * i64::from(memory.pressure.transient(input));
+    let (gain, fed_forward) = match config.kind {
+        LawKind::OnOff => (config.proportional_gain, 0),
+        LawKind::GainProfile => (profile_gain(config, aim.error), aim.feed_forward),
+        LawKind::Proportional | LawKind::MooreProportional => (config.proportional_gain, aim.feed_forward),
+    };
+    let sum = scaled(config, weighed(config, gain, aim.error, motion) + fed_forward - pressure);
+    let null = i32::from(config.null_offset).saturating_add(memory.null_offset.counts());
+    match config.kind {
+        LawKind::OnOff => {
+            let side = memory.relay.switch(sum, config.dead_band, config.relay_hysteresis);
+            i32::from(side) * i32::from(MAX_COUNTS)
+        }
+        _ if is_idle(config, aim) => null,
+        LawKind::MooreProportional => across_dead_zone(config, aim.error, sum).saturating_add(null),
+        LawKind::GainProfile | LawKind::Proportional => sum.saturating_add(null),
     }
 }
 
@@ -197,19 +193,20 @@ fn is_idle(config: &LawConfig, aim: &Aim) -> bool {
 }
 
 /// The demand as the valve's null has it.
-#[inline(always)] // Not a call: it would cost the usual path twelve instructions.
 fn from_null(config: &LawConfig, aim: &Aim, motion: &Motion) -> i32 {
     let error = aim.error;
     let by_gain = |gain| scaled(config, weighed(config, gain, error, motion) + aim.feed_forward);
     match config.kind {
         _ if is_idle(config, aim) => 0,
         LawKind::GainProfile => by_gain(profile_gain(config, error)),
-        LawKind::MooreProportional => {
-            let across_dead_zone = error.signum() * i32::from(config.dead_zone);
-            by_gain(config.proportional_gain).saturating_add(across_dead_zone)
-        }
+        LawKind::MooreProportional => across_dead_zone(config, error, by_gain(config.proportional_gain)),
         LawKind::Proportional | LawKind::OnOff => by_gain(config.proportional_gain),
     }
+}
+
+/// Moore's step: in the direction of the error, across the dead zone of the valve.
+fn across_dead_zone(config: &LawConfig, error: i32, demand: i32) -> i32 {
+    demand.saturating_add(error.signum() * i32::from(config.dead_zone))
 }
 
 /// Kp n_p - Kv n_v - Ka n_a: 16 + 32, 16 + 33 and 16 + 34 bits, so the sum is exact in 64, also with the 16 + 17
@@ -294,13 +291,13 @@ mod tests {
     /// asks for nothing, whatever the pressures do.
     #[test]
     fn a_rising_pressure_difference_is_subtracted_outside_of_the_dead_band() {
-        let law = LawConfig { pressure_gain: 1000, ..crate::Config::default().law };
+        let law = LawConfig { pressure_gain: 1000, by_pressures: true, ..crate::Config::default().law };
         let banded = LawConfig { dead_band: 8, ..law };
         let after_a_step_of = |raw: i16, law: &LawConfig| {
-            let mut mean = Mean::default();
+            let mut memory = Memory::default();
             let mut demand = |pressure_1| {
                 let input = Sample { pressure_1, ..Sample::default() };
-                damped(law, &mut mean, &at(3), &Motion::default(), &input)
+                super::demand(law, &mut memory, &at(3), &Motion::default(), &input)
             };
             demand(0);
             demand(raw)
