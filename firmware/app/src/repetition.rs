@@ -14,7 +14,7 @@ impl CarriedOut {
     /// Whether a request of this boot that changes something was carried out before; from now on it was. Hosts of version 4 and
     /// older share a session: one that asks the same under the same number by chance (1 in 65,536) gets no answer.
     pub(crate) fn has(&mut self, now: &InBoot<'_>, crc32: u32) -> bool {
-        if only_reads(&now.asked.request.body) {
+        if now.asked.request.body.only_reads() {
             return false;
         }
         let before = self.0.holds(crc32);
@@ -26,33 +26,5 @@ impl CarriedOut {
 /// Whether a request that was meant for another boot may be carried out: it changes nothing, or it can only take the
 /// energy out of the drive.
 pub(crate) fn counts_in_any_boot(body: &RequestBody<'_>) -> bool {
-    only_reads(body) || matches!(body, RequestBody::Stop | RequestBody::Disarm)
-}
-
-/// Whether a request may be carried out as often as it comes: it changes nothing, only raises what may be sent, or is a
-/// part of a change that has yet to be taken.
-fn only_reads(body: &RequestBody<'_>) -> bool {
-    use RequestBody as Body;
-    matches!(
-        body,
-        Body::Info
-            | Body::Status
-            | Body::ConfigGet { .. }
-            | Body::RecordInfo
-            | Body::RecordRead { .. }
-            | Body::Motion
-            | Body::ConfigState
-            | Body::Events { .. }
-            | Body::Timing
-            | Body::RecordChunk { .. }
-            | Body::StreamRead { .. }
-            | Body::StreamGrant { .. }
-            | Body::Owner
-            | Body::Token { .. }
-            | Body::ChangePart { .. }
-            | Body::Boot
-            | Body::TestRead { .. }
-            | Body::MoveRecordsRead { .. }
-            | Body::Io
-    )
+    body.only_reads() || matches!(body, RequestBody::Stop | RequestBody::Disarm)
 }

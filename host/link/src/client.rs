@@ -201,20 +201,29 @@ impl Client {
     }
 
     /// Sends a request until it is answered, and gives the answer to `take`.
+    ///
+    /// A repeat of a request that changes nothing has a number of its own: a rig takes copies for no sign of life, and the
+    /// answers of a rig that hears everything may be lost. An answer to an earlier repeat is an answer, too.
     fn ask_for_any<T>(
         &mut self,
         body: RequestBody<'_>,
         take: impl Fn(&ReplyBody<'_>) -> Result<T>,
     ) -> Result<T> {
-        self.sequence = self.sequence.wrapping_add(1);
-        let sequence = self.sequence;
+        let first = self.sequence.wrapping_add(1);
         let attempts = self.patience.as_millis().div_ceil(ANSWER_WAIT.as_millis());
         for attempt in 0..attempts {
             self.repeats += u32::from(attempt > 0);
+            if attempt == 0 || body.only_reads() {
+                self.sequence = self.sequence.wrapping_add(1);
+            }
+            let sequence = self.sequence;
             self.send(Request { sequence, body })?;
             let deadline = self.link.now() + ANSWER_WAIT;
-            let answer =
-                self.hear(deadline, |reply| (reply.sequence == sequence).then(|| take(&reply.body)))?;
+            let since_first = sequence.wrapping_sub(first);
+            let answer = self.hear(deadline, |reply| {
+                let is_answer = reply.sequence.wrapping_sub(first) <= since_first;
+                is_answer.then(|| take(&reply.body))
+            })?;
             if let Some(answer) = answer {
                 return answer;
             }

@@ -1,5 +1,6 @@
 //! The record of a rig: its head, and its samples by a [`Download`].
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
@@ -103,18 +104,16 @@ impl Client {
         mut pieces: Pieces,
         mut keep: impl FnMut(usize, &[u8]) -> Result<()>,
     ) -> Result<Record> {
-        // Every request for the same chunk has the same number, derived from the chunk.
-        let base = self.sequence.wrapping_add(1);
-        let chunks = head.samples.div_ceil(CHUNK_SAMPLES);
-        self.sequence = self.sequence.wrapping_add(chunks as u16);
+        // Chunks are known by their first sample: a repeat has a number of its own, as that of any question.
+        let first = self.sequence.wrapping_add(1);
         let mut progress = self.link.now();
         while !pieces.download.is_complete() {
             while let Some(chunk) = pieces.download.ask() {
-                self.ask_for_chunk(head, base, chunk)?;
+                self.ask_for_chunk(head, chunk)?;
             }
             let deadline = self.link.now() + ANSWER_WAIT;
-            let rig = self.name.clone();
-            match self.hear(deadline, |reply| answer(reply, base, chunks, &rig))?.transpose()? {
+            let (rig, last) = (self.name.clone(), self.sequence);
+            match self.hear(deadline, |reply| answer(reply, first..=last, &rig))?.transpose()? {
                 Some((first, samples)) if pieces.take(first, &samples) => {
                     keep(first, &samples)?;
                     progress = self.link.now();
@@ -130,7 +129,7 @@ impl Client {
         Ok(pieces.join(head)?)
     }
 
-    fn ask_for_chunk(&mut self, head: &RecordHead, base: u16, chunk: usize) -> Result<()> {
+    fn ask_for_chunk(&mut self, head: &RecordHead, chunk: usize) -> Result<()> {
         let first = chunk * CHUNK_SAMPLES;
         let count = (head.samples - first).min(CHUNK_SAMPLES) as u8;
         let first = first as u32;
@@ -139,7 +138,8 @@ impl Client {
             ..3 => RequestBody::RecordRead { first, count },
             3.. => RequestBody::RecordChunk { crc32: head.crc32, first, count },
         };
-        self.send(Request { sequence: base.wrapping_add(chunk as u16), body })
+        self.sequence = self.sequence.wrapping_add(1);
+        self.send(Request { sequence: self.sequence, body })
     }
 
     /// The head of the record, with its CRC.
@@ -187,14 +187,15 @@ impl Client {
     }
 }
 
-/// The answer for a chunk in a reply; None for a reply to something else.
-fn answer(reply: &Reply<'_>, base: u16, chunks: usize, rig: &str) -> Option<Answer> {
-    let chunk = reply.sequence.wrapping_sub(base);
+/// The answer for a chunk in a reply; None for a reply to none of the requests with these numbers, which wrap.
+fn answer(reply: &Reply<'_>, asked: RangeInclusive<u16>, rig: &str) -> Option<Answer> {
+    let (first, last) = asked.into_inner();
+    if reply.sequence.wrapping_sub(first) > last.wrapping_sub(first) {
+        return None;
+    }
     match reply.body {
-        ReplyBody::Chunk { first, samples } if (first as usize / CHUNK_SAMPLES) as u16 == chunk => {
-            Some(Ok((first as usize, samples.to_vec())))
-        }
-        ReplyBody::Refused(refused) if usize::from(chunk) < chunks => Some(Err(match refused {
+        ReplyBody::Chunk { first, samples } => Some(Ok((first as usize, samples.to_vec()))),
+        ReplyBody::Refused(refused) => Some(Err(match refused {
             Refused::OtherRecord | Refused::NoRecord | Refused::RecordRange { .. } => RecordChanged.into(),
             other => refusal(rig, &other),
         })),

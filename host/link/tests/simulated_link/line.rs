@@ -56,6 +56,8 @@ impl Faults {
 #[derive(Default)]
 pub struct Line {
     pub faults: Option<Faults>,
+    /// By how much more everything comes late.
+    pub delay: Duration,
     /// When the last byte so far will have gone.
     free_at: Duration,
     /// Bytes and when they arrive, in order.
@@ -109,7 +111,7 @@ impl Line {
     fn put(&mut self, now: Duration, bytes: Vec<u8>) {
         self.carried += bytes.len();
         self.free_at = self.free_at.max(now) + byte_time(bytes.len());
-        self.on_the_way.push_back((self.free_at + LATENCY, bytes));
+        self.on_the_way.push_back((self.free_at + LATENCY + self.delay, bytes));
     }
 
     /// Comes ahead of the frame before it.

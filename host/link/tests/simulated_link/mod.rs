@@ -14,7 +14,7 @@ use pneudrive_app::{Board, Control, Recorder, Server};
 use pneudrive_controller::{Command, Config, Observation, Sample};
 use pneudrive_link::client::Client;
 use pneudrive_link::port::{Link, READ_WAIT};
-use pneudrive_protocol::{Accumulator, MAX_FRAME, RecordedSample, Request, encode};
+use pneudrive_protocol::{Accumulator, MAX_FRAME, RecordedSample, Request, decode_request, encode};
 
 use line::Line;
 pub use line::{Faults, Random};
@@ -24,6 +24,8 @@ pub use line::{Faults, Random};
 pub struct CreepingBoard {
     pub store: NoStore,
     pub has_watchdog: bool,
+    /// Whether it judges the silence of its host, by the time of the simulation.
+    pub judges_silence: bool,
     position: i32,
     now_us: u64,
 }
@@ -49,7 +51,7 @@ impl Board for CreepingBoard {
         self.now_us
     }
     fn host_clock_ms(&self) -> Option<u64> {
-        None
+        self.judges_silence.then_some(self.now_us / 1000)
     }
     fn has_watchdog(&self) -> bool {
         self.has_watchdog
@@ -72,6 +74,14 @@ pub struct Simulation {
     now: Duration,
     /// The rig starts up until then, and hears nothing.
     pub deaf_until: Duration,
+    /// What the rig says until then is lost.
+    pub mute_until: Duration,
+    /// A gateway that repeats what went through it last, and lets nothing else through.
+    gateway: Option<Gateway>,
+    /// The last frame that has gone to the rig.
+    last_up: Vec<u8>,
+    /// The numbers of all requests that have gone to the rig.
+    numbers: Vec<u16>,
     /// From the PC to the rig, and back.
     pub up: Line,
     pub down: Line,
@@ -82,6 +92,15 @@ pub struct Simulation {
     breaks_after: Option<usize>,
     /// The same, after which the rig is another one: with what it has run since.
     restarts_after: Option<(usize, Vec<RecordedSample>)>,
+}
+
+/// How often a gateway repeats a frame.
+const REPEATS_EVERY: Duration = Duration::from_millis(50);
+
+/// A gateway between host and rig that has lost the host, and repeats its last frame to the rig.
+struct Gateway {
+    frame: Vec<u8>,
+    next: Duration,
 }
 
 /// How many cases to try: by default so many.
@@ -141,6 +160,10 @@ impl SimulatedRig {
             accumulator: Accumulator::new(),
             now: Duration::ZERO,
             deaf_until: Duration::ZERO,
+            mute_until: Duration::ZERO,
+            gateway: None,
+            last_up: Vec::new(),
+            numbers: Vec::new(),
             up: Line::default(),
             down: Line::default(),
             broken: false,
@@ -217,6 +240,21 @@ impl Simulation {
         self.now
     }
 
+    /// From now on the rig hears its host's last frame again and again, and nothing new.
+    pub fn repeats_the_last_frame(&mut self) {
+        self.gateway = Some(Gateway { frame: self.last_up.clone(), next: self.now });
+    }
+
+    /// The numbers of all requests that have gone to the rig, in order.
+    pub fn numbers_heard(&self) -> Vec<u16> {
+        self.numbers.clone()
+    }
+
+    /// How the drive stands.
+    pub fn mode(&self) -> pneudrive_controller::Mode {
+        self.control.state().supervisor.mode()
+    }
+
     /// Samples are taken from now on, as time goes on.
     pub fn take_samples(&mut self) {
         self.next_sample = Some(self.now);
@@ -243,9 +281,29 @@ impl Simulation {
             self.control.on_output(&mut self.board);
             self.server.attend(&mut self.control);
             self.speak(at);
+            self.repeat(at);
             self.next_sample = Some(at + Duration::from_micros(1300));
         }
         self.now = self.now.max(to);
+    }
+
+    /// Notes a frame that goes to the rig.
+    fn note(&mut self, bytes: &[u8]) {
+        self.last_up = bytes.to_vec();
+        let mut accumulator: Accumulator = Accumulator::new();
+        for &byte in bytes {
+            let Some(Ok(message)) = accumulator.push(byte) else { continue };
+            let request = decode_request(message).expect("a request");
+            self.numbers.push(request.sequence);
+        }
+    }
+
+    /// What a gateway repeats comes to the rig.
+    fn repeat(&mut self, now: Duration) {
+        let Some(gateway) = self.gateway.as_mut().filter(|gateway| gateway.next <= now) else { return };
+        gateway.next = now + REPEATS_EVERY;
+        let frame = gateway.frame.clone();
+        self.hear(&frame);
     }
 
     /// What goes unasked, when the line has room.
@@ -280,7 +338,9 @@ impl Simulation {
                 if self.echoes {
                     self.up.send(self.now, reply.clone());
                 }
-                self.down.send(self.now, reply);
+                if self.now >= self.mute_until {
+                    self.down.send(self.now, reply);
+                }
             }
         }
     }
@@ -343,7 +403,10 @@ impl Link for SimulatedRig {
             if simulation.echoes {
                 simulation.down.send(now, bytes.to_vec());
             }
-            simulation.up.send(now, bytes.to_vec());
+            if simulation.gateway.is_none() {
+                simulation.note(bytes);
+                simulation.up.send(now, bytes.to_vec());
+            }
             Ok(())
         })
     }

@@ -6,9 +6,11 @@
 //!
 //! The answer to `Info` is the same at every time, so it is there as soon as the client asks: neither goes over the line.
 //!
-//! Two things are left out of the list ([`Host::after`]): a reply that the client passes over, and, once a question is
-//! answered, that it had to be asked more than once. Neither leaves a trace in what the client does later, as numbers of
-//! requests only grow; `tests/hosts.rs` runs clients with and without them to the end.
+//! The list is as short as it can be told ([`Host::after`]). A reply that the client passes over is left out, and so is, once a
+//! request is answered, that it had to be sent more than once. Repeats of a question that only reads have numbers of their
+//! own, so later requests have higher ones: the client is run from a higher first number then, and its answers are those to
+//! whatever it has asked last. Of a client that has ended, only what came of it is kept. `tests/hosts.rs` runs clients with and
+//! without repeats to the end.
 
 use std::collections::VecDeque;
 use std::io;
@@ -20,7 +22,7 @@ use pneudrive_app::Server;
 use pneudrive_controller::parameters::id;
 use pneudrive_link::client::{Client, Pieces};
 use pneudrive_link::port::Link;
-use pneudrive_protocol::{InBoot, RequestBody};
+use pneudrive_protocol::{InBoot, MAX_FRAME, Reply, RequestBody, decode_reply, encode_reply};
 use pneudrive_records::record::Record;
 use pneudrive_sim::Rig as RigFile;
 
@@ -32,6 +34,8 @@ use crate::rig::{Pair, Rig, Run};
 pub enum Input {
     /// A reply comes.
     Reply(Vec<u8>),
+    /// An answer to what it has asked last, without its number.
+    Answer(Vec<u8>),
     /// Nothing has come for as long as it waits.
     Silence,
     /// The run that it has started is over.
@@ -108,43 +112,59 @@ impl Plan {
     }
 }
 
-/// A host's inputs so far.
+/// A host's inputs so far, or what came of it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Host {
     inputs: Vec<Input>,
+    /// Repeats that had numbers of their own, before the last answer.
+    repeats: u16,
+    ended: Option<Box<Standing>>,
 }
 
 impl Host {
     /// The host after an input, as short as it can be told, and how it stands then; None if it passes over the input.
     #[must_use]
     pub fn after(&self, input: Input, plan: &Plan) -> Option<(Host, Standing)> {
+        let before = self.standing(plan);
         let whole = self.with(input.clone());
         let standing = whole.standing(plan);
-        let goes_on = !standing.sent.is_empty() || standing.waits != self.standing(plan).waits;
-        match input {
-            Input::Reply(_) if !goes_on => None,
-            Input::Reply(_) | Input::RunOver => Some((whole.without_silences(), standing)),
-            Input::Silence => Some((whole, standing)),
-        }
+        let goes_on = !standing.sent.is_empty() || standing.waits != before.waits;
+        let after = match input {
+            Input::Reply(_) if !goes_on => return None,
+            _ if standing.waits == Waits::Nothing => {
+                Host { ended: Some(Box::new(standing.clone())), ..Host::default() }
+            }
+            Input::Reply(bytes) => self.answered(&bytes, before.sent.iter().any(|frame| only_reads(frame))),
+            _ => whole,
+        };
+        Some((after, standing))
     }
 
     /// The host with one more input.
     #[must_use]
     pub fn with(&self, input: Input) -> Host {
-        Host { inputs: self.inputs.iter().cloned().chain([input]).collect() }
+        Host { inputs: self.inputs.iter().cloned().chain([input]).collect(), ..self.clone() }
     }
 
-    fn without_silences(self) -> Host {
-        Host { inputs: self.inputs.into_iter().filter(|input| *input != Input::Silence).collect() }
+    /// The host after an answer, by which its silences since the one before are over.
+    fn answered(&self, bytes: &[u8], only_reads: bool) -> Host {
+        let asked = self.inputs.iter().rposition(|input| *input != Input::Silence).map_or(0, |last| last + 1);
+        let silences = (self.inputs.len() - asked) as u16;
+        let answer = [Input::Answer(numbered(bytes, 0))];
+        let inputs = self.inputs[..asked].iter().cloned().chain(answer).collect();
+        Host { inputs, repeats: self.repeats + if only_reads { silences } else { 0 }, ended: None }
     }
 
     /// How it stands: found by running the client with these inputs.
     #[must_use]
     pub fn standing(&self, plan: &Plan) -> Standing {
+        if let Some(standing) = &self.ended {
+            return Standing::clone(standing);
+        }
         let script = Script::new(&self.inputs);
         let link = Scripted(script.clone());
         // Why a program ends does not matter here.
-        let _ = Client::in_session(Box::new(link), "model", plan.session, plan.sequence)
+        let _ = Client::in_session(Box::new(link), "model", plan.session, plan.sequence + self.repeats)
             .and_then(|mut client| work(&mut client, plan, &script));
         let mut played = script.played();
         if !played.blocked {
@@ -242,7 +262,7 @@ impl Script {
         loop {
             match played.next(Waits::RunOver) {
                 Some(Input::RunOver) => return Ok(()),
-                Some(Input::Reply(bytes)) => played.unread.push_back(bytes),
+                Some(Input::Reply(bytes) | Input::Answer(bytes)) => played.unread.push_back(bytes),
                 Some(Input::Silence) => {}
                 None => bail!("no more inputs"),
             }
@@ -253,7 +273,10 @@ impl Script {
 impl Played {
     /// The next input; without one the client waits from here on.
     fn next(&mut self, waits: Waits) -> Option<Input> {
-        let next = self.inputs.pop_front();
+        let mut next = self.inputs.pop_front();
+        if let (Some(Input::Answer(bytes)), Some(asked)) = (&mut next, self.standing.sent.last()) {
+            *bytes = numbered(bytes, number(asked));
+        }
         if next.is_some() {
             self.standing.sent.clear();
         } else if !self.blocked {
@@ -272,7 +295,7 @@ impl Link for Scripted {
         let mut played = self.0.played();
         let unread = played.unread.pop_front().map(Input::Reply);
         match unread.or_else(|| played.next(Waits::Answer)) {
-            Some(Input::Reply(bytes)) => {
+            Some(Input::Reply(bytes) | Input::Answer(bytes)) => {
                 buffer[..bytes.len()].copy_from_slice(&bytes);
                 Ok(bytes.len())
             }
@@ -300,6 +323,25 @@ impl Link for Scripted {
     fn now(&self) -> Duration {
         self.0.played().now
     }
+}
+
+/// Whether the request in a frame changes nothing.
+fn only_reads(frame: &[u8]) -> bool {
+    InBoot::decode(&message(frame)).is_ok_and(|meant| meant.asked.request.body.only_reads())
+}
+
+/// The number of the request in a frame.
+fn number(frame: &[u8]) -> u16 {
+    InBoot::decode(&message(frame)).expect("a request of this version").asked.request.sequence
+}
+
+/// The reply in a frame under another number.
+fn numbered(frame: &[u8], sequence: u16) -> Vec<u8> {
+    let message = message(frame);
+    let reply = decode_reply(&message).expect("a reply of this version");
+    let mut room = [0; MAX_FRAME];
+    let framed = encode_reply(&Reply { sequence, ..reply }, &mut room);
+    framed.expect("it came in a frame").0.to_vec()
 }
 
 /// What the firmware answers if this is the question who it is.

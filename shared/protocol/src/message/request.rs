@@ -200,5 +200,37 @@ pub enum RequestBody<'a> {
     TryWatchdog,
 }
 
+impl RequestBody<'_> {
+    /// Whether it may be carried out as often as it comes: it changes nothing, only raises what may be sent, or is a part of a
+    /// change that has yet to be taken. A host gives each repeat of such a request a number of its own, so that a rig takes it
+    /// for a sign of life. Any other request keeps its number when it is repeated: by that the rig carries it out once.
+    #[must_use]
+    pub fn only_reads(&self) -> bool {
+        use RequestBody as Body;
+        matches!(
+            self,
+            Body::Info
+                | Body::Status
+                | Body::ConfigGet { .. }
+                | Body::RecordInfo
+                | Body::RecordRead { .. }
+                | Body::Motion
+                | Body::ConfigState
+                | Body::Events { .. }
+                | Body::Timing
+                | Body::RecordChunk { .. }
+                | Body::StreamRead { .. }
+                | Body::StreamGrant { .. }
+                | Body::Owner
+                | Body::Token { .. }
+                | Body::ChangePart { .. }
+                | Body::Boot
+                | Body::TestRead { .. }
+                | Body::MoveRecordsRead { .. }
+                | Body::Io
+        )
+    }
+}
+
 /// Last sample of a test that runs until it is stopped: the last one that can be counted, 64 days at 1.3 ms.
 pub const UNTIL_STOPPED: u32 = u32::MAX - 1;
