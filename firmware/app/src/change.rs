@@ -47,6 +47,7 @@ impl Parts {
     /// Forgets what has come.
     pub fn clear(&mut self) {
         self.bytes.clear();
+        self.crc32 = 0;
     }
 }
 

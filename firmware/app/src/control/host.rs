@@ -37,9 +37,10 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
-    /// The request of this number of a session has come just now. A disabled drive listens to nobody.
+    /// The request of this number of a session has come just now. A disabled drive listens to nobody, and forgets its owner.
     pub fn host_heard(&mut self, session: u32, sequence: u16, board: &impl Board) {
         if !self.state.supervisor.drives() {
+            self.ownership = Ownership::default();
             return;
         }
         let silence_ms = self.config().timing.host_silence_ms;
@@ -54,7 +55,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
 
     /// The host of this session has gone; what it has armed stays as it is.
     pub fn host_leaves(&mut self, session: u32) {
-        self.ownership.leave(session);
+        if self.state.supervisor.drives() {
+            self.ownership.leave(session);
+        }
     }
 
     /// Whether the host that has armed the drive is there.

@@ -22,7 +22,7 @@ pub mod rig;
 mod step;
 mod story;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use arrayvec::ArrayVec;
@@ -80,6 +80,7 @@ pub struct Link {
     cuts: Vec<u8>,
     rigs: Interned<Rig>,
     servers: Interned<Server>,
+    fresh_server: OnceLock<Id>,
     hosts: [Interned<Host>; 2],
     frames: Interned<Vec<u8>>,
     standings: Worked<(usize, Id), Arc<Standing>>,
@@ -213,7 +214,7 @@ impl Model for Link {
 
     fn init_states(&self) -> Vec<State> {
         let rig = self.rigs.id(Rig::new(self.mutant));
-        let server = self.servers.id(Server::default());
+        let server = self.fresh_server();
         let mut state = State {
             rig,
             servers: [server; 2],

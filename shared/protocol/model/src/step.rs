@@ -120,7 +120,22 @@ impl Link {
                 self.reset(&mut next)
             }
         };
+        self.forget_servers_without_host(&mut next);
         possible.then_some(next)
+    }
+
+    /// What the server of a host knows that has ended, and of which no frame is on its way any more, does not matter.
+    fn forget_servers_without_host(&self, state: &mut State) {
+        for host in [0, 1] {
+            let Way { queue, late } = &state.to_rig[host];
+            if queue.is_empty() && late.is_empty() && self.standing(state, host).waits == Waits::Nothing {
+                state.servers[host] = self.fresh_server();
+            }
+        }
+    }
+
+    pub(crate) fn fresh_server(&self) -> Id {
+        *self.fresh_server.get_or_init(|| self.servers.id(Server::default()))
     }
 
     /// How a host stands.
@@ -155,7 +170,7 @@ impl Link {
         for frame in queue.into_iter().chain(late).filter(|_| !ended) {
             let telling = Telling { number: host, host: state.hosts[host], heard: Heard::Reply(frame.id()) };
             let told = self.tellings.out(telling, || Arc::new(self.told(telling)));
-            assert!(told.after.is_none(), "a reply that is no answer is passed over");
+            assert!(told.after.is_none(), "an answer to a question that is answered is passed over");
         }
     }
 
@@ -319,7 +334,7 @@ impl Link {
 
     /// The rig begins anew, and so do its servers. What is on the lines stays there.
     fn reset(&self, state: &mut State) -> bool {
-        state.servers = [self.servers.id(Server::default()); 2];
+        state.servers = [self.fresh_server(); 2];
         // Replies are known by the numbers of their requests, whenever they come.
         let matters = |id| self.arms_or_moves(id);
         state.to_rig.iter_mut().for_each(|way| way.outlives_reset(matters));
