@@ -179,6 +179,11 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
     }
 
+    /// Times of samples count from here on: the first one after this is neither early nor late.
+    pub fn restart_clock(&mut self) {
+        self.clock = Clock::default();
+    }
+
     /// Mean interval of the samples since the clock was restarted, ns; the period before there are two.
     #[must_use]
     pub fn measured_period_ns(&mut self) -> u32 {

@@ -15,7 +15,8 @@
 //! none: it does not stop what a host has enabled.
 //!
 //! One owner: the inputs begin nothing that a host has enabled, and while they have enabled the drive, hosts may read and
-//! stop. A stop withdraws what the inputs were permitted, whatever the drive does: it is acknowledged before the next start.
+//! stop. A stop or a trip withdraws what the inputs were permitted, whatever the drive does, also an edge that has yet to count:
+//! it is acknowledged anew before the next start.
 
 use pneudrive_controller::config::Timing;
 pub use pneudrive_protocol::io::{input, output};
@@ -60,7 +61,7 @@ pub(crate) struct Taken {
 /// What the inputs were, and what they have begun.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selector {
-    /// As last read, and for how long.
+    /// As last read, and for how long, up to the time after which they count.
     read: u8,
     steady_us: u32,
     /// As they count.
@@ -71,12 +72,12 @@ pub struct Selector {
     pub(crate) acknowledged: bool,
     /// A stop has yet to be acknowledged.
     stopped: bool,
+    /// The drive had tripped when the inputs were looked at last.
+    tripped: bool,
     pub(crate) phase: Phase,
     pub(crate) number: u8,
     pub(crate) refused: u8,
     pub(crate) outputs: u8,
-    /// For the lamp, microseconds, wrapping.
-    pub(crate) time_us: u32,
 }
 
 impl Default for Selector {
@@ -90,11 +91,11 @@ impl Default for Selector {
             run_was_on: false,
             acknowledged: false,
             stopped: false,
+            tripped: false,
             phase: Phase::Idle,
             number: 0,
             refused: 0,
             outputs: 0,
-            time_us: 0,
         }
     }
 }
@@ -133,10 +134,16 @@ impl Selector {
     /// Takes the reading of a sample.
     pub(crate) fn take(&mut self, read: u8, timing: &Timing) -> Taken {
         let period_us = timing.period_us.get();
-        self.steady_us = if read == self.read { self.steady_us.saturating_add(period_us) } else { 0 };
+        let debounce_us = timing.input_debounce_ms.saturating_mul(1000);
+        let steady_us = self.steady_us.saturating_add(period_us).min(debounce_us);
+        self.steady_us = if read == self.read { steady_us } else { 0 };
+        if self.read & read & BOTH != BOTH {
+            // Run and enable count at once: a start that goes on without them, or with them, is none.
+            self.settled |= read & input::START;
+        }
         self.read = read;
         let settled = self.settle(period_us, timing.input_settling_ms);
-        if self.steady_us < timing.input_debounce_ms.saturating_mul(1000) {
+        if self.steady_us < debounce_us {
             return settled;
         }
         let before = core::mem::replace(&mut self.settled, read);
@@ -164,8 +171,28 @@ impl Selector {
     }
 
     /// A stop: nothing that was acknowledged or started before it counts any more.
-    pub(crate) fn withdraw(&mut self) {
-        (self.acknowledged, self.stopped, self.pending) = (false, true, None);
+    pub(crate) fn stop(&mut self) {
+        self.withdraw();
+        self.stopped = true;
+    }
+
+    /// Notes whether the drive has tripped by now: what was acknowledged or started before a trip is not meant for it.
+    pub(crate) fn notice(&mut self, tripped: bool) {
+        if tripped && !self.tripped {
+            self.withdraw();
+        }
+        self.tripped = tripped;
+    }
+
+    /// The drive is armed: what was acknowledged of its fault is used up.
+    pub(crate) fn leave_fault(&mut self) {
+        (self.acknowledged, self.tripped) = (false, false);
+    }
+
+    /// Edges that have yet to count, or to settle, are over.
+    fn withdraw(&mut self) {
+        (self.acknowledged, self.pending) = (false, None);
+        self.settled |= self.read & (input::START | input::ACKNOWLEDGE);
     }
 
     /// Notes whether a fault or a stop is acknowledged.
@@ -297,11 +324,41 @@ mod tests {
     fn a_stop_ends_a_start_that_has_yet_to_settle_and_asks_for_an_acknowledgement() {
         let mut selector = Selector::default();
         taken(&mut selector, &[(BOTH | 5, 4), (START | 5, 5)]);
-        selector.withdraw();
+        selector.stop();
         assert!(taken(&mut selector, &[(START | 5, 20)]).iter().all(|taken| taken.starts.is_none()));
         assert!(selector.awaits_acknowledgement(false));
         selector.acknowledge(false, true);
         assert!(!selector.awaits_acknowledgement(false));
+    }
+
+    /// However short it was: run and enable count at once.
+    #[test]
+    fn a_start_that_goes_on_while_run_or_enable_is_off_for_a_moment_is_none() {
+        for off in [input::RUN, input::ENABLE] {
+            let without = BOTH & !off;
+            let start = input::START | 5;
+            assert_eq!(
+                started(&[(BOTH | 5, 9), (without | 5, 1), (without | start, 1), (BOTH | start, 40)]),
+                []
+            );
+            assert_eq!(started(&[(BOTH | 5, 9), (without | 5, 1), (BOTH | start, 40)]), [], "with it");
+            assert_eq!(started(&[(BOTH | 5, 9), (without | 5, 1), (BOTH | 5, 1), (BOTH | start, 40)]), [5]);
+        }
+    }
+
+    #[test]
+    fn edges_that_have_yet_to_count_at_a_stop_or_a_trip_never_count() {
+        let ends: [fn(&mut Selector); 2] = [Selector::stop, |selector| selector.notice(true)];
+        for end in ends {
+            let mut selector = Selector::default();
+            taken(&mut selector, &[(BOTH | 5, 9), (START | input::ACKNOWLEDGE | 5, 2)]);
+            end(&mut selector);
+            let later = taken(&mut selector, &[(START | input::ACKNOWLEDGE | 5, 40)]);
+            assert!(later.iter().all(|taken| *taken == Taken::default()));
+            let anew = taken(&mut selector, &[(BOTH | 5, 9), (START | input::ACKNOWLEDGE | 5, 40)]);
+            assert_eq!(anew.iter().filter(|taken| taken.acknowledges).count(), 1);
+            assert_eq!(anew.iter().filter_map(|taken| taken.starts).collect::<Vec<_>>(), [5]);
+        }
     }
 
     #[test]

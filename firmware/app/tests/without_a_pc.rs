@@ -249,6 +249,53 @@ fn a_stop_by_a_host_withdraws_the_acknowledgement_and_the_start_whatever_the_dri
     assert!(!matches!(starting.mode(), Mode::Running), "a start that had yet to settle");
 }
 
+/// The contacts have closed, but not for long enough to count.
+#[test]
+fn an_acknowledgement_that_has_yet_to_count_at_a_stop_is_none_of_that_stop() {
+    let mut bench = Bench::with_records();
+    bench.board.inputs = ON | ACKNOWLEDGE;
+    bench.live(DEBOUNCE - 2);
+    bench.done(RequestBody::Stop);
+    bench.live(DEBOUNCE);
+    bench.start(HERE);
+    assert_eq!((bench.mode(), bench.why_refused()), (Mode::Fault(Fault::Stop), refused::FAULT));
+    bench.input(ON | ACKNOWLEDGE);
+    bench.start(HERE);
+    assert_eq!(bench.mode(), Mode::Running, "acknowledged since");
+}
+
+#[test]
+fn a_start_that_has_yet_to_count_at_a_stop_begins_nothing_once_that_is_acknowledged() {
+    let mut bench = Bench::with_records();
+    bench.board.inputs = ON | START | HERE;
+    bench.live(DEBOUNCE - 2);
+    bench.done(RequestBody::Stop);
+    bench.input(ON | START | ACKNOWLEDGE | HERE);
+    bench.live(2 * SETTLING);
+    assert_eq!(bench.mode(), Mode::Fault(Fault::Stop));
+}
+
+/// A trip that no input has caused: acknowledged is what came behind it, and so is the start.
+#[test]
+fn what_was_acknowledged_or_started_before_a_trip_is_not_meant_for_it() {
+    for before in [DEBOUNCE - 2, DEBOUNCE + 2] {
+        let mut bench = Bench::with_records();
+        bench.board.inputs = ON | START | ACKNOWLEDGE | HERE;
+        bench.live(before);
+        bench.app.control.trip(Fault::LateSample);
+        bench.live(2 * SETTLING);
+        assert_eq!(bench.mode(), Mode::Fault(Fault::LateSample), "{before}");
+        assert!(bench.shows(FAULT), "{before}: not acknowledged");
+        bench.input(ON | START | HERE);
+        bench.input(ON | START | ACKNOWLEDGE | HERE);
+        bench.live(2 * SETTLING);
+        assert!(!bench.shows(FAULT), "{before}: acknowledged");
+        assert_eq!(bench.mode(), Mode::Fault(Fault::LateSample), "{before}: the start was before it");
+        bench.start(HERE);
+        assert_eq!(bench.mode(), Mode::Running, "{before}");
+    }
+}
+
 #[test]
 fn a_number_that_comes_behind_its_start_begins_no_other_record() {
     let mut bench = Bench::with_records();

@@ -13,7 +13,6 @@ use crate::board::Board;
 use crate::configuration::Prepared;
 use crate::recorder::Recorder;
 use crate::store::NotStored;
-use crate::timing::Clock;
 
 /// Why a change of the configuration was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +73,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         if !self.state.supervisor.is_referenced() {
             self.locate();
         }
-        self.clock = Clock::default();
+        self.restart_clock();
         Ok(())
     }
 

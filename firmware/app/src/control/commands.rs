@@ -12,7 +12,6 @@ use crate::board::Board;
 use crate::configuration::Prepared;
 use crate::ownership::{Asker, Ownership};
 use crate::recorder::Recorder;
-use crate::timing::Clock;
 
 impl<R: BorrowMut<Recorder>> Control<R> {
     /// Enables the drive with the valve at null, and empties the recorder; whoever asks without a session owns it.
@@ -51,8 +50,9 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         }
         self.ownership = Ownership::of(by, board.host_clock_ms());
         self.logged = false;
+        self.selector.leave_fault();
         // Storing has stalled the processor: what was late while disarmed is no fault.
-        self.clock = Clock::default();
+        self.restart_clock();
         self.recorder.borrow_mut().arm(self.test.decimation, self.test.pre_trigger);
         Ok(())
     }
@@ -103,7 +103,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         self.record();
         self.state.start(self.configuration.config(), &self.test.sequence)?;
         self.recorder.borrow_mut().start();
-        self.clock = Clock::default();
+        self.restart_clock();
         self.ownership.refresh(board.host_clock_ms());
         Ok(())
     }
@@ -111,7 +111,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
     /// Stops at once: a fault that only arming leaves. Digital inputs begin nothing before they have acknowledged it, also if
     /// the drive was disabled or has tripped before.
     pub fn stop(&mut self) {
-        self.selector.withdraw();
+        self.selector.stop();
         self.trip(Fault::Stop);
     }
 

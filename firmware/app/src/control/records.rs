@@ -23,6 +23,7 @@ const NAME: &str = "digital inputs";
 impl<R: BorrowMut<Recorder>> Control<R> {
     /// Looks at the inputs and drives the outputs. Whether a record is to be begun.
     pub(crate) fn heed_inputs(&mut self, board: &mut impl Board) -> bool {
+        self.selector.notice(self.is_tripped());
         let taken = self.selector.take(board.inputs(), &self.configuration.config().timing);
         if self.selector.stops() && self.state.supervisor.drives() {
             self.trip(Fault::Stop);
@@ -38,8 +39,6 @@ impl<R: BorrowMut<Recorder>> Control<R> {
             .acknowledge(self.is_tripped() && may_acknowledge, taken.acknowledges && may_acknowledge);
         self.follow_phase();
         let begins = self.heed_start(&taken);
-        let period_us = self.configuration.config().timing.period_us.get();
-        self.selector.time_us = self.selector.time_us.wrapping_add(period_us);
         self.tell(board);
         begins || self.selector.phase == Phase::Waiting
     }
@@ -103,7 +102,7 @@ impl<R: BorrowMut<Recorder>> Control<R> {
         let inside = self.state.observation().error.unsigned_abs() <= config.motion.tolerance;
         let there = self.selector.phase == Phase::InPosition && (inside || mode == Mode::Armed);
         let pattern = lamp::pattern(mode, self.configuration.is_lost());
-        let lit = lamp::is_lit(pattern, self.selector.time_us);
+        let lit = lamp::is_lit(pattern, board.now_us() as u32);
         self.selector.tell(output::READY, ready);
         self.selector.tell(output::IN_POSITION, there);
         self.selector.tell(output::FAULT, faulty);
