@@ -1,6 +1,7 @@
 //! What a rig with a planted defect makes of a request.
 
 use pneudrive_protocol::change::start_crc32;
+use pneudrive_protocol::io::output;
 use pneudrive_protocol::{ANY_BOOT, InBoot, InSession, Request, RequestBody};
 
 use crate::mutant::Mutant;
@@ -23,8 +24,27 @@ impl Mutant {
             (Mutant::IgnoresNameOfRecord, RequestBody::RecordChunk { first, count, .. }) => {
                 body = RequestBody::RecordRead { first, count };
             }
+            // Answered as a stop is, and changes nothing.
+            (Mutant::SwallowsStop, RequestBody::Stop) if rig.is_acknowledged() => body = RequestBody::Leave,
             _ => {}
         }
         InBoot { asked: InSession { request: Request { sequence, body }, session }, boot }
+    }
+
+    /// What a rig with this defect makes of a copy that has come from its owner.
+    pub(crate) fn hear(self, rig: &mut Rig, session: u32) {
+        if self == Mutant::HearsCopies && rig.drives() {
+            // Always ahead of what it has heard, by a quarter of the range of numbers.
+            rig.presence.ahead = rig.presence.ahead.wrapping_add(0x4000);
+            let number = rig.presence.newest().wrapping_add(rig.presence.ahead);
+            rig.control.host_heard(session, number, &rig.board);
+        }
+    }
+}
+
+impl Rig {
+    /// Whether it is in a fault that its digital inputs have acknowledged.
+    fn is_acknowledged(&self) -> bool {
+        self.is_tripped() && self.control.selector().outputs() & output::FAULT == 0
     }
 }

@@ -80,6 +80,14 @@ pub enum Job {
     Both,
     /// Arms, homes, and disarms when that is over.
     Homes,
+    /// As one that runs, but asks twice how the drive stands once it has started, and pulls no record.
+    Follows,
+    /// Runs its test, and leaves the drive as it holds.
+    Holds,
+    /// Stops the drive.
+    Stops,
+    /// Nothing: it does not even connect.
+    Rests,
 }
 
 /// What a host is to do.
@@ -161,6 +169,9 @@ impl Host {
         if let Some(standing) = &self.ended {
             return Standing::clone(standing);
         }
+        if plan.job == Job::Rests {
+            return Standing { waits: Waits::Nothing, ..Standing::default() };
+        }
         let script = Script::new(&self.inputs);
         let link = Scripted(script.clone());
         // Why a program ends does not matter here.
@@ -177,10 +188,12 @@ impl Host {
 
 /// What the program does.
 fn work(client: &mut Client, plan: &Plan, script: &Script) -> Result<()> {
-    if plan.job == Job::Homes {
-        return home(client, script);
+    match plan.job {
+        Job::Homes => return home(client, script),
+        Job::Stops => return client.stop(),
+        _ => {}
     }
-    if plan.job != Job::Runs {
+    if matches!(plan.job, Job::Configures | Job::Both) {
         client.set_parameters(id::VELOCITY_GAIN, &plan.pair)?;
         client.save_parameters()?;
     }
@@ -192,9 +205,19 @@ fn run(client: &mut Client, plan: &Plan, script: &Script) -> Result<()> {
     script.played().standing.means_to_command = true;
     client.arm()?;
     client.start()?;
+    if plan.job == Job::Follows {
+        client.status()?;
+        client.status()?;
+    }
     script.wait_for_the_end_of_the_run()?;
+    if plan.job == Job::Holds {
+        return Ok(());
+    }
     client.disarm()?;
     script.played().standing.means_to_command = false;
+    if plan.job == Job::Follows {
+        return Ok(());
+    }
     let record = pull(client, plan)?;
     script.played().standing.record = Some(record);
     Ok(())

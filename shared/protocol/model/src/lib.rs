@@ -3,7 +3,8 @@
 //! The checker of [stateright] visits all states that the following reach, in any order: two hosts that each state
 //! parameters and a test, save, arm, start or home, disarm and pull the record; frames that are lost, or of which a copy comes
 //! at any later time; hosts that ask again too early; a host that is not heard for longer than `host_silence_ms`; a reset
-//! of the rig; a power cut at any operation of the flash. In each state the [`Broken`] properties must hold.
+//! of the rig; a power cut at any operation of the flash; a gateway that repeats what came last ([`presence`] has what must
+//! become of a drive whose owner says nothing new); a PLC at the digital inputs ([`plc`]). In each state the [`Broken`] properties must hold.
 //!
 //! What runs is the real code: `Server`, `Control`, recorder and stored configuration of the firmware ([`rig`]), and the
 //! program's own `Client` ([`host`]). Each host has a `Server` of its own, as at a network. A state holds all of them
@@ -12,12 +13,16 @@
 //!
 //! [`mutant`] plants defects; `tests/mutants.rs` shows that the checker finds each.
 
+pub mod board;
+mod broken;
 mod distortion;
 pub mod flash;
 pub mod host;
 pub mod intern;
 pub mod line;
 pub mod mutant;
+pub mod plc;
+pub mod presence;
 pub mod rig;
 mod step;
 mod story;
@@ -28,17 +33,19 @@ use std::time::Instant;
 use arrayvec::ArrayVec;
 use pneudrive_app::Server;
 use pneudrive_controller::Parameters;
-use stateright::{Checker, Model, Property};
+use stateright::{Checker, Expectation, Model, Property};
 
+pub use broken::Broken;
 use host::{Host, Job, Plan, Standing, Waits};
 use intern::{Id, Interned, Worked};
-use line::Way;
+use line::{Frame, Way};
 use mutant::Mutant;
+use presence::Time;
 use rig::{Pair, Rig, Run};
 use step::{Change, Delivered, Delivery, Telling, Told};
 
 /// How often what may happen; each of these comes at any time, or not at all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Budget {
     /// Frames that are lost, or copied, and questions that are repeated before their time, together.
     pub faults: u8,
@@ -46,30 +53,21 @@ pub struct Budget {
     pub resets: u8,
     /// Power cuts in the middle of an operation of the flash.
     pub power_cuts: u8,
-    /// Silences of both hosts that are longer than `host_silence_ms`.
+    /// Silences of both hosts that are longer than `host_silence_ms`, or so long that a drive holds no longer for them.
     pub silences: u8,
-}
-
-/// A property that does not hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Broken {
-    /// The drive moves at the request of a host that has not armed it or taken it over since the reset, or one of the two
-    /// requests was sent before the reset.
-    MovesUnarmed,
-    /// The drive moves though the host that asked for it does not mean that any more.
-    MovesUnmeant,
-    /// The drive runs a test that the host which started it has not stated.
-    RunsOthersTest,
-    /// A host has a record that is of no run, or of more than one.
-    OtherRecord,
-    /// Parameters of two hosts are mixed, or lost.
-    MixedConfiguration,
-    /// After a reset or a power cut the parameters are neither those saved before nor those that were being saved.
-    OtherConfiguration,
+    /// Silences of half that time.
+    pub waits: u8,
+    /// Changes of the contacts of a PLC at the digital inputs; 0: there is none.
+    pub inputs: u8,
+    /// Whether a gateway repeats the last frame of a host that has come to the rig, as often as it likes.
+    pub gateway: bool,
 }
 
 /// What must be possible, lest the other properties hold because nothing happens.
 pub const REACHED: &str = "both hosts do their job";
+
+/// The same of a PLC that changes its contacts often enough for that.
+pub const BEGUN_ANEW: &str = "the inputs begin a record after a host's stop";
 
 /// All there is to check.
 #[derive(Debug, Default)]
@@ -97,6 +95,8 @@ pub struct State {
     hosts: [Id; 2],
     to_rig: [Way; 2],
     to_host: [Way; 2],
+    /// The last frames that went through a gateway.
+    passed: [Option<Frame>; 2],
     left: Budget,
     broken: Option<Broken>,
 }
@@ -126,10 +126,14 @@ pub enum Action {
     AsksAgain(usize),
     /// The host sees that its run is over.
     SeesEnd(usize),
-    /// A sample of a drive that moves.
+    /// A sample.
     Sample,
-    /// Nobody is heard for longer than `host_silence_ms`.
-    Silence,
+    /// Nobody is heard for this time.
+    Passes(Time),
+    /// A contact of the PLC changes.
+    Toggles(u8),
+    /// A gateway repeats the last frame of the host.
+    Repeats(usize),
     /// The rig is reset.
     Reset,
 }
@@ -179,6 +183,12 @@ impl Link {
         told(&self.checker().threads(threads).spawn_dfs().join(), begun)
     }
 
+    /// What must be possible.
+    fn wanted(&self) -> impl Iterator<Item = &'static str> {
+        let properties = self.properties().into_iter();
+        properties.filter(|it| matches!(it.expectation, Expectation::Sometimes)).map(|it| it.name)
+    }
+
     /// How many different rigs, servers and hosts were met.
     #[must_use]
     pub fn parts(&self) -> [usize; 3] {
@@ -197,13 +207,13 @@ fn told(checker: &impl Checker<Link>, begun: Instant) -> Result<String, String> 
         checker.model().parts(),
     );
     let mut found = checker.discoveries();
-    let reached = found.remove(REACHED).is_some();
+    let never: Vec<&str> = checker.model().wanted().filter(|name| found.remove(name).is_none()).collect();
     let stories =
         found.into_iter().map(|(name, path)| format!("not so: {name}\n{}", checker.model().story(path)));
     let stories: Vec<String> = stories.collect();
-    match (reached, stories.is_empty()) {
+    match (never.is_empty(), stories.is_empty()) {
         (true, true) => Ok(figures),
-        (false, true) => Err(format!("never: {REACHED}; {figures}")),
+        (false, true) => Err(format!("never: {never:?}; {figures}")),
         (_, false) => Err(stories.join("\n")),
     }
 }
@@ -213,7 +223,8 @@ impl Model for Link {
     type Action = Action;
 
     fn init_states(&self) -> Vec<State> {
-        let rig = self.rigs.id(Rig::new(self.mutant));
+        let has_plc = self.budget.is_some_and(|budget| budget.inputs > 0);
+        let rig = self.rigs.id(if has_plc { Rig::with_plc(self.mutant) } else { Rig::new(self.mutant) });
         let server = self.fresh_server();
         let mut state = State {
             rig,
@@ -221,6 +232,7 @@ impl Model for Link {
             hosts: [0, 1].map(|host| self.hosts[host].id(Host::default())),
             to_rig: Default::default(),
             to_host: Default::default(),
+            passed: [None; 2],
             left: self.budget.expect("a model is made with a budget"),
             broken: None,
         };
@@ -239,10 +251,7 @@ impl Model for Link {
         for host in [0, 1] {
             self.actions_of(state, host, actions);
         }
-        let rig = self.rigs.value(state.rig);
-        actions.extend(rig.moves().then_some(Action::Sample));
-        actions.extend((state.left.silences > 0 && rig.drives()).then_some(Action::Silence));
-        actions.extend((state.left.resets > 0).then_some(Action::Reset));
+        self.actions_of_rig(state, actions);
     }
 
     fn next_state(&self, state: &State, action: Action) -> Option<State> {
@@ -250,31 +259,42 @@ impl Model for Link {
     }
 
     fn properties(&self) -> Vec<Property<Link>> {
-        vec![
-            Property::always("no move without its own host's arm", |_, state: &State| {
-                state.broken != Some(Broken::MovesUnarmed)
-            }),
-            Property::always("no move that its host does not mean", |_, state: &State| {
-                state.broken != Some(Broken::MovesUnmeant)
-            }),
-            Property::always("no run of another host's test", |_, state: &State| {
-                state.broken != Some(Broken::RunsOthersTest)
-            }),
-            Property::always("a record that is delivered is the one recorded", |_, state: &State| {
-                state.broken != Some(Broken::OtherRecord)
-            }),
-            Property::always("parameters are one host's, whole", |_, state: &State| {
-                state.broken != Some(Broken::MixedConfiguration)
-            }),
-            Property::always("the configuration is the old or the new one", |_, state: &State| {
-                state.broken != Some(Broken::OtherConfiguration)
-            }),
-            Property::sometimes(REACHED, Link::both_have_done_their_job),
-        ]
+        let mut properties: Vec<Property<Link>> = broken::properties().collect();
+        properties.push(Property::sometimes(REACHED, Link::both_have_done_their_job));
+        if self.budget.is_some_and(|budget| budget.inputs >= plc::TO_BEGIN_ANEW) {
+            properties.push(Property::sometimes(BEGUN_ANEW, Link::inputs_move_after_a_stop));
+        }
+        properties
     }
 }
 
 impl Link {
+    fn actions_of_rig(&self, state: &State, actions: &mut Vec<Action>) {
+        let (rig, left) = (self.rigs.value(state.rig), state.left);
+        actions.extend(rig.samples_matter().then_some(Action::Sample));
+        // The inputs are heard at every sample.
+        if rig.drives() && !rig.inputs_own() {
+            actions.extend((left.waits > 0).then_some(Action::Passes(Time::Half)));
+            if left.silences > 0 {
+                actions.push(Action::Passes(Time::Silence));
+                actions.extend((!rig.moves()).then_some(Action::Passes(Time::Hold)));
+            }
+        }
+        if left.inputs > 0 {
+            actions.extend(plc::CONTACTS.map(Action::Toggles));
+        }
+        if left.gateway {
+            actions.extend([0, 1].map(Action::Repeats));
+        }
+        actions.extend((left.resets > 0).then_some(Action::Reset));
+    }
+
+    /// The inputs have begun a record that moves, since a host has stopped the drive.
+    fn inputs_move_after_a_stop(&self, state: &State) -> bool {
+        let rig = self.rigs.value(state.rig);
+        rig.moves() && rig.inputs_own() && rig.plc.as_ref().is_some_and(|plc| plc.stopped)
+    }
+
     fn actions_of(&self, state: &State, host: usize, actions: &mut Vec<Action>) {
         let (to_rig, to_host) = (&state.to_rig[host], &state.to_host[host]);
         if !to_rig.is_empty() {
@@ -310,7 +330,7 @@ impl Link {
             let (plan, standing) = (&self.plans[host], self.standing(state, host));
             let own = |run: &Run| run.test == plan.test.name() && run.samples.len() == 3;
             let has_done = match plan.job {
-                Job::Configures => true,
+                Job::Configures | Job::Stops | Job::Follows | Job::Holds | Job::Rests => true,
                 Job::Runs | Job::Both => standing.record.as_ref().is_some_and(own),
                 Job::Homes => standing.homed,
             };

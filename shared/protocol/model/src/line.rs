@@ -28,6 +28,12 @@ impl Frame {
         self.0 & !Frame::FROM_BEFORE
     }
 
+    /// The same, sent before the rig was reset.
+    #[must_use]
+    pub fn from_before(self) -> Frame {
+        Frame(self.0 | Frame::FROM_BEFORE)
+    }
+
     /// Whether the rig was reset since it was sent.
     #[must_use]
     pub fn is_from_before(self) -> bool {
@@ -71,7 +77,7 @@ impl Way {
     /// The rig is reset: what is on its way was sent before. That is noted of those frames where it matters.
     pub fn outlives_reset(&mut self, matters: impl Fn(Id) -> bool) {
         for frame in self.queue.iter_mut().chain(&mut self.late).filter(|frame| matters(frame.id())) {
-            frame.0 |= Frame::FROM_BEFORE;
+            *frame = frame.from_before();
         }
         self.late.sort_unstable();
     }

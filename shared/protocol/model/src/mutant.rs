@@ -14,4 +14,12 @@ pub enum Mutant {
     IgnoresNameOfRecord,
     /// The rig takes requests that were meant for another boot, as it takes those of hosts before version 6.
     IgnoresBoot,
+    /// The rig swallows a stop while a fault is acknowledged.
+    SwallowsStop,
+    /// The rig reads the number as a start goes on, and not what becomes of it.
+    ReadsNumberAtOnce,
+    /// The rig takes a copy of its owner's request for a sign of life.
+    HearsCopies,
+    /// The rig does not look how long its owner is silent.
+    NeverMissesHost,
 }

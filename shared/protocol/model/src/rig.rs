@@ -7,25 +7,23 @@ use std::borrow::{Borrow, BorrowMut};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use pneudrive_app::fault_log::Event;
-use pneudrive_app::move_records::MoveRecords;
-use pneudrive_app::ram_flash::RamFlash;
+use pneudrive_app::inputs::attend;
 use pneudrive_app::recorder::recorded;
-use pneudrive_app::storage::{ConfigStore, Load};
-use pneudrive_app::store::NotStored;
-use pneudrive_app::{Board, Control, Recorder, Store};
+use pneudrive_app::{Control, Recorder};
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Command, Config, Mode, Parameters, Sample};
-use pneudrive_protocol::RecordedSample;
+use pneudrive_controller::{Mode, Parameters};
+use pneudrive_protocol::change::{Entry, PART_BYTES};
+use pneudrive_protocol::session::INPUTS;
+use pneudrive_protocol::{ProfiledMove, RecordedSample};
 
+use crate::board::{AT_STOP, Bench};
 use crate::flash::Flash;
 use crate::mutant::Mutant;
+use crate::plc::{Plc, TIMES_MS, Wrong};
+use crate::presence::{Missed, Presence, Time, missed};
 
 /// Time from a sample to the next, microseconds: the default of the parameters.
 const PERIOD_US: u64 = 1300;
-
-/// Longer than the silence after which an owner is gone (`host_silence_ms`, 500 by default).
-const SILENCE_MS: u64 = 501;
 
 /// The two parameters that the hosts change: those of velocity and acceleration gain.
 pub type Pair = [i32; 2];
@@ -52,121 +50,6 @@ impl BorrowMut<Recorder> for Shared {
     }
 }
 
-/// The flash with the stored configuration. The fault log is left out: nothing here asks for it or depends on it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Kept {
-    slots: ConfigStore,
-    flash: Flash,
-    in_parts: bool,
-    /// Boots so far. That those of a board are counted through any power cut is tested where they are
-    /// (`firmware/app/tests/boots.rs`).
-    boot: u32,
-}
-
-impl Kept {
-    fn new(flash: Flash, mutant: Option<Mutant>) -> Kept {
-        let slots = ConfigStore::new(&flash, RamFlash::layout().config).expect("the layout of this flash");
-        Kept { slots, flash, in_parts: mutant == Some(Mutant::SavesInParts), boot: 0 }
-    }
-}
-
-impl Store for Kept {
-    fn load(&mut self) -> Load {
-        self.slots.load(&mut self.flash)
-    }
-
-    fn boot(&self) -> u32 {
-        self.boot
-    }
-
-    fn save(&mut self, parameters: &Parameters, records: &MoveRecords) -> Result<u32, NotStored> {
-        if self.in_parts {
-            let mut first_part = self.load().parameters;
-            let [first, _] = pair(parameters);
-            first_part.set(id::VELOCITY_GAIN, first).expect("in range");
-            self.slots.save(&mut self.flash, &first_part, records).map_err(|_| NotStored)?;
-        }
-        self.slots.save(&mut self.flash, parameters, records).map_err(|_| NotStored)
-    }
-
-    fn log(&mut self, _: u8, _: u32, _: i32, _: u64) {}
-
-    fn event(&self, _: usize) -> Option<Event> {
-        None
-    }
-
-    fn events(&self) -> usize {
-        0
-    }
-
-    fn flush(&mut self) -> Result<(), NotStored> {
-        Ok(())
-    }
-}
-
-/// A raw pressure that a sound sensor reads.
-const SOUND: i16 = 1000;
-
-/// As far as a homing run backs off from its stop, counts: the default of the parameters.
-const BACK_OFF: i32 = 400;
-
-/// A board whose rod stands at its stop, or off it while the valve extends it. Its pressures tell the run and the sample apart, so no two records are the same.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Bench {
-    /// What is kept through a reset.
-    pub(crate) kept: Kept,
-    now_us: u64,
-    host_clock_ms: u64,
-    /// Runs begun, also those before a reset.
-    runs: i16,
-    sampled: i16,
-    extends: bool,
-}
-
-impl Board for Bench {
-    type Store = Kept;
-
-    fn store(&mut self) -> &mut Kept {
-        &mut self.kept
-    }
-
-    fn name(&self) -> &'static str {
-        "model"
-    }
-
-    fn build(&self) -> &'static str {
-        "model"
-    }
-
-    fn read_sensors(&mut self, _: &Config) -> Sample {
-        self.sampled += 1;
-        Sample {
-            position: if self.extends { 100 + BACK_OFF } else { 100 },
-            pressure_1: SOUND + self.runs,
-            pressure_2: SOUND + self.sampled,
-            spool: 7,
-            home_switch: false,
-        }
-    }
-
-    fn drive(&mut self, _: &Config, command: Command) {
-        self.extends = command.counts > 0;
-    }
-
-    fn now_us(&self) -> u64 {
-        self.now_us
-    }
-
-    fn host_clock_ms(&self) -> Option<u64> {
-        Some(self.host_clock_ms)
-    }
-
-    fn run_begins(&mut self, _: &Config) {
-        self.runs += 1;
-        self.sampled = 0;
-    }
-}
-
 /// A run as the board has seen it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Run {
@@ -189,6 +72,10 @@ pub struct Rig {
     pub runs: Arc<Vec<Run>>,
     /// What was saved last.
     pub saved: Pair,
+    /// The PLC at its inputs, if there is one.
+    pub plc: Option<Plc>,
+    /// How long the owner has been silent.
+    pub presence: Presence,
 }
 
 /// Coarser than equality, which looks at everything.
@@ -197,6 +84,8 @@ impl Hash for Rig {
         let supervisor = &self.control.state().supervisor;
         (supervisor.drives(), supervisor.moves(), self.armed_by, self.saved).hash(state);
         (self.board.host_clock_ms, self.board.now_us, self.board.runs, &self.runs).hash(state);
+        let selector = self.control.selector();
+        (selector.settled(), selector.outputs(), selector.number(), &self.plc, &self.presence).hash(state);
         (self.control.test().name(), pair(self.control.parameters())).hash(state);
         (Borrow::<Recorder>::borrow(&self.control.recorder).len(), self.control.owner(&self.board).session)
             .hash(state);
@@ -207,35 +96,76 @@ impl Rig {
     /// A rig that was never saved to, with its axis referenced.
     #[must_use]
     pub fn new(mutant: Option<Mutant>) -> Rig {
-        let kept = Kept::new(Flash::default(), mutant);
-        let board = Bench { kept, now_us: 0, host_clock_ms: 0, runs: 0, sampled: 0, extends: false };
-        let saved = pair(&Parameters::default());
-        let rig = Rig { control: Control::default(), board, armed_by: None, runs: Arc::default(), saved };
+        let board = Bench::new(Flash::default(), mutant);
+        let rig = Rig {
+            control: Control::default(),
+            board,
+            armed_by: None,
+            runs: Arc::default(),
+            saved: pair(&Parameters::default()),
+            plc: None,
+            presence: Presence::default(),
+        };
+        rig.reset()
+    }
+
+    /// The same with a PLC at its inputs, and with two records that are stored, both to where the rod stands.
+    #[must_use]
+    pub fn with_plc(mutant: Option<Mutant>) -> Rig {
+        let mut rig = Rig::new(mutant);
+        for number in [1, 3] {
+            let told = ProfiledMove { target: AT_STOP, ..ProfiledMove::default() };
+            let entry = Entry::MoveRecord { number, bytes: &told.to_bytes() };
+            let mut room = [0; PART_BYTES];
+            rig.control.take_change(entry.write(&mut room).expect("room")).expect("disarmed");
+        }
+        let times = [TIMES_MS; 2].into_iter();
+        rig.control.set_parameters(id::INPUT_DEBOUNCE_MS, times).expect("disarmed");
+        rig.control.save_parameters(&mut rig.board).expect("the power stays on");
+        rig.plc = Some(Plc::default());
         rig.reset()
     }
 
     /// The rig after a reset: what is in flash is kept.
     #[must_use]
     pub fn reset(&self) -> Rig {
-        let Kept { flash, boot, .. } = &self.board.kept;
-        let kept = Kept { flash: flash.powered(), boot: boot + 1, ..self.board.kept.clone() };
-        let mut board = Bench { kept, now_us: 0, host_clock_ms: 0, extends: false, ..self.board.clone() };
+        let mut board = self.board.reset();
         let mut control = Control::with_recorder(Shared::default());
         control.take_up(&mut board);
         control.set_referenced().expect("disarmed after a reset");
-        Rig { control, board, armed_by: None, ..self.clone() }
+        let (plc, presence) = (self.plc.as_ref().map(Plc::reset), Presence::default());
+        Rig { control, board, armed_by: None, plc, presence, ..self.clone() }
     }
 
     /// A sample and its output, a period after the one before; of a homing run, all of them up to its end. That leaves
-    /// nothing out: a request finds the same at each of them but for the counters of the run, and no record is made.
+    /// nothing out: a request finds the same at each of them but for the counters of the run, and no record is made. With a
+    /// PLC its inputs are looked at behind the output; what is wrong with a record that they begin then.
     #[must_use]
-    pub fn sampled(&self) -> Rig {
+    pub fn sampled(&self) -> (Rig, Option<Wrong>) {
         let mut rig = self.clone();
         rig.sample();
         while rig.homes() {
             rig.sample();
         }
-        rig
+        let wrong = rig.heed_inputs(self.is_tripped());
+        rig.forget();
+        (rig, wrong)
+    }
+
+    /// Forgets what does not matter any more: of a disabled drive its owner and how long that has been silent, of one that
+    /// stands when its last sample was. Only times between samples of a run are judged, and they are exact here.
+    pub(crate) fn forget(&mut self) {
+        if !self.drives() {
+            (self.armed_by, self.presence, self.board.host_clock_ms) = (None, Presence::default(), 0);
+        }
+        if !self.moves() {
+            self.control.restart_clock();
+            (self.board.now_us, self.board.sampled) = (0, 0);
+        }
+    }
+
+    pub(crate) fn is_tripped(&self) -> bool {
+        matches!(self.control.state().supervisor.mode(), Mode::Fault(_))
     }
 
     fn sample(&mut self) {
@@ -252,12 +182,60 @@ impl Rig {
         }
     }
 
-    /// The rig after a time in which nobody was heard.
+    /// The idle task looks at the inputs, of a drive that had tripped before the sample, or not. What is wrong with a record
+    /// that it begins.
+    fn heed_inputs(&mut self, had_tripped: bool) -> Option<Wrong> {
+        let plc = self.plc.as_mut()?;
+        plc.is_read();
+        self.board.inputs = plc.contacts;
+        let (moved, others_drive) = (self.moves(), self.drives() && !self.inputs_own());
+        attend(&mut (&mut self.control, &mut self.board));
+        let trips = self.is_tripped() && !had_tripped;
+        let begins = !moved && self.moves();
+        let name = self.control.test().name().to_owned();
+        let plc = self.plc.as_mut()?;
+        if trips {
+            plc.trips();
+        }
+        if !begins {
+            return None;
+        }
+        let wrong = plc.begins(&name);
+        self.armed_by = None;
+        self.note_run();
+        wrong.or(others_drive.then_some(Wrong::Unasked))
+    }
+
+    /// The rig after a time in which nobody was heard, and a sample. What is wrong with it then.
     #[must_use]
-    pub fn left_alone(&self) -> Rig {
+    pub fn left_alone(&self, time: Time) -> (Rig, Option<Missed>) {
         let mut rig = self.clone();
-        rig.board.host_clock_ms += SILENCE_MS;
-        rig.sampled()
+        rig.board.host_clock_ms += time.ms();
+        rig.presence.passes(time);
+        let silent = rig.presence.is_silent();
+        let (rig, _) = rig.sampled();
+        let missed = missed(self, &rig, time, silent);
+        (rig, missed)
+    }
+
+    /// The rig with a contact of its PLC changed; no sample has seen that yet.
+    #[must_use]
+    pub fn toggled(&self, contact: u8) -> Rig {
+        let mut rig = self.clone();
+        rig.plc.iter_mut().for_each(|plc| plc.toggle(contact));
+        rig
+    }
+
+    /// Whether a sample may change something: the drive moves, or the inputs have not been the same for long enough.
+    #[must_use]
+    pub fn samples_matter(&self) -> bool {
+        self.moves() || self.plc.as_ref().is_some_and(Plc::is_settling)
+    }
+
+    /// Whether the digital inputs have enabled the drive: they are heard at every sample.
+    #[must_use]
+    pub fn inputs_own(&self) -> bool {
+        self.drives() && self.control.owner(&self.board).session == INPUTS
     }
 
     /// The power goes at the nth operation of the flash from now.

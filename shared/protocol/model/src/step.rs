@@ -3,11 +3,15 @@
 use std::sync::Arc;
 
 use pneudrive_app::Server;
-use pneudrive_protocol::{ANY_BOOT, InBoot, MAX_FRAME, ReplyBody, RequestBody, decode_reply, encode};
+use pneudrive_protocol::{
+    ANY_BOOT, InBoot, MAX_FRAME, ReplyBody, Request, RequestBody, decode_reply, encode,
+};
 
 use crate::host::{Input, Standing, Waits};
 use crate::intern::Id;
 use crate::line::{Frame, Way, message};
+use crate::plc::Plc;
+use crate::presence::{Presence, Time};
 use crate::rig::{Rig, Run, pair};
 use crate::{Action, Broken, Link, State};
 
@@ -70,7 +74,9 @@ pub enum Change {
     /// A sample and its output.
     Sample,
     /// A time in which nobody was heard.
-    Silence,
+    Passes(Time),
+    /// A contact of the PLC changes.
+    Toggle(u8),
     /// A reset.
     Reset,
 }
@@ -111,10 +117,18 @@ impl Link {
             Action::CopiesRequest(host) => next.fault() && next.to_rig[host].copy_next(),
             Action::CopiesReply(host) => next.fault() && next.to_host[host].copy_next(),
             Action::Sample => self.change(&mut next, Change::Sample),
-            Action::Silence => {
-                next.left.silences -= 1;
-                self.change(&mut next, Change::Silence)
+            Action::Passes(time) => {
+                match time {
+                    Time::Half => next.left.waits -= 1,
+                    Time::Silence | Time::Hold => next.left.silences -= 1,
+                }
+                self.change(&mut next, Change::Passes(time))
             }
+            Action::Toggles(contact) => {
+                next.left.inputs -= 1;
+                self.change(&mut next, Change::Toggle(contact))
+            }
+            Action::Repeats(host) => self.repeat(&mut next, host),
             Action::Reset => {
                 next.left.resets -= 1;
                 self.reset(&mut next)
@@ -199,6 +213,9 @@ impl Link {
             return false;
         }
         (state.rig, state.servers[host]) = (delivered.rig, delivered.server);
+        if state.left.gateway {
+            state.passed[host] = Some(frame);
+        }
         state.broken = delivered.broken;
         if delivered.began && state.broken.is_none() && !self.standing(state, host).means_to_command {
             state.broken = Some(Broken::MovesUnmeant);
@@ -208,6 +225,16 @@ impl Link {
         }
         let ended = self.standing(state, host).waits == Waits::Nothing;
         ended || delivered.reply.is_none_or(|reply| state.to_host[host].take(&[reply]))
+    }
+
+    /// A gateway repeats to the rig what came through it last, and takes the answer. False if nothing has.
+    fn repeat(&self, state: &mut State, host: usize) -> bool {
+        let Some(frame) = state.passed[host] else { return false };
+        let delivery = Delivery { rig: state.rig, server: state.servers[host], host, frame, cut: None };
+        let delivered = self.deliveries.out(delivery, || self.deliver(&delivery));
+        (state.rig, state.servers[host]) = (delivered.rig, delivered.server);
+        state.broken = delivered.broken.or(delivered.began.then_some(Broken::MovesUnmeant));
+        true
     }
 
     fn deliver(&self, delivery: &Delivery) -> Delivered {
@@ -221,7 +248,9 @@ impl Link {
         let meant = InBoot::decode(&meant).expect("a request of this version");
         let body = meant.asked.request.body;
         let reply = self.carry_out(&mut rig, &mut server, meant);
-        self.note(&mut rig, &before, delivery, body, reply.as_deref());
+        self.note(&mut rig, &before, delivery, meant.asked.request, reply.as_deref());
+        self.note_presence(&mut rig, delivery, meant.asked.request.sequence);
+        rig.forget();
         let saves = body == RequestBody::ConfigSave;
         assert!(saves || rig.board.kept == before.board.kept, "{body:?} wrote to the flash");
         let began = rig.moves() && !before.moves();
@@ -278,7 +307,7 @@ impl Link {
         rig: &mut Rig,
         before: &Rig,
         &Delivery { host, frame, .. }: &Delivery,
-        body: RequestBody<'_>,
+        Request { sequence, body }: Request<'_>,
         reply: Option<&[u8]>,
     ) {
         let reply = reply.map(message);
@@ -289,7 +318,10 @@ impl Link {
         match body {
             RequestBody::Arm | RequestBody::ArmAs { .. } | RequestBody::TakeOver { .. } if done && owns => {
                 rig.armed_by = Some(host).filter(|_| !frame.is_from_before());
+                rig.presence = Presence::of(sequence);
+                rig.plc.iter_mut().for_each(Plc::is_armed_by_host);
             }
+            RequestBody::Stop if done => rig.plc.iter_mut().for_each(Plc::is_stopped),
             RequestBody::ConfigSave if done && rig.board.kept != before.board.kept => {
                 rig.saved = pair(rig.control.parameters());
             }
@@ -297,6 +329,20 @@ impl Link {
         }
         if rig.moves() && !before.moves() && !rig.homes() {
             rig.note_run();
+        }
+    }
+
+    /// Notes that a request of the owner has come, a new one or a copy.
+    fn note_presence(&self, rig: &mut Rig, &Delivery { host, frame, .. }: &Delivery, number: u16) {
+        if rig.armed_by != Some(host) {
+            return;
+        }
+        let is_copy = number.wrapping_sub(rig.presence.newest()).cast_signed() <= 0;
+        if let (true, Some(mutant)) = (is_copy, self.mutant) {
+            mutant.hear(rig, self.plans[host].session);
+        }
+        if !frame.is_from_before() {
+            rig.presence.hears(number);
         }
     }
 
@@ -325,8 +371,15 @@ impl Link {
     fn changed(&self, rig: Id, change: Change) -> (Id, Option<Broken>) {
         let before = self.rigs.value(rig);
         let (after, broken) = match change {
-            Change::Sample => (before.sampled(), None),
-            Change::Silence => (before.left_alone(), None),
+            Change::Sample => {
+                let (after, wrong) = before.sampled();
+                (after, wrong.map(Broken::Inputs))
+            }
+            Change::Passes(time) => {
+                let (after, missed) = before.left_alone(time);
+                (after, missed.map(Broken::Presence))
+            }
+            Change::Toggle(contact) => (before.toggled(contact), None),
             Change::Reset => after_reset(&before),
         };
         (self.rigs.id(after), broken)
@@ -338,6 +391,9 @@ impl Link {
         // Replies are known by the numbers of their requests, whenever they come.
         let matters = |id| self.arms_or_moves(id);
         state.to_rig.iter_mut().for_each(|way| way.outlives_reset(matters));
+        for frame in state.passed.iter_mut().flatten().filter(|frame| matters(frame.id())) {
+            *frame = frame.from_before();
+        }
         self.change(state, Change::Reset)
     }
 }

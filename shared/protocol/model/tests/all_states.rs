@@ -4,7 +4,8 @@ use pneudrive_protocol_model::host::Job::{self, Both, Configures, Homes, Runs};
 use pneudrive_protocol_model::host::Plan;
 use pneudrive_protocol_model::{Budget, Link};
 
-const NOTHING: Budget = Budget { faults: 0, resets: 0, power_cuts: 0, silences: 0 };
+const NOTHING: Budget =
+    Budget { faults: 0, resets: 0, power_cuts: 0, silences: 0, waits: 0, inputs: 0, gateway: false };
 
 /// Operations of a save at which the power goes: the erase, the first chunks, one in the middle, the last ones, the seal,
 /// and what comes after it.

@@ -21,7 +21,7 @@ fn conversation(plan: &Plan) -> Vec<Input> {
             Waits::Answer => inputs.push(Input::Reply(reply)),
             Waits::RunOver => {
                 while rig.moves() {
-                    rig = rig.sampled();
+                    rig = rig.sampled().0;
                 }
                 inputs.push(Input::RunOver);
             }
@@ -46,7 +46,7 @@ fn ends(plan: &Plan, repeated: &[usize]) -> (Host, usize) {
             Waits::Answer => Input::Reply(reply),
             Waits::RunOver => {
                 while rig.moves() {
-                    rig = rig.sampled();
+                    rig = rig.sampled().0;
                 }
                 Input::RunOver
             }
