@@ -47,17 +47,19 @@ impl Served {
 
     /// Sends a request; the stream goes on with the answer.
     fn ask(&self, path: &str, body: &Value) -> BufReader<TcpStream> {
-        let mut stream = TcpStream::connect(&self.host).expect("it listens");
-        let body = body.to_string();
-        write!(
-            stream,
-            "POST {path} HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
-            self.host,
-            self.token,
-            body.len()
-        )
-        .expect("sent");
-        BufReader::new(stream)
+        ask(&self.host, &self.token, path, body).expect("it listens")
+    }
+
+    /// Is heard as a page is, until the studio has gone.
+    fn beat(&self, number: u64) {
+        let (host, token) = (self.host.clone(), self.token.clone());
+        let alive = json!({ "number": number, "order": "alive" });
+        std::thread::spawn(move || {
+            while let Ok(mut answer) = ask(&host, &token, "/api/order", &alive) {
+                let _ = answer.read_to_string(&mut String::new());
+                std::thread::sleep(Duration::from_millis(50));
+            }
+        });
     }
 
     /// The number that the server gives to a page.
@@ -74,12 +76,25 @@ impl Served {
     }
 }
 
+/// Sends a request; the stream goes on with the answer.
+fn ask(host: &str, token: &str, path: &str, body: &Value) -> std::io::Result<BufReader<TcpStream>> {
+    let mut stream = TcpStream::connect(host)?;
+    let body = body.to_string();
+    write!(
+        stream,
+        "POST {path} HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+        body.len()
+    )?;
+    Ok(BufReader::new(stream))
+}
+
 /// Whoever moves a drive and is killed leaves a drive that trips, as its host is silent.
 #[test]
 fn a_studio_that_is_killed_under_a_moving_drive_leaves_a_drive_that_trips() {
     let rig = unhurried_rig("servo-b-tuned");
     let mut studio = Served::start(&["--port", rig.port()]);
     let (number, _page) = studio.open();
+    studio.beat(number);
     let run = json!({
         "number": number, "order": "run",
         "rig": { "name": "servo-b-tuned", "text": builtin("servo-b-tuned"), "settings": ["test.duration_s=20"] },

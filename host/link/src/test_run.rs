@@ -3,11 +3,13 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use pneudrive_controller::Parameters;
+use pneudrive_controller::law::Loop;
 use pneudrive_controller::parameters::id;
+use pneudrive_controller::{Config, Parameters};
 use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
 use pneudrive_records::parameter_names::Written;
 use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::units::Units;
 use pneudrive_records::words;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::operator;
@@ -35,13 +37,20 @@ pub fn prepare(
     with_parameters: bool,
     is_streamed: bool,
 ) -> Result<RigParameters> {
-    refuse_unready(&client.status()?)?;
+    let status = client.status()?;
+    refuse_unready(&status)?;
     warn_of_other_hosts(client)?;
     report_boots(client);
-    client.disarm()?;
-    if !with_parameters {
-        compare_parameters(&client.parameters()?.values, &rig.parameters(), rig.name())?;
+    // A refusal changes nothing: a drive that holds its load goes on.
+    let there = client.parameters()?;
+    if with_parameters {
+        let sent = RigParameters { values: rig.parameters(), lacking: Vec::new() };
+        refuse_what_it_would(rig, &sent, status.referenced)?;
+    } else {
+        compare_parameters(&there.values, &rig.parameters(), rig.name())?;
+        refuse_what_it_would(rig, &there, status.referenced)?;
     }
+    client.disarm()?;
     if !is_streamed {
         warn_of_a_full_recorder(client, rig, last_sample)?;
     }
@@ -65,6 +74,29 @@ pub fn start(client: &mut Client, rig: &Rig, interrupted: &mut Interrupted<'_>) 
         return Err(error);
     }
     Ok(())
+}
+
+/// Refuses a test in closed loop that a drive with these parameters would refuse to start, before anything is changed on it.
+///
+/// # Errors
+/// When its axis is not `referenced`, or a setpoint lies beyond a software end position.
+pub fn refuse_what_it_would(rig: &Rig, parameters: &RigParameters, referenced: bool) -> Result<()> {
+    let Ok(config) = Config::new(&parameters.values) else { return Ok(()) };
+    if config.law.control_loop == Loop::Open {
+        return Ok(());
+    }
+    if !referenced {
+        return Err(Failure::Refused.error("the axis has not been referenced: home it first"));
+    }
+    let sequence = rig.sequence();
+    let mut ends = sequence.moves().iter().flat_map(|next| next.extremes());
+    let Some(beyond) = ends.find(|end| !config.limits.allows(*end)) else { return Ok(()) };
+    let units = Units::of(parameters);
+    let [beyond, least, most] =
+        [beyond, config.limits.end_min, config.limits.end_max].map(|counts| units.length(counts));
+    Err(Failure::Refused.error(format!(
+        "the setpoint {beyond} lies beyond a software end position of the drive, which goes from {least} to {most} (safety.end_min_mm, safety.end_max_mm)"
+    )))
 }
 
 /// Refuses a rig that is already running, or in a fault.

@@ -4,14 +4,15 @@
 // confirmed while it is held; else the server disarms the drive.
 
 import { BringUp } from './bring-up.js';
+import { asked } from './dialog.js';
 import { offer } from './export.js';
 import { Orders } from './orders.js';
 import { Parameters } from './parameters.js';
 import { Scope } from './scope.js';
 import { html } from './svg.js';
 
-/** How often the page is heard, ms. */
-const ALIVE = 400;
+/** How often the page is heard, ms: a drive that moves is disarmed where it is not heard for 300. */
+const ALIVE = 100;
 
 /** How often a held button is confirmed, ms. */
 const HELD = 100;
@@ -184,7 +185,8 @@ export class Commission {
     const canMove = isFree && look.mode !== 'fault';
     for (const button of [retract, extend, go, run]) button.disabled = !canMove || !look.referenced;
     home.disabled = !canMove;
-    record.disabled = !isFree || look.mode === 'running';
+    record.disabled = !isFree || ['running', 'approaching'].includes(look.mode);
+    if (look?.mode === 'approaching') run.disabled = true;
     this.#parameters.enable(isThere);
     this.#bringUp.enable(isFree && !look.is_enabled);
   }
@@ -217,9 +219,19 @@ export class Commission {
     this.#isRecording = false;
   }
 
-  #run() {
-    this.#scope.turn(true);
-    this.#order('run', { rig: this.#told.rig() });
+  /** Runs the test; where the drive stands elsewhere than it starts, the page asks before it goes there. */
+  async #run() {
+    const rig = this.#told.rig();
+    this.#tell('');
+    try {
+      const way = await this.#ask('way', { rig });
+      const yes = !way || await asked('Go to the start of the test?', [html('p', {}, way.text)], 'Go there and run', () => true);
+      if (!yes || !this.commands) return;
+      this.#scope.turn(true);
+      this.#order('run', { rig, from_mm: way?.from_mm });
+    } catch (error) {
+      this.#tell(error.message);
+    }
   }
 
   /** A button that moves the drive while it is held, by pointer or by keyboard. */

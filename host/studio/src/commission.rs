@@ -25,6 +25,7 @@ mod record;
 mod samples;
 mod seen;
 mod stop;
+mod way;
 
 use std::convert::Infallible;
 use std::sync::mpsc::{Sender, channel};
@@ -107,9 +108,7 @@ pub fn routes(drive: Arc<Drive>) -> Router {
 }
 
 async fn port(State(drive): State<Arc<Drive>>) -> Json<Value> {
-    Json(
-        json!({ "port": drive.port, "jog_mm_per_s": pilot::JOG_MM_PER_S, "go_mm_per_s": pilot::GO_MM_PER_S }),
-    )
+    Json(json!({ "port": drive.port, "jog_mm_per_s": ramp::JOG_MM_PER_S, "go_mm_per_s": ramp::GO_MM_PER_S }))
 }
 
 /// The page's command of the drive. Dropped when its connection ends; then the thread disarms and leaves.

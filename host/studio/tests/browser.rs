@@ -13,7 +13,7 @@ use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
 use chromium::Browser;
-use opened::{drop_file, hold, hold_nothing, keep_picture, page, page_of, page_with, rest};
+use opened::{drop_file, hold, hold_nothing, keep_picture, page, page_of, page_with, rest, run_the_test};
 
 /// The field of the moving mass.
 const MASS: &str = "[data-key=\"load.mass_kg\"]";
@@ -256,15 +256,20 @@ fn a_virtual_rig_is_armed_jogged_run_over_its_simulation_and_stopped() {
     let place = page.middle("#commission .jog:nth-of-type(2)");
     page.mouse("mousePressed", place);
     mode(&mut page, "running");
+    let beyond = |mm: u32| {
+        format!(
+            "Number.parseFloat(document.querySelector('#readout').textContent.split('position ')[1]) > {mm}"
+        )
+    };
+    page.wait_until(&beyond(104));
     page.mouse("mouseReleased", place);
     mode(&mut page, "disarmed");
-    page.evaluate("[...document.querySelectorAll('#commission button')].find((one) => one.textContent.startsWith('Run')).click()");
-    mode(&mut page, "running");
-    page.wait_until(
-        "Number.parseFloat(document.querySelector('#readout').textContent.split('position ')[1]) > 150",
-    );
-    keep_picture(&mut page, "studio-commission.png");
+    let asked = run_the_test(&mut page);
+    assert!(asked.contains("the test starts at 98.7 mm. It first goes there at 50 mm/s"), "{asked}");
+    page.wait_until(&beyond(150));
     mode(&mut page, "holding");
+    // Taking a picture stops the page for a while, and the drive would be disarmed.
+    keep_picture(&mut page, "studio-commission.png");
     page.press("Escape", 27, false);
     mode(&mut page, "fault");
     assert!(page.text("#commission").contains("a stop was requested"));

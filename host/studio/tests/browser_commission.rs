@@ -15,7 +15,7 @@ use pneudrive_sim::rig::builtin;
 use serde_json::json;
 
 use chromium::Browser;
-use opened::{drop_file, keep_picture, leave_unknown, page_with, rest};
+use opened::{drop_file, keep_picture, leave_unknown, page_with, rest, run_the_test};
 
 /// A page that commands a virtual rig in real time, and the wires of that.
 fn commanding(name: &str) -> (Browser, Background, Wiring) {
@@ -104,8 +104,7 @@ fn a_test_is_run_recorded_saved_and_laid_over_its_simulation() {
     page.evaluate(
         "window.saved = []; HTMLAnchorElement.prototype.click = function () { saved.push(this.download); }",
     );
-    press(&mut page, "Run the test");
-    wait_for_mode(&mut page, "running");
+    run_the_test(&mut page);
     wait_for_mode(&mut page, "holding");
     press(&mut page, "Record");
     page.wait_until("document.querySelector('#runs .record') && document.querySelector('table.deviation')");
@@ -139,8 +138,7 @@ fn a_record_is_handed_to_the_identification_with_one_button() {
     page.click("#study [data-task=identify]");
     leave_unknown(&mut page, &["load.mass_kg", "load.viscous_n_s_per_m"]);
     page.click("#to-commission");
-    press(&mut page, "Run the test");
-    wait_for_mode(&mut page, "running");
+    run_the_test(&mut page);
     wait_for_mode(&mut page, "holding");
     press(&mut page, "Record");
     press(&mut page, "Identify");
@@ -162,6 +160,20 @@ fn a_record_is_handed_to_the_identification_with_one_button() {
     page.evaluate("for (const button of document.querySelectorAll('#runs .record button')) button.click()");
     page.wait_until(&format!("{identify}.disabled"));
     assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// A page that stands still, as one whose browser is stopped, is not heard any more.
+#[test]
+fn a_test_whose_page_stands_still_ends() {
+    let text =
+        builtin("servo-b-tuned").expect("a built-in rig").replace("duration_s = 3.1", "duration_s = 20.0");
+    let real = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let (mut page, rig, _) = commanding_rig("long", &text, real, true);
+    run_the_test(&mut page);
+    page.evaluate("{ const begun = performance.now(); while (performance.now() - begun < 1000); }");
+    wait_for_mode(&mut page, "disarmed");
+    assert_eq!(page.text("#commission .problem"), "disarmed: the page was silent");
+    assert_eq!(Client::connect(rig.port()).expect("a rig").status().expect("a status").mode, Mode::Disarmed);
 }
 
 /// Whether the buttons that jog can be pressed.
@@ -219,14 +231,14 @@ fn the_scope_holds_the_samples_around_a_crossing_and_leaves_gaps_open() {
     assert!(page.text(".scope .problem").starts_with("give the level as a number of mm"));
     choose(&mut page, "#scope-level", "150");
     assert_eq!(page.text(".scope .problem"), "");
-    press(&mut page, "Run the test");
+    run_the_test(&mut page);
     page.wait_until("document.querySelector('.scope [role=status]').textContent.startsWith('The cursor is at the crossing.')");
     assert!(page.text(".scope [role=status]").contains("769 samples a second while a test runs"));
     let [at_s, mm] = at_cursor(&mut page);
     // The cursor stands at the first sample behind the crossing: one sample of 1.3 ms at 2 m/s at most.
     assert!((at_s - 0.2).abs() < 0.002 && (150.0..152.6).contains(&mm), "{at_s} s, {mm} mm");
-    keep_picture(&mut page, "studio-scope.png");
     wait_for_mode(&mut page, "holding");
+    keep_picture(&mut page, "studio-scope.png");
     assert_eq!(at_cursor(&mut page), [at_s, mm], "what is held stays");
 
     // Waits for no crossing that lies in a gap, and draws no line through one.

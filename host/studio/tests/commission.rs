@@ -12,7 +12,7 @@ use pneudrive_link::client::Client;
 use pneudrive_protocol::Mode;
 use serde_json::{Value, json};
 
-use commanding::{Page, request, rig, rig_of_page, runtime, status, wait_for_mode};
+use commanding::{Page, request, rig, rig_at_rest, rig_of_page, runtime, status, wait_for_mode};
 use visitor::studio_at;
 
 #[test]
@@ -43,7 +43,7 @@ fn a_page_that_goes_leaves_the_drive_disarmed() {
 
 #[test]
 fn a_page_that_says_nothing_leaves_the_drive_disarmed() {
-    let (rig, runtime) = (rig(), runtime());
+    let (rig, runtime) = (rig_at_rest(), runtime());
     let studio = studio_at(Some(rig.port()));
     let mut page = Page::open(&studio, &runtime).expect("a page");
     page.order("arm", Value::Null);

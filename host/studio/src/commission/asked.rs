@@ -31,7 +31,7 @@ pub enum Orders {
     Release,
     Abort,
     Answer { question: u32, yes: bool },
-    Run { rig: Asked },
+    Run { rig: Asked, from_mm: Option<f64> },
     Go { mm: f64, rig: Asked },
     Extend { rig: Asked },
     Retract { rig: Asked },
@@ -52,7 +52,7 @@ impl Orders {
             Orders::Release => Order::Release,
             Orders::Abort => Order::Abort,
             Orders::Answer { question, yes } => Order::Answer(question, yes),
-            Orders::Run { rig } => Order::Run(read(&rig)?),
+            Orders::Run { rig, from_mm } => Order::Run(read(&rig)?, from_mm),
             Orders::Go { mm, .. } if !mm.is_finite() => return Err(wrong("give the place in mm")),
             Orders::Go { mm, rig } => Order::Go(mm, read(&rig)?),
             Orders::Extend { rig } => Order::Jog(Direction::Extend, read(&rig)?),
@@ -65,6 +65,7 @@ impl Orders {
 #[derive(Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "kebab-case")]
 pub enum Questions {
+    Way { rig: Asked },
     Parameters { rig: Asked },
     Change { values: Vec<(String, String)> },
     Save,
@@ -79,6 +80,7 @@ impl Questions {
     /// When the rig that it brings is wrong, or the bring-up would go too far.
     pub fn task(self) -> Result<Task, Refusal> {
         Ok(match self {
+            Questions::Way { rig } => Task::Way(read(&rig)?),
             Questions::Parameters { rig } => Task::Parameters(read(&rig)?),
             Questions::Change { values } => Task::Change(values),
             Questions::Save => Task::Save,

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use pneudrive_link::bring_up::{self, Check, Operator, Options, Report};
 use pneudrive_link::client::Client;
-use pneudrive_protocol::Status;
+use pneudrive_protocol::{Mode, Status};
 use serde_json::{Value, json};
 
 use super::ended::Ended;
@@ -130,6 +130,7 @@ impl Operator for Hand<'_, '_> {
     }
 
     fn sees(&mut self, status: &Status) {
+        self.orders.mind(status.mode == Mode::Running);
         self.teller.look(status, true);
     }
 }

@@ -15,8 +15,11 @@ use super::ended::Ended;
 /// How long a page may say nothing while it has armed the drive, or while a bring-up is on.
 pub const PAGE_SILENCE: Duration = Duration::from_millis(1500);
 
+/// How long a page may say nothing while the drive moves, in a test, a move to a place, homing or a bring-up.
+pub const MOTION_SILENCE: Duration = Duration::from_millis(300);
+
 /// How long a held button may be unconfirmed.
-pub const JOG_SILENCE: Duration = Duration::from_millis(300);
+pub const JOG_SILENCE: Duration = MOTION_SILENCE;
 
 /// What a page asks of the drive.
 #[derive(Debug)]
@@ -31,8 +34,9 @@ pub enum Order {
     Stop(Stopped),
     /// Find the stop or the switch.
     Home,
-    /// Run the test of a rig.
-    Run(Box<Rig>),
+    /// Run the test of a rig; the place that the drive was said to stand at, mm, where the page has agreed to its way from
+    /// there to the start.
+    Run(Box<Rig>, Option<f64>),
     /// Move slowly to a place, mm.
     Go(f64, Box<Rig>),
     /// A jog button is held.
@@ -75,6 +79,8 @@ pub enum Direction {
 /// What is answered.
 #[derive(Debug)]
 pub enum Task {
+    /// The way to the start of a rig's test.
+    Way(Box<Rig>),
     /// The parameters of the drive, beside those of a rig.
     Parameters(Box<Rig>),
     /// New values by the names of the parameters: all of them or none.
@@ -101,6 +107,8 @@ pub struct Orders<'a> {
     waiting: VecDeque<Arrived>,
     /// When the last one came.
     heard: Instant,
+    /// How long the page may say nothing as the drive is now.
+    patience: Duration,
     /// Whether the page has gone.
     is_gone: bool,
     /// Whether an order came meanwhile that would have moved the drive, and that was not carried out.
@@ -117,7 +125,13 @@ impl<'a> Orders<'a> {
     /// The orders that come through a channel.
     pub fn of(from: &'a Receiver<Arrived>) -> Orders<'a> {
         let (waiting, heard) = (VecDeque::new(), Instant::now());
-        Orders { from, waiting, heard, is_gone: false, has_refused: false, stops: Vec::new() }
+        let patience = PAGE_SILENCE;
+        Orders { from, waiting, heard, patience, is_gone: false, has_refused: false, stops: Vec::new() }
+    }
+
+    /// Goes by what the drive does: while it moves, the page must be heard more often.
+    pub fn mind(&mut self, moves: bool) {
+        self.patience = if moves { MOTION_SILENCE } else { PAGE_SILENCE };
     }
 
     /// Takes in what has come. Of a page that has gone no more than the end of a motion counts.
@@ -197,7 +211,7 @@ impl<'a> Orders<'a> {
 
     /// Whether the page has said nothing for too long.
     pub fn is_silent(&self) -> bool {
-        self.heard.elapsed() > PAGE_SILENCE
+        self.heard.elapsed() > self.patience
     }
 
     /// Hears what the page says while something takes longer; what would move the drive is refused meanwhile.
@@ -259,7 +273,7 @@ fn lets_go(order: &Order) -> bool {
 
 /// Whether an order enables or moves the drive.
 fn moves(order: &Order) -> bool {
-    matches!(order, Order::Arm | Order::Home | Order::Run(_) | Order::Go(..) | Order::Jog(..))
+    matches!(order, Order::Arm | Order::Home | Order::Run(..) | Order::Go(..) | Order::Jog(..))
 }
 
 #[cfg(test)]

@@ -3,24 +3,24 @@
 //! It looks at the rig 20 times a second, which also tells the rig that its host is there. The drive is disarmed
 //!
 //! - when the page goes: its tab is closed, its connection is lost,
-//! - when the page is silent for [`PAGE_SILENCE`] although its connection stands,
+//! - when the page is silent for [`PAGE_SILENCE`] although its connection stands; for [`MOTION_SILENCE`] while the drive moves,
 //! - when a jog button is not confirmed for [`JOG_SILENCE`].
 //!
 //! When the whole program goes, the rig trips for want of its host (`safety.host_silence_s`).
+
+mod motion;
 
 use std::sync::mpsc::Receiver;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use anyhow::{Error, Result, bail};
+use anyhow::{Error, Result};
 use axum::http::StatusCode;
-use pneudrive_controller::parameters::id;
 use pneudrive_link::bring_up::Options;
 use pneudrive_link::client::Client;
 use pneudrive_link::failure::Failure;
 use pneudrive_page::refusal::Refusal;
 use pneudrive_protocol::{Mode, Status};
-use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
 use pneudrive_sim::Rig;
 use serde_json::Value;
@@ -29,8 +29,9 @@ use super::bring_up::bring_up;
 use super::ended::Ended;
 use super::live::Live;
 use super::order::{Arrived, Direction, Gone, JOG_SILENCE, Order, Orders, Stopped, Task};
+#[cfg(doc)]
+use super::order::{MOTION_SILENCE, PAGE_SILENCE};
 use super::parameters;
-use super::ramp::slow_move;
 use super::record::record;
 use super::seen::{End, Seen, Teller, is_enabled};
 
@@ -43,18 +44,6 @@ const LOOK_STREAMED: Duration = Duration::from_millis(20);
 /// How often the rows that remain are asked for when a test follows another one at once.
 const REST_OF_STREAM: usize = 8;
 
-/// Rate of jogging, mm/s.
-pub const JOG_MM_PER_S: f64 = 10.0;
-
-/// How far one test of jogging goes, mm; a button that is held longer has another one follow.
-const JOG_REACH_MM: f64 = 30.0;
-
-/// Rate of a move to a place, mm/s.
-pub const GO_MM_PER_S: f64 = 50.0;
-
-/// How long a stepper's spool may take to its null after arming.
-const WALK_TO_NULL: Duration = Duration::from_secs(2);
-
 /// Talks to the rig at a port until the page goes or the link breaks.
 pub fn steer(port: &str, orders: &Receiver<Arrived>, seen: &Mutex<Seen>) {
     let _end = End(seen);
@@ -63,17 +52,6 @@ pub fn steer(port: &str, orders: &Receiver<Arrived>, seen: &Mutex<Seen>) {
     if let Err(error) = ended {
         seen.lock().unwrap_or_else(PoisonError::into_inner).message = format!("{error:#}");
     }
-}
-
-/// What a test is run for.
-#[derive(Clone, Copy, Debug)]
-enum Purpose {
-    /// The page has a simulation of it.
-    Test,
-    /// To go to a place.
-    Place,
-    /// To jog while a button is held that was heard at this time.
-    Jog(Direction, Instant),
 }
 
 struct Pilot<'a> {
@@ -86,12 +64,14 @@ struct Pilot<'a> {
     jog: Option<(Direction, Instant)>,
     /// The samples of the test that was started.
     live: Option<Live>,
+    /// The test to whose start the drive is on its way.
+    next: Option<Box<Rig>>,
 }
 
 impl<'a> Pilot<'a> {
     fn connect(port: &str, teller: Teller<'a>, orders: Orders<'a>) -> Result<Pilot<'a>> {
         let client = Client::connect(port)?;
-        let mut pilot = Pilot { client, teller, orders, is_ours: false, jog: None, live: None };
+        let mut pilot = Pilot { client, teller, orders, is_ours: false, jog: None, live: None, next: None };
         pilot.read_scales()?;
         Ok(pilot)
     }
@@ -114,6 +94,7 @@ impl<'a> Pilot<'a> {
             self.watch_page()?;
             let status = self.look()?;
             self.stream(status.mode == Mode::Running);
+            self.go_on(&status);
         }
     }
 
@@ -122,6 +103,7 @@ impl<'a> Pilot<'a> {
         if !is_enabled(status.mode) {
             (self.is_ours, self.jog) = (false, None);
         }
+        self.orders.mind(status.mode == Mode::Running);
         self.teller.look(&status, self.live.is_none());
         Ok(status)
     }
@@ -165,6 +147,7 @@ impl<'a> Pilot<'a> {
     /// Disarms what the page has armed.
     fn release(&mut self) -> Result<()> {
         self.jog = None;
+        self.follows_with(None);
         if std::mem::take(&mut self.is_ours) { self.client.disarm() } else { Ok(()) }
     }
 
@@ -172,6 +155,9 @@ impl<'a> Pilot<'a> {
     fn take(&mut self, Arrived { order, at }: Arrived) {
         if !matches!(order, Order::Alive | Order::Jog(..) | Order::Ask(..)) {
             self.tell("");
+        }
+        if ends_way(&order) {
+            self.follows_with(None);
         }
         let done = match order {
             Order::Ask(task, reply) => {
@@ -186,8 +172,8 @@ impl<'a> Pilot<'a> {
             Order::Disarm => self.disarm(),
             Order::Stop(stopped) => self.stop(vec![stopped]),
             Order::Home => self.home(),
-            Order::Run(rig) => self.run(&rig, Purpose::Test),
-            Order::Go(to_mm, rig) => self.go(to_mm, GO_MM_PER_S, &rig, Purpose::Place),
+            Order::Run(rig, agreed_mm) => self.run_from_start(rig, agreed_mm),
+            Order::Go(to_mm, rig) => self.go(to_mm, &rig),
             Order::Jog(direction, rig) => self.jog(direction, at, &rig),
             Order::Release if self.jog.is_some() => self.release(),
             Order::Release => Ok(()),
@@ -200,6 +186,7 @@ impl<'a> Pilot<'a> {
     /// Does what is answered.
     fn answer(&mut self, task: Task) -> Result<Value, Refusal> {
         let answer = match task {
+            Task::Way(rig) => self.way(&rig).map(|way| way.map_or(Value::Null, |way| way.question())),
             Task::Parameters(rig) => parameters::table(&mut self.client, &rig),
             Task::Change(changes) => return self.change(&changes),
             Task::Save => self.client.save_parameters().map(|()| Value::Null),
@@ -267,112 +254,23 @@ impl<'a> Pilot<'a> {
         done
     }
 
+    /// Homes the drive; one that is armed for it and refuses is disarmed again.
     fn home(&mut self) -> Result<()> {
-        if self.look()?.mode == Mode::Disarmed {
+        let is_to_arm = self.look()?.mode == Mode::Disarmed;
+        if is_to_arm {
             self.arm()?;
         }
-        self.client.home()
+        self.client.home().or_else(|error| if is_to_arm { self.disarm().and(Err(error)) } else { Err(error) })
     }
+}
 
-    /// Downloads a test, arms and starts.
-    fn run(&mut self, rig: &Rig, purpose: Purpose) -> Result<()> {
-        let parameters = self.refuse_unready(rig)?;
-        self.disarm()?;
-        for _ in 0..REST_OF_STREAM {
-            self.stream(false);
-        }
-        self.client.prepare(rig, rig.last_sample(), None)?;
-        self.still_wanted(purpose)?;
-        self.arm()?;
-        match self.start(rig, purpose, &parameters) {
-            Ok(()) => {
-                self.begin_samples(purpose);
-                Ok(())
-            }
-            Err(error) => {
-                self.live = None;
-                self.disarm().and(Err(error))
-            }
-        }
-    }
-
-    /// Starts the test once a stepper's spool is at its null, unless the page wants it no more.
-    fn start(&mut self, rig: &Rig, purpose: Purpose, parameters: &RigParameters) -> Result<()> {
-        let is_stepper = rig.parameters().get(id::STEPPER) == Some(1);
-        let begun = Instant::now();
-        while is_stepper && begun.elapsed() <= WALK_TO_NULL && self.client.status()?.spool != 0 {
-            self.still_wanted(purpose)?;
-            std::thread::sleep(LOOK / 5);
-        }
-        // Firmware without streams is looked at instead.
-        self.live = Live::begin(&mut self.client, parameters).ok();
-        self.still_wanted(purpose)?;
-        self.client.start()
-    }
-
-    /// Refuses to start what the page has ended meanwhile, and to jog without a button that is held.
-    fn still_wanted(&mut self, purpose: Purpose) -> Result<()> {
-        self.orders.still_wants(matches!(purpose, Purpose::Jog(..)))?;
-        if let Purpose::Jog(direction, at) = purpose
-            && self.orders.confirmed(direction).unwrap_or(at).elapsed() > JOG_SILENCE
-        {
-            bail!("not started: the jog button was not confirmed");
-        }
-        Ok(())
-    }
-
-    /// The test has begun now, behind all samples so far.
-    fn begin_samples(&mut self, purpose: Purpose) {
-        let now_s = self.teller.now_s();
-        let mut seen = self.teller.seen();
-        let began_s = now_s.max(seen.samples.last());
-        seen.run_began_s = matches!(purpose, Purpose::Test).then_some(began_s);
-        if let Some(live) = &mut self.live {
-            live.begins(began_s);
-        }
-    }
-
-    /// Refuses a drive in a fault, and one whose moves mean something else than on the page. Its parameters.
-    fn refuse_unready(&mut self, rig: &Rig) -> Result<RigParameters> {
-        if self.look()?.mode == Mode::Fault {
-            bail!("the drive has tripped: make sure that it is safe, then arm it");
-        }
-        let (there, here) = (self.client.parameters()?, rig.parameters());
-        for (id, what) in [
-            (id::OPEN_LOOP, "controller.loop"),
-            (id::PERIOD_US, "controller.period_s"),
-            (id::STEPPER, "operator.model"),
-            (id::ON_ARRIVAL, "controller.exit_on_dead_band"),
-            (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count"),
-        ] {
-            if there.values.get(id) != here.get(id) {
-                bail!(
-                    "{what} of the rig at the port is not that of the page: start the studio with the rig's own file"
-                );
-            }
-        }
-        Ok(there)
-    }
-
-    fn go(&mut self, to_mm: f64, mm_per_s: f64, rig: &Rig, purpose: Purpose) -> Result<()> {
-        let status = self.look()?;
-        let Some(from_mm) = self.teller.units.millimetres(status.position) else {
-            bail!("the rig does not tell how long a count of its encoder is");
-        };
-        self.run(&slow_move(rig, from_mm, to_mm, mm_per_s)?, purpose)
-    }
-
-    /// Begins to jog, goes on, or has the next stretch follow; `at`: when the button was heard.
-    fn jog(&mut self, direction: Direction, at: Instant, rig: &Rig) -> Result<()> {
-        let goes_on = self.jog.is_some_and(|(before, _)| before == direction);
-        let status = self.look()?;
-        if !goes_on || status.mode == Mode::Done {
-            let way = if direction == Direction::Extend { JOG_REACH_MM } else { -JOG_REACH_MM };
-            let from_mm = self.teller.units.millimetres(status.position).unwrap_or_default();
-            self.go(from_mm + way, JOG_MM_PER_S, rig, Purpose::Jog(direction, at))?;
-        }
-        self.jog = Some((direction, self.orders.confirmed(direction).unwrap_or(at)));
-        Ok(())
+/// Whether an order ends the way to the start of a test: nothing follows then.
+fn ends_way(order: &Order) -> bool {
+    let goes_by = |task: &Task| matches!(task, Task::Way(_) | Task::Parameters(_) | Task::Save);
+    match order {
+        Order::Alive | Order::Answer(..) | Order::Release => false,
+        Order::Ask(task, _) => !goes_by(task),
+        _ => true,
     }
 }
 

@@ -1,10 +1,18 @@
 //! A slow move: a setpoint that goes in small steps, as a test has no ramps.
 
 use anyhow::{Result, bail};
+use pneudrive_controller::parameters::id;
+use pneudrive_records::rig_info::RigParameters;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::keys;
+
+/// Rate of jogging, mm/s.
+pub const JOG_MM_PER_S: f64 = 10.0;
+
+/// Rate of a move to a place, mm/s.
+pub const GO_MM_PER_S: f64 = 50.0;
 
 /// Most steps of a move; a test has room for 64.
 const MOST_STEPS: f64 = 60.0;
@@ -15,7 +23,8 @@ const STEP_S: f64 = 0.05;
 /// How long the drive has to settle before its test is over, s.
 const SETTLING_S: f64 = 0.2;
 
-/// The rig with a test that takes the setpoint from one place to another at a constant rate; places in mm, within the stroke.
+/// The rig with a test that takes the setpoint from one place to another at a constant rate; places in mm. Beyond the stroke it
+/// ends at its end.
 ///
 /// # Errors
 /// When the loop is open: then a test has no setpoints.
@@ -38,6 +47,16 @@ pub fn slow_move(rig: &Rig, from_mm: f64, to_mm: f64, mm_per_s: f64) -> Result<R
     let duration_s = ((lasts_s + SETTLING_S) * 1e3).ceil() / 1e3;
     let test = [format!("test.moves=[{}]", moves.join(", ")), format!("test.duration_s={duration_s:?}")];
     Ok(rig.with_test(&test)?)
+}
+
+/// From where to where a drive with these parameters goes in closed loop, mm: within its stroke and its software end positions.
+pub fn reachable(rig: &Rig, there: &RigParameters) -> [f64; 2] {
+    let end = |id, otherwise: f64| {
+        let counts = there.values.get(id).filter(|_| !there.lacking.contains(&id));
+        counts.map_or(otherwise, |counts| f64::from(counts) * mm_per_count(rig))
+    };
+    let stroke_mm = 1e3 * rig.get(&keys::actuator::STROKE_M);
+    [end(id::END_MIN_COUNTS, 0.0).max(0.0), end(id::END_MAX_COUNTS, stroke_mm).min(stroke_mm)]
 }
 
 #[cfg(test)]

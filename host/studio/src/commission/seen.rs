@@ -16,7 +16,8 @@ use super::samples::{Row, Samples};
 pub struct Seen {
     /// Counts the looks.
     pub look: u32,
-    /// disarmed, armed, running, holding or fault; connecting before the first look.
+    /// disarmed, armed, running, holding or fault; approaching on the way to the start of a test; connecting before the first
+    /// look.
     pub mode: &'static str,
     /// Why it tripped, and what that means; empty if it did not.
     pub fault: String,
@@ -46,6 +47,9 @@ pub struct Seen {
     pub message: String,
     /// Whether the link has ended.
     pub is_over: bool,
+    /// Whether it is on the way to the start of a test, which follows.
+    #[serde(skip)]
+    pub approaches: bool,
     /// Samples since the last line.
     #[serde(skip)]
     pub samples: Samples,
@@ -61,9 +65,10 @@ impl Seen {
         let fault =
             || format!("{}: {}", words::fault_code_name(status.fault), words::fault_meaning(status.fault));
         self.look = self.look.wrapping_add(1);
-        self.mode = mode_name(status.mode);
+        let is_enabled = is_enabled(status.mode);
+        self.mode = if self.approaches && is_enabled { "approaching" } else { mode_name(status.mode) };
         self.fault = if is_fault { fault() } else { String::new() };
-        self.is_enabled = is_enabled(status.mode);
+        self.is_enabled = is_enabled;
         self.referenced = status.referenced;
         self.run_s = units.seconds(status.index).filter(|_| status.mode == Mode::Running);
         if has_sampled(status, units) {

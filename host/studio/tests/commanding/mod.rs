@@ -26,8 +26,16 @@ pub fn rig() -> Background {
 
 /// The same of a built-in rig.
 pub fn rig_of(name: &str) -> Background {
-    let rig =
-        VirtualRig::new(Rig::builtin(name).expect("a built-in rig"), 0, Pace { fast: false, live: true });
+    rig_that_lives(name, true)
+}
+
+/// The same, but it stands still between its runs: one that lives creeps while it is armed, until it trips.
+pub fn rig_at_rest() -> Background {
+    rig_that_lives(RIG, false)
+}
+
+fn rig_that_lives(name: &str, live: bool) -> Background {
+    let rig = VirtualRig::new(Rig::builtin(name).expect("a built-in rig"), 0, Pace { fast: false, live });
     Background::start(rig.expect("a rig"), Listener::open("tcp:127.0.0.1:0").expect("a port"))
 }
 
@@ -92,6 +100,19 @@ impl<'a> Page<'a> {
         }
     }
 
+    /// Reads until the drive is as told, and is heard meanwhile.
+    pub fn beat_until(&mut self, what: impl Fn(&Value) -> bool) -> Value {
+        let begun = Instant::now();
+        loop {
+            self.order("alive", Value::Null);
+            let line = self.line();
+            if what(&line) {
+                return line;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(20), "{line}");
+        }
+    }
+
     /// Something that is answered: its status and the answer.
     pub fn ask(&self, ask: &str, more: Value) -> (StatusCode, Value) {
         self.asker().ask(ask, more)
@@ -135,6 +156,13 @@ fn body(number: &Value, kind: &str, what: &str, more: Value) -> Value {
 /// The rig as a page sends it.
 pub fn rig_of_page() -> Value {
     json!({ "rig": { "name": RIG, "text": pneudrive_sim::rig::builtin(RIG), "settings": [] } })
+}
+
+/// The same with settings.
+pub fn rig_with(settings: &[&str]) -> Value {
+    let mut rig = rig_of_page();
+    rig["rig"]["settings"] = json!(settings);
+    rig
 }
 
 /// What another program sees of the drive.

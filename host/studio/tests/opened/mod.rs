@@ -50,6 +50,19 @@ pub fn keep_picture(page: &mut Browser, name: &str) {
     fs::remove_file(encoded).expect("removed");
 }
 
+/// Runs the test of the page, and agrees to the way to its start where the page asks; what it has asked.
+pub fn run_the_test(page: &mut Browser) -> String {
+    let button = "[...document.querySelectorAll('#commission button')].find((one) => one.textContent.startsWith('Run'))";
+    let is_running = "document.querySelector('#commission .mode').textContent === 'running'";
+    page.wait_until(&format!("{button}?.disabled === false"));
+    page.evaluate(&format!("{button}.click()"));
+    page.wait_until(&format!("document.getElementById('dialog') || {is_running}"));
+    let asked = page.evaluate("document.querySelector('#dialog p')?.textContent ?? ''");
+    page.evaluate("document.querySelector('#dialog button.main')?.click()");
+    page.wait_until(is_running);
+    asked.as_str().unwrap_or_default().to_owned()
+}
+
 /// Drops a file on the page.
 pub fn drop_file(page: &mut Browser, name: &str, text: &str) {
     page.evaluate(&format!(

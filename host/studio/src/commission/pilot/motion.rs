@@ -1,0 +1,212 @@
+//! How the drive is moved for a page: tests, moves to a place, jogs.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, anyhow, bail};
+use pneudrive_controller::parameters::id;
+use pneudrive_link::failure::Failure;
+use pneudrive_link::test_run::refuse_what_it_would;
+use pneudrive_protocol::{Mode, Status};
+use pneudrive_records::rig_info::RigParameters;
+use pneudrive_sim::Rig;
+
+use super::{LOOK, Pilot, REST_OF_STREAM};
+use crate::commission::live::Live;
+use crate::commission::order::{Direction, JOG_SILENCE};
+use crate::commission::ramp::{GO_MM_PER_S, JOG_MM_PER_S, reachable, slow_move};
+use crate::commission::way::Way;
+
+/// How far one test of jogging goes, mm; a button that is held longer has another one follow.
+const JOG_REACH_MM: f64 = 30.0;
+
+/// How long a stepper's spool may take to its null after arming.
+const WALK_TO_NULL: Duration = Duration::from_secs(2);
+
+/// What a test is run for.
+#[derive(Clone, Copy, Debug)]
+enum Purpose {
+    /// The page has a simulation of it.
+    Test,
+    /// To go to a place.
+    Place,
+    /// To jog while a button is held that was heard at this time.
+    Jog(Direction, Instant),
+}
+
+impl Pilot<'_> {
+    /// The way of the drive to the start of a test; None in open loop.
+    pub(super) fn way(&mut self, rig: &Rig) -> Result<Option<Way>> {
+        let status = self.look()?;
+        if status.mode == Mode::Running {
+            return Err(Failure::Refused.error("not run: the drive is moving; wait until it rests"));
+        }
+        let from_mm = self.place(&status)?;
+        Ok(Way::of(rig, from_mm))
+    }
+
+    /// Runs a test; from elsewhere than its start the drive goes there slowly before, if the page has agreed to that.
+    pub(super) fn run_from_start(&mut self, rig: Box<Rig>, agreed_mm: Option<f64>) -> Result<()> {
+        // What is refused in the end is refused before anything moves.
+        self.refuse_unready(&rig)?;
+        match self.way(&rig)? {
+            Some(way) if way.is_to_go(agreed_mm)? => {
+                let approach = slow_move(&rig, way.from_mm, way.to_mm, GO_MM_PER_S)?;
+                self.run(&approach, Purpose::Place)?;
+                self.tell(format!("going to {:.1} mm, where the test starts", way.to_mm));
+                self.follows_with(Some(rig));
+                Ok(())
+            }
+            _ => self.run(&rig, Purpose::Test),
+        }
+    }
+
+    /// What is run once the drive has come to its start.
+    pub(super) fn follows_with(&mut self, next: Option<Box<Rig>>) {
+        self.teller.seen().approaches = next.is_some();
+        self.next = next;
+    }
+
+    /// Runs the test to whose start the drive has come.
+    pub(super) fn go_on(&mut self, status: &Status) {
+        if matches!(status.mode, Mode::Armed | Mode::Running) {
+            return;
+        }
+        let Some(rig) = self.next.take() else { return };
+        let has_come = || -> Result<()> {
+            let way = Way::of(&rig, self.place(status)?);
+            way.map_or(Ok(()), |way| way.check_end())
+        };
+        let done = match status.mode {
+            Mode::Done => has_come().and_then(|()| self.run(&rig, Purpose::Test)),
+            // Whatever ended its way is told already.
+            _ => Ok(()),
+        };
+        self.follows_with(None);
+        match done {
+            Ok(()) if status.mode == Mode::Done => self.tell(""),
+            Ok(()) => {}
+            Err(error) => self.tell(format!("{error:#}")),
+        }
+    }
+
+    /// Where the drive stands, mm.
+    fn place(&self, status: &Status) -> Result<f64> {
+        let place = self.teller.units.millimetres(status.position);
+        place.ok_or_else(|| anyhow!("the rig does not tell how long a count of its encoder is"))
+    }
+
+    /// Downloads a test, arms and starts. What the drive would refuse is refused before it is disarmed.
+    fn run(&mut self, rig: &Rig, purpose: Purpose) -> Result<()> {
+        let parameters = self.refuse_unready(rig)?;
+        self.disarm()?;
+        for _ in 0..REST_OF_STREAM {
+            self.stream(false);
+        }
+        self.client.prepare(rig, rig.last_sample(), None)?;
+        self.still_wanted(purpose)?;
+        self.arm()?;
+        match self.start(rig, purpose, &parameters) {
+            Ok(()) => {
+                self.begin_samples(purpose);
+                Ok(())
+            }
+            Err(error) => {
+                self.live = None;
+                self.disarm().and(Err(error))
+            }
+        }
+    }
+
+    /// Starts the test once a stepper's spool is at its null, unless the page wants it no more.
+    fn start(&mut self, rig: &Rig, purpose: Purpose, parameters: &RigParameters) -> Result<()> {
+        let is_stepper = rig.parameters().get(id::STEPPER) == Some(1);
+        let begun = Instant::now();
+        while is_stepper && begun.elapsed() <= WALK_TO_NULL && self.client.status()?.spool != 0 {
+            self.still_wanted(purpose)?;
+            std::thread::sleep(LOOK / 5);
+        }
+        // Firmware without streams is looked at instead.
+        self.live = Live::begin(&mut self.client, parameters).ok();
+        self.still_wanted(purpose)?;
+        self.client.start()
+    }
+
+    /// Refuses to start what the page has ended meanwhile, and to jog without a button that is held.
+    fn still_wanted(&mut self, purpose: Purpose) -> Result<()> {
+        self.orders.still_wants(matches!(purpose, Purpose::Jog(..)))?;
+        if let Purpose::Jog(direction, at) = purpose
+            && self.orders.confirmed(direction).unwrap_or(at).elapsed() > JOG_SILENCE
+        {
+            bail!("not started: the jog button was not confirmed");
+        }
+        Ok(())
+    }
+
+    /// The test has begun now, behind all samples so far.
+    fn begin_samples(&mut self, purpose: Purpose) {
+        let now_s = self.teller.now_s();
+        let mut seen = self.teller.seen();
+        let began_s = now_s.max(seen.samples.last());
+        seen.run_began_s = matches!(purpose, Purpose::Test).then_some(began_s);
+        if let Some(live) = &mut self.live {
+            live.begins(began_s);
+        }
+    }
+
+    /// Refuses a drive in a fault, one whose moves mean something else than on the page, and a test that it would refuse itself.
+    /// Its parameters.
+    fn refuse_unready(&mut self, rig: &Rig) -> Result<RigParameters> {
+        let status = self.look()?;
+        if status.mode == Mode::Fault {
+            bail!("the drive has tripped: make sure that it is safe, then arm it");
+        }
+        let (there, here) = (self.client.parameters()?, rig.parameters());
+        for (id, what) in [
+            (id::OPEN_LOOP, "controller.loop"),
+            (id::PERIOD_US, "controller.period_s"),
+            (id::STEPPER, "operator.model"),
+            (id::ON_ARRIVAL, "controller.exit_on_dead_band"),
+            (id::ENCODER_PM_PER_COUNT, "encoder.mm_per_count"),
+        ] {
+            if there.values.get(id) != here.get(id) {
+                bail!(
+                    "{what} of the rig at the port is not that of the page: start the studio with the rig's own file"
+                );
+            }
+        }
+        refuse_what_it_would(rig, &there, status.referenced)?;
+        Ok(there)
+    }
+
+    /// Moves slowly to a place.
+    pub(super) fn go(&mut self, to_mm: f64, rig: &Rig) -> Result<()> {
+        let status = self.look()?;
+        let from_mm = self.place(&status)?;
+        let [least, most] = reachable(rig, &self.client.parameters()?);
+        if !(least..=most).contains(&to_mm) {
+            bail!(
+                "{to_mm} mm is out of reach: the drive goes from {least:.1} to {most:.1} mm; nothing was changed"
+            );
+        }
+        self.run(&slow_move(rig, from_mm, to_mm, GO_MM_PER_S)?, Purpose::Place)
+    }
+
+    /// Begins to jog, goes on, or has the next stretch follow; `at`: when the button was heard.
+    pub(super) fn jog(&mut self, direction: Direction, at: Instant, rig: &Rig) -> Result<()> {
+        let goes_on = self.jog.is_some_and(|(before, _)| before == direction);
+        let status = self.look()?;
+        if !goes_on || status.mode == Mode::Done {
+            let way = if direction == Direction::Extend { JOG_REACH_MM } else { -JOG_REACH_MM };
+            let from_mm = self.place(&status)?;
+            let [least, most] = reachable(rig, &self.client.parameters()?);
+            // Beyond an end it goes no further that way, and never the other way.
+            let to_mm = match direction {
+                Direction::Extend => (from_mm + way).min(most).max(from_mm),
+                Direction::Retract => (from_mm + way).max(least).min(from_mm),
+            };
+            self.run(&slow_move(rig, from_mm, to_mm, JOG_MM_PER_S)?, Purpose::Jog(direction, at))?;
+        }
+        self.jog = Some((direction, self.orders.confirmed(direction).unwrap_or(at)));
+        Ok(())
+    }
+}

@@ -1,0 +1,126 @@
+//! The way of a drive to the start of a test: a test is run from the place that it was designed from, and a drive that stands
+//! elsewhere goes there slowly, after a question.
+
+use anyhow::{Result, bail};
+use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller::{Loop, keys as controller};
+use pneudrive_sim::keys;
+use serde_json::{Value, json};
+
+use super::ramp::GO_MM_PER_S;
+
+/// A drive that stands so near to the start stands there, mm.
+const NEAR_MM: f64 = 1.0;
+
+/// How far it may have crept since it was found there, mm.
+const CREPT_MM: f64 = 3.0;
+
+/// How far from the start it may end its way, mm.
+const REACHED_MM: f64 = 5.0;
+
+/// How far it may stand from where the question said that it stands, mm.
+const MOVED_MM: f64 = 20.0;
+
+/// Where a drive stands, and where its test starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// Where it stands.
+    pub from_mm: f64,
+    /// Where the test starts.
+    pub to_mm: f64,
+}
+
+impl Way {
+    /// The way from a place to the start of a rig's test; None in open loop, where a test starts wherever the drive stands.
+    pub fn of(rig: &Rig, from_mm: f64) -> Option<Way> {
+        let to_mm = 1e3 * rig.get(&keys::test::POSITION_M);
+        (rig.get(&controller::LOOP) == Loop::Closed).then_some(Way { from_mm, to_mm })
+    }
+
+    fn length_mm(&self) -> f64 {
+        (self.to_mm - self.from_mm).abs()
+    }
+
+    /// What the page asks its user; null where there is nothing to ask.
+    pub fn question(&self) -> Value {
+        if self.length_mm() <= NEAR_MM {
+            return Value::Null;
+        }
+        let Way { from_mm, to_mm } = self;
+        let text = format!(
+            "The drive stands at {from_mm:.1} mm, and the test starts at {to_mm:.1} mm. It first goes there at {GO_MM_PER_S:.0} mm/s, {:.1} mm in {:.1} s; then the test runs.",
+            self.length_mm(),
+            self.length_mm() / GO_MM_PER_S
+        );
+        json!({ "from_mm": from_mm, "to_mm": to_mm, "text": text })
+    }
+
+    /// Whether the drive has to go this way first; `agreed_mm`: where it stood, mm, when the page agreed to the way.
+    ///
+    /// # Errors
+    /// When the page has not agreed to it.
+    pub fn is_to_go(&self, agreed_mm: Option<f64>) -> Result<bool> {
+        let Way { from_mm, to_mm } = self;
+        match agreed_mm {
+            None if self.length_mm() <= CREPT_MM => Ok(false),
+            None => bail!(
+                "not run: the drive stands at {from_mm:.1} mm and the test starts at {to_mm:.1} mm; run it again and agree to the way there"
+            ),
+            Some(agreed_mm) if (agreed_mm - from_mm).abs() > MOVED_MM => bail!(
+                "not run: the drive stood at {agreed_mm:.1} mm when you were asked and stands at {from_mm:.1} mm now; run it again"
+            ),
+            Some(_) => Ok(self.length_mm() > NEAR_MM),
+        }
+    }
+
+    /// Refuses to run the test of a drive that has gone its way and ended elsewhere.
+    pub fn check_end(&self) -> Result<()> {
+        if self.length_mm() <= REACHED_MM {
+            return Ok(());
+        }
+        bail!(
+            "not run: the drive came to {:.1} mm, and the test starts at {:.1} mm; it holds there",
+            self.from_mm,
+            self.to_mm
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn way(from_mm: f64) -> Way {
+        let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+        Way::of(&rig, from_mm).expect("a closed loop")
+    }
+
+    #[test]
+    fn a_drive_at_the_start_has_nothing_to_ask_and_one_that_crept_no_way_to_go() {
+        assert_eq!(way(98.7).question(), Value::Null);
+        assert!(!way(101.0).is_to_go(None).expect("it crept"));
+        assert!(!way(98.7).is_to_go(Some(101.0)).expect("it crept back"));
+    }
+
+    #[test]
+    fn a_way_is_asked_for_in_mm_and_mm_per_s_and_gone_by_who_agrees_to_it() {
+        let question = way(150.0).question();
+        let text = question["text"].as_str().expect("a text");
+        assert!(text.contains("stands at 150.0 mm") && text.contains("starts at 98.7 mm"), "{text}");
+        assert!(text.contains("50 mm/s, 51.3 mm in 1.0 s"), "{text}");
+        assert!(way(150.0).is_to_go(None).is_err(), "nobody has agreed");
+        assert!(way(150.0).is_to_go(question["from_mm"].as_f64()).expect("agreed"));
+        assert!(way(200.0).is_to_go(Some(150.0)).is_err(), "it stands elsewhere now");
+    }
+
+    #[test]
+    fn a_test_is_not_run_by_a_drive_that_has_not_come_to_its_start() {
+        assert!(way(97.0).check_end().is_ok() && way(80.0).check_end().is_err());
+    }
+
+    #[test]
+    fn an_open_loop_starts_wherever_the_drive_stands() {
+        let rig = Rig::read("open", "[controller]\nloop = \"open\"\n").expect("a rig");
+        assert_eq!(Way::of(&rig, 10.0), None);
+    }
+}
