@@ -172,6 +172,12 @@ impl Server {
         let _ = digest(control, DIGEST_BETWEEN);
     }
 
+    /// The session that has asked last.
+    #[must_use]
+    pub fn session(&self) -> u32 {
+        self.session
+    }
+
     /// The link to the host is closed, where a link can be: an owner at its end has gone. Hosts of version 4 and older
     /// may have others beside them and are waited for.
     pub fn host_goes(&self, control: &mut Control<impl BorrowMut<Recorder>>) {

@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use pneudrive_app::{Board, Control, Server};
@@ -20,6 +21,9 @@ impl<T: Read + Write + Send> Stream for T {}
 
 /// The most pending bytes of a caller: a second of the serial line. Further bytes are lost, as on that line.
 const UNTAKEN: usize = 92_160;
+
+/// How long a caller with a wrong token is kept unheard before it is sent away.
+pub(super) const PAUSE: Duration = Duration::from_secs(1);
 
 /// The shortest token, bytes.
 const MIN_TOKEN: usize = 16;
@@ -56,26 +60,52 @@ impl Token {
 pub(super) struct Caller {
     port: Box<dyn Stream>,
     pub(super) server: Server,
-    /// None once it is admitted.
-    gate: Option<(Token, Accumulator)>,
+    gate: Gate,
     untaken: Vec<u8>,
+    /// When it came.
+    pub(super) came: Instant,
+    /// When it was heard last.
+    pub(super) heard: Instant,
+}
+
+/// How far a caller has come.
+enum Gate {
+    /// It must show the token.
+    Waits(Token, Accumulator),
+    /// It has shown a wrong one then, and is not heard any more.
+    Shut(Instant),
+    /// It is let in.
+    Open,
 }
 
 impl Caller {
     /// A caller that must first send the token, if there is one.
     pub(super) fn new(port: impl Stream + 'static, token: Option<Token>) -> Caller {
-        let gate = token.map(|token| (token, Accumulator::new()));
-        Caller { port: Box::new(port), server: Server::default(), gate, untaken: Vec::new() }
+        let gate = token.map_or(Gate::Open, |token| Gate::Waits(token, Accumulator::new()));
+        let (came, heard) = (Instant::now(), Instant::now());
+        Caller { port: Box::new(port), server: Server::default(), gate, untaken: Vec::new(), came, heard }
     }
 
-    /// Executes the requests that have arrived, and returns their number of bytes. An error if the caller has gone, or does
-    /// not know the token.
+    /// Whether it is let in.
+    pub(super) fn is_in(&self) -> bool {
+        matches!(self.gate, Gate::Open)
+    }
+
+    /// Executes the requests that have arrived, and returns their number of bytes. An error if the caller has gone, or has
+    /// shown a wrong token a while ago.
     pub(super) fn hear(&mut self, control: &mut Control, board: &mut impl Board) -> io::Result<usize> {
+        if let Gate::Shut(since) = self.gate {
+            let is_over = since.elapsed() >= PAUSE;
+            return if is_over { Err(io::ErrorKind::PermissionDenied.into()) } else { Ok(0) };
+        }
         let mut bytes = [0; 1024];
         let count = read_some(&mut *self.port, &mut bytes)?;
+        if count > 0 {
+            self.heard = Instant::now();
+        }
         let (mut asks, mut replies) = (&bytes[..count], Vec::new());
-        while let (Some(_), Some((&byte, rest))) = (&self.gate, asks.split_first()) {
-            self.knock(byte, &mut replies)?;
+        while let (false, Some((&byte, rest))) = (self.is_in(), asks.split_first()) {
+            self.knock(byte, &mut replies);
             asks = rest;
         }
         let Ok(()) = self.server.receive(asks, control, board, &mut replies);
@@ -84,22 +114,24 @@ impl Caller {
     }
 
     /// Takes a byte of a caller that is not admitted yet.
-    fn knock(&mut self, byte: u8, replies: &mut Vec<u8>) -> io::Result<()> {
-        let Some((token, accumulator)) = &mut self.gate else { return Ok(()) };
-        let Some(Ok(message)) = accumulator.push(byte) else { return Ok(()) };
-        let Ok(request) = decode_request(message) else { return Ok(()) };
+    fn knock(&mut self, byte: u8, replies: &mut Vec<u8>) {
+        let Gate::Waits(token, accumulator) = &mut self.gate else { return };
+        let Some(Ok(message)) = accumulator.push(byte) else { return };
+        let Ok(request) = decode_request(message) else { return };
         let knows = match request.body {
             RequestBody::Token { token: sent } if token.is(sent) => true,
-            RequestBody::Token { .. } => return Err(io::ErrorKind::PermissionDenied.into()),
+            RequestBody::Token { .. } => {
+                self.gate = Gate::Shut(Instant::now());
+                return;
+            }
             _ => false,
         };
         let body = if knows { ReplyBody::Done } else { ReplyBody::Refused(Refused::NotNow(code::TOKEN)) };
         let mut frame = [0; MAX_FRAME];
         replies.extend(encode(&Reply { sequence: request.sequence, body }, &mut frame).unwrap_or(&[]));
         if knows {
-            self.gate = None;
+            self.gate = Gate::Open;
         }
-        Ok(())
     }
 
     /// Queues replies and rows for the caller, if there is room.

@@ -1,18 +1,25 @@
 //! Where a virtual rig listens, and its callers.
 
-use std::net::TcpListener;
+use std::net::{TcpListener, TcpStream};
 #[cfg(unix)]
 use std::time::Duration;
+use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
 use super::caller::{Caller, Token};
+use super::gate;
+
+/// Programs that are accepted between two polls of those that are there.
+const AT_ONCE: usize = 8;
 
 /// A listening port.
 pub struct Listener {
     listener: Option<TcpListener>,
     token: Option<Token>,
     pub(super) callers: Vec<Caller>,
+    /// Who has come and waits for a place at the gate.
+    newcomer: Option<TcpStream>,
     name: String,
     /// The far end of a pty, held open so that ours stays open without a client.
     _far_end: Option<Box<dyn Send>>,
@@ -45,7 +52,8 @@ impl Listener {
                     );
                 }
                 let name = format!("tcp://{local}");
-                Ok(Listener { listener: Some(listener), token, callers: Vec::new(), name, _far_end: None })
+                let (listener, callers) = (Some(listener), Vec::new());
+                Ok(Listener { listener, token, callers, newcomer: None, name, _far_end: None })
             }
             None if at == "pty" => Listener::open_pty(),
             None => bail!("--listen takes pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000; not {at:?}"),
@@ -59,7 +67,8 @@ impl Listener {
         master.set_timeout(Duration::from_millis(1))?;
         let name = format!("pty:{}", slave.name().context("the pty has no name")?);
         let callers = vec![Caller::new(master, None)];
-        Ok(Listener { listener: None, token: None, callers, name, _far_end: Some(Box::new(slave)) })
+        let _far_end: Option<Box<dyn Send>> = Some(Box::new(slave));
+        Ok(Listener { listener: None, token: None, callers, newcomer: None, name, _far_end })
     }
 
     #[cfg(not(unix))]
@@ -79,13 +88,24 @@ impl Listener {
         self.token.is_some()
     }
 
-    /// Accepts a waiting program.
-    pub(super) fn admit(&mut self) {
-        let waiting = self.listener.as_ref().and_then(|listener| listener.accept().ok());
-        if let Some((stream, _)) = waiting
-            && stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok()
-        {
-            self.callers.push(Caller::new(stream, self.token.clone()));
+    /// Accepts waiting programs, as far as there is room at the gate.
+    pub(super) fn admit(&mut self, now: Instant) {
+        gate::send_away(&mut self.callers, now);
+        for _ in 0..AT_ONCE {
+            if self.newcomer.is_none() {
+                self.newcomer = self
+                    .listener
+                    .as_ref()
+                    .and_then(|listener| listener.accept().ok())
+                    .map(|(stream, _)| stream);
+            }
+            if self.newcomer.is_none() || !gate::makes_room(&mut self.callers, now) {
+                return;
+            }
+            let Some(stream) = self.newcomer.take() else { return };
+            if stream.set_nonblocking(true).and(stream.set_nodelay(true)).is_ok() {
+                self.callers.push(Caller::new(stream, self.token.clone()));
+            }
         }
     }
 }
