@@ -4,11 +4,12 @@
 //! |---|---|
 //! | a `Host` that is neither an address nor `localhost` | a foreign name that resolves to this machine makes its page ours (DNS rebinding) |
 //! | an `Origin` that is not this server | another page asks |
-//! | a request for `/api` without the token | whoever asks was not given the address |
+//! | a request for `/api` without the token; with a wrong one after [`PAUSE`] | whoever asks was not given the address |
 //! | a body of more than [`MOST_BYTES`], of more than [`MOST_BYTES_OF_RECORD`] with a record to lay over a run | no rig file is that long; a page waits for no longer record |
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::extract::{Request, State};
 use axum::http::header::{AUTHORIZATION, HOST, HeaderMap, HeaderName, HeaderValue, ORIGIN};
@@ -17,6 +18,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use pneudrive_page::refusal::Refusal;
 
+use crate::door::Guest;
 use crate::refused::Refused;
 use crate::token::Token;
 
@@ -41,6 +43,12 @@ const HEADERS: [(&str, &str); 6] = [
     ("cache-control", "no-store"),
 ];
 
+/// How long a wrong token waits for its answer, so that nobody tries many. Who has the right one does not wait for it.
+pub const PAUSE: Duration = Duration::from_secs(1);
+
+/// What needs the token.
+const API: &str = "/api/";
+
 /// What the guard goes by.
 #[derive(Clone, Debug)]
 pub struct Guard {
@@ -53,13 +61,31 @@ pub struct Guard {
 /// Lets a request through, or refuses it.
 pub async fn watch(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let mut answer = match guard.check(request.uri(), request.headers()) {
-        Ok(()) => next.run(request).await,
-        Err(refusal) => Refused(refusal).into_response(),
+        Ok(()) => {
+            note_token(&request);
+            next.run(request).await
+        }
+        Err(refusal) => {
+            if refusal.status == StatusCode::UNAUTHORIZED && request.headers().contains_key(AUTHORIZATION) {
+                tokio::time::sleep(PAUSE).await;
+            }
+            Refused(refusal).into_response()
+        }
     };
     for (name, value) in HEADERS {
         answer.headers_mut().insert(HeaderName::from_static(name), HeaderValue::from_static(value));
     }
     answer
+}
+
+/// Notes at a connection that it has shown the token.
+fn note_token(request: &Request) {
+    let path = request.uri().path();
+    if let Some(guest) = request.extensions().get::<Arc<Guest>>()
+        && path.starts_with(API)
+    {
+        guest.shows_token(path);
+    }
 }
 
 impl Guard {
@@ -77,7 +103,7 @@ impl Guard {
             return Err(Refusal::new(StatusCode::FORBIDDEN, "another page may not ask this server"));
         }
         let shown = text(AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
-        if uri.path().starts_with("/api/") && !shown.is_some_and(|token| self.token.is(token)) {
+        if uri.path().starts_with(API) && !shown.is_some_and(|token| self.token.is(token)) {
             let message =
                 "open the studio by the address that `pneudrive studio` has printed: it holds the token";
             return Err(Refusal::new(StatusCode::UNAUTHORIZED, message));

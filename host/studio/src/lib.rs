@@ -16,11 +16,12 @@
 //! | [`files`] | rig files that are opened and saved |
 //! | [`study`] | long work that the page asks for, told of line by line |
 //! | [`commission`] | a rig at a port, moved from the page |
-//! | [`server`] | the routes, and the address |
+//! | [`server`], [`door`] | the routes, the address, and who may keep a connection |
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod commission;
+pub mod door;
 pub mod files;
 pub mod guard;
 pub mod refused;

@@ -8,11 +8,11 @@ use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
 use axum::routing::{get, post};
-use axum::serve::ListenerExt;
 use pneudrive_page::answer::REQUESTS;
 use pneudrive_page::rigs::Opened;
 
 use crate::commission::{self, Drive};
+use crate::door;
 use crate::files::{self, Files};
 use crate::guard::{Guard, MOST_BYTES, MOST_BYTES_OF_RECORD, watch};
 use crate::served;
@@ -116,9 +116,7 @@ impl Studio {
         let router = self.router();
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(self.listener)?;
-            // What is left of an answer would wait for the browser to acknowledge what it has.
-            let listener = listener.tap_io(|stream| drop(stream.set_nodelay(true)));
-            axum::serve(listener, router).await?;
+            door::serve(listener, router).await;
             Ok(())
         })
     }

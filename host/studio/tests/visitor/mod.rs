@@ -55,7 +55,7 @@ pub fn ask(studio: &Studio, method: Method, path: &str, headers: &[(&str, &str)]
         request = request.header(*name, *value);
     }
     let request = request.body(Body::from(body)).expect("a request");
-    let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a runtime");
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     runtime.block_on(async {
         let answer = studio.router().oneshot(request).await.expect("an answer");
         let (parts, body) = answer.into_parts();

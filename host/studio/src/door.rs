@@ -1,0 +1,189 @@
+//! Who may keep a connection. Those that have not shown the token hold up nobody who shows it, so that a page, and a stop, get
+//! through however many there are.
+//!
+//! | connection | may stay | at most |
+//! |---|---|---|
+//! | one that has not shown the token | [`STRANGER_WAIT`], and the one that is oldest leaves for a new one after [`HURRY`] | [`MOST_STRANGERS`] |
+//! | one that has shown it | as long as it likes; beyond the limit the one that was silent longest leaves for a new one, but none on which a page follows the drive or a study | [`MOST_KNOWN`] |
+
+use std::pin::pin;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use axum::{Extension, Router};
+use futures_util::future::select;
+use hyper::server::conn::http1;
+use hyper_util::rt::TokioIo;
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::Notify;
+use tokio::time::{sleep, timeout};
+
+/// Time in which a connection must show the token; the files of the page need none.
+pub const STRANGER_WAIT: Duration = Duration::from_secs(10);
+
+/// Time that a connection has to show the token while others wait for its place.
+pub const HURRY: Duration = Duration::from_millis(100);
+
+/// Connections that have not shown the token.
+pub const MOST_STRANGERS: usize = 64;
+
+/// Connections that have; a page has six.
+pub const MOST_KNOWN: usize = 96;
+
+/// Between two looks for a place that is free.
+const LOOK_AGAIN: Duration = Duration::from_millis(5);
+
+/// Answers on which a page stays.
+const STAYS: [&str; 2] = ["/api/drive", "/api/study"];
+
+/// One connection.
+#[derive(Debug)]
+pub struct Guest {
+    came: Instant,
+    heard: Mutex<Instant>,
+    is_known: AtomicBool,
+    stays: AtomicBool,
+    leave: Notify,
+}
+
+impl Guest {
+    fn new() -> Guest {
+        let now = Instant::now();
+        let (is_known, stays) = (AtomicBool::new(false), AtomicBool::new(false));
+        Guest { came: now, heard: Mutex::new(now), is_known, stays, leave: Notify::new() }
+    }
+
+    /// It has shown the token with a request for this path.
+    pub fn shows_token(&self, path: &str) {
+        *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+        self.stays.store(STAYS.contains(&path), Ordering::Relaxed);
+        self.is_known.store(true, Ordering::Relaxed);
+    }
+
+    fn is_known(&self) -> bool {
+        self.is_known.load(Ordering::Relaxed)
+    }
+
+    fn heard(&self) -> Instant {
+        *self.heard.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until it has to leave.
+    async fn has_to_leave(&self) {
+        let told = timeout(STRANGER_WAIT, self.leave.notified()).await;
+        if told.is_err() && self.is_known() {
+            self.leave.notified().await;
+        }
+    }
+}
+
+/// The connections that there are.
+#[derive(Debug, Default)]
+struct Guests(Mutex<Vec<Arc<Guest>>>);
+
+impl Guests {
+    fn all(&self) -> MutexGuard<'_, Vec<Arc<Guest>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes in a new connection, in the place of another one if need be; None while there is no place.
+    fn take_in(&self) -> Option<Arc<Guest>> {
+        let mut all = self.all();
+        let strangers = all.iter().filter(|guest| !guest.is_known()).count();
+        if strangers >= MOST_STRANGERS {
+            let waits = |guest: &&Arc<Guest>| !guest.is_known() && guest.came.elapsed() >= HURRY;
+            let oldest = all.iter().filter(waits).min_by_key(|guest| guest.came).cloned();
+            send_away(&mut all, &oldest?);
+        }
+        while all.iter().filter(|guest| guest.is_known()).count() > MOST_KNOWN {
+            let idle = all.iter().filter(|guest| guest.is_known() && !guest.stays.load(Ordering::Relaxed));
+            let Some(longest) = idle.min_by_key(|guest| guest.heard()).cloned() else { break };
+            send_away(&mut all, &longest);
+        }
+        let guest = Arc::new(Guest::new());
+        all.push(guest.clone());
+        Some(guest)
+    }
+
+    fn leaves(&self, guest: &Arc<Guest>) {
+        self.all().retain(|other| !Arc::ptr_eq(other, guest));
+    }
+}
+
+fn send_away(all: &mut Vec<Arc<Guest>>, guest: &Arc<Guest>) {
+    // It may not have come so far that it waits for this.
+    guest.leave.notify_one();
+    all.retain(|other| !Arc::ptr_eq(other, guest));
+}
+
+/// Serves the connections that come, for ever.
+pub async fn serve(listener: TcpListener, router: Router) {
+    let guests = Arc::new(Guests::default());
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            // No descriptor is free: a connection ends in a moment.
+            sleep(HURRY).await;
+            continue;
+        };
+        let guest = loop {
+            match guests.take_in() {
+                Some(guest) => break guest,
+                None => sleep(LOOK_AGAIN).await,
+            }
+        };
+        let (guests, router) = (guests.clone(), router.clone().layer(Extension(guest.clone())));
+        tokio::spawn(async move {
+            serve_guest(stream, router, &guest).await;
+            guests.leaves(&guest);
+        });
+    }
+}
+
+async fn serve_guest(stream: TcpStream, router: Router, guest: &Guest) {
+    // What is left of an answer would wait for the browser to acknowledge what it has.
+    drop(stream.set_nodelay(true));
+    let service = TowerToHyperService::new(router);
+    let connection = http1::Builder::new().serve_connection(TokioIo::new(stream), service);
+    // How a connection ends is the browser's business.
+    drop(select(pin!(connection), pin!(guest.has_to_leave())).await);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_that_shows_the_token_keeps_its_place_however_many_strangers_come() {
+        let guests = Guests::default();
+        let known = guests.take_in().expect("a place");
+        known.shows_token("/api/drive");
+        for _ in 0..MOST_STRANGERS {
+            guests.take_in().expect("a place");
+        }
+        assert!(guests.take_in().is_none(), "all of them have just come");
+        std::thread::sleep(HURRY);
+        for _ in 0..2 {
+            guests.take_in().expect("that of a stranger");
+        }
+        let all = guests.all();
+        assert!(all.iter().any(|guest| Arc::ptr_eq(guest, &known)));
+        assert_eq!(all.len(), MOST_STRANGERS + 1);
+    }
+
+    #[test]
+    fn of_those_that_have_shown_it_a_page_that_follows_the_drive_stays() {
+        let guests = Guests::default();
+        let follows = guests.take_in().expect("a place");
+        follows.shows_token("/api/drive");
+        let idle = guests.take_in().expect("a place");
+        idle.shows_token("/api/check");
+        for _ in 0..MOST_KNOWN {
+            guests.take_in().expect("a place").shows_token("/api/order");
+        }
+        let all = guests.all();
+        let holds = |guest: &Arc<Guest>| all.iter().any(|other| Arc::ptr_eq(other, guest));
+        assert_eq!((holds(&follows), holds(&idle)), (true, false));
+    }
+}
