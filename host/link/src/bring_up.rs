@@ -34,6 +34,7 @@ use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_records::units::Units;
 
+use crate::borrowed::Borrowed;
 use crate::client::Client;
 use crate::failure::Failure;
 pub use report::{Check, Report, Verdict};
@@ -172,7 +173,8 @@ impl BringUp<'_> {
         self.units.count_at(mm).unwrap_or(mm as i32).max(1)
     }
 
-    /// The checks for which the drive is enabled, in open loop. Parameters are put back whatever becomes of them.
+    /// The checks for which the drive is enabled, in open loop. Parameters are put back whatever becomes of them, or of this
+    /// program.
     fn move_it(&mut self, pushed: Option<i32>) -> Result<()> {
         let question = format!(
             "The cylinder will move: pulses of up to {}, until the slide has moved both ways; it is stopped beyond {:.0} mm. Air on, nobody in reach, emergency stop at hand. At the end the watchdog resets the board; the slide may jerk then. Enable the drive?",
@@ -183,17 +185,21 @@ impl BringUp<'_> {
             self.leave_out_motion("the operator did not let the cylinder move");
             return Ok(());
         }
-        let kept = [id::OPEN_LOOP, id::ON_ARRIVAL].map(|id| (id, self.parameter(id)));
-        let set = |client: &mut Client, values: [Option<i32>; 2]| {
-            let changes = kept.iter().zip(values).filter(|((_, was), _)| was.is_some());
-            changes
-                .filter_map(|((id, _), value)| Some((*id, value?)))
-                .try_for_each(|(id, value)| client.set_parameters(id, &[value]))
-        };
-        let moved = set(self.client, [Some(1), Some(0)]).and_then(|()| self.check_enabled(pushed));
+        let borrowed = Borrowed::of(self.client, &[id::OPEN_LOOP, id::ON_ARRIVAL])?;
+        let moved = self.set_for_pulses().and_then(|()| self.check_enabled(pushed));
         let disarmed = self.client.disarm();
-        let put_back = set(self.client, kept.map(|(_, was)| was));
+        let put_back = borrowed.give_back(self.client);
         moved.and(disarmed).and(put_back)
+    }
+
+    /// Pulses are commands, and none is exited early.
+    fn set_for_pulses(&mut self) -> Result<()> {
+        for (id, value) in [(id::OPEN_LOOP, 1), (id::ON_ARRIVAL, 0)] {
+            if self.parameter(id).is_some() {
+                self.client.set_parameters(id, &[value])?;
+            }
+        }
+        Ok(())
     }
 
     fn check_enabled(&mut self, pushed: Option<i32>) -> Result<()> {

@@ -15,6 +15,7 @@ mod version_2;
 mod watchdog;
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -351,16 +352,30 @@ impl Client {
         self.ask_done(RequestBody::Reference { position_counts })
     }
 
-    /// Follows a run to its end; `progress` is given the status now and then. Stops the rig once
+    /// Follows a run to its end; `progress` is given the newest status now and then, and may take its time. Stops the rig once
     /// `interrupted` is set; that is the end of a test that runs until it is stopped, and disarms it.
     ///
     /// # Errors
     /// When the drive trips, something else ends the run, its samples stop advancing or continue past its end, or the rig
     /// stops answering.
-    pub fn follow(&mut self, interrupted: &AtomicBool, progress: impl FnMut(&Status)) -> Result<Status> {
-        self.follow_and(interrupted, progress, |_, _| {
-            std::thread::sleep(Duration::from_millis(20));
-            Ok(())
+    pub fn follow(&mut self, interrupted: &AtomicBool, mut progress: impl FnMut(&Status)) -> Result<Status> {
+        let (say, heard) = channel();
+        std::thread::scope(|scope| {
+            // A thread of its own: the rig hears its host also while `progress` waits, as for a terminal that is held.
+            let following = scope.spawn(move || {
+                let tell = |status: &Status| {
+                    // Whoever hears it leaves later.
+                    let _ = say.send(*status);
+                };
+                self.follow_and(interrupted, tell, |_, _| {
+                    std::thread::sleep(Duration::from_millis(20));
+                    Ok(())
+                })
+            });
+            while let Ok(status) = heard.recv() {
+                progress(&heard.try_iter().last().unwrap_or(status));
+            }
+            following.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         })
     }
 

@@ -7,6 +7,7 @@
 //! | [`download`], [`part_file`] | which chunks of a record are there, and the file of an interrupted download |
 //! | [`stream`] | which rows of a stream are there |
 //! | [`failure`] | why a request failed |
+//! | [`borrowed`] | parameters that are changed for a while, and given back even if the program is killed |
 //! | [`bring_up`] | the checks of a new board, one after the other |
 //! | [`test_run`], [`firmware_notes`] | a test made ready and started; notes on firmware that lacks something |
 //!
@@ -14,6 +15,7 @@
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod borrowed;
 pub mod bring_up;
 pub mod client;
 pub mod download;

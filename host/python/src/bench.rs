@@ -3,6 +3,7 @@
 use anyhow::{Context, Result};
 use pneudrive_analysis::identification::plan::{self, Bench};
 use pneudrive_controller::parameters::id;
+use pneudrive_link::borrowed::Borrowed;
 use pneudrive_link::client::Client;
 use pneudrive_link::test_run;
 use pneudrive_records::target::TargetFile;
@@ -25,11 +26,11 @@ pub fn records(
 ) -> Result<Vec<(String, TargetFile)>> {
     let count = client.status()?.position;
     client.disarm()?;
-    let open_loop = client.parameters()?.values.get(id::OPEN_LOOP).unwrap_or(0);
+    let borrowed = Borrowed::of(client, &[id::OPEN_LOOP])?;
     let mut bench = AtDrive { client, meter, files: Vec::new() };
     let recorded = plan::run(&mut bench, closed, open, count);
     let files = bench.files;
-    let left = client.disarm().and_then(|()| client.set_parameters(id::OPEN_LOOP, &[open_loop]));
+    let left = client.disarm().and_then(|()| borrowed.give_back(client));
     let fitted: Vec<String> = recorded?.fitted.into_iter().map(|recording| recording.name).collect();
     left.context("the tests are done, but the rig was not left as it was")?;
     let is_fitted = |number: usize| fitted.iter().any(|name| name.starts_with(&format!("{number}, ")));

@@ -66,6 +66,18 @@ impl Client {
         })
     }
 
+    /// The number of the boot of the rig that its requests are meant for; 0 where the rig does not count them.
+    #[must_use]
+    pub fn boot(&self) -> u32 {
+        self.boot
+    }
+
+    /// The name of the port, as it was opened.
+    #[must_use]
+    pub fn port_name(&self) -> &str {
+        &self.name
+    }
+
     /// Whether the firmware speaks this version of the protocol.
     #[must_use]
     pub fn speaks(&self, version: u16) -> bool {

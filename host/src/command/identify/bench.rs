@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use pneudrive_analysis::identification::plan::{self, Bench, NEEDS_PRESSURES, Recorded};
 use pneudrive_controller::parameters::id;
+use pneudrive_link::borrowed::Borrowed;
 use pneudrive_link::client::Client;
 use pneudrive_records::target::TargetFile;
 use pneudrive_records::units::lacks_pressures;
@@ -16,6 +17,10 @@ use crate::cli::RigChoice;
 use crate::command::record::record;
 use crate::command::rig_source::load_rig;
 use crate::command::run::run_test;
+use crate::exit::Exit;
+
+/// An axis is level within this angle, degrees.
+const LEVEL_DEG: f64 = 2.0;
 
 /// Runs the tests on the rig at a port and writes their TARGET files to a folder.
 pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<Recorded> {
@@ -31,13 +36,36 @@ pub(super) fn execute(choice: &RigChoice, port: &str, folder: &Path) -> Result<R
     if lacks_pressures(&parameters) {
         bail!("the rig at {port} has no pressure sensors (pressure_sensors is 0): {NEEDS_PRESSURES}");
     }
-    let open_loop = parameters.get(id::OPEN_LOOP).unwrap_or(0);
+    if let Some(note) = of_hanging_load(&closed) {
+        tell!("{note}");
+    }
+    let borrowed = Borrowed::of(&mut client, &[id::OPEN_LOOP])?;
     let recorded = plan::run(&mut AtPort { client: &mut client, folder }, &closed, &open, count);
-    // Even if a test failed, the drive is disarmed and its loop is as before.
-    let left = client.disarm().and_then(|()| client.set_parameters(id::OPEN_LOOP, &[open_loop]));
-    let recorded = recorded?;
+    // Even if a test failed, the drive is disarmed and its loop is as before; if this program is killed, the next plan sees to it.
+    let left = client.disarm().and_then(|()| borrowed.give_back(&mut client));
+    let recorded = recorded.map_err(of_trip)?;
     left.context("the tests are done, but the rig could not be disarmed and its controller.loop restored")?;
     Ok(recorded)
+}
+
+/// What becomes of a load that hangs while a plan runs; None of an axis that is level as far as a file can say.
+fn of_hanging_load(rig: &Rig) -> Option<String> {
+    let incline = rig.get(&keys::load::INCLINE_DEG);
+    (incline.abs() > LEVEL_DEG).then(|| {
+        format!(
+            "note: the axis is inclined by {incline} degrees. Between the tests, and if the drive trips, its valve is at null and only the air in the cylinder holds the load, which may sink: support it, or keep clear of its way"
+        )
+    })
+}
+
+/// A plan does not arm a drive that has tripped: whoever stands at it has to look at it first.
+fn of_trip(error: Error) -> Error {
+    if Exit::after(&error) != Exit::Tripped {
+        return error;
+    }
+    error.context(
+        "the plan has ended: the valve is at its null, and only the air in the cylinder holds a load that hangs; the records so far are kept",
+    )
 }
 
 /// A rig at a port, and the folder for its records.
@@ -59,5 +87,28 @@ impl Bench for AtPort<'_> {
         self.client.disarm()?;
         say!("{}: {name}", path.display());
         Ok((path.file_name().unwrap_or_default().to_string_lossy().into_owned(), file))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_link::failure::Failure;
+
+    use super::*;
+
+    #[test]
+    fn a_load_that_hangs_is_told_of_before_a_plan_and_where_it_trips() {
+        let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+        assert_eq!(of_hanging_load(&rig), None);
+        let hanging = rig.with_settings(&["load.incline_deg=90".to_owned()]).expect("valid");
+        let note = of_hanging_load(&hanging).expect("it hangs");
+        assert!(note.contains("inclined by 90 degrees") && note.contains("support it"), "{note}");
+        let tripped = of_trip(Failure::Tripped.error("the rig tripped"));
+        assert!(
+            format!("{tripped:#}")
+                .contains("a load that hangs; the records so far are kept: the rig tripped")
+        );
+        assert_eq!(Exit::after(&tripped), Exit::Tripped);
+        assert_eq!(format!("{:#}", of_trip(Failure::NoAnswer.error("gone"))), "gone");
     }
 }

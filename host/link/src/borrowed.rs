@@ -1,0 +1,227 @@
+//! Parameters that a program changes on a drive for a while, kept in a file until they are given back: a program that is killed
+//! meanwhile cannot lose them, and the next one that borrows them gives them back first.
+//!
+//! ```text
+//! borrow      PORT.borrowed   in the user's folder of states: the port, the boot of the drive, and all parameters as they were
+//! give back   the values are set, then the file is removed
+//! ```
+//!
+//! A file is passed over, and removed, if the drive was reset since, which brings its saved parameters back, or if other
+//! parameters differ from those in it: then somebody has set them since, or another drive is at the port.
+
+use std::fmt::Write;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_controller::parameters::id;
+use pneudrive_records::parameter_names::Written;
+use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::whole_file::put;
+
+use crate::client::Client;
+
+/// What a file of this kind begins with.
+const HEAD: &str = "pneudrive-borrowed 1";
+
+/// The longest file that is read, bytes: all parameters have some kilobytes.
+const LONGEST: u64 = 1 << 16;
+
+/// Parameters that are to be given back.
+#[derive(Debug)]
+pub struct Borrowed {
+    path: PathBuf,
+    values: Vec<(u16, i32)>,
+}
+
+impl Borrowed {
+    /// Keeps the values of these parameters, before they are changed for a while. What a killed program has not given back is
+    /// given back first. The drive must be disarmed.
+    ///
+    /// # Errors
+    /// When the drive does not answer or refuses, or the file cannot be written.
+    pub fn of(client: &mut Client, ids: &[u16]) -> Result<Borrowed> {
+        Borrowed::in_folder(client, ids, &folder()?)
+    }
+
+    /// The same in another folder.
+    ///
+    /// # Errors
+    /// As for [`Borrowed::of`].
+    pub fn in_folder(client: &mut Client, ids: &[u16], folder: &Path) -> Result<Borrowed> {
+        let path = folder.join(file_name(client.port_name()));
+        give_back_of_killed(client, &path)?;
+        let parameters = client.parameters()?;
+        let has = |id: &u16| !parameters.lacking.contains(id);
+        let value = |id: u16| parameters.values.get(id).map(|value| (id, value));
+        let values = ids.iter().filter(|id| has(id)).filter_map(|&id| value(id)).collect();
+        fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        let borrowed = Borrowed { path, values };
+        put(&borrowed.path, &borrowed.text(client.boot(), &parameters)).context(
+            "what the drive has to get back cannot be kept; PNEUDRIVE_STATE names another folder for it",
+        )?;
+        Ok(borrowed)
+    }
+
+    /// Sets the parameters as they were. The drive must be disarmed.
+    ///
+    /// # Errors
+    /// When the drive does not answer or refuses; the file stays then, and the next program that borrows gives them back.
+    pub fn give_back(self, client: &mut Client) -> Result<()> {
+        for (id, value) in &self.values {
+            client.set_parameters(*id, &[*value])?;
+        }
+        remove(&self.path)
+    }
+
+    fn text(&self, boot: u32, parameters: &RigParameters) -> String {
+        let mut text = format!("{HEAD}\nboot {boot}\n");
+        for (id, _) in &self.values {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "borrowed {id}");
+        }
+        for (id, value) in parameters.values.iter().filter(|(id, _)| !parameters.lacking.contains(id)) {
+            let _ = writeln!(text, "{id} {value}");
+        }
+        text
+    }
+}
+
+/// What a killed program has left.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Left {
+    boot: u32,
+    borrowed: Vec<u16>,
+    all: Vec<(u16, i32)>,
+}
+
+impl Left {
+    /// Reads a file of [`Borrowed::text`]; None of any other text.
+    fn read(text: &str) -> Option<Left> {
+        let mut lines = text.lines();
+        if lines.next()? != HEAD {
+            return None;
+        }
+        let boot = lines.next()?.strip_prefix("boot ")?.parse().ok()?;
+        let mut left = Left { boot, ..Left::default() };
+        for line in lines {
+            let (name, value) = line.split_once(' ')?;
+            match name {
+                "borrowed" => left.borrowed.push(value.parse().ok()?),
+                id => left.all.push((id.parse().ok()?, value.parse().ok()?)),
+            }
+        }
+        Some(left)
+    }
+
+    /// Whether these parameters are those of a drive whose program was killed, but for what was borrowed and for the null that
+    /// a run has learned.
+    fn is_of(&self, parameters: &RigParameters) -> bool {
+        let may_differ = |id| id == id::NULL_OFFSET_COUNTS || self.borrowed.contains(&id);
+        self.all.iter().all(|&(id, value)| may_differ(id) || parameters.values.get(id) == Some(value))
+    }
+
+    fn values(&self) -> impl Iterator<Item = (u16, i32)> + '_ {
+        self.all.iter().copied().filter(|(id, _)| self.borrowed.contains(id))
+    }
+}
+
+/// Gives back what a killed program has left.
+fn give_back_of_killed(client: &mut Client, path: &Path) -> Result<()> {
+    let Some(left) = left_at(path)? else { return Ok(()) };
+    let parameters = client.parameters()?;
+    if left.boot == client.boot() && left.is_of(&parameters) {
+        for (id, value) in left.values().filter(|(id, value)| parameters.values.get(*id) != Some(*value)) {
+            client.set_parameters(id, &[value])?;
+            let named = Written::of(id).map(|written| format!("{} = {}", written.name, written.text(value)));
+            log::info!(
+                "a program that was killed has left its tests' setting on the drive; it has {} again",
+                named.unwrap_or_default()
+            );
+        }
+    }
+    remove(path)
+}
+
+fn left_at(path: &Path) -> Result<Option<Left>> {
+    let about = match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        about => about.with_context(|| format!("cannot read {}", path.display()))?,
+    };
+    if !about.is_file() || about.len() > LONGEST {
+        bail!("{} is not a file of this program; remove it", path.display());
+    }
+    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let left = Left::read(&text);
+    left.map(Some).ok_or_else(|| {
+        anyhow!("{} is damaged; remove it, and look at controller.loop of the drive", path.display())
+    })
+}
+
+fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(error).with_context(|| format!("cannot remove {}", path.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A name of its own for each port.
+fn file_name(port: &str) -> String {
+    let plain =
+        |letter: char| if letter.is_ascii_alphanumeric() || "-.".contains(letter) { letter } else { '_' };
+    format!("{}.borrowed", port.chars().map(plain).collect::<String>())
+}
+
+/// The folder where programs of this user keep what must outlast them: `PNEUDRIVE_STATE`, or that of the system.
+fn folder() -> Result<PathBuf> {
+    let of = |name: &str| std::env::var_os(name).filter(|path| !path.is_empty()).map(PathBuf::from);
+    let system = if cfg!(windows) { of("LOCALAPPDATA") } else { of("XDG_STATE_HOME") };
+    let home = || std::env::home_dir().map(|home| home.join(".local").join("state"));
+    of("PNEUDRIVE_STATE").or_else(|| system.or_else(home).map(|folder| folder.join("pneudrive"))).ok_or_else(|| {
+        anyhow!("there is no home folder to keep the parameters of the drive in while tests change them; set PNEUDRIVE_STATE to a folder")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_kept_is_read_again_and_no_other_text_is() {
+        let values = vec![(id::OPEN_LOOP, 0)];
+        let parameters = RigParameters::default();
+        let text = Borrowed { path: PathBuf::new(), values }.text(7, &parameters);
+        let left = Left::read(&text).expect("it is one");
+        assert_eq!((left.boot, &left.borrowed), (7, &vec![id::OPEN_LOOP]));
+        assert_eq!(left.all.len(), parameters.values.iter().count());
+        for damaged in
+            ["", "pneudrive-borrowed 2\nboot 1\n", "pneudrive-borrowed 1\nboot x\n", &text[..text.len() - 3]]
+        {
+            let read = Left::read(damaged);
+            assert!(read.is_none_or(|read| read.all.len() < left.all.len() || read != left), "{damaged}");
+        }
+    }
+
+    #[test]
+    fn it_is_for_a_drive_whose_other_parameters_are_the_same_but_for_a_learned_null() {
+        let parameters = RigParameters::default();
+        let left = Left { boot: 1, borrowed: vec![id::OPEN_LOOP], all: parameters.values.iter().collect() };
+        let with = |id, value| {
+            let mut other = RigParameters::default();
+            other.values.set(id, value).expect("in range");
+            other
+        };
+        assert!(left.is_of(&parameters));
+        assert!(left.is_of(&with(id::OPEN_LOOP, 1)) && left.is_of(&with(id::NULL_OFFSET_COUNTS, 5)));
+        assert!(!left.is_of(&with(id::PERIOD_US, 2000)), "somebody has set it since");
+    }
+
+    #[test]
+    fn each_port_has_a_file_of_its_own_and_leads_nowhere_else() {
+        assert_eq!(file_name("tcp://127.0.0.1:4000"), "tcp___127.0.0.1_4000.borrowed");
+        assert!(!file_name("pty:/dev/../x").contains('/'));
+    }
+}
