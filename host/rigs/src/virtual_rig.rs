@@ -14,6 +14,10 @@ mod leaving_tests;
 mod listener;
 mod reset;
 mod serving;
+#[cfg(test)]
+mod serving_tests;
+#[cfg(test)]
+mod test_line;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -228,6 +232,8 @@ pub struct VirtualRig {
     control: Box<Control>,
     board: VirtualBoard,
     watchdog: Watchdog,
+    /// When the port was polled last.
+    polled: Instant,
 }
 
 impl VirtualRig {
@@ -270,7 +276,7 @@ impl VirtualRig {
         }
         let mut board = VirtualBoard::new(rig, seed, pace, flash);
         let control = booted(&mut board, None)?;
-        Ok(VirtualRig { control, board, watchdog: Watchdog::default() })
+        Ok(VirtualRig { control, board, watchdog: Watchdog::default(), polled: Instant::now() })
     }
 
     /// Calls `tell` with the number of each run as it begins, from 1 on.

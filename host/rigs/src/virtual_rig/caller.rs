@@ -71,7 +71,7 @@ pub(super) struct Caller {
 /// How far a caller has come.
 enum Gate {
     /// It must show the token.
-    Waits(Token, Accumulator),
+    Waits(Token, Box<Accumulator>),
     /// It has shown a wrong one then, and is not heard any more.
     Shut(Instant),
     /// It is let in.
@@ -81,7 +81,7 @@ enum Gate {
 impl Caller {
     /// A caller that must first send the token, if there is one.
     pub(super) fn new(port: impl Stream + 'static, token: Option<Token>) -> Caller {
-        let gate = token.map_or(Gate::Open, |token| Gate::Waits(token, Accumulator::new()));
+        let gate = token.map_or(Gate::Open, |token| Gate::Waits(token, Box::new(Accumulator::new())));
         let (came, heard) = (Instant::now(), Instant::now());
         Caller { port: Box::new(port), server: Server::default(), gate, untaken: Vec::new(), came, heard }
     }

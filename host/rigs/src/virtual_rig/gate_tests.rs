@@ -1,49 +1,16 @@
 //! Callers without a token hold up nobody who has it.
 
-use std::collections::VecDeque;
-use std::io::{self, Read, Write};
-use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use pneudrive_protocol::{MAX_FRAME, Request, RequestBody, encode};
+use pneudrive_protocol::RequestBody;
 use pneudrive_sim::Rig;
 
 use super::caller::{Caller, PAUSE, Token};
 use super::gate::{GATE_WAIT, HURRY, MOST_AT_GATE, MOST_PROGRAMS, makes_room, send_away, shed};
+use super::test_line::Line;
 use super::{Pace, VirtualRig};
 
 const SECRET: &str = "correct horse battery staple";
-
-/// The rig's end of a line.
-#[derive(Clone, Default)]
-struct Line(Arc<Mutex<VecDeque<u8>>>);
-
-impl Line {
-    fn show(&self, token: &str) {
-        let mut frame = [0; MAX_FRAME];
-        let request = Request { sequence: 1, body: RequestBody::Token { token } };
-        self.0.lock().expect("one thread").extend(encode(&request, &mut frame).expect("fits"));
-    }
-}
-
-impl Read for Line {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        match self.0.lock().expect("one thread").read(buffer) {
-            Ok(0) => Err(io::ErrorKind::WouldBlock.into()),
-            count => count,
-        }
-    }
-}
-
-impl Write for Line {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
 
 fn caller() -> (Line, Caller) {
     let line = Line::default();
@@ -58,7 +25,7 @@ fn rig() -> VirtualRig {
 /// A caller that has shown the token.
 fn program(rig: &mut VirtualRig) -> Caller {
     let (line, caller) = caller();
-    line.show(SECRET);
+    line.ask(1, RequestBody::Token { token: SECRET });
     let mut one = vec![caller];
     rig.hear(&mut one);
     one.pop().filter(Caller::is_in).expect("it knows the token")
@@ -96,9 +63,9 @@ fn a_wrong_token_is_kept_waiting_and_then_sent_away_and_no_second_one_is_heard()
     let mut rig = rig();
     let (line, caller) = caller();
     let mut callers = vec![caller];
-    line.show("correct horse battery stapler");
+    line.ask(1, RequestBody::Token { token: "correct horse battery stapler" });
     rig.hear(&mut callers);
-    line.show(SECRET);
+    line.ask(1, RequestBody::Token { token: SECRET });
     rig.hear(&mut callers);
     assert!(callers.len() == 1 && !callers[0].is_in(), "it is not heard any more");
     std::thread::sleep(PAUSE);

@@ -60,6 +60,7 @@ impl VirtualRig {
             }
             served.is_ok()
         });
+        self.polled = Instant::now();
         heard
     }
 
@@ -73,8 +74,7 @@ impl VirtualRig {
     }
 
     /// Takes the samples that are due; whether any moved the plant.
-    fn catch_up(&mut self, callers: &mut [Caller]) -> Result<bool> {
-        let polled = Instant::now();
+    pub(super) fn catch_up(&mut self, callers: &mut [Caller]) -> Result<bool> {
         if self.board.pace.fast && callers.iter().any(|caller| caller.server.waits_for_host()) {
             return Ok(false);
         }
@@ -95,7 +95,7 @@ impl VirtualRig {
         let due = self.board.time_us <= now_us;
         // A few at a time: the port is polled in between, even if the computer is behind.
         for _ in 0..SAMPLES_AT_ONCE {
-            if self.board.time_us > now_us || polled.elapsed() > UNPOLLED {
+            if self.board.time_us > now_us || self.polled.elapsed() > UNPOLLED {
                 break;
             }
             self.tick(callers)?;
