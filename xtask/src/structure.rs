@@ -18,13 +18,14 @@ use anyhow::{Result, bail};
 use module::Modules;
 
 /// Crates whose modules are looked into: their folders.
-const CRATES: [&str; 20] = [
+const CRATES: [&str; 21] = [
     "shared/controller",
     "shared/protocol",
     "shared/protocol/model",
     "firmware/app",
     "sim/solver",
     "sim",
+    "host/tables",
     "host/records",
     "host/link",
     "host/rigs",

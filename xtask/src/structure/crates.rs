@@ -8,7 +8,11 @@ use toml_edit::{DocumentMut, Item};
 /// The crates, from the lowest layer up, with their folders. Those of one layer do not know each other.
 const LAYERS: [&[(&str, &str)]; 10] = [
     &[("pneudrive-controller", "shared/controller"), ("pneudrive-solver", "sim/solver")],
-    &[("pneudrive-protocol", "shared/protocol"), ("pneudrive-sim", "sim")],
+    &[
+        ("pneudrive-protocol", "shared/protocol"),
+        ("pneudrive-sim", "sim"),
+        ("pneudrive-tables", "host/tables"),
+    ],
     &[
         ("pneudrive-app", "firmware/app"),
         ("pneudrive-records", "host/records"),
