@@ -3,11 +3,13 @@
 //! ```toml
 //! [time]
 //! column = "t"          # or, where the log has no time: period = "1 ms"; an MCAP file has a time of its own
-//! unit = "ms"
+//! unit = "ms"           # times with a date need none
+//! gap = "5 ms"          # more between two samples is a gap; three mean steps if it is left out
 //!
 //! [position]            # also [setpoint] and [spool]
-//! column = "x"
+//! column = "x"          # or its number, from 1: column = 2
 //! unit = "mm"
+//! decimal = ","         # where its cells leave open what is decimal: "," or "."; also in [time]
 //! sign = -1             # 1 if it is left out
 //! offset = "125 mm"     # added behind the sign
 //!
@@ -25,6 +27,7 @@
 
 use anyhow::{Result, anyhow, bail};
 use pneudrive_sim::rig::read_quantity;
+use pneudrive_tables::{Column as Place, Sign};
 use toml_edit::{DocumentMut, Item, Table};
 
 /// The command of a fully open valve, counts.
@@ -35,6 +38,8 @@ const FULL: f64 = 2048.0;
 pub struct ColumnMap {
     /// When the samples were taken.
     pub time: Time,
+    /// More than this between two samples is a gap, s; None of three mean steps.
+    pub gap_s: Option<f64>,
     /// One column each; None of what the log does not have.
     pub channels: [Option<Column>; CHANNELS.len()],
 }
@@ -74,19 +79,34 @@ pub const SETPOINT: usize = 5;
 /// A column, and what turns its values into the channel's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// The name of the series.
-    pub series: String,
+    /// Which it is.
+    pub of: Source,
     /// Unit of the channel per unit of the column, with the sign.
     pub scale: f64,
     /// In the unit of the channel.
     pub offset: f64,
 }
 
+/// Where numbers are in a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The column of a table, or the field of a message.
+    pub column: Place,
+    /// Its decimal sign, where its cells leave it open.
+    pub decimal: Option<Sign>,
+}
+
+impl From<&str> for Source {
+    fn from(name: &str) -> Source {
+        Source { column: Place::from(name), decimal: None }
+    }
+}
+
 /// When the samples were taken.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Time {
-    /// A column, and s per unit of it.
-    Column(String, f64),
+    /// A column, and s per unit of it; None of times with a date.
+    Column(Source, Option<f64>),
     /// At this distance, s.
     Period(f64),
     /// As the file says.
@@ -118,11 +138,11 @@ impl ColumnMap {
                 bail!("needs a table [{}]: without it there is nothing to compare", CHANNELS[needed].name);
             }
         }
-        let time = match table(&document, "time")? {
+        let (time, gap_s) = match table(&document, "time")? {
             Some(table) => time(table).map_err(|problem| anyhow!("[time]: {problem:#}"))?,
-            None => Time::OfFile,
+            None => (Time::OfFile, None),
         };
-        Ok(ColumnMap { time, channels })
+        Ok(ColumnMap { time, gap_s, channels })
     }
 }
 
@@ -161,29 +181,60 @@ fn number(table: &Table, key: &str) -> Result<Option<f64>> {
     }
 }
 
-fn time(table: &Table) -> Result<Time> {
-    only(table, &["column", "unit", "period"])?;
-    match (text(table, "column")?, text(table, "period")?) {
-        (Some(column), None) => {
-            let unit = text(table, "unit")?.ok_or_else(|| anyhow!("needs a unit, such as \"ms\""))?;
-            Ok(Time::Column(column.to_owned(), worth(unit, "s")?.0))
+fn time(table: &Table) -> Result<(Time, Option<f64>)> {
+    only(table, &["column", "unit", "period", "decimal", "gap"])?;
+    let gap_s = text(table, "gap")?.map(|gap| duration(gap, "gap")).transpose()?;
+    let time = match (source(table)?, text(table, "period")?) {
+        (Some(source), None) => {
+            let seconds = |unit| worth(unit, "s").map(|(seconds, _)| seconds);
+            Time::Column(source, text(table, "unit")?.map(seconds).transpose()?)
         }
-        (None, Some(period)) => match quantity(period, "s", "period")? {
-            period if period > 0.0 => Ok(Time::Period(period)),
-            _ => bail!("period must be more than 0"),
-        },
+        (None, Some(period)) => Time::Period(duration(period, "period")?),
+        (None, None) if gap_s.is_some() => Time::OfFile,
         _ => bail!("needs either a column with its unit, or a period"),
+    };
+    Ok((time, gap_s))
+}
+
+fn duration(text: &str, key: &str) -> Result<f64> {
+    match quantity(text, "s", key)? {
+        duration if duration > 0.0 => Ok(duration),
+        _ => bail!("{key} must be more than 0"),
     }
+}
+
+/// The column that a table names; None if it names none.
+fn source(table: &Table) -> Result<Option<Source>> {
+    let decimal = match text(table, "decimal")? {
+        None => None,
+        Some(sign) => {
+            Some(Sign::named(sign).ok_or_else(|| anyhow!("decimal must be \".\" or \",\", is {sign:?}"))?)
+        }
+    };
+    let column = match table.get("column") {
+        None => return Ok(None),
+        Some(item) => {
+            match (item.as_str(), item.as_integer().and_then(|number| usize::try_from(number).ok())) {
+                (Some(name), _) => Place::from(name),
+                (None, Some(number)) => Place::Numbered(number),
+                (None, None) => bail!("column must be a name in quotes, or a number from 1"),
+            }
+        }
+    };
+    Ok(Some(Source { column, decimal }))
 }
 
 fn column(channel: &Channel, table: &Table, ambient_pa: f64) -> Result<Column> {
     let is_command = channel.unit == "counts";
-    let known: &[&str] =
-        if is_command { &["column", "unit", "null", "full"] } else { &["column", "unit", "sign", "offset"] };
+    let known: &[&str] = if is_command {
+        &["column", "unit", "decimal", "null", "full"]
+    } else {
+        &["column", "unit", "decimal", "sign", "offset"]
+    };
     only(table, known)?;
-    let series = text(table, "column")?.ok_or_else(|| anyhow!("needs a column"))?.to_owned();
+    let of = source(table)?.ok_or_else(|| anyhow!("needs a column"))?;
     let (scale, offset) = if is_command { command(table)? } else { physical(channel, table, ambient_pa)? };
-    Ok(Column { series, scale, offset })
+    Ok(Column { of, scale, offset })
 }
 
 fn physical(channel: &Channel, table: &Table, ambient_pa: f64) -> Result<(f64, f64)> {

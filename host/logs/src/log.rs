@@ -1,12 +1,14 @@
 //! A log of another recorder: series of numbers over time.
 
-mod csv;
 mod mcap;
 
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_tables::{Column, Table};
+
+use crate::column_map::Source;
 
 /// The numbers of one column, or of one field of a message.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,13 +21,15 @@ pub struct Series {
     pub values: Vec<f64>,
 }
 
-/// The series of a file.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// A log: the series of an MCAP file, or a table.
+#[derive(Clone, Debug, Default)]
 pub struct Log {
     /// The name of the file.
     pub name: String,
-    /// In the order of the file.
+    /// In the order of the file; none of a table.
     pub series: Vec<Series>,
+    /// None of an MCAP file.
+    pub table: Option<Table>,
 }
 
 impl Log {
@@ -35,29 +39,82 @@ impl Log {
     /// When it cannot be read, or is neither.
     pub fn read(path: &Path) -> Result<Log> {
         let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let series = Log::series_of(&bytes).with_context(|| path.display().to_string())?;
-        Ok(Log { name, series })
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        Log::of_bytes(&name, &bytes).with_context(|| path.display().to_string())
     }
 
-    fn series_of(bytes: &[u8]) -> Result<Vec<Series>> {
-        if bytes.starts_with(::mcap::MAGIC) {
-            return mcap::read(bytes);
-        }
-        let text = std::str::from_utf8(bytes)
-            .map_err(|_| anyhow!("it is neither an MCAP file nor text; export it as CSV or MCAP"))?;
-        csv::read(text)
-    }
-
-    /// A series by its name.
+    /// The log in the bytes of a file.
     ///
     /// # Errors
-    /// When there is none, with the names that there are.
-    pub fn get(&self, name: &str) -> Result<&Series> {
-        self.series.iter().find(|series| series.name == name).ok_or_else(|| {
-            let names: Vec<&str> = self.series.iter().map(|series| &*series.name).collect();
-            anyhow!("{} has no column {name:?}; it has {}", self.name, names.join(", "))
-        })
+    /// When it is neither CSV nor MCAP.
+    pub fn of_bytes(name: &str, bytes: &[u8]) -> Result<Log> {
+        let is_mcap = bytes.starts_with(&::mcap::MAGIC[..5]);
+        let table = if is_mcap { None } else { Some(Table::read(bytes)?) };
+        let series = if is_mcap { mcap::read(bytes)? } else { Vec::new() };
+        Ok(Log { name: name.to_owned(), series, table })
+    }
+
+    /// The numbers of a column, or of a field of a message.
+    ///
+    /// # Errors
+    /// When there is none of that name or more than one, with the names that there are, or when its decimal sign stays open.
+    pub fn get(&self, of: &Source) -> Result<Series> {
+        let Some(table) = &self.table else { return self.field(&of.column).cloned() };
+        let place = table.place(&of.column).with_context(|| self.name.clone())?;
+        let values = table.numbers(place, of.decimal).with_context(|| self.name.clone())?;
+        Ok(Series { name: of.column.to_string(), clock_s: None, values })
+    }
+
+    fn field(&self, column: &Column) -> Result<&Series> {
+        let is_meant = |(place, series): &(usize, &Series)| match column {
+            Column::Named(name) => series.name == *name,
+            Column::Numbered(number) => place + 1 == *number,
+        };
+        let found: Vec<(usize, &Series)> = self.series.iter().enumerate().filter(is_meant).collect();
+        match found[..] {
+            [(_, series)] => Ok(series),
+            [] => {
+                let names: Vec<&str> = self.series.iter().map(|series| &*series.name).collect();
+                bail!("{} has no column {column}; it has {}", self.name, names.join(", "))
+            }
+            _ => {
+                let numbers: Vec<String> = found.iter().map(|(place, _)| (place + 1).to_string()).collect();
+                bail!(
+                    "{} has {column} {} times, as the columns {}; take one by its number",
+                    self.name,
+                    found.len(),
+                    numbers.join(", ")
+                )
+            }
+        }
+    }
+
+    /// The times of a column of times with a date, s from its first; None of another column.
+    ///
+    /// # Errors
+    /// When there is none of that name or more than one, or a cell is no time.
+    pub fn times(&self, of: &Source) -> Result<Option<Vec<f64>>> {
+        let Some(table) = &self.table else { return Ok(None) };
+        let times = table.place(&of.column).and_then(|place| table.times(place));
+        times.with_context(|| self.name.clone())
+    }
+
+    /// Where the value of a row stands, for messages: line and column of a table.
+    #[must_use]
+    pub fn at(&self, column: &Column, row: usize) -> String {
+        match self.table.as_ref().and_then(|table| Some((table, table.place(column).ok()?))) {
+            Some((table, place)) => table.at(row, place),
+            None => format!("message {} of {column}", row + 1),
+        }
+    }
+
+    /// The refusal of a value that is no number.
+    #[must_use]
+    pub fn no_number(&self, column: &Column, row: usize) -> anyhow::Error {
+        match self.table.as_ref().and_then(|table| Some((table, table.place(column).ok()?))) {
+            Some((table, place)) => table.no_number(row, place).into(),
+            None => anyhow!("{} is not a number; fill it, or leave such messages out", self.at(column, row)),
+        }
     }
 }
 

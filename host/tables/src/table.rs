@@ -57,6 +57,20 @@ impl Table {
         reading::table(&crate::text::decoded(bytes)?)
     }
 
+    /// The table in the bytes of a file none of whose lines is cut.
+    ///
+    /// # Errors
+    /// As [`Table::read`], and when the last line ends in the middle.
+    pub fn read_whole(bytes: impl AsRef<[u8]>) -> Result<Table, Problem> {
+        let table = Table::read(bytes.as_ref())?;
+        match table.notes.first() {
+            Some(_) => Err(Problem::new(
+                "its last line ends in the middle, without a line break: complete it, or take it out",
+            )),
+            None => Ok(table),
+        }
+    }
+
     /// The table in a text.
     ///
     /// # Errors
@@ -164,6 +178,27 @@ impl Table {
                 )))
             }
         }
+    }
+
+    /// The place of the first of these columns that there is, and what its unit is worth; None if there is none.
+    ///
+    /// # Errors
+    /// When one of them is there twice, or more than one of them is.
+    pub fn find_first(&self, units: &[(&str, f64)]) -> Result<Option<(usize, f64)>, Problem> {
+        let mut found: Option<(usize, f64)> = None;
+        for (name, unit) in units {
+            let Some(place) = self.find(&[name])? else { continue };
+            if let Some((before, _)) = found {
+                return Err(Problem::new(format!(
+                    "line {}: {} and {} say the same; leave one out",
+                    self.head_line,
+                    self.label(before),
+                    self.label(place)
+                )));
+            }
+            found = Some((place, *unit));
+        }
+        Ok(found)
     }
 
     fn listed(&self) -> String {

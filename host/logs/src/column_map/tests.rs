@@ -46,8 +46,21 @@ fn values_become_those_of_the_channels_by_unit_sign_offset_and_range() {
     about(value(COMMAND, 5.0), 0.0);
     about(value(COMMAND, 0.0), -2048.0);
     about(value(COMMAND, 7.5), 1024.0);
-    assert_eq!(map(MAP).expect("a map").time, Time::Column("t".to_owned(), 1e-3));
+    let t = Source { column: "t".into(), decimal: None };
+    assert_eq!(map(MAP).expect("a map").time, Time::Column(t, Some(1e-3)));
     assert_eq!(map(MAP).expect("a map").channels[SPOOL], None);
+}
+
+#[test]
+fn a_column_is_named_or_numbered_with_its_decimal_sign_and_a_gap_has_a_limit() {
+    let map = map(&MAP
+        .replace("column = \"x\"", "column = 3\ndecimal = \",\"")
+        .replace("unit = \"ms\"", "gap = \"5 ms\""))
+    .expect("a map");
+    let of = map.channels[POSITION].clone().expect("a column").of;
+    assert_eq!(of, Source { column: Place::Numbered(3), decimal: Some(Sign::Comma) });
+    assert_eq!(map.gap_s, Some(5e-3));
+    assert!(matches!(map.time, Time::Column(_, None)), "times with a date have no unit");
 }
 
 #[test]
@@ -68,13 +81,21 @@ fn what_is_wrong_is_named_with_its_table() {
         ("unit = \"mm\"", "", "[position]: needs a unit, such as \"mm\""),
         ("unit = \"mm\"", "unit = \"kg\"", "[position]: unit: kg is not a unit of the same quantity as m"),
         ("sign = -1", "sign = 2", "[position]: sign must be 1 or -1, is 2"),
-        ("sign = -1", "sing = -1", "[position]: sing is not known; there are column, unit, sign, offset"),
+        (
+            "sign = -1",
+            "sing = -1",
+            "[position]: sing is not known; there are column, unit, decimal, sign, offset",
+        ),
         ("\"125 mm\"", "125", "[position]: offset must be a text in quotes"),
         (
             "unit = \"bar(g)\"",
             "unit = \"bar(g)\"\noffset = \"1 bar(g)\"",
             "[pressure_1]: offset: a difference is neither gauge",
         ),
+        ("column = \"x\"", "column = 1.5", "[position]: column must be a name in quotes, or a number from 1"),
+        ("column = \"x\"", "column = -1", "[position]: column must be a name in quotes, or a number from 1"),
+        ("sign = -1", "decimal = \";\"", "[position]: decimal must be \".\" or \",\", is \";\""),
+        ("unit = \"ms\"", "unit = \"ms\"\ngap = \"0 ms\"", "[time]: gap must be more than 0"),
         ("full = 10", "", "[command]: needs either unit = \"counts\" or \"%\", or null and full"),
         ("full = 10", "full = 5", "[command]: needs either"),
         ("column = \"u\"", "", "[command]: needs a column"),

@@ -63,7 +63,7 @@ fn an_mcap_file_describes_its_messages_and_reads_back_in_every_bit() {
     let path = folder.path().join("x.mcap");
     std::fs::write(&path, bytes).expect("written");
     let log = Log::read(&path).expect("a log");
-    let series = |name: &str| log.get(name).expect("a series").clone();
+    let series = |name: &str| log.get(&name.into()).expect("a series");
     assert_eq!(bits(&series("/drive.time_s").values), bits(&signals.time_s));
     assert_eq!(bits(&series("/drive.position_m").values), bits(&signals.signals[0].values));
     let spool = series("/drive.spool_mm").values;

@@ -1,6 +1,6 @@
 //! Channels on one clock as the integers of a record.
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Parameters;
 use pneudrive_controller::parameters::{id, lookup};
 use pneudrive_protocol::RecordedSample;
@@ -32,8 +32,8 @@ pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
         first_index: 0,
         decimation: 1,
         pre_trigger: 0,
-        measured_period_ns: (1e9 * table.period_s).round() as u32,
-        mean_spool_raw: spool.round() as i16,
+        measured_period_ns: whole(1e9 * table.period_s).context("the period, ns")?,
+        mean_spool_raw: whole(spool).context("the spool")?,
         crc32: 0,
     };
     let info = Info {
@@ -45,6 +45,9 @@ pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
     };
     let parameters = RigParameters { values: parameters, lacking: Vec::new() };
     let mut file = TargetFile::new(&Record { head, samples }, &info, &parameters)?;
+    for ((index, _), of_log) in file.samples.iter_mut().zip(&table.indices) {
+        *index = *of_log;
+    }
     let unknown: Vec<&str> = (0..CHANNELS.len())
         .filter(|&channel| table.channels[channel].is_none())
         .map(|channel| CHANNELS[channel].name)
@@ -56,13 +59,21 @@ pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
         file.header.insert(2, (UNKNOWN.to_owned(), unknown.join(",")));
     }
     file.seal();
-    Ok(Imported { file, remarks: remarks(table, &converters, rig.get(&keys::controller::DELAY_S), &unknown) })
+    let remarks = remarks(table, &converters, rig.get(&keys::controller::DELAY_S), &unknown);
+    let hidden = hidden_setpoints(&file).into_iter();
+    Ok(Imported {
+        remarks: remarks.into_iter().chain(missing(&file, table.period_s)).chain(hidden).collect(),
+        file,
+    })
 }
 
 /// The rig's parameters at the log's period; without setpoints those of an open loop.
 fn parameters(rig: &Rig, table: &Table) -> Result<Parameters> {
     let mut parameters = rig.parameters();
-    let period_us = (1e6 * table.period_s).round() as i32;
+    let period_us: i32 =
+        whole(1e6 * table.period_s).filter(|period_us| *period_us > 0).with_context(|| {
+            format!("the log has a sample every {:e} s; check the unit of its time", table.period_s)
+        })?;
     let delay_us = parameters.get(id::DELAY_US).unwrap_or(0);
     if delay_us >= period_us {
         bail!(
@@ -82,6 +93,8 @@ fn parameters(rig: &Rig, table: &Table) -> Result<Parameters> {
 /// The rig's sensors.
 struct Converters {
     mm_per_count: f64,
+    /// mm.
+    stroke: f64,
     pressure: Converter,
     spool: Converter,
 }
@@ -99,6 +112,7 @@ impl Converters {
         let codes = f64::from((1u32 << parameters.get(id::SENSOR_BITS).unwrap_or(12)) - 1);
         Converters {
             mm_per_count: mm_per_count(rig),
+            stroke: 1e3 * rig.get(&keys::actuator::STROKE_M),
             pressure: Converter { least: get(id::PRESSURE_MIN_PA), most: get(id::PRESSURE_MAX_PA), codes },
             spool: Converter {
                 least: get(id::SPOOL_MIN_NM) * 1e-6,
@@ -116,7 +130,8 @@ impl Converter {
 
     /// None outside its range.
     fn code(&self, value: f64) -> Option<i16> {
-        (self.least..=self.most).contains(&value).then(|| ((value - self.least) / self.step()).round() as i16)
+        let code = || whole((value - self.least) / self.step());
+        if (self.least..=self.most).contains(&value) { code() } else { None }
     }
 }
 
@@ -132,43 +147,115 @@ fn sample(table: &Table, converters: &Converters, row: usize) -> Result<Recorded
         None => Ok(0),
         Some(value) => converter.code(value).ok_or_else(|| {
             anyhow!(
-                "{} is {} in sample {row}, outside the range of the rig's sensor, {} to {}; check unit and sign, or give the rig the sensor that was used",
+                "{} is {} in sample {}, outside the range of the rig's sensor, {} to {}; check unit and sign, or give the rig the sensor that was used",
                 CHANNELS[channel].name,
                 show(value),
+                table.indices[row],
                 show(converter.least),
                 show(converter.most)
             )
         }),
     }
     };
-    let counts =
-        |channel: usize| value(channel).map(|metres| encoder_count(1e3 * metres / converters.mm_per_count));
-    let position = counts(POSITION).unwrap_or(0);
-    let setpoint = counts(SETPOINT).unwrap_or(position);
+    let counts = |channel: usize| {
+        value(channel).map(|metres| converters.count(channel, metres, table.indices[row])).transpose()
+    };
+    let position = counts(POSITION)?.unwrap_or(0);
+    let setpoint = counts(SETPOINT)?.unwrap_or(position);
     Ok(RecordedSample {
         position,
         pressure_1: code(PRESSURES[0], &converters.pressure, kilopascals)?,
         pressure_2: code(PRESSURES[1], &converters.pressure, kilopascals)?,
-        command: command(value(COMMAND).unwrap_or(0.0), row)?,
-        error: setpoint.saturating_sub(position).clamp(i16::MIN.into(), i16::MAX.into()) as i16,
+        command: command(value(COMMAND).unwrap_or(0.0), table.indices[row])?,
+        error: error(setpoint - position),
         spool: code(SPOOL, &converters.spool, millimetres)?,
     })
 }
 
-/// The count of a position in counts. One that was itself counted stands on an edge, and may have lost its last digit.
-fn encoder_count(position: f64) -> i32 {
-    const LAST_DIGITS: f64 = 1e-6;
-    (position + LAST_DIGITS).floor() as i32
+impl Converters {
+    /// The count of a position or setpoint, m.
+    ///
+    /// # Errors
+    /// When it is so far outside the stroke that no stop yields as much.
+    fn count(&self, channel: usize, metres: f64, sample: i32) -> Result<i32> {
+        let (mm, beyond) = (1e3 * metres, BEYOND * self.stroke);
+        let count = if (-beyond..=self.stroke + beyond).contains(&mm) {
+            encoder_count(mm / self.mm_per_count)
+        } else {
+            None
+        };
+        count.with_context(|| {
+            format!(
+                "{} is {mm:.3} mm in sample {sample}, outside the stroke of the rig, 0 to {} mm; check unit, sign and offset: 0 is where the piston is fully retracted",
+                CHANNELS[channel].name, self.stroke
+            )
+        })
+    }
 }
 
-fn command(counts: f64, row: usize) -> Result<i16> {
+/// How far beyond its ends a position may be, parts of the stroke: stops yield, and an encoder is not set to the last count.
+const BEYOND: f64 = 0.02;
+
+/// A number rounded to a whole one; None of one that the type does not hold.
+fn whole<T: TryFrom<i64>>(number: f64) -> Option<T> {
+    const MOST: f64 = 9e15;
+    let number = Some(number.round()).filter(|number| number.abs() < MOST)?;
+    T::try_from(number as i64).ok()
+}
+
+/// The count of a position in counts. One that was itself counted stands on an edge, and may have lost its last digit.
+fn encoder_count(position: f64) -> Option<i32> {
+    const LAST_DIGITS: f64 = 1e-6;
+    whole((position + LAST_DIGITS).floor())
+}
+
+/// The error as a controller records it: at the limits of its 16 bits it does not tell the setpoint.
+fn error(counts: i32) -> i16 {
+    i16::try_from(counts).unwrap_or(if counts > 0 { i16::MAX } else { i16::MIN })
+}
+
+/// The remark on setpoints that a record cannot hold.
+fn hidden_setpoints(file: &TargetFile) -> Option<String> {
+    let is_hidden = |(_, sample): &&(i32, RecordedSample)| matches!(sample.error, i16::MAX | i16::MIN);
+    let samples = file.samples.iter().filter(is_hidden).count();
+    (samples > 0).then(|| {
+        format!("In {samples} samples the setpoint is more than {} counts from the position: a record does not hold it there, and shows the one of the next sample that does.", i16::MAX)
+    })
+}
+
+/// The remark on gaps, with the first ones.
+fn missing(file: &TargetFile, period_s: f64) -> Option<String> {
+    const SHOWN: usize = 3;
+    let gaps: Vec<[i32; 2]> = file
+        .samples
+        .windows(2)
+        .map(|pair| [pair[0].0, pair[1].0])
+        .filter(|[before, after]| after - before > 1)
+        .collect();
+    let samples: i64 = gaps.iter().map(|[before, after]| i64::from(after - before) - 1).sum();
+    let place = |[before, after]: &[i32; 2]| {
+        let [from, to] = [before, after].map(|index| f64::from(*index) * period_s);
+        format!("{from:.4} to {to:.4} s")
+    };
+    let places: Vec<String> = gaps.iter().take(SHOWN).map(place).collect();
+    let more = if gaps.len() > SHOWN { format!(" and {} more", gaps.len() - SHOWN) } else { String::new() };
+    (!gaps.is_empty()).then(|| {
+        format!(
+            "GAPS: {samples} samples are missing, {}{more}. They are gaps of the record, and no figure over them is decidable. If the recorder holds its values that long, set a longer gap in [time] of the map.",
+            places.join(", ")
+        )
+    })
+}
+
+fn command(counts: f64, sample: i32) -> Result<i16> {
     let [least, most] = COMMANDS;
-    match counts.round() {
-        counts if (least..=most).contains(&counts) => Ok(counts as i16),
-        counts => bail!(
-            "command is {counts} counts in sample {row}, beyond a fully open valve ({least} to {most}); check unit, null and full"
-        ),
-    }
+    let rounded = counts.round();
+    let command = if (least..=most).contains(&rounded) { whole(rounded) } else { None };
+    command.with_context(|| {
+        format!(
+            "command is {rounded} counts in sample {sample}, beyond a fully open valve ({least} to {most}); check unit, null and full"
+        )
+    })
 }
 
 fn kilopascals(pascals: f64) -> String {

@@ -49,7 +49,7 @@ fn log(rig: &Rig) -> (StoredRun, Log) {
     signals.push(Signal { name: "setpoint_m".to_owned(), values: setpoint });
     signals.push(Signal { name: "time_s".to_owned(), values: time_s });
     let series = |signal: Signal| Series { name: signal.name, clock_s: None, values: signal.values };
-    (run, Log { name: "log.csv".to_owned(), series: signals.into_iter().map(series).collect() })
+    (run, Log { name: "log.csv".to_owned(), series: signals.into_iter().map(series).collect(), table: None })
 }
 
 fn map(text: &str) -> ColumnMap {
@@ -117,6 +117,7 @@ fn an_uneven_log_is_sampled_again_on_straight_lines_and_commands_hold() {
             series("x", &[0.0, 10.0, 40.0]),
             series("u", &[100.0, 200.0, 300.0]),
         ],
+        table: None,
     };
     let map = map(
         "[time]\ncolumn = \"t\"\nunit = \"ms\"\n[position]\ncolumn = \"x\"\nunit = \"mm\"\n[command]\ncolumn = \"u\"\nunit = \"counts\"\n",
@@ -149,6 +150,7 @@ fn each_topic_of_an_mcap_file_has_its_own_clock() {
             series("/a.x", &[0.0, 0.01], &[0.0, 0.1]),
             series("/b.u", &[0.0005, 0.0045, 0.02], &[1.0, 2.0, 3.0]),
         ],
+        table: None,
     };
     let map =
         map("[position]\ncolumn = \"/a.x\"\nunit = \"m\"\n[command]\ncolumn = \"/b.u\"\nunit = \"counts\"\n");
@@ -188,8 +190,11 @@ fn what_does_not_fit_is_named_with_its_place_and_what_to_do() {
     assert!(problem(&log, "", "", Some(1e-4)).contains("controller.delay_s"));
     let mut holed = log.clone();
     holed.series.iter_mut().for_each(|series| series.values[7] = f64::NAN);
-    assert!(problem(&holed, "", "", None).contains("row 8 of \"position_m\" is not a number"));
+    assert!(problem(&holed, "", "", None).contains("message 8 of \"position_m\" is not a number"));
     let mut back = log.clone();
     back.series.iter_mut().filter(|series| series.name == "time_s").for_each(|series| series.values[7] = 0.0);
-    assert!(problem(&back, "", "", None).contains("the time does not grow from row 7 to row 8"));
+    assert!(
+        problem(&back, "", "", None)
+            .contains("message 8 of \"time_s\": its time, 0 s, is not after that of the row before")
+    );
 }
