@@ -25,8 +25,8 @@ impl StatedFlow {
     /// # Errors
     /// What is wrong with it, and what would be right.
     pub fn read(text: &str) -> Result<StatedFlow, String> {
-        let (flow, conditions) = match text.split_once(',') {
-            Some((flow, conditions)) => (flow, Some(conditions.trim())),
+        let (flow, conditions) = match separating_comma(text) {
+            Some(place) => (&text[..place], Some(text[place + 1..].trim())),
             None => (text, None),
         };
         let flow = read_quantity(flow, "m3/s")?.value;
@@ -40,17 +40,26 @@ impl StatedFlow {
     }
 }
 
+/// The comma behind the flow: one between two digits is a decimal sign.
+fn separating_comma(text: &str) -> Option<usize> {
+    let is_digit = |letter: Option<char>| letter.is_some_and(|letter| letter.is_ascii_digit());
+    let between = |place: usize| {
+        is_digit(text[..place].chars().next_back()) && is_digit(text[place + 1..].chars().next())
+    };
+    text.match_indices(',').map(|(place, _)| place).find(|&place| !between(place))
+}
+
 /// Absolute pressures of "6 to 5 bar(g)", Pa.
 fn pressures(text: &str) -> Result<[f64; 2], String> {
     let form = || format!("\"{text}\": the pressures are said as in \"350 l/min, 6 to 5 bar(g)\"");
     let (up, down) = text.split_once(" to ").ok_or_else(form)?;
-    let unit = down.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.' || c == ' ');
-    if !["(g)", "(a)", "barg", "bara"].iter().any(|ending| unit.ends_with(ending)) {
-        return Err(format!("\"{text}\" may be gauge or absolute: write {unit}(g) or {unit}(a)"));
-    }
+    let unit = down.trim_start_matches(|c: char| c.is_ascii_digit() || "., ".contains(c));
     let absolute = |text: &str| {
         let reading = read_quantity(text, "Pa").map_err(|_| form())?;
-        Ok::<f64, String>(if reading.gauge { reading.value + REFERENCE } else { reading.value })
+        if !reading.says_from_where {
+            return Err(format!("\"{text}\" may be gauge or absolute: write {unit}(g) or {unit}(a)"));
+        }
+        Ok(if reading.gauge { reading.value + REFERENCE } else { reading.value })
     };
     let ends = [absolute(&format!("{} {unit}", up.trim()))?, absolute(down)?];
     if ends[0] > ends[1] && ends[1] >= 0.0 {
@@ -71,6 +80,11 @@ mod tests {
         assert_eq!(nominal.pressures, Some([7e5, 6e5]));
         assert_eq!(read("350 l/min").pressures, None);
         assert_eq!(read("350 l/min, 7 to 6 bar(a)").pressures, Some([7e5, 6e5]));
+        assert_eq!(
+            read("350 l/min (ANR), 87 to 72.5 psig").pressures.map(|ends| ends[0].round()),
+            Some(699_844.0)
+        );
+        assert_eq!(read("0,5 l/min,6,5 to 5,5 bar(g)").pressures, Some([7.5e5, 6.5e5]));
         assert!((nominal.conductance(0.3).sonic - read("350 l/min").conductance(0.3).sonic).abs() < 1e-22);
         // Free flow is choked: C = Q/p1, 420/60 l/s / 7 bar.
         let free = read("420 l/min, 6 to 0 bar(g)").conductance(0.3);
@@ -83,6 +97,7 @@ mod tests {
             ("350", "needs a unit"),
             ("350 l/min, 6 bar", "as in \"350 l/min, 6 to 5 bar(g)\""),
             ("350 l/min, 6 to 5 bar", "may be gauge or absolute"),
+            ("350 l/min, 0.6 to 0.5 MPa", "write MPa(g) or MPa(a)"),
             ("350 l/min, 5 to 6 bar(g)", "falls from the first to the second"),
         ] {
             let message = StatedFlow::read(text).expect_err("refused");

@@ -138,7 +138,7 @@ impl Answers {
         let refuse = |message| Refusal::new(question.name, message);
         if question.name == FLOW {
             let flow = StatedFlow::read(text).map_err(refuse)?.flow;
-            return Ok(Some(Reading { value: flow, gauge: false }));
+            return Ok(Some(Reading::plain(flow)));
         }
         read_quantity(text, question.unit).map(Some).map_err(refuse)
     }

@@ -7,6 +7,7 @@ use toml_edit::{ArrayOfTables, Item, Table, TableLike};
 use super::names::{did_you_mean, key_of_stem, unknown_key};
 use super::origin::{Stated, stated};
 use super::problem::Problem;
+use super::quantity;
 use super::table::{all_keys, find_key};
 use super::toml_file::TomlFile;
 use super::value::{end_of, is_gauge, item_of, value_of, with_unit};
@@ -106,7 +107,11 @@ impl<'a> Reader<'a> {
     fn item(&mut self, rig: &mut Rig, path: &str, line: Option<usize>, item: &Item) {
         let by_stem = || key_of_stem(path).filter(|_| item.is_str() || item.is_inline_table());
         let Some(key) = find_key(path).or_else(by_stem) else {
-            self.file.problem(line, path, unknown_key(path));
+            let number = item.as_float().or_else(|| item.as_integer().map(|number| number as f64));
+            let likely = number.and_then(|number| {
+                Some(format!(": {:?}?", quantity::likely(number, key_of_stem(path)?.unit())))
+            });
+            self.file.problem(line, path, unknown_key(path) + &likely.unwrap_or_default());
             return;
         };
         let former = self.lines.insert(key.path, line);

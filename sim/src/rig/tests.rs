@@ -58,7 +58,7 @@ fn a_wrong_unit_is_named_with_the_right_one() {
     );
     assert_eq!(
         only_problem("[supply]\npressure = 589000\n"),
-        "rig.toml:2: supply.pressure: there is no such key; with its unit it is pressure_pa (in Pa); or write the unit with the number, in quotes"
+        "rig.toml:2: supply.pressure: there is no such key; with its unit it is pressure_pa (in Pa); or write the unit with the number, in quotes: \"589000 Pa(a)\"?"
     );
     assert_eq!(
         only_problem("[supply]\npressure_pa = \"5.9 bar\"\n"),

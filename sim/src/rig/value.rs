@@ -8,9 +8,13 @@ use super::table::preset_value;
 use crate::key::{Key, Kind, Preset, unit as stem};
 use crate::values::Value;
 
-/// A value as it is typed. A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes.
+/// A value as it is typed. A bare word is a text: --set valve.model=flow-node needs no quotes inside quotes. Numbers may be
+/// written as TOML does not have them: .5, 5., 08.
 pub(super) fn item_of(text: &str) -> Item {
-    Item::Value(text.parse().unwrap_or_else(|_| text.into()))
+    let is_number = text.starts_with(|first: char| first.is_ascii_digit() || "+-.".contains(first));
+    let number = || text.parse::<f64>().ok().filter(|number| is_number && number.is_finite());
+    let value = text.parse().ok().or_else(|| number().map(Into::into));
+    Item::Value(value.unwrap_or_else(|| text.into()))
 }
 
 /// An item as its key takes it: where the path leaves the unit out, the text gives it with the number. A gauge pressure

@@ -30,7 +30,7 @@ pub(super) fn supply(answers: &Answers) -> Result<Number, Refusal> {
     };
     let text = answers.text("supply").unwrap_or_default();
     let refuse = |message: String| Refusal::new("supply", message);
-    if !reading.gauge && !text.ends_with('a') && !text.contains("(a") {
+    if !reading.says_from_where {
         return Err(refuse(format!(
             "\"{text}\" may be gauge or absolute: write \"{text}(g)\" or \"{text}(a)\""
         ))

@@ -143,10 +143,14 @@ fn a_supply_is_gauge_or_absolute_and_says_which() {
     let supply = |text: &'static str| rig(&with(&[("supply", text)])).get(&keys::supply::PRESSURE_PA);
     assert_eq!(supply("6 bar(g)"), 701_325.0);
     assert_eq!(supply("7 bar(a)"), 700_000.0);
-    assert_eq!(
-        refusal(&with(&[("supply", "6 bar")])),
-        "--supply: \"6 bar\" may be gauge or absolute: write \"6 bar(g)\" or \"6 bar(a)\""
-    );
+    for text in ["6 bar", "0.6 MPa", "600 kPa", "600000 Pa", "87 psi", "0,6 MPa"] {
+        let told =
+            format!("--supply: \"{text}\" may be gauge or absolute: write \"{text}(g)\" or \"{text}(a)\"");
+        assert_eq!(refusal(&with(&[("supply", text)])), told);
+    }
+    assert_eq!(supply("7 bara"), 700_000.0);
+    assert_eq!(supply("600000 Pa(a)"), 600_000.0);
+    assert_eq!(supply("0.6 MPa(g)"), 701_325.0);
 }
 
 #[test]
