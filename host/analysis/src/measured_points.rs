@@ -1,6 +1,7 @@
 //! Measured points beside a computed curve: how far they are from it, and whether their own spread explains that.
 
 use anyhow::{Context, Result, bail};
+use pneudrive_tables::Table;
 
 /// Name of the column with the standard deviation of a point.
 const SPREAD: &str = "spread";
@@ -32,41 +33,27 @@ pub struct Deviation {
 }
 
 impl Points {
-    /// Of a table as text: CSV with a header that has the names of both columns, and perhaps `spread`.
+    /// Of a table with a head that has the names of both columns, and perhaps `spread`.
     ///
     /// # Errors
     /// When it is no such table, with the line.
-    pub fn of_table(csv: &str, names: [&str; 2]) -> Result<Points> {
-        let mut lines = (1..).zip(csv.lines()).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-        let (_, header) = lines.next().context("it is empty")?;
-        let columns: Vec<&str> = header.split(',').map(str::trim).collect();
-        let place = |name: &str| columns.iter().position(|column| *column == name);
-        let [Some(across), Some(value)] = names.map(place) else {
+    pub fn of_table(bytes: impl AsRef<[u8]>, names: [&str; 2]) -> Result<Points> {
+        let table = Table::read_whole(bytes)?;
+        let [Some(across), Some(value)] = [table.find(&names[..1])?, table.find(&names[1..])?] else {
             bail!(
-                "line 1: expected a header with {}, {} and perhaps {SPREAD}; found {header:?}",
+                "line {}: expected a header with {}, {} and perhaps {SPREAD}; found {}",
+                table.head_line(),
                 names[0],
-                names[1]
+                names[1],
+                table.names().join(", ")
             );
         };
-        let spread = place(SPREAD);
-        let mut points = Points { x: Vec::new(), y: Vec::new(), spread: spread.map(|_| Vec::new()) };
-        for (n, line) in lines {
-            let cells: Vec<Option<f64>> = line.split(',').map(|cell| cell.trim().parse().ok()).collect();
-            let number = |i: usize| {
-                let number = cells.get(i).copied().flatten().filter(|number| number.is_finite());
-                number.with_context(|| format!("line {n}: expected numbers, found {line:?}"))
-            };
-            points.x.push(number(across)?);
-            points.y.push(number(value)?);
-            if let (Some(place), Some(spreads)) = (spread, &mut points.spread) {
-                let spread = number(place)?;
-                if spread < 0.0 {
-                    bail!("line {n}: a spread of {spread} is none");
-                }
-                spreads.push(spread);
-            }
+        let spread = table.find(&[SPREAD])?.map(|place| table.all_numbers(place)).transpose()?;
+        let below = spread.as_ref().and_then(|spread| spread.iter().position(|spread| *spread < 0.0));
+        if let (Some(row), Some(spread)) = (below, &spread) {
+            bail!("line {}: a spread of {} is none", table.line(row), spread[row]);
         }
-        if points.x.is_empty() { bail!("it has no points") } else { Ok(points) }
+        Ok(Points { x: table.all_numbers(across)?, y: table.all_numbers(value)?, spread })
     }
 
     /// How far they are from a curve in rising order of x, straight between its points. Points beyond its ends are left out.
@@ -126,7 +113,7 @@ mod tests {
             ("command,flow\n1,2\n", "command_percent, flow_l_min"),
             ("command_percent,flow_l_min\n1,x\n", "line 2"),
             ("command_percent,flow_l_min,spread\n1,2,-1\n", "spread of -1"),
-            ("command_percent,flow_l_min\n", "no points"),
+            ("command_percent,flow_l_min\n", "no line of numbers"),
         ] {
             let message = format!("{:#}", Points::of_table(csv, NAMES).expect_err("refused"));
             assert!(message.contains(says), "{csv:?}: {message}");

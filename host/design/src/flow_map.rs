@@ -1,5 +1,7 @@
-//! A valve's measured map from a table: CSV with `spool_percent` (or `command_percent`), `upstream_kpa` and `downstream_kpa`, both
+//! A valve's measured map from a table with `spool_percent` (or `command_percent`), `upstream_kpa` and `downstream_kpa`, both
 //! absolute, `flow_l_min` (ANR), and perhaps `spread_l_min`, the standard deviation of the flow.
+
+use pneudrive_tables::{Problem, Table};
 
 /// A measured flow: spool (% of its travel), pressures in front and behind (kPa, absolute), flow and its standard deviation (l/min).
 pub type Row = [f64; 5];
@@ -13,32 +15,29 @@ const SPREAD: &str = "spread_l_min";
 ///
 /// # Errors
 /// When it is no such table, with the line.
-pub fn rows(csv: &str) -> Result<Vec<Row>, String> {
-    let mut lines = (1..).zip(csv.lines()).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let (_, header) = lines.next().ok_or("it is empty")?;
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let place = |wanted: &[&str]| names.iter().position(|name| wanted.contains(name));
-    let [Some(spool), Some(up), Some(down), Some(flow)] = COLUMNS.map(place) else {
-        return Err(format!(
-            "line 1: expected a header with spool_percent, upstream_kpa, downstream_kpa, flow_l_min and perhaps {SPREAD}; found {header:?}"
-        ));
-    };
-    let spread = place(&[SPREAD]);
-    let row = |(n, line): (usize, &str)| {
-        let cells: Vec<Option<f64>> = line.split(',').map(|cell| cell.trim().parse().ok()).collect();
-        let number = |i: usize| cells.get(i).copied().flatten().filter(|number| number.is_finite());
-        let read = || {
-            Some([
-                number(spool)?,
-                number(up)?,
-                number(down)?,
-                number(flow)?,
-                spread.map_or(Some(0.0), number)?,
-            ])
+pub fn rows(bytes: impl AsRef<[u8]>) -> Result<Vec<Row>, String> {
+    let table = Table::read_whole(bytes).map_err(|problem| problem.to_string())?;
+    rows_of(&table).map_err(|problem| problem.to_string())?.ok_or_else(|| {
+        format!(
+            "line {}: expected a header with spool_percent, upstream_kpa, downstream_kpa, flow_l_min and perhaps {SPREAD}; found {}",
+            table.head_line(),
+            table.names().join(", ")
+        )
+    })
+}
+
+/// None of a table that lacks a column.
+fn rows_of(table: &Table) -> Result<Option<Vec<Row>>, Problem> {
+    let mut rows = vec![Row::default(); table.rows()];
+    for (column, names) in COLUMNS.into_iter().chain([&[SPREAD][..]]).enumerate() {
+        let Some(place) = table.find(names)? else {
+            if names == [SPREAD] { continue } else { return Ok(None) }
         };
-        read().ok_or_else(|| format!("line {n}: expected numbers, found {line:?}"))
-    };
-    lines.map(row).collect()
+        for (row, number) in rows.iter_mut().zip(table.all_numbers(place)?) {
+            row[column] = number;
+        }
+    }
+    Ok(Some(rows))
 }
 
 /// The rows as a rig file has them, a line each.

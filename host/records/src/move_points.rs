@@ -1,4 +1,4 @@
-//! A test whose setpoint goes through the points of a table, in straight lines: CSV with the columns `time_s` and `position_mm`.
+//! A test whose setpoint goes through the points of a table, in straight lines: it has the columns `time_s` and `position_mm`.
 //!
 //! A test has as many lines as the controller has moves. Points that are within a count of a line between two others are
 //! therefore left out, and what is left is held against the limits of the test:
@@ -14,6 +14,7 @@ use pneudrive_sim::component::controller::Loop;
 use pneudrive_sim::component::encoder;
 use pneudrive_sim::key::Key;
 use pneudrive_sim::{Rig, keys};
+use pneudrive_tables::Table;
 
 /// The columns.
 const COLUMNS: [&str; 2] = ["time_s", "position_mm"];
@@ -53,12 +54,12 @@ pub struct Through {
 ///
 /// # Errors
 /// With the line that is no point, or that goes beyond the ends or the limits.
-pub fn through(rig: &Rig, csv: &str, settings: &[String]) -> Result<Through> {
+pub fn through(rig: &Rig, bytes: impl AsRef<[u8]>, settings: &[String]) -> Result<Through> {
     ensure!(
         rig.get(&keys::controller::LOOP) == Loop::Closed,
         "the points are positions, but controller.loop is open: its moves are valve commands"
     );
-    let all = points_of(csv)?;
+    let all = points_of(bytes)?;
     check_ends(rig, &all)?;
     let kept = straightened(&all, encoder::mm_per_count(rig));
     ensure!(
@@ -108,25 +109,22 @@ fn test_of(rig: &Rig, points: &[Point], settings: &[String]) -> Vec<String> {
 }
 
 /// The points of a table, in order of time from 0 on.
-fn points_of(csv: &str) -> Result<Vec<Point>> {
-    let mut lines =
-        (1..).zip(csv.lines()).filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
-    let (head, header) =
-        lines.next().context("it is empty; its first line names the columns time_s,position_mm")?;
-    let names: Vec<&str> = header.trim_start_matches('\u{feff}').split(',').map(str::trim).collect();
-    let [Some(time), Some(position)] = COLUMNS.map(|column| names.iter().position(|name| *name == column))
-    else {
-        bail!("line {head}: expected a header with the columns {}, found {header:?}", COLUMNS.join(", "));
+fn points_of(bytes: impl AsRef<[u8]>) -> Result<Vec<Point>> {
+    let [time, position] = COLUMNS;
+    let table = Table::read_whole(bytes)
+        .with_context(|| format!("it is no table of points, with the columns {}", COLUMNS.join(",")))?;
+    let [Some(times), Some(positions)] = [table.find(&[time])?, table.find(&[position])?] else {
+        bail!(
+            "line {}: expected a header with the columns {}, found {}",
+            table.head_line(),
+            COLUMNS.join(", "),
+            table.names().join(", ")
+        );
     };
-    let mut points: Vec<Point> = Vec::new();
-    for (line, text) in lines {
-        let cells: Vec<&str> = text.split(',').collect();
-        let number = |place: usize, name: &str| {
-            let number = cells.get(place).and_then(|cell| cell.trim().parse::<f64>().ok());
-            let number = number.filter(|number| number.is_finite());
-            number.with_context(|| format!("line {line}: no number in the column {name}: {text:?}"))
-        };
-        let point = Point { line, time_s: number(time, COLUMNS[0])?, mm: number(position, COLUMNS[1])? };
+    let (times, positions) = (table.all_numbers(times)?, table.all_numbers(positions)?);
+    let mut points: Vec<Point> = Vec::with_capacity(table.rows());
+    for (row, (time_s, mm)) in times.into_iter().zip(positions).enumerate() {
+        let point = Point { line: table.line(row), time_s, mm };
         check_time(points.last(), &point)?;
         points.push(point);
     }

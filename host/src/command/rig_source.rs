@@ -23,6 +23,6 @@ pub(super) fn load_choice(choice: &RigChoice) -> Result<Rig> {
 
 /// The rig with a test that goes through the points of a table; settings of a test hold beside them.
 pub(super) fn through_points(rig: &Rig, table: &Path, settings: &[String]) -> Result<Through> {
-    let csv = fs::read_to_string(table).with_context(|| table.display().to_string())?;
-    through(rig, &csv, settings).with_context(|| table.display().to_string())
+    let bytes = fs::read(table).with_context(|| table.display().to_string())?;
+    through(rig, &bytes, settings).with_context(|| table.display().to_string())
 }

@@ -11,6 +11,7 @@
 
 use anyhow::{Context, Result, bail};
 use pneudrive_sim::component::valve::iso6358::{REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
+use pneudrive_tables::Table;
 
 use super::figures::Figure;
 
@@ -87,13 +88,13 @@ impl Path {
         })
     }
 
-    /// Of a table as text (CSV: a header with `upstream_kpa` and `downstream_kpa`, absolute, one of `flow_l_min` (ANR),
+    /// Of a table (a head with `upstream_kpa` and `downstream_kpa`, absolute, one of `flow_l_min` (ANR),
     /// `flow_g_s` and `flow_kg_s`, and perhaps `temperature_c`, upstream, without which it is 20).
     ///
     /// # Errors
     /// When it is no such table, with the line, and as [`Path::through`].
-    pub fn of_table(csv: &str, index: f64) -> Result<Path> {
-        Path::through(&points(csv)?, index)
+    pub fn of_table(bytes: impl AsRef<[u8]>, index: f64) -> Result<Path> {
+        Path::through(&points(&Table::read_whole(bytes)?)?, index)
     }
 }
 
@@ -140,35 +141,34 @@ fn least(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     0.5 * (a + b)
 }
 
-fn points(csv: &str) -> Result<Vec<Point>> {
-    let mut lines = (1..).zip(csv.lines()).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let (_, header) = lines.next().context("it is empty")?;
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let place = |name: &str| names.iter().position(|column| *column == name);
-    let flow = FLOWS.iter().find_map(|(name, unit)| Some((place(name)?, *unit)));
-    let (Some(up), Some(down), Some((flow, unit))) = (place("upstream_kpa"), place("downstream_kpa"), flow)
+fn points(table: &Table) -> Result<Vec<Point>> {
+    let found = table.find_first(&FLOWS)?;
+    let (Some(up), Some(down), Some((flow, unit))) =
+        (table.find(&["upstream_kpa"])?, table.find(&["downstream_kpa"])?, found)
     else {
         bail!(
-            "line 1: expected a header with upstream_kpa, downstream_kpa (both absolute) and flow_l_min, flow_g_s or flow_kg_s; found {header:?}"
+            "line {}: expected a header with upstream_kpa, downstream_kpa (both absolute) and flow_l_min, flow_g_s or flow_kg_s; found {}",
+            table.head_line(),
+            table.names().join(", ")
         );
     };
-    let warm = place("temperature_c");
-    lines
-        .map(|(n, line)| {
-            let cells: Vec<Option<f64>> = line.split(',').map(|cell| cell.trim().parse().ok()).collect();
-            let number = |i: usize| cells.get(i).copied().flatten().filter(|number| number.is_finite());
-            let (Some(up), Some(down), Some(flow)) = (number(up), number(down), number(flow)) else {
-                bail!("line {n}: expected two pressures and a flow, found {line:?}");
-            };
+    let warm = table.find(&["temperature_c"])?;
+    let [up, down, flow] = [up, down, flow].map(|place| table.all_numbers(place));
+    let (up, down, flow) = (up?, down?, flow?);
+    let temperature = match warm {
+        Some(place) => table.all_numbers(place)?,
+        None => vec![REFERENCE_TEMPERATURE - CELSIUS; table.rows()],
+    };
+    (0..table.rows())
+        .map(|row| {
+            let (n, up, down, flow) = (table.line(row), up[row], down[row], flow[row]);
             if !(up > 0.0 && (0.0..=up).contains(&down)) {
                 bail!("line {n}: {up} kPa upstream and {down} kPa downstream: absolute pressures that fall are needed");
             }
             if flow < 0.0 {
                 bail!("line {n}: a flow of {flow} goes against its pressures");
             }
-            let temperature = warm.map_or(Some(REFERENCE_TEMPERATURE - CELSIUS), number);
-            let temperature = temperature.with_context(|| format!("line {n}: expected a temperature, found {line:?}"))?;
-            Ok(Point::of(unit * flow, [1e3 * up, 1e3 * down], CELSIUS + temperature))
+            Ok(Point::of(unit * flow, [1e3 * up, 1e3 * down], CELSIUS + temperature[row]))
         })
         .collect()
 }
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn c_and_b_of_points_on_the_curve_are_found() {
         for (critical, index) in [(0.3, 0.5), (0.15, 0.5), (0.44, 0.5), (0.25, 0.57)] {
-            let found = Path::of_table(&table(critical, index, |_| 0.0), index).expect("a path");
+            let found = Path::of_table(table(critical, index, |_| 0.0), index).expect("a path");
             assert!((found.sonic_conductance.value / 2e-8 - 1.0).abs() < 1e-6, "{found:?}");
             assert!((found.critical_ratio.value - critical).abs() < 1e-6, "{found:?}");
         }
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn scatter_is_carried_into_the_errors_of_both_figures() {
         let found =
-            Path::of_table(&table(0.3, 0.5, |i| if i % 2 == 0 { 4.2 } else { -4.2 }), 0.5).expect("a path");
+            Path::of_table(table(0.3, 0.5, |i| if i % 2 == 0 { 4.2 } else { -4.2 }), 0.5).expect("a path");
         assert!((found.scatter / 0.005 - 1.0).abs() < 0.15, "{found:?}");
         let Figure { value, error } = found.sonic_conductance;
         assert!((value - 2e-8).abs() < 2.0 * error && error < 0.01 * value, "{found:?}");
@@ -216,7 +216,7 @@ mod tests {
             format!("700,{},{flow},60\n", 700.0 * ratio)
         };
         let lines: String = [0.1, 0.2, 0.5, 0.7, 0.9].map(line).concat();
-        let found = Path::of_table(&format!("{csv}{lines}"), 0.5).expect("a path");
+        let found = Path::of_table(format!("{csv}{lines}"), 0.5).expect("a path");
         assert!((found.sonic_conductance.value / 2e-8 - 1.0).abs() < 1e-6, "{found:?}");
     }
 
@@ -231,7 +231,7 @@ mod tests {
             ("700,600,-840\n", "goes against"),
         ] {
             let message =
-                format!("{:#}", Path::of_table(&format!("{header}{rows}"), 0.5).expect_err("refused"));
+                format!("{:#}", Path::of_table(format!("{header}{rows}"), 0.5).expect_err("refused"));
             assert!(message.contains(says), "{rows:?}: {message}");
         }
         assert!(format!("{:#}", Path::of_table("a,b\n1,2\n", 0.5).expect_err("no table")).contains("line 1"));

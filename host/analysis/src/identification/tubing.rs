@@ -7,6 +7,7 @@
 //! Measured are the flow m away from the near end and the ratio of the pressures; m_ref is chosen.
 
 use anyhow::{Context, Result, bail};
+use pneudrive_tables::Table;
 
 use super::figures::Figure;
 use super::regression::Line;
@@ -21,14 +22,14 @@ const NO_FLOW: f64 = 1e-12;
 /// More passes through no tube of a drive, kg/s.
 const MAX_FLOW: f64 = 1e3;
 
-/// K_dr, `tubing.drop_slope`, of a table as text (CSV: a header with `flow_g_s` or `flow_kg_s`, and `ratio` or `value`)
+/// K_dr, `tubing.drop_slope`, of a table (a head with `flow_g_s` or `flow_kg_s`, and `ratio` or `value`)
 /// for a reference flow in kg/s.
 ///
 /// # Errors
 /// When it is not such a table, with the line.
-pub fn drop_slope(csv: &str, reference_flow: f64) -> Result<Figure> {
+pub fn drop_slope(bytes: impl AsRef<[u8]>, reference_flow: f64) -> Result<Figure> {
     // A point without flow lies on every line through the origin, and says nothing of how well one fits.
-    let flowing = points(csv)?.into_iter().filter(|(flow, _)| flow.abs() > NO_FLOW);
+    let flowing = points(&Table::read_whole(bytes)?)?.into_iter().filter(|(flow, _)| flow.abs() > NO_FLOW);
     let points: Vec<(f64, f64)> = flowing.map(|(flow, ratio)| (flow / reference_flow, ratio.ln())).collect();
     let line = Line::through_origin(&points).context("it needs at least two points with a flow")?;
     let left = line.slope.value.exp();
@@ -39,36 +40,28 @@ pub fn drop_slope(csv: &str, reference_flow: f64) -> Result<Figure> {
 }
 
 /// Flow, kg/s, and ratio.
-fn points(csv: &str) -> Result<Vec<(f64, f64)>> {
-    let mut lines = (1..).zip(csv.lines()).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let (_, header) = lines.next().context("it is empty")?;
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let place = |name: &str| names.iter().position(|column| *column == name);
-    let flow = FLOWS.iter().find_map(|(name, unit)| Some((place(name)?, *unit)));
-    let ratio = RATIOS.iter().find_map(|name| place(name));
-    let (Some((flow, unit)), Some(ratio)) = (flow, ratio) else {
-        bail!("line 1: expected a header with flow_g_s or flow_kg_s, and ratio; found {header:?}");
+fn points(table: &Table) -> Result<Vec<(f64, f64)>> {
+    let (Some((flow, unit)), Some(ratio)) = (table.find_first(&FLOWS)?, table.find(&RATIOS)?) else {
+        bail!(
+            "line {}: expected a header with flow_g_s or flow_kg_s, and ratio; found {}",
+            table.head_line(),
+            table.names().join(", ")
+        );
     };
-    lines
-        .map(|(n, line)| {
-            let cells: Vec<&str> = line.split(',').collect();
-            let number = |i: usize| cells.get(i).and_then(|cell| cell.trim().parse::<f64>().ok());
-            match (number(flow), number(ratio)) {
-                (Some(flow), Some(_)) if !is_flow(flow * unit) => {
-                    bail!(
-                        "line {n}: {:e} kg/s is not a plausible flow through a tube; is it in the unit of the header?",
-                        flow * unit
-                    )
-                }
-                (Some(flow), Some(ratio))
-                    if ratio > 0.0 && ratio.is_finite() && cells.len() == names.len() =>
-                {
-                    Ok((flow * unit, ratio))
-                }
-                _ => bail!("line {n}: expected a flow and a ratio above 0, found {line:?}"),
-            }
-        })
-        .collect()
+    let (flows, ratios) = (table.all_numbers(flow)?, table.all_numbers(ratio)?);
+    let point = |(row, (flow, ratio)): (usize, (f64, f64))| {
+        let (n, flow) = (table.line(row), flow * unit);
+        if !is_flow(flow) {
+            bail!(
+                "line {n}: {flow:e} kg/s is not a plausible flow through a tube; is it in the unit of the header?"
+            )
+        }
+        if ratio <= 0.0 {
+            bail!("line {n}: a ratio of {ratio} is none; it is that of two absolute pressures, above 0")
+        }
+        Ok((flow, ratio))
+    };
+    flows.into_iter().zip(ratios).enumerate().map(point).collect()
 }
 
 /// Whether a tube can pass such a flow, kg/s.
@@ -87,7 +80,7 @@ mod tests {
             format!("{flow},{}\n", 0.6f64.powf(flow / 4.65))
         });
         let csv = format!("flow_g_s,ratio\n{}", points.collect::<String>());
-        let found = drop_slope(&csv, 0.00465).expect("a line");
+        let found = drop_slope(csv, 0.00465).expect("a line");
         assert!((found.value - 0.4).abs() < 1e-12 && found.error < 1e-12, "{found:?}");
     }
 

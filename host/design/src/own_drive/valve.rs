@@ -90,9 +90,8 @@ fn measured_map(answers: &Answers) -> Result<Option<Vec<flow_map::Row>>, Refusal
     if let Some(other) = others.into_iter().find(|name| answers.text(name).is_some()) {
         return Err(refuse(format!("has the flow of the valve already: leave out --{other}")));
     }
-    let text =
-        std::fs::read_to_string(path).map_err(|error| refuse(format!("cannot read {path}: {error}")))?;
-    let rows = flow_map::rows(&text).map_err(|message| refuse(format!("{path} is no map: {message}")))?;
+    let bytes = std::fs::read(path).map_err(|error| refuse(format!("cannot read {path}: {error}")))?;
+    let rows = flow_map::rows(&bytes).map_err(|message| refuse(format!("{path} is no map: {message}")))?;
     Ok(Some(rows))
 }
 

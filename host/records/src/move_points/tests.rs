@@ -54,9 +54,10 @@ fn what_is_no_way_is_refused_with_its_line_and_what_to_do() {
     for (told, expected) in [
         (message(""), "time_s,position_mm"),
         (message("t,x\n0,1\n"), "line 1: expected a header with the columns time_s, position_mm"),
-        (with("0,100\n0.1,x\n"), "line 3: no number in the column position_mm"),
-        (with("0,100\n0.1,inf\n"), "line 3: no number"),
-        (with("0,100\n0.1\n"), "line 3: no number in the column position_mm"),
+        (with("0,100\n0.1,x\n"), "line 3, column 2 (\"position_mm\"): \"x\" is not a number"),
+        (with("0,100\n0.1,inf\n"), "line 3, column 2 (\"position_mm\"): \"inf\" is not a number"),
+        (with("0,100\n0.1\n"), "line 3 has 1 cells, line 2 has 2"),
+        (with("0,100\n0.1"), "its last line ends in the middle"),
         (with("0,100\n"), "it has 1 points"),
         (with("0.5,100\n1,120\n"), "line 2: the first point is at 0.5 s"),
         (with("0,100\n0.5,120\n0.4,130\n"), "line 4: 0.4 s is not after line 3"),

@@ -26,11 +26,10 @@ impl Measurement {
     pub fn of(path: &Path, found: &Characteristic) -> Result<Measurement> {
         let graph = found.graphs.first().context("the test has no graph")?;
         let series = graph.series.first().context("the graph has no curve")?;
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
         let names = [found.across, graph.title].map(column);
         let in_file = || format!("{} has no points of this test", path.display());
-        let points = Points::of_table(&text, [&names[0], &names[1]]).with_context(in_file)?;
+        let points = Points::of_table(&bytes, [&names[0], &names[1]]).with_context(in_file)?;
         let deviation = points.beside(&series.x, &series.y).with_context(in_file)?;
         let unit = graph.title.split_once(", ").map_or("", |(_, unit)| unit);
         Ok(Measurement { points, deviation, across: found.across, curve: series.name.clone(), unit })

@@ -19,8 +19,8 @@ use crate::json;
 /// The regression line of a measured pressure drop (thesis 7.1.4).
 pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
     let reference = rig.get(&keys::tubing::REFERENCE_FLOW_KG_S);
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let found = drop_slope(&text, reference)
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let found = drop_slope(&bytes, reference)
         .with_context(|| format!("{} is not a table of a pressure drop", path.display()))?;
     json::figures(|| json!({ "drop_slope": report::with_error(found), "reference_flow_kg_s": reference }));
     say!("tubing.drop_slope = {}, at tubing.reference_flow_kg_s = {reference}", with_error(found));
@@ -30,8 +30,8 @@ pub(super) fn tubing(rig: &Rig, path: &Path) -> Result<()> {
 /// Conductance and critical ratio of a path of the valve, from measured flows (ISO 6358-1).
 pub(super) fn conductance(rig: &Rig, path: &Path) -> Result<()> {
     let index = rig.get(&keys::iso6358::SUBSONIC_INDEX);
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let found = Conductance::of_table(&text, index)
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let found = Conductance::of_table(&bytes, index)
         .with_context(|| format!("{} tells no conductance", path.display()))?;
     json::figures(|| {
         json!({
