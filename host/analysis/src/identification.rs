@@ -35,6 +35,7 @@ pub mod conductance;
 mod derivatives;
 pub mod figures;
 mod found;
+pub mod independence;
 pub mod least_squares;
 pub mod level;
 pub mod limits;
@@ -236,6 +237,7 @@ fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identi
     if model.parameters.is_empty() || model.recordings.is_empty() {
         bail!("a fit needs a parameter and a transient");
     }
+    independence::check(model.recordings, progress)?;
     let start = vec![0.0; model.unknowns()];
     let residuals = model.residuals_at(&start).ok_or_else(|| search::cannot_follow(&model, &start))?;
     let before = model.channel_fits(&residuals).map(|fit| fit.map(|fit| fit.after));

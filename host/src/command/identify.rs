@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use pneudrive_analysis::identification::figures::Figures;
+use pneudrive_analysis::identification::independence::is_same;
 use pneudrive_analysis::identification::parameter::{Parameter, usual};
 use pneudrive_analysis::identification::plan::Recorded;
 use pneudrive_analysis::identification::recording::Recording;
@@ -92,11 +93,27 @@ fn records(arguments: &Identify, rig: &Rig) -> Result<(Vec<Recording>, Figures)>
         make_writable(&arguments.out)?;
         bench::execute(&arguments.rig, port, &arguments.out)?
     } else {
-        let all = arguments.targets.iter().map(|path| recording(path, rig)).collect::<Result<Vec<_>>>()?;
+        let all = without_copies(
+            arguments.targets.iter().map(|path| recording(path, rig)).collect::<Result<Vec<_>>>()?,
+        );
         Recorded { fitted: all.clone(), all }
     };
     let figures = Figures::of(rig, &recorded.all);
     Ok((recorded.fitted, figures))
+}
+
+/// Recordings, each once: a file may be named twice, and a record may be there as a stream, too.
+fn without_copies(recordings: Vec<Recording>) -> Vec<Recording> {
+    let mut kept: Vec<Recording> = Vec::new();
+    for recording in recordings {
+        match kept.iter().find(|other| is_same(other, &recording)) {
+            Some(other) => {
+                tell!("note: {} has the same samples as {}, and counts once", recording.name, other.name);
+            }
+            None => kept.push(recording),
+        }
+    }
+    kept
 }
 
 fn recording(path: &Path, rig: &Rig) -> Result<Recording> {
