@@ -3,12 +3,13 @@
 //! band.csv, beside trace.csv and with its rows: `time_s`, then for each channel of [`CHANNELS`] its lowest and its
 //! highest value, `position_m_low,position_m_high,...`; SI except where the name says otherwise.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_sim::Run;
 use pneudrive_sim::trace::{COLUMNS, push_number};
+
+use crate::text_file;
 
 /// Columns of trace.csv that have a band.
 pub const CHANNELS: [&str; 7] = [
@@ -74,7 +75,7 @@ impl Band {
     /// # Errors
     /// With the file and the line of the problem.
     pub fn read(path: &Path) -> Result<Band> {
-        let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = text_file::read_own(path)?;
         Band::of_csv(&text).with_context(|| path.display().to_string())
     }
 

@@ -36,6 +36,7 @@ pub mod run_folder;
 pub mod stream_file;
 pub mod target;
 pub mod test_lines;
+pub mod text_file;
 pub mod units;
 pub mod untrusted;
 pub mod whole_file;

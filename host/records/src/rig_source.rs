@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use pneudrive_sim::rig::{BUILTIN, builtin};
+use pneudrive_tables::text::utf8;
 
 /// The longest rig file, bytes.
 const LONGEST_RIG: u64 = 1 << 20;
@@ -33,10 +34,10 @@ pub fn rig_text(rig: &str) -> Result<(String, String)> {
 
 /// The text of a file or of a pipe, up to the length limit of a rig file.
 fn text_of(path: &Path) -> Result<String> {
-    let mut text = String::new();
-    File::open(path)?.take(LONGEST_RIG + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > LONGEST_RIG {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(LONGEST_RIG + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LONGEST_RIG {
         bail!("it is longer than {LONGEST_RIG} bytes, so it is not a rig file");
     }
-    Ok(text)
+    Ok(utf8(&bytes)?)
 }

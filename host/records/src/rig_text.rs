@@ -13,11 +13,54 @@ pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<St
         let (path, given) = setting.split_once('=').ok_or_else(|| anyhow!("{setting}: write KEY=VALUE"))?;
         let given = given.trim();
         let mut value: Value = given.parse().unwrap_or_else(|_| given.into());
-        value.decor_mut().set_suffix(format!("  # {source}"));
+        let before =
+            comment(&document, path.trim()).map_or_else(String::new, |before| format!("{BEFORE}{before}"));
+        value.decor_mut().set_suffix(format!("  # {source}{before}"));
         put(&mut document, path.trim(), Item::Value(value));
     }
-    Ok(document.to_string())
+    Ok(like(text, &document.to_string()))
 }
+
+/// Stands between the comment on a new value and that on the old one.
+const BEFORE: &str = "; before: ";
+
+/// The comments that this program writes on values.
+const OWN: [&str; 5] = [
+    "given: set in the studio",
+    "set for pneudrive tune",
+    "found by pneudrive tune",
+    "set in Python",
+    "set when the FMU was made",
+];
+
+/// What a user wrote behind the value at a path, or behind the same key spelt without its unit.
+fn comment(document: &DocumentMut, path: &str) -> Option<String> {
+    let (table, name) = match path.split_once('.') {
+        Some((table, name)) => (document.get(table)?.as_table_like()?, name),
+        None => (document.as_table() as &dyn TableLike, path),
+    };
+    let other = other_spellings(table, name).into_iter().next();
+    let item = table.get(name).or_else(|| table.get(&other?))?;
+    let behind = item.as_value()?.decor().suffix()?.as_str()?.trim();
+    let comment = behind.strip_prefix('#')?.trim();
+    let users = comment.split_once(BEFORE).map_or(comment, |(_, before)| before);
+    (!users.is_empty() && !OWN.contains(&users)).then(|| users.to_owned())
+}
+
+/// A text with the byte order mark and the line breaks of the file that it was made from.
+fn like(file: &str, text: &str) -> String {
+    let breaks = file.matches('\n').count();
+    let text = text.replace("\r\n", "\n");
+    let text = match breaks > 0 && file.matches("\r\n").count() == breaks {
+        true => text.replace('\n', "\r\n"),
+        false => text,
+    };
+    let mark = if file.starts_with(MARK) { MARK } else { "" };
+    format!("{mark}{}", text.trim_start_matches(MARK))
+}
+
+/// The byte order mark.
+const MARK: &str = "\u{feff}";
 
 /// The text without some keys of a table.
 ///
@@ -31,7 +74,7 @@ pub fn without(text: &str, table: &str, keys: &[&str]) -> Result<String> {
             table.remove(key);
         }
     }
-    Ok(document.to_string())
+    Ok(like(text, &document.to_string()))
 }
 
 /// Puts an item at a path such as `load.mass_kg`.
@@ -49,13 +92,15 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
 
 /// A file may spell a key without its unit, `mass = "8 kg"`: both at once would give it twice.
 fn remove_other_spelling(table: &mut dyn TableLike, name: &str) {
-    let (stem, unit) = pneudrive_sim::rig::unit(name);
-    let spelled = |other: &str| !unit.is_empty() && other.eq_ignore_ascii_case(stem);
-    let others: Vec<String> =
-        table.iter().map(|(other, _)| other.to_owned()).filter(|other| spelled(other)).collect();
-    for other in others {
+    for other in other_spellings(table, name) {
         table.remove(&other);
     }
+}
+
+fn other_spellings(table: &dyn TableLike, name: &str) -> Vec<String> {
+    let (stem, unit) = pneudrive_sim::rig::unit(name);
+    let spelled = |other: &str| !unit.is_empty() && other.eq_ignore_ascii_case(stem);
+    table.iter().map(|(other, _)| other.to_owned()).filter(|other| spelled(other)).collect()
 }
 
 /// The text of a rig file with these values, by path, as stored in run.json.
@@ -103,13 +148,32 @@ mod tests {
         let with = with_settings(text, &settings, "measured").expect("TOML");
         assert_eq!(
             with,
-            "# A rig.\nname = \"x\"\n\n[load]\nmass_kg = 2.5  # measured\nviscous_n_s_per_m = 30.0 # C(18)\n\n[valve]\nmodel = \"flow-node\"  # measured\n"
+            "# A rig.\nname = \"x\"\n\n[load]\nmass_kg = 2.5  # measured; before: C(17)\nviscous_n_s_per_m = 30.0 # C(18)\n\n[valve]\nmodel = \"flow-node\"  # measured\n"
         );
         let less = without(text, "load", &["mass_kg", "incline_deg"]).expect("TOML");
         assert_eq!(less, "# A rig.\nname = \"x\"\n\n[load]\nviscous_n_s_per_m = 30.0 # C(18)\n");
         assert_eq!(without(text, "test", &["moves"]).expect("TOML"), text);
         assert!(with_settings("[load", &settings, "measured").is_err());
         assert!(with_settings(text, &["load.mass_kg".to_owned()], "measured").is_err());
+    }
+
+    #[test]
+    fn line_breaks_the_mark_and_what_a_user_wrote_behind_a_value_stay() {
+        let text = "# A rig.\r\n[load]\r\nmass = \"8 kg\" # weighed in May\r\nincline_deg = 5.0\r\n";
+        let settings = ["load.mass_kg=2.5".to_owned()];
+        let once = with_settings(text, &settings, "given: set in the studio").expect("TOML");
+        let line = "mass_kg = 2.5  # given: set in the studio; before: weighed in May\r\n";
+        assert_eq!(once, format!("# A rig.\r\n[load]\r\nincline_deg = 5.0\r\n{line}"));
+        let twice = with_settings(&once, &settings, "found by pneudrive tune").expect("TOML");
+        assert!(
+            twice.ends_with("mass_kg = 2.5  # found by pneudrive tune; before: weighed in May\r\n"),
+            "{twice}"
+        );
+        let new = with_settings("[load]\n", &settings, "set in Python").expect("TOML");
+        let again = with_settings(&new, &settings, "given: set in the studio").expect("TOML");
+        assert_eq!(again, "[load]\nmass_kg = 2.5  # given: set in the studio\n");
+        let marked = with_settings(&format!("{MARK}[load]\nmass_kg = 1.0\n"), &settings, "x").expect("TOML");
+        assert_eq!(marked, format!("{MARK}[load]\nmass_kg = 2.5  # x\n"));
     }
 
     #[test]

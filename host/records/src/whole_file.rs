@@ -36,12 +36,30 @@ pub fn is_device(path: &Path) -> bool {
 }
 
 fn replace(path: &Path, pieces: &[&[u8]]) -> io::Result<()> {
+    let path = &behind_links(path)?;
     let name = path.file_name().ok_or(ErrorKind::InvalidInput)?;
     let folder = folder_of(path);
     let staged = Staged::write(folder, name, pieces)?;
+    if let Ok(there) = fs::metadata(path) {
+        fs::set_permissions(staged.path(), there.permissions())?;
+    }
     fs::rename(staged.path(), path)?;
     sync_folder(folder);
     Ok(())
+}
+
+/// The file that a link leads to, however many there are: the link stays, and its file is replaced.
+pub(crate) fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    /// As many as Linux follows.
+    const MOST_LINKS: usize = 40;
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&path) {
+            Ok(target) => path = folder_of(&path).join(target),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(io::Error::other("its links lead to each other"))
 }
 
 /// The folder that a file is in.
@@ -188,6 +206,30 @@ mod tests {
         put(&pipe, "text").expect("written");
         assert_eq!(reader.join().expect("a reader").expect("text"), "text");
         assert!(!fs::metadata(&pipe).expect("there").is_file());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_keeps_its_link_and_its_mode_when_it_is_replaced() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        fs::create_dir(place("shared")).expect("a folder");
+        fs::write(place("shared/mine.toml"), "old").expect("written");
+        fs::set_permissions(place("shared/mine.toml"), fs::Permissions::from_mode(0o600)).expect("a mode");
+        symlink("shared/mine.toml", place("link")).expect("a link");
+        symlink("link", place("mine.toml")).expect("a link");
+        put(&place("mine.toml"), "new").expect("written");
+        assert!(fs::symlink_metadata(place("mine.toml")).expect("there").is_symlink());
+        assert_eq!(fs::read_to_string(place("shared/mine.toml")).expect("there"), "new");
+        let mode = fs::metadata(place("shared/mine.toml")).expect("there").permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        symlink("nowhere.toml", place("dangling")).expect("a link");
+        put(&place("dangling"), "new").expect("written");
+        assert_eq!(fs::read_to_string(place("nowhere.toml")).expect("there"), "new");
+        symlink("round", place("round")).expect("a link");
+        let told = format!("{:#}", put(&place("round"), "new").expect_err("no end"));
+        assert!(told.ends_with("its links lead to each other"), "{told}");
     }
 
     #[test]

@@ -1,11 +1,10 @@
 //! `pneudrive import`.
 
-use std::fs;
-
 use anyhow::{Context, Result};
 use pneudrive_logs::column_map::ColumnMap;
 use pneudrive_logs::import::import;
 use pneudrive_logs::log::Log;
+use pneudrive_records::text_file;
 use pneudrive_sim::keys;
 use serde_json::json;
 
@@ -16,7 +15,7 @@ use crate::json;
 pub(super) fn execute(arguments: &Import) -> Result<()> {
     let rig = load_choice(&arguments.rig)?;
     let place = arguments.columns.display().to_string();
-    let text = fs::read_to_string(&arguments.columns).with_context(|| format!("cannot read {place}"))?;
+    let text = text_file::read(&arguments.columns)?;
     let map = ColumnMap::from_text(&text, rig.get(&keys::exhaust::PRESSURE_PA)).context(place)?;
     let log = Log::read(&arguments.log)?;
     let imported = import(&log, &map, &rig, arguments.period)?;

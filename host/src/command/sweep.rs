@@ -1,17 +1,17 @@
 //! `pneudrive sweep`.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use pneudrive_analysis::page::Library;
 use pneudrive_analysis::sweep::execution::{execute as run_shard, run_points, todo};
 use pneudrive_analysis::sweep::journal::{Journal, NAME};
 use pneudrive_analysis::sweep::{HEADER_END, Row, Source, Sweep, numbers, report};
 use pneudrive_records::own_file::{GENERATOR, make_writable, refuse_to_replace};
+use pneudrive_records::text_file;
 use pneudrive_records::whole_file::put;
 use pneudrive_sim::rig::builtin;
 
@@ -92,7 +92,7 @@ fn folder_of(file: &Path) -> PathBuf {
 
 fn read(arguments: &cli::Sweep) -> Result<Sweep> {
     let file = &arguments.file;
-    let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = text_file::read(file)?;
     let beside = |rig: &str| {
         let place = file.parent().unwrap_or(Path::new("")).join(rig);
         let rig = if builtin(rig).is_some() { rig.to_owned() } else { place.display().to_string() };

@@ -44,18 +44,27 @@ impl Files {
     fn save(&self, name: &str, text: &str, replace: bool) -> Result<(), Refusal> {
         let path = self.folder.join(file_name(name)?);
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let theirs = match fs::read_to_string(&path) {
-            Ok(there) => known.get(name) != Some(&there),
+        let there = fs::read(&path);
+        let theirs = match &there {
+            Ok(there) => !known.get(name).is_some_and(|known| without_mark(there) == known.as_bytes()),
             Err(error) => error.kind() != std::io::ErrorKind::NotFound,
         };
         if theirs && !replace {
             let message = format!("{} is there already, and the studio has not written it", path.display());
             return Err(Refusal::new(StatusCode::CONFLICT, message));
         }
-        whole_file::put(&path, text).map_err(|error| Refusal::of(&error))?;
+        let mark = if there.is_ok_and(|there| there.starts_with(MARK)) { MARK } else { &[] };
+        whole_file::put(&path, &[mark, text.as_bytes()].concat()).map_err(|error| Refusal::of(&error))?;
         known.insert(name.to_owned(), text.to_owned());
         Ok(())
     }
+}
+
+/// The byte order mark that some editors put before a text.
+const MARK: &[u8] = "\u{feff}".as_bytes();
+
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(MARK).unwrap_or(bytes)
 }
 
 /// A name that leads nowhere but into the folder.

@@ -1,18 +1,18 @@
 //! Reading of run.json.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
 use super::FORMAT;
+use crate::text_file;
 
 /// Reads run.json.
 ///
 /// # Errors
 /// With the file, when this program has not written it.
 pub(super) fn read_json(path: &Path) -> Result<serde_json::Value> {
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = text_file::read(path)?;
     json_of(path, &text)
 }
 

@@ -10,13 +10,13 @@
 //! write at the same time wait for each other.
 
 use std::fs::{self, File};
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
 use super::{BAND, PAGE, RUN, TRACE};
-use crate::whole_file::{may_run, own_number, sync_folder, write_new};
+use crate::whole_file::{behind_links, may_run, own_number, sync_folder, write_new};
 
 /// Every file that a run may have in its folder.
 const FILES: [&str; 4] = [TRACE, BAND, RUN, PAGE];
@@ -122,6 +122,15 @@ fn is_of_a_running_program(staged: &Path) -> bool {
     number.is_some_and(|number| may_run(number, staged))
 }
 
+/// Moves a file in the place of another one, whose link and mode stay.
+fn move_over(new: &Path, path: &Path) -> io::Result<()> {
+    let path = behind_links(path)?;
+    if let (Ok(there), true) = (fs::metadata(&path), new.exists()) {
+        fs::set_permissions(new, there.permissions())?;
+    }
+    fs::rename(new, path)
+}
+
 /// Moves what is committed into the folder.
 fn place(folder: &Path) -> Result<()> {
     let next = folder.join(NEXT);
@@ -137,7 +146,7 @@ fn place(folder: &Path) -> Result<()> {
         File::create(&marked).with_context(|| marked.display().to_string())?;
     }
     for name in FILES {
-        match fs::rename(next.join(name), folder.join(name)) {
+        match move_over(&next.join(name), &folder.join(name)) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
                 return Err(error).with_context(|| format!("cannot write {}", folder.join(name).display()));
             }

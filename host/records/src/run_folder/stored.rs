@@ -1,6 +1,5 @@
 //! Reading of a run folder.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -20,8 +19,8 @@ use super::json_file::{json_of, read_json};
 use super::replacement::settle;
 use super::{BAND, CHECKSUMS, Numbered, OPEN, RUN, TRACE, WINDOWS};
 use crate::band::Band;
-use crate::rig_text;
 use crate::window::{WHOLE_WINDOW, whole_window};
+use crate::{rig_text, text_file};
 
 /// The key of the encoder's scale, and the requirement on its value.
 const SCALE: &str = "encoder.mm_per_count";
@@ -219,7 +218,7 @@ fn accuracy_of(description: &serde_json::Value) -> Option<Accuracy> {
 }
 
 fn read_text(path: &Path) -> Result<String> {
-    fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+    text_file::read_own(path)
 }
 
 /// The band of a run whose trace has these times; None without neighbours, or if its program wrote none.

@@ -4,10 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
+use pneudrive_tables::text::utf8;
 
 use super::{CRC, FORMAT, FORMAT_1, TargetFile};
 use crate::record_text::{COLUMNS, crc_text, data_lines, header_text, sample_of};
 use crate::stream_file;
+use crate::text_file::as_written;
 
 /// The part of a file that its checksums cover.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,9 +55,8 @@ impl TargetFile {
     /// With the file and the line of the problem.
     pub fn read(path: &Path) -> Result<TargetFile> {
         let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let Ok(text) = String::from_utf8(bytes) else {
-            bail!("{} is not a text file: it is neither a TARGET file nor a run folder", path.display());
-        };
+        let text = utf8(&bytes)
+            .with_context(|| format!("{} is neither a TARGET file nor a run folder", path.display()))?;
         let (file, covered) = TargetFile::read_text(&text).with_context(|| path.display().to_string())?;
         if let Some(note) = covered.note() {
             log::info!("{}: {note}", path.display());
@@ -65,6 +66,7 @@ impl TargetFile {
 
     /// The file of a text, and the part of it that a CRC covers.
     pub(crate) fn read_text(text: &str) -> Result<(TargetFile, Covered)> {
+        let text = &as_written(text);
         let mut lines = text.lines().enumerate();
         let mut file = TargetFile { header: header(&mut lines)?, samples: Vec::new() };
         let ends_with_a_line = text.ends_with('\n');

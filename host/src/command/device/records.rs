@@ -1,12 +1,12 @@
 //! `pneudrive device records`.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use pneudrive_controller::Move;
 use pneudrive_link::client::Client;
 use pneudrive_records::move_records::{MoveRecord, in_words, record_by_settings, records_of};
+use pneudrive_records::text_file;
 use pneudrive_records::units::Units;
 use serde_json::{Value, json};
 
@@ -74,7 +74,7 @@ fn figures(record: &MoveRecord, units: &Units) -> Value {
 
 fn load(client: &mut Client, file: &Path) -> Result<()> {
     let source = file.display().to_string();
-    let text = fs::read_to_string(file).with_context(|| source.clone())?;
+    let text = text_file::read(file)?;
     let records = records_of(&source, &text, &client.parameters()?)?;
     client.replace_move_records(&records)?;
     say!(
