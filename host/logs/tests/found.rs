@@ -140,3 +140,91 @@ fn one_log_is_the_same_record_in_whatever_dialect_it_was_written() {
     assert!(samples(imported("i_iso.csv", &without)) == expected);
     assert!(imported("d_sep.csv", &without).expect_err("no unit").contains("[time] needs a unit"));
 }
+
+#[test]
+fn messages_out_of_order_are_read_in_the_order_of_their_times() {
+    let map = include_str!("fixtures/found/unordered.toml");
+    let found = imported("unordered.mcap", map).expect("a record");
+    let log = Log::read(Path::new("tests/fixtures/found/unordered.mcap")).expect("a log");
+    let clock = log.series[0].clock_s.clone().expect("a clock");
+    assert!(clock.windows(2).all(|pair| pair[0] <= pair[1]) && clock[0] == 0.0);
+    let positions: Vec<i32> = found.file.samples.iter().map(|(_, sample)| sample.position).collect();
+    // A drive has no jumps: half a millimetre a sample is 0.4 m/s.
+    assert!(positions.windows(2).all(|pair| pair[0].abs_diff(pair[1]) < 100), "{positions:?}");
+}
+
+#[test]
+fn a_file_that_was_cut_is_named() {
+    let bytes = std::fs::read("tests/fixtures/found/unordered.mcap").expect("there");
+    for end in [10, bytes.len() / 2, bytes.len() - 8, bytes.len() - 1] {
+        let told = format!("{:#}", Log::of_bytes("x", &bytes[..end]).expect_err("cut"));
+        assert!(told.starts_with("it is cut"), "{end}: {told}");
+    }
+}
+
+/// A file written by the crate of the reference library: channels, and messages as (channel, log time, text).
+fn mcap(channels: &[&str], messages: &[(usize, u64, &str)]) -> Vec<u8> {
+    use mcap::records::MessageHeader;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut writer = mcap::WriteOptions::new().compression(None).create(&mut bytes).expect("a writer");
+    // Of the same topic, but of another publisher.
+    let id = |(k, topic): (usize, &&str)| {
+        let about = std::collections::BTreeMap::from([("publisher".to_owned(), k.to_string())]);
+        writer.add_channel(0, topic, "json", &about).expect("a channel")
+    };
+    let ids: Vec<u16> = channels.iter().enumerate().map(id).collect();
+    for (sequence, (channel, log_time, text)) in (0..).zip(messages) {
+        let header = MessageHeader {
+            channel_id: ids[*channel],
+            sequence,
+            log_time: *log_time,
+            publish_time: *log_time,
+        };
+        writer.write_to_known_channel(&header, text.as_bytes()).expect("written");
+    }
+    writer.finish().expect("finished");
+    drop(writer);
+    bytes.into_inner()
+}
+
+#[test]
+fn a_first_stamp_of_zero_is_named_and_two_publishers_of_a_topic_are_two() {
+    let unset = mcap(&["/d"], &[(0, 0, "{\"x\":1}"), (0, 1_700_000_000_000_000_000, "{\"x\":2}")]);
+    let told = format!("{:#}", Log::of_bytes("x", &unset).expect_err("refused"));
+    assert!(told.starts_with("/d: its first message has the log time 0"), "{told}");
+    let from_zero = mcap(&["/d"], &[(0, 0, "{\"x\":1}"), (0, 1_000_000, "{\"x\":2}")]);
+    assert_eq!(Log::of_bytes("x", &from_zero).expect("a log").series[0].values, [1.0, 2.0]);
+    let two = mcap(&["/d", "/d"], &[(0, 1, "{\"x\":1}"), (1, 2, "{\"x\":7}"), (0, 3, "{\"x\":2}")]);
+    let log = Log::of_bytes("x", &two).expect("a log");
+    assert_eq!(
+        log.series.iter().map(|one| one.values.clone()).collect::<Vec<_>>(),
+        [vec![1.0, 2.0], vec![7.0]]
+    );
+    let told = format!("{:#}", log.get(&"/d.x".into()).expect_err("which"));
+    assert!(told.contains("it has /d#"), "{told}");
+}
+
+#[test]
+fn the_name_of_a_log_is_one_line_of_the_header() {
+    let rig = Rig::builtin("servo-b-tuned").expect("a built-in rig");
+    let log = Log::of_bytes("a\n# crc32 = 0\u{1b}[2J.csv", b"x,u\n100,0\n100,0\n100,0\n").expect("a log");
+    let map = "[time]\nperiod = \"1.3 ms\"\n[position]\ncolumn = \"x\"\nunit = \"mm\"\n[command]\ncolumn = \"u\"\nunit = \"counts\"\n";
+    let file = import(&log, &ColumnMap::from_text(map, 101_325.0).expect("a map"), &rig, None)
+        .expect("a record")
+        .file;
+    let read = pneudrive_records::target::TargetFile::from_text(&file.to_text()).expect("a TARGET file");
+    assert_eq!(read.get("imported"), Some("a\\n# crc32 = 0\\u{1b}[2J.csv"));
+}
+
+/// The map of docs/logs.md, and a log for it.
+#[test]
+fn the_map_of_the_page_on_logs_is_read() {
+    let page = include_str!("../../../docs/logs.md");
+    let map = page.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).expect("a map");
+    let log = "t,x,p1,u\n0,25.5,5,5\n1.3,25.5,5,5\n2.6,25.5,5,7.5\n20,25.5,5,7.5\n21.3,25.5,5,7.5\n";
+    let found = text(log, map).expect("a record");
+    let sample = found.file.samples[2].1;
+    // 99.5 mm at 12.05 um a count; half open.
+    assert_eq!((sample.position, sample.command), (8257, 1024));
+    assert!(found.remarks.iter().any(|remark| remark.starts_with("GAPS")), "over 5 ms: {:?}", found.remarks);
+}

@@ -7,6 +7,7 @@ use pneudrive_protocol::RecordedSample;
 use pneudrive_records::record::{Record, RecordHead};
 use pneudrive_records::rig_info::{Info, RigParameters};
 use pneudrive_records::target::{IMPORTED, TargetFile, UNKNOWN};
+use pneudrive_records::untrusted::{SENTENCE, sanitised};
 use pneudrive_sim::component::encoder::mm_per_count;
 use pneudrive_sim::{Rig, keys};
 
@@ -54,7 +55,7 @@ pub fn of(log: &Log, rig: &Rig, table: &Table) -> Result<Imported> {
         .collect();
     // What the log has was measured, whatever the rig file says; what it does not have was not.
     file.header.retain(|(key, _)| key != UNKNOWN);
-    file.header.insert(1, (IMPORTED.to_owned(), log.name.clone()));
+    file.header.insert(1, (IMPORTED.to_owned(), sanitised(&log.name, SENTENCE)));
     if !unknown.is_empty() {
         file.header.insert(2, (UNKNOWN.to_owned(), unknown.join(",")));
     }

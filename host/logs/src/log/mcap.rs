@@ -1,4 +1,7 @@
 //! MCAP (mcap.dev/spec) with messages in protobuf or JSON: every number of every field of every topic.
+//!
+//! Messages come in the order of their log times, as the reference library reads them; the order in the file is that in which they
+//! were written. Where more than one channel has a topic, each is a topic of its own: `/drive#1`, `/drive#2`.
 
 mod chunk;
 mod protobuf;
@@ -11,9 +14,10 @@ use mcap::records::{Channel, Record};
 use super::Series;
 use protobuf::Messages;
 
-/// The messages of a topic.
+/// The messages of a channel.
 #[derive(Default)]
 struct Topic {
+    channel: u16,
     times_ns: Vec<u64>,
     /// In the order in which fields are met.
     fields: Vec<(String, Vec<f64>)>,
@@ -43,7 +47,7 @@ struct Reading {
 pub fn read(bytes: &[u8]) -> Result<Vec<Series>> {
     let mut reading = Reading::default();
     chunk::each_record(bytes, &mut |record| reading.take(record))?;
-    let Reading { topics, channels, .. } = reading;
+    let Reading { mut topics, channels, .. } = reading;
     if topics.is_empty() {
         let other = channels.values().find_map(|(topic, encoding)| match encoding {
             Encoding::Other(encoding) => Some(format!("{topic} is in {encoding:?}")),
@@ -53,6 +57,11 @@ pub fn read(bytes: &[u8]) -> Result<Vec<Series>> {
             Some(other) => bail!("{other}: only protobuf and json can be read"),
             None => bail!("it has no messages"),
         }
+    }
+    name_channels(&mut topics);
+    for (name, topic) in &mut topics {
+        topic.sort();
+        topic.check_first_stamp().with_context(|| name.clone())?;
     }
     let first = topics.iter().filter_map(|(_, topic)| topic.times_ns.first()).min().copied().unwrap_or(0);
     Ok(topics.into_iter().flat_map(|(name, topic)| topic.into_series(&name, first)).collect())
@@ -74,7 +83,7 @@ impl Reading {
                     self.channels.get(&header.channel_id).context("a message has no channel")?;
                 let numbers = numbers(encoding, &data).with_context(|| format!("a message of {name}"))?;
                 if let Some(numbers) = numbers {
-                    topic(&mut self.topics, name).append(header.log_time, numbers);
+                    topic(&mut self.topics, name, header.channel_id).append(header.log_time, numbers);
                 }
             }
             _ => {}
@@ -94,13 +103,26 @@ impl Reading {
     }
 }
 
-fn topic<'a>(topics: &'a mut Vec<(String, Topic)>, name: &str) -> &'a mut Topic {
-    let place = topics.iter().position(|(other, _)| other == name).unwrap_or_else(|| {
-        topics.push((name.to_owned(), Topic::default()));
+fn topic<'a>(topics: &'a mut Vec<(String, Topic)>, name: &str, channel: u16) -> &'a mut Topic {
+    let place = topics.iter().position(|(_, topic)| topic.channel == channel).unwrap_or_else(|| {
+        topics.push((name.to_owned(), Topic { channel, ..Topic::default() }));
         topics.len() - 1
     });
     &mut topics[place].1
 }
+
+/// Numbers the channels that share a topic.
+fn name_channels(topics: &mut [(String, Topic)]) {
+    let names: Vec<String> = topics.iter().map(|(name, _)| name.clone()).collect();
+    for (name, topic) in topics {
+        if names.iter().filter(|other| *other == name).count() > 1 {
+            *name = format!("{name}#{}", topic.channel);
+        }
+    }
+}
+
+/// A clock that is further behind the next message, ns, had no time yet when it stamped the first one.
+const A_DAY_NS: u64 = 86_400_000_000_000;
 
 impl Topic {
     fn append(&mut self, time_ns: u64, numbers: Vec<(String, f64)>) {
@@ -114,6 +136,27 @@ impl Topic {
             self.fields[place].1.push(number);
         }
         self.fields.iter_mut().for_each(|(_, values)| values.resize(before + 1, f64::NAN));
+    }
+
+    /// Puts the messages in the order of their times; those of one time stay in that of the file.
+    fn sort(&mut self) {
+        let mut order: Vec<usize> = (0..self.times_ns.len()).collect();
+        order.sort_by_key(|&place| self.times_ns[place]);
+        self.times_ns = order.iter().map(|&place| self.times_ns[place]).collect();
+        for (_, values) in &mut self.fields {
+            *values = order.iter().map(|&place| values[place]).collect();
+        }
+    }
+
+    /// Refuses a message that was stamped before its recorder had a time.
+    fn check_first_stamp(&self) -> Result<()> {
+        let without = self.times_ns.iter().take_while(|time| **time == 0).count();
+        match self.times_ns.get(without) {
+            Some(next) if without > 0 && *next > A_DAY_NS => bail!(
+                "its first message has the log time 0 and the next one {next} ns: the recorder had no time yet; cut the beginning off, as with `mcap filter --start`"
+            ),
+            _ => Ok(()),
+        }
     }
 
     fn into_series(self, topic: &str, first_ns: u64) -> Vec<Series> {

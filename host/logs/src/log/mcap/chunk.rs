@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use anyhow::{Context, Result, bail};
+use mcap::MAGIC;
 use mcap::read::LinearReader;
 use mcap::records::{ChunkHeader, Record};
 
@@ -14,6 +15,11 @@ const LARGEST: u64 = 1 << 30;
 /// # Errors
 /// When the file is damaged, or `take` refuses a record.
 pub fn each_record(bytes: &[u8], take: &mut dyn FnMut(Record<'_>) -> Result<()>) -> Result<()> {
+    if bytes.len() < 2 * MAGIC.len() || !bytes.ends_with(MAGIC) {
+        bail!(
+            "it is cut: it does not end as an MCAP file does; `mcap recover` makes a whole file of what is there"
+        );
+    }
     for record in LinearReader::new(bytes)? {
         match record.context("it is damaged")? {
             Record::Chunk { header, data } => {
