@@ -31,8 +31,8 @@ pub(crate) const HEADER_CRC: &str = "header_crc32";
 /// The beginning of the last line.
 const CRC: &str = "# crc32 = ";
 
-/// More samples than this exceed the memory of a small machine.
-const MAX_SAMPLES: usize = 10_000_000;
+/// The most samples of a file that is read: more exceed the memory of a small machine.
+pub const MAX_SAMPLES: usize = 10_000_000;
 
 /// The destination of a stream.
 pub trait Disk: Write {

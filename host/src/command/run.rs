@@ -11,6 +11,7 @@ use pneudrive_protocol::{Mode, Status, UNTIL_STOPPED};
 use pneudrive_records::move_points::Through;
 use pneudrive_records::parameter_names::is_parameter;
 use pneudrive_records::rig_info::RigParameters;
+use pneudrive_records::stream_file::MAX_SAMPLES;
 use pneudrive_sim::Rig;
 use pneudrive_sim::component::controller;
 use pneudrive_sim::keys;
@@ -28,6 +29,9 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
     let mut client = arguments.port.connect()?;
     let streaming = arguments.stream.as_deref().map(|path| (path, arguments.every));
     let last_sample = last_sample(arguments, &rig)?;
+    if arguments.stream.is_some() {
+        check_length(last_sample, arguments.every, &rig)?;
+    }
     run_test(&mut client, &rig, last_sample, arguments.config, streaming)?;
     json::figures(
         || json!({ "rig": rig.name(), "ended_by": if last_sample == UNTIL_STOPPED { "Ctrl-C" } else { "the test" } }),
@@ -111,6 +115,26 @@ fn last_sample(arguments: &Run, rig: &Rig) -> Result<u32> {
             f64::from(UNTIL_STOPPED) * period.as_secs_f64() / 86_400.0
         )
     })
+}
+
+/// Refuses a stream of more samples than any command reads, before anything moves.
+fn check_length(last_sample: u32, every: u16, rig: &Rig) -> Result<()> {
+    let (samples, most) = (u64::from(last_sample) / u64::from(every) + 1, MAX_SAMPLES as u64);
+    let enough = u64::from(last_sample) / most + 1;
+    let period_s = f64::from(rig.period_us().get()) / 1e6;
+    match last_sample {
+        UNTIL_STOPPED => {
+            let hours = most as f64 * f64::from(every) * period_s / 3600.0;
+            tell!(
+                "note: after {hours:.1} h the stream has more than the {most} samples that a command reads; a larger --every makes it longer"
+            );
+        }
+        _ if samples > most => bail!(
+            "--stream: the run has {samples} samples for the file, and a command reads {most} at most; stream every {enough}th with --every {enough}, or make the run shorter"
+        ),
+        _ => {}
+    }
+    Ok(())
 }
 
 /// Downloads the test of a rig (with its parameters, if asked for), arms, starts and follows it to this
