@@ -14,6 +14,7 @@ mod transients;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use pneudrive_link::port::address;
 use pneudrive_rigs::wiring::WiringFault;
 use pneudrive_sim::trace::{EXTRAS, Extra};
 
@@ -287,8 +288,8 @@ pub struct Virtual {
 
 /// Where a virtual rig can listen.
 fn listen_address(text: &str) -> Result<String, String> {
-    match text.strip_prefix("tcp:") {
-        Some(address) if address.trim_start_matches('/').contains(':') => Ok(text.to_owned()),
+    match address(text) {
+        Some(address) if address.contains(':') => Ok(format!("tcp:{address}")),
         None if text == "pty" => Ok(text.to_owned()),
         _ => Err("write pty or tcp:HOST:PORT, such as tcp:127.0.0.1:4000".to_owned()),
     }

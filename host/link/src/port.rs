@@ -55,12 +55,32 @@ pub trait Link: Send {
 /// # Errors
 /// When there is no such port, or another program holds it.
 pub fn open(name: &str) -> Result<Box<dyn Link>> {
-    if let Some(address) = name.strip_prefix("tcp://") {
+    if let Some(address) = address(name) {
         return open_tcp(address).with_context(|| {
             format!("cannot reach a rig at {name}; is one listening there (`pneudrive virtual ... --listen tcp:{address}`)?")
         });
     }
     open_serial(name.strip_prefix("pty:").unwrap_or(name))
+}
+
+/// The address in the name of a port: `tcp://HOST:PORT`, `TCP:HOST:PORT` or `HOST:PORT`; None of a device.
+#[must_use]
+pub fn address(name: &str) -> Option<&str> {
+    if let Some((scheme, rest)) = name.split_at_checked(4)
+        && scheme.eq_ignore_ascii_case("tcp:")
+    {
+        return Some(rest.trim_start_matches('/'));
+    }
+    let (host, number) = name.rsplit_once(':')?;
+    let is_host = !host.is_empty() && host != "pty" && !host.contains(['/', '\\']);
+    (is_host && number.parse::<u16>().is_ok()).then_some(name)
+}
+
+/// What to say of a name that another system has.
+fn of_another_system(path: &str) -> &'static str {
+    let number = path.split_at_checked(3).filter(|(com, _)| com.eq_ignore_ascii_case("com"));
+    let is_com = number.is_some_and(|(_, number)| number.trim_end_matches(':').parse::<u16>().is_ok());
+    if is_com && !cfg!(windows) { ", a name of a port of Windows" } else { "" }
 }
 
 fn open_serial(path: &str) -> Result<Box<dyn Link>> {
@@ -69,7 +89,11 @@ fn open_serial(path: &str) -> Result<Box<dyn Link>> {
         if is_held(&error) {
             anyhow::anyhow!("another program has {path} open; close it first")
         } else {
-            anyhow::Error::new(error).context(format!("cannot open {path}{}", available()))
+            anyhow::Error::new(error).context(format!(
+                "cannot open {path}{}{}",
+                of_another_system(path),
+                available()
+            ))
         }
     })?;
     let reader = port.try_clone().with_context(|| format!("cannot read from {path}"))?;
@@ -83,12 +107,23 @@ fn is_held(error: &serialport::Error) -> bool {
 }
 
 fn open_tcp(address: &str) -> Result<Box<dyn Link>> {
-    let Some(address) = address.to_socket_addrs()?.next() else { bail!("{address} has no address") };
-    let stream = TcpStream::connect_timeout(&address, Duration::from_secs(3))?;
+    let stream = first_that_answers(address)?;
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(READ_WAIT))?;
     stream.set_write_timeout(Some(READ_WAIT))?;
     Ok(Box::new(Wire::new(stream.try_clone()?, stream)))
+}
+
+/// Connects to the first address of a name that answers: a name may have an IPv6 address on which nobody listens.
+fn first_that_answers(name: &str) -> Result<TcpStream> {
+    let mut refusals = Vec::new();
+    for address in name.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&address, Duration::from_secs(3)) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => refusals.push(format!("{address}: {error}")),
+        }
+    }
+    bail!("{}", if refusals.is_empty() { format!("{name} has no address") } else { refusals.join("; ") })
 }
 
 /// The available serial ports, for the end of an error message.
@@ -224,4 +259,41 @@ pub fn write_within(stream: &mut (impl Write + ?Sized), mut bytes: &[u8], wait: 
 #[must_use]
 pub fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use super::*;
+
+    #[test]
+    fn an_address_is_known_however_it_is_written_and_a_device_is_none() {
+        for name in ["tcp://rig:4000", "TCP://rig:4000", "tcp:rig:4000", "Tcp:rig:4000", "rig:4000"] {
+            assert_eq!(address(name), Some("rig:4000"), "{name}");
+        }
+        assert_eq!(address("[::1]:4000"), Some("[::1]:4000"));
+        for name in
+            ["/dev/ttyACM0", "COM3", "COM10", "pty:/tmp/rig", "pty:4", "C:\\x:1", "rig", ":4000", "rig:x"]
+        {
+            assert_eq!(address(name), None, "{name}");
+        }
+    }
+
+    /// localhost is ::1 first on many systems, and a rig listens on one of its addresses.
+    #[test]
+    fn every_address_of_a_name_is_tried() {
+        for listener in ["127.0.0.1:0", "[::1]:0"].into_iter().filter_map(|own| TcpListener::bind(own).ok()) {
+            let number = listener.local_addr().expect("an address").port();
+            let is_named = format!("localhost:{number}")
+                .to_socket_addrs()
+                .is_ok_and(|mut all| all.any(|one| Some(one) == listener.local_addr().ok()));
+            assert!(!is_named || first_that_answers(&format!("localhost:{number}")).is_ok(), "{listener:?}");
+        }
+        let refusal = open("COM10").err().expect("no such port").to_string();
+        assert!(
+            cfg!(windows) || refusal.starts_with("cannot open COM10, a name of a port of Windows"),
+            "{refusal}"
+        );
+    }
 }

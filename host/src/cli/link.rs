@@ -7,12 +7,12 @@ use std::time::Duration;
 use clap::Args;
 use pneudrive_controller::Fault;
 use pneudrive_link::client::Client;
+use pneudrive_link::port::address;
 use pneudrive_records::words;
 
 /// The name of a port in the form that `port::open` takes.
 fn port(text: &str) -> Result<String, String> {
-    let address = text.strip_prefix("tcp:").map(|address| address.trim_start_matches('/'));
-    match address {
+    match address(text) {
         Some(address) => match address.rsplit_once(':') {
             Some((_, number)) if number.parse::<NonZeroU16>().is_ok() => Ok(format!("tcp://{address}")),
             Some((_, number)) => Err(format!("{number:?} is not a port number, 1 to 65535")),
