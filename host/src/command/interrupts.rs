@@ -1,8 +1,8 @@
 //! While a cylinder may move, Ctrl-C stops the rig, and so does an output that can no longer be written: a drive is not
 //! left unattended.
 
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock, Once};
 
 use anyhow::{Error, Result};
 use pneudrive_protocol::Mode;
@@ -10,13 +10,14 @@ use pneudrive_protocol::Mode;
 use crate::exit::Exit;
 use crate::output;
 
-/// While one exists, Ctrl-C sets a flag for the code that follows the drive. At other times it ends the program.
+/// While one exists, Ctrl-C or a signal to end sets a flag for the code that follows the drive. At other times it ends the program.
 pub(super) struct Interrupts;
 
-/// Whether the drive is to stop, and whether Ctrl-C asked for it.
-static STOP: AtomicBool = AtomicBool::new(false);
-static PRESSED: AtomicBool = AtomicBool::new(false);
-static WATCHED: AtomicBool = AtomicBool::new(false);
+/// Whether the drive is to stop, and whether Ctrl-C or a signal asked for it.
+static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+static PRESSED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+/// Whether nothing follows a drive, so that the program may end at once.
+static UNWATCHED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 impl Interrupts {
     /// Watches from now on until this is dropped.
@@ -24,18 +25,20 @@ impl Interrupts {
         static INSTALLED: Once = Once::new();
         INSTALLED.call_once(|| {
             let handler = || {
-                if WATCHED.load(Ordering::Relaxed) {
-                    PRESSED.store(true, Ordering::Relaxed);
-                    STOP.store(true, Ordering::Relaxed);
-                } else {
+                if UNWATCHED.load(Ordering::Relaxed) {
                     std::process::exit(Exit::Interrupted as i32);
                 }
+                PRESSED.store(true, Ordering::Relaxed);
+                STOP.store(true, Ordering::Relaxed);
             };
             if ctrlc::set_handler(handler).is_err() {
                 tell!("note: Ctrl-C will not stop the rig; use `pneudrive device stop`");
             }
+            if let Err(error) = watch_signals() {
+                tell!("note: a signal will not stop the rig ({error}); use `pneudrive device stop`");
+            }
         });
-        WATCHED.store(true, Ordering::Relaxed);
+        UNWATCHED.store(false, Ordering::Relaxed);
         Interrupts
     }
 
@@ -89,10 +92,37 @@ impl Interrupts {
     }
 }
 
+/// Has SIGTERM and, unless it is ignored as under nohup, SIGHUP do what Ctrl-C does.
+#[cfg(unix)]
+fn watch_signals() -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGTERM};
+    use signal_hook::flag;
+    for signal in [SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal)) {
+        flag::register_conditional_shutdown(signal, Exit::Interrupted as i32, Arc::clone(&UNWATCHED))?;
+        flag::register(signal, Arc::clone(&PRESSED))?;
+        flag::register(signal, Arc::clone(&STOP))?;
+    }
+    Ok(())
+}
+
+/// Whether who started the program has it ignore a signal. Linux tells; elsewhere none counts as ignored.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask >> (signal - 1) & 1 == 1
+}
+
+#[cfg(not(unix))]
+fn watch_signals() -> std::io::Result<()> {
+    Ok(())
+}
+
 const UNHEARD: &str = "the output of this program can no longer be written";
 
 impl Drop for Interrupts {
     fn drop(&mut self) {
-        WATCHED.store(false, Ordering::Relaxed);
+        UNWATCHED.store(true, Ordering::Relaxed);
     }
 }
