@@ -145,6 +145,13 @@ pub fn is_broken() -> bool {
     })
 }
 
+/// Whether a terminal takes escape codes: TERM=dumb says that it does not, NO_COLOR that nobody wants them.
+#[must_use]
+pub fn takes_escapes() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !is_set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
 /// The exit code that the output calls for: a reader that has gone is not worth a message, a full disk is.
 #[must_use]
 pub fn verdict() -> Exit {

@@ -38,7 +38,7 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
         }
         json::figures(|| figures(&units, &status, begun.elapsed()));
         json::line();
-        show(&line(&units, &status, client.losses()));
+        show(&units, &status, client.losses());
         if output::is_broken() {
             break; // Nobody reads the output any more.
         }
@@ -49,13 +49,34 @@ pub(super) fn execute(arguments: &Monitor) -> Result<()> {
     Ok(())
 }
 
-/// On a terminal, overwrites one line; elsewhere, writes a line per status.
-fn show(line: &str) {
-    if stdout().is_terminal() && !json::is_wanted() {
+/// Characters of a narrow terminal, less the one that would wrap.
+const WIDTH: usize = 79;
+
+/// On a terminal that can, overwrites one line; elsewhere, writes a line per status.
+fn show(units: &Units, status: &Status, losses: (u32, u32)) {
+    if stdout().is_terminal() && !json::is_wanted() && output::takes_escapes() {
+        let line: String = short_line(units, status, losses).chars().take(WIDTH).collect();
         Stream::Output.note(Stream::Output.write(format!("\r{line}\x1b[K").as_bytes()));
     } else {
-        say!("{line}");
+        say!("{}", line(units, status, losses));
     }
+}
+
+/// A status for one line of a terminal: without units where all are the same.
+fn short_line(units: &Units, s: &Status, (damaged, repeats): (u32, u32)) -> String {
+    let lost = s.damaged_frames.saturating_add(damaged).saturating_add(repeats);
+    let link = if lost == 0 { units.time(s.index) } else { format!("link: {lost} lost") };
+    let pressures = [s.pressure_1, s.pressure_2].map(|raw| units.pressure(raw));
+    let pressures = pressures.map(|text| text.trim_end_matches(" kPa").to_owned());
+    format!(
+        "{:<9} {:>10}  off {:>9}  u {:>6}  P {:>6} {:>6} kPa  {link}",
+        mode(s),
+        units.length(s.position),
+        units.length(s.error),
+        s.command,
+        pressures[0],
+        pressures[1],
+    )
 }
 
 fn new_csv(path: &Path) -> Result<BufWriter<std::fs::File>> {
@@ -141,4 +162,29 @@ fn line(units: &Units, s: &Status, (damaged, repeats): (u32, u32)) -> String {
         units.pressure(s.pressure_2),
         units.time(s.index)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use pneudrive_controller::Parameters;
+    use pneudrive_records::rig_info::RigParameters;
+
+    use super::*;
+
+    #[test]
+    fn a_status_fits_into_eighty_columns() {
+        let units = Units::of(&RigParameters { values: Parameters::default(), lacking: Vec::new() });
+        let status = Status {
+            position: 24_896,
+            error: -20_000,
+            command: -2048,
+            pressure_1: 4095,
+            pressure_2: 4095,
+            index: 999_999,
+            ..Status::default()
+        };
+        let line = short_line(&units, &status, (0, 0));
+        assert!(line.chars().count() <= WIDTH && line.ends_with(" s"), "{} {line}", line.len());
+        assert!(short_line(&units, &status, (3, 4)).ends_with("link: 7 lost"));
+    }
 }

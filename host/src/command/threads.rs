@@ -5,12 +5,19 @@ use std::num::NonZeroUsize;
 use anyhow::{Context, Result};
 use pneudrive_analysis::parallel;
 
+/// More threads than this no machine serves better, and some systems do not start.
+const MOST: NonZeroUsize = NonZeroUsize::new(256).unwrap();
+
 /// Sets the number of threads of the pool, and returns it; by default, one for each processor.
 ///
 /// # Errors
 /// When the system cannot start them.
 pub(super) fn prepare(asked: Option<NonZeroUsize>) -> Result<NonZeroUsize> {
     if let Some(threads) = asked {
+        let threads = threads.min(MOST);
+        if Some(threads) != asked {
+            tell!("note: --threads is at most {threads}");
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
         pool.build_global().with_context(|| format!("cannot run on {threads} threads"))?;
     }
