@@ -29,6 +29,7 @@ pub mod point;
 pub mod report;
 
 use crc::{CRC_64_XZ, Crc};
+use pneudrive_sim::rig::all_keys;
 use pneudrive_sim::{Accuracy, Rig};
 
 pub use axis::Axis;
@@ -136,13 +137,18 @@ impl Sweep {
         Accuracy { tolerance: self.tolerance.unwrap_or(usual.tolerance), ..usual }
     }
 
+    /// All values of the rig with its settings, however its file is written.
+    fn meaning(&self) -> Vec<String> {
+        all_keys().filter_map(|key| Some(format!("{}={}", key.path, self.rig.value(key.path)?))).collect()
+    }
+
     /// A number that is another one if any row of the result may be: it tells the results of one sweep from
-    /// those of another. Objective and constraints do not count, nor do comments.
+    /// those of another. Objective and constraints do not count, nor do comments and line breaks.
     #[must_use]
     pub fn identity(&self) -> u64 {
         const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
         let mut digest = CRC.digest();
-        let about = (&self.rig_source.text, &self.settings, self.tolerance, self.settled_mm, self.draws);
+        let about = (self.meaning(), self.tolerance, self.settled_mm, self.draws);
         digest.update(format!("{}", self.ensemble).as_bytes());
         digest.update(format!("{about:?}{}", env!("CARGO_PKG_VERSION")).as_bytes());
         digest.update(format!("{}", metric::REVISION).as_bytes());

@@ -12,8 +12,7 @@
 //! in the rig; a list is then `{ values = [0.7, 1.0, 1.3], scale = [...] }`.
 
 use pneudrive_sim::Rig;
-use pneudrive_sim::rig::value_of_setting;
-use pneudrive_sim::rig::{Key, Kind, all_keys};
+use pneudrive_sim::rig::{Key, Kind, all_keys, read_quantity, unit, value_of_setting};
 use toml_edit::{Array, Item, TableLike, Value};
 
 use super::super::axis::{Axis, Distribution, Draw, Range};
@@ -42,7 +41,8 @@ pub(super) fn axis(
     number: u64,
 ) -> Result<Axis, String> {
     let scaled = item.as_table_like().and_then(|table| table.get("scale")).map_or(Ok(Vec::new()), scaled)?;
-    let spread = spread(item)?;
+    let (name, spread) = in_key_units(name, spread(item)?)?;
+    let name = name.as_str();
     let whole = if scaled.is_empty() {
         matches!(variable(name)?.kind, Kind::Integer { .. })
     } else {
@@ -71,6 +71,31 @@ pub(super) fn axis(
         axis.levels.iter().try_for_each(|level| check(&axis, rig, level))?;
     }
     Ok(axis)
+}
+
+/// The key of a name without its unit, `load.mass`, and the values of its list, `["1 kg"]`, in the unit of the key.
+fn in_key_units(name: &str, spread: Spread) -> Result<(String, Spread), String> {
+    let Some(key) = all_keys().find(|key| is_without_unit(key, name)) else {
+        return Ok((name.to_owned(), spread));
+    };
+    let Spread::Listed(levels) = spread else {
+        return Err(format!("has no unit here; write {}", key.path));
+    };
+    let in_unit = |level: &String| match read_quantity(level, key.unit())? {
+        reading if reading.gauge => Err(format!(
+            "{level} counts from exhaust.pressure_pa, which a sweep may vary; write it as absolute"
+        )),
+        reading => Ok(format!("{:?}", reading.value)),
+    };
+    let levels = levels.iter().map(in_unit).collect::<Result<_, String>>()?;
+    Ok((key.path.to_owned(), Spread::Listed(levels)))
+}
+
+/// Whether a name is that of a key without its unit.
+fn is_without_unit(key: &Key, name: &str) -> bool {
+    let (stem, unit) = unit(key.name());
+    let table = key.path.strip_suffix(key.name()).unwrap_or_default();
+    !unit.is_empty() && matches!(key.kind, Kind::Number { .. }) && name.strip_prefix(table) == Some(stem)
 }
 
 impl Axis {
