@@ -114,6 +114,12 @@ impl Instance {
         if !start_time.is_finite() {
             bail!("the start time must be a finite number of seconds, is {start_time}");
         }
+        if lost_at(start_time) > LOST_OF_PERIOD * self.fixed.period_s {
+            bail!(
+                "near a start time of {start_time} s numbers are too far apart for a sample every {} s; let it begin nearer to 0",
+                self.fixed.period_s
+            );
+        }
         (self.now.phase, self.now.start_time) = (Phase::Initialising, start_time);
         Ok(())
     }
@@ -162,14 +168,15 @@ impl Instance {
     pub fn step(&mut self, time: f64, step: f64) -> Result<()> {
         self.require(&[Phase::Stepping], "stepped")?;
         let period_s = self.fixed.period_s;
-        // A sum of steps is not exact.
-        let is_present = (time - self.time()).abs() <= 1e-3 * period_s;
+        // Times are sums of steps, and steps differences of times: each has lost what lies between two doubles there.
+        let lost = lost_at(self.time());
+        let is_present = (time - self.time()).abs() <= 1e-3 * period_s + lost;
         if !is_present {
             bail!("the step begins at {time} s, but the FMU is at {} s", self.time());
         }
         let samples = (step / period_s).round();
         let fits = (1.0..=f64::from(u32::MAX)).contains(&samples)
-            && (step / period_s - samples).abs() <= 1e-6 * samples;
+            && (step - samples * period_s).abs() <= 1e-6 * samples * period_s + lost;
         if !fits {
             bail!(
                 "a step of {step} s is no whole number of samples: the sample period is {period_s} s (controller.period_s)"
@@ -262,6 +269,14 @@ impl Instance {
         }
         Ok(())
     }
+}
+
+/// More than this part of a sample period must not be lost between two doubles.
+const LOST_OF_PERIOD: f64 = 0.1;
+
+/// What sums and differences of times lose near one, s: some distances from a double to the next.
+fn lost_at(time: f64) -> f64 {
+    4.0 * (time.abs().next_up() - time.abs())
 }
 
 const NOT_KEPT: &str = "this state is not one that this instance keeps";

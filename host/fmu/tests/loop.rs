@@ -286,6 +286,25 @@ fn a_step_that_is_no_multiple_of_the_sample_is_refused_with_the_period() {
     assert_eq!(plant.instance.time(), 0.0026);
 }
 
+/// Seconds since 1970, of which a double holds a quarter of a microsecond: steps are differences of such times.
+#[test]
+fn a_run_may_begin_at_the_time_of_day() {
+    let rig = rig("servo-b-tuned", &[]);
+    let mut drive = Fmu::instantiated(Part::Drive, &rig);
+    let start = 1_767_225_600.123;
+    drive.instance.enter_initialisation(start).expect("a start time");
+    drive.instance.exit_initialisation().expect("a valid rig");
+    for k in 0..200 {
+        let [now, next] = [k, k + 1].map(|k| start + f64::from(k) * 0.0013);
+        drive.instance.step(now, next - now).unwrap_or_else(|refused| panic!("sample {k}: {refused}"));
+    }
+    let told = drive.instance.step(start, 0.0013).expect_err("another time").to_string();
+    assert!(told.contains("but the FMU is at"), "{told}");
+    let mut far = Fmu::instantiated(Part::Drive, &rig);
+    let told = far.instance.enter_initialisation(1e13).expect_err("too far").to_string();
+    assert!(told.contains("too far apart for a sample every 0.0013 s"), "{told}");
+}
+
 #[test]
 fn values_that_cannot_be_are_refused_by_name() {
     let rig = rig("servo-b-tuned", &[]);
