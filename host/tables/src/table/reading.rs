@@ -170,12 +170,17 @@ impl Reading {
                 .filter(|record| record.line >= first.line && record.cells.len() == cells)
                 .all(|record| record.filled() < cells)
         };
-        if head_cells < cells && ends_empty() {
+        let is_behind_all = ends_empty();
+        if head_cells < cells && is_behind_all {
             self.table.columns = cells - 1;
         }
         let columns = self.table.columns;
+        // A delimiter more may stand at the end of all lines, of the rows or of the heads; a cell more is a name cut in two.
+        let most = if is_behind_all { cells } else { cells + 1 };
         let is_head = |record: &&Record| {
-            record.filled() > 1 && record.filled() <= columns && record.cells.len() >= columns
+            record.filled() > 1
+                && record.filled() <= columns
+                && (columns..=most).contains(&record.cells.len())
         };
         if let Some(head) = heads.last().filter(|head| head.filled() > 1 && !is_head(head)) {
             return Err(Problem::new(format!(
