@@ -114,7 +114,7 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
         log.set_boot(boot.unwrap_or(0).wrapping_add(1));
         let recovery = match boot {
             None => Recovery::Lost,
-            Some(_) => Recovery::Kept { events: log.newest_first().count(), damaged },
+            Some(_) => Recovery::Kept { events: log.events(), damaged },
         };
         (log, recovery)
     }
@@ -182,7 +182,7 @@ impl<M: BorrowMut<Memory>> FaultLog<M> {
     fn go_on_after(&mut self, newest: &Event) -> Restored {
         self.next = newest.number.wrapping_add(1);
         self.set_boot(self.boot.max(newest.boot.wrapping_add(1)));
-        Restored::Events(self.newest_first().count())
+        Restored::Events(self.events())
     }
 
     /// Logs a fault: its code, the index k of the sample, the position in counts, and the microseconds since

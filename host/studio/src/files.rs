@@ -46,7 +46,7 @@ impl Files {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let there = fs::read(&path);
         let theirs = match &there {
-            Ok(there) => !known.get(name).is_some_and(|known| without_mark(there) == known.as_bytes()),
+            Ok(there) => known.get(name).is_none_or(|known| without_mark(there) != known.as_bytes()),
             Err(error) => error.kind() != std::io::ErrorKind::NotFound,
         };
         if theirs && !replace {
