@@ -12,7 +12,7 @@
 //! - *Noise at start-up* is not a frame and is skipped, whatever its bytes.
 
 use std::io::{self, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -116,14 +116,17 @@ fn open_tcp(address: &str) -> Result<Box<dyn Link>> {
 
 /// Connects to the first address of a name that answers: a name may have an IPv6 address on which nobody listens.
 fn first_that_answers(name: &str) -> Result<TcpStream> {
-    let mut refusals = Vec::new();
-    for address in name.to_socket_addrs()? {
-        match TcpStream::connect_timeout(&address, Duration::from_secs(3)) {
+    let addresses: Vec<SocketAddr> = name.to_socket_addrs()?.collect();
+    let mut last = None;
+    for address in &addresses {
+        match TcpStream::connect_timeout(address, Duration::from_secs(3)) {
             Ok(stream) => return Ok(stream),
-            Err(error) => refusals.push(format!("{address}: {error}")),
+            Err(error) => last = Some(error),
         }
     }
-    bail!("{}", if refusals.is_empty() { format!("{name} has no address") } else { refusals.join("; ") })
+    let Some(last) = last else { bail!("{name} has no address") };
+    let tried: Vec<String> = addresses.iter().map(SocketAddr::to_string).collect();
+    Err(anyhow::Error::new(last).context(format!("no answer from {}", tried.join(", "))))
 }
 
 /// The available serial ports, for the end of an error message.

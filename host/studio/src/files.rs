@@ -119,4 +119,28 @@ mod tests {
             assert!(file_name(name).is_err(), "{name}");
         }
     }
+
+    /// A rig file under version control, linked into the folder, private, from an editor of another system.
+    #[cfg(unix)]
+    #[test]
+    fn a_rig_file_keeps_its_link_its_mode_its_mark_and_its_line_breaks() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().expect("a folder");
+        let (kept, link) = (folder.path().join("kept.toml"), folder.path().join("mine.toml"));
+        fs::write(&kept, "\u{feff}[load]\r\nmass_kg = 1.0 # weighed\r\n").expect("written");
+        fs::set_permissions(&kept, fs::Permissions::from_mode(0o600)).expect("a mode");
+        symlink("kept.toml", &link).expect("a link");
+        let text = "[load]\r\nmass_kg = 1.0 # weighed\r\n";
+        let files = Files::new(Opened { name: link.display().to_string(), text: text.to_owned() });
+        let settings = ["load.mass_kg=2.0".to_owned()];
+        let new = pneudrive_records::rig_text::with_settings(text, &settings, "given: set in the studio");
+        assert!(files.save("mine.toml", &new.expect("TOML"), false).is_ok());
+        let saved = fs::read_to_string(&kept).expect("there");
+        let line = "mass_kg = 2.0  # given: set in the studio; before: weighed";
+        assert_eq!(saved, format!("\u{feff}[load]\r\n{line}\r\n"));
+        assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+        assert_eq!(fs::metadata(&kept).expect("there").permissions().mode() & 0o777, 0o600);
+        fs::write(&kept, "changed by another program").expect("written");
+        assert!(files.save("mine.toml", text, false).is_err());
+    }
 }

@@ -11,6 +11,9 @@ const EVEN: f64 = 0.01;
 /// Behind a gap, samples of an even clock are within this part of a step of where they would be without.
 const IN_STEP: f64 = 0.1;
 
+/// Times that differ by less than this part of a step are the same.
+const SAME: f64 = 1e-6;
+
 /// The most samples of a record.
 const MOST: f64 = 10e6;
 
@@ -117,7 +120,9 @@ fn instants(
 impl Sampled {
     /// The value at a time within the log.
     fn at(&self, time: f64, holds: bool) -> f64 {
-        let after = self.time_s.partition_point(|&other| other <= time);
+        // Two sums of the same steps differ in their last digits.
+        let same = time + SAME * self.step_s;
+        let after = self.time_s.partition_point(|&other| other <= same);
         let before = after.saturating_sub(1);
         if holds || after == self.time_s.len() {
             return self.values[before];

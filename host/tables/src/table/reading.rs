@@ -177,20 +177,25 @@ impl Reading {
         let columns = self.table.columns;
         // A delimiter more may stand at the end of all lines, of the rows or of the heads; a cell more is a name cut in two.
         let most = if is_behind_all { cells } else { cells + 1 };
-        let is_head = |record: &&Record| {
+        let is_aligned = |record: &&Record| {
             record.filled() > 1
                 && record.filled() <= columns
                 && (columns..=most).contains(&record.cells.len())
         };
-        if let Some(head) = heads.last().filter(|head| head.filled() > 1 && !is_head(head)) {
+        let names_all = |record: &Record| is_aligned(&record) && record.filled() == columns;
+        // Units may lack the last one, names may not: a decimal comma without quotes would move them.
+        let first_head = heads.iter().rposition(names_all);
+        let is_whole =
+            first_head.is_some_and(|first| heads[first..].iter().all(|record| is_aligned(&record)));
+        if let Some(head) = heads.last().filter(|head| head.filled() > 1 && !is_whole) {
             return Err(Problem::new(format!(
-                "line {} has {} cells and line {} below it {cells}: is the comma both the decimal sign and between the cells, or a name without quotes cut in two? Export it with semicolons or tabs, or with quotes around the cells",
+                "line {} has {} names and line {} below it {columns} cells: is the comma both the decimal sign and between the cells, or a name without quotes cut in two? Export it with semicolons or tabs, or with quotes around the cells",
                 head.line,
-                head.cells.len(),
+                head.filled(),
                 first.line
             )));
         }
-        let heads: Vec<&Record> = heads.iter().rev().take_while(is_head).take(MOST_HEADS).collect();
+        let heads: Vec<&Record> = heads.iter().rev().take_while(is_aligned).take(MOST_HEADS).collect();
         self.table.head_line = heads.last().map_or(first.line, |head| head.line);
         let name = |cell: &str| cell.split_whitespace().collect::<Vec<_>>().join(" ");
         let names = |head: &&Record| head.cells.iter().take(columns).map(name).collect();

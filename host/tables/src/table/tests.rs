@@ -67,6 +67,7 @@ fn units_below_the_heads_and_columns_without_a_head_are_no_names_of_others() {
     let with_units = table("t,x,p\ns,mm,bar\n0,1,2\n0,1,3\n");
     assert_eq!(with_units.names(), ["t", "x", "p"]);
     assert_eq!((with_units.rows(), with_units.line(0), with_units.head_line()), (2, 3, 1));
+    assert_eq!(table("t,x,n\ns,mm,\n0,1,2\n0,1,3\n").names(), ["t", "x", "n"]);
     let without = table("0,1\n1,off\n");
     assert_eq!(without.names(), ["1", "2"]);
     assert_eq!(without.place(&"2".into()), Ok(1));
@@ -128,8 +129,10 @@ fn what_is_no_table_is_refused_with_line_column_cell_and_remedy() {
         ("a,b\n1,2\n3,4,5\n", "line 3 has 3 cells, line 2 has 2"),
         (
             "t,x\n0,000000,98,719625\n0,001300,98,719625\n",
-            "line 1 has 2 cells and line 2 below it 4: is the comma both",
+            "line 1 has 2 names and line 2 below it 4 cells: is the comma both",
         ),
+        ("t,x,\n0,1,15,\n0,1,23,\n", "line 1 has 2 names and line 2 below it 3 cells: is the comma both"),
+        ("t,x,\n0,1,15\n0,1,23\n", "line 1 has 2 names and line 2 below it 3 cells: is the comma both"),
         ("a,b\n1,2\n3,off\n", "line 3, column 2 (\"b\"): \"off\" is not a number; write a number there"),
         ("a,b\n1,2\n3,\n", "line 3, column 2 (\"b\"): is empty"),
         ("a,b\n1,2\na,b\n3,4\n5,6\n", "line 3 interrupts the rows from line 2 on"),
