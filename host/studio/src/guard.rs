@@ -66,7 +66,9 @@ pub async fn watch(State(guard): State<Arc<Guard>>, request: Request, next: Next
             next.run(request).await
         }
         Err(refusal) => {
-            if refusal.status == StatusCode::UNAUTHORIZED && request.headers().contains_key(AUTHORIZATION) {
+            if refusal.status == StatusCode::UNAUTHORIZED
+                && !shown(request.headers()).unwrap_or_default().is_empty()
+            {
                 tokio::time::sleep(PAUSE).await;
             }
             Refused(refusal).into_response()
@@ -76,6 +78,15 @@ pub async fn watch(State(guard): State<Arc<Guard>>, request: Request, next: Next
         answer.headers_mut().insert(HeaderName::from_static(name), HeaderValue::from_static(value));
     }
     answer
+}
+
+fn text_of(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
+    headers.get(name).map(|value| value.to_str().unwrap_or_default())
+}
+
+/// The token that a request shows.
+fn shown(headers: &HeaderMap) -> Option<&str> {
+    text_of(headers, AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "))
 }
 
 /// Notes at a connection that it has shown the token.
@@ -94,7 +105,7 @@ impl Guard {
     /// # Errors
     /// With the reason why it may not.
     pub fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
-        let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or_default());
+        let text = |name| text_of(headers, name);
         let host = text(HOST).filter(|host| self.is_ours(host)).ok_or_else(|| {
             let message = format!("this server is called http://{}, and by no other name", self.address);
             Refusal::new(StatusCode::FORBIDDEN, message)
@@ -102,8 +113,7 @@ impl Guard {
         if text(ORIGIN).is_some_and(|origin| origin.strip_prefix("http://") != Some(host)) {
             return Err(Refusal::new(StatusCode::FORBIDDEN, "another page may not ask this server"));
         }
-        let shown = text(AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
-        if uri.path().starts_with(API) && !shown.is_some_and(|token| self.token.is(token)) {
+        if uri.path().starts_with(API) && !shown(headers).is_some_and(|token| self.token.is(token)) {
             let message =
                 "open the studio by the address that `pneudrive studio` has printed: it holds the token";
             return Err(Refusal::new(StatusCode::UNAUTHORIZED, message));

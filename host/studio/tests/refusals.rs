@@ -79,21 +79,28 @@ fn a_request_of_another_page_is_refused() {
 #[test]
 fn nothing_is_told_and_nothing_done_without_the_token() {
     let studio = studio();
+    // A wrong token waits for its answer.
+    std::thread::scope(|scope| {
+        for (method, path) in ROUTES {
+            let studio = &studio;
+            scope.spawn(move || is_refused_without_the_token(studio, method, path));
+        }
+    });
+}
+
+fn is_refused_without_the_token(studio: &Studio, method: &str, path: &str) {
     let host = studio.local_address().to_string();
     let shorter = &TOKEN[..TOKEN.len() - 1];
-    for (method, path) in ROUTES {
-        let method: Method = method.parse().expect("a method");
-        for shown in ["", "Bearer", "Bearer ", &format!("Bearer {shorter}"), &format!("Basic {TOKEN}"), TOKEN]
-        {
-            let headers =
-                [("host", host.as_str()), ("authorization", shown), ("content-type", "application/json")];
-            let answer = ask(&studio, method.clone(), path, &headers, b"{}".to_vec());
-            assert_eq!(answer.status, StatusCode::UNAUTHORIZED, "{method} {path} with {shown:?}");
-        }
-        let answer = ask(&studio, method.clone(), path, &[("host", &host)], b"{}".to_vec());
-        assert_eq!(answer.status, StatusCode::UNAUTHORIZED, "{method} {path}");
-        assert!(answer.json()["error"].as_str().is_some_and(|why| why.contains("pneudrive studio")));
+    let method: Method = method.parse().expect("a method");
+    for shown in ["", "Bearer", "Bearer ", &format!("Bearer {shorter}"), &format!("Basic {TOKEN}"), TOKEN] {
+        let headers =
+            [("host", host.as_str()), ("authorization", shown), ("content-type", "application/json")];
+        let answer = ask(studio, method.clone(), path, &headers, b"{}".to_vec());
+        assert_eq!(answer.status, StatusCode::UNAUTHORIZED, "{method} {path} with {shown:?}");
     }
+    let answer = ask(studio, method.clone(), path, &[("host", &host)], b"{}".to_vec());
+    assert_eq!(answer.status, StatusCode::UNAUTHORIZED, "{method} {path}");
+    assert!(answer.json()["error"].as_str().is_some_and(|why| why.contains("pneudrive studio")));
 }
 
 /// A form of another page can send no JSON.

@@ -59,7 +59,10 @@ pub fn run_the_test(page: &mut Browser) -> String {
     page.wait_until(&format!("document.getElementById('dialog') || {is_running}"));
     let asked = page.evaluate("document.querySelector('#dialog p')?.textContent ?? ''");
     page.evaluate("document.querySelector('#dialog button.main')?.click()");
-    page.wait_until(is_running);
+    let problem = "document.querySelector('#commission .problem').textContent";
+    let is_refused = format!("/^(not run|disarmed)/.test({problem})");
+    page.wait_until(&format!("{is_running} || {is_refused}"));
+    assert_eq!(page.evaluate(&is_refused), json!(false), "{}", page.evaluate(problem));
     asked.as_str().unwrap_or_default().to_owned()
 }
 
