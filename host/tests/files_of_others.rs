@@ -127,7 +127,7 @@ fn a_signal_to_end_stops_the_drive_and_ends_its_stream() {
         let (folder, rig) = (folder(), unhurried_rig("servo-b-tuned"));
         let mut program = Command::new(env!("CARGO_BIN_EXE_pneudrive"))
             .current_dir(folder.path())
-            .args(["run", "servo-b-tuned", "--port", &rig.port(), "--stream", "run.txt", "--until-stopped"])
+            .args(["run", "servo-b-tuned", "--port", rig.port(), "--stream", "run.txt", "--until-stopped"])
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
