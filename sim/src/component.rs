@@ -3,6 +3,7 @@
 
 pub mod actuator;
 pub mod air;
+pub mod calibration;
 pub mod controller;
 pub mod dither;
 pub mod encoder;

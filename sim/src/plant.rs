@@ -1,7 +1,7 @@
 //! The plant as a controller sees it: a command in, a sample out.
 //!
 //! One [`Plant`] serves the simulator, the virtual rig and the emulated board alike, so that
-//! all of them see the same samples in every bit. Time is whole microseconds; samples are read off
+//! all of them see the same samples in every bit. Time is whole microseconds of the controller's clock; samples are read off
 //! the dense output of the integrator and cost no step.
 
 mod accuracy;
@@ -32,6 +32,8 @@ pub struct Plant {
     start_us: u64,
     period_us: u64,
     delay_us: u64,
+    /// A second of the controller's clock, s: its own times are those of that clock.
+    clock: f64,
     /// Delay of the converter from one channel to the next, microseconds.
     channel_skew_us: u64,
     /// Request in force.
@@ -116,7 +118,9 @@ impl Plant {
         let scale = scale_of(&parts.load.friction);
         let assembly = Assembly::new(parts, &x);
         let start_us = rig.microseconds(&keys::controller::START_S);
+        let clock = 1.0 + 1e-2 * rig.get(&keys::controller::CLOCK_ERROR_PERCENT);
         Plant {
+            clock,
             assembly,
             integrator: Integration::of_parts(accuracy.method, accuracy.tolerance, scale, x),
             sensors: Sensors::new(rig, seed),
@@ -129,7 +133,7 @@ impl Plant {
             due: None,
             restless: false,
             k: 0,
-            sample_time: seconds(start_us),
+            sample_time: clock * seconds(start_us),
         }
     }
 
@@ -365,14 +369,14 @@ impl Plant {
         self.time_of(k * self.period_us + self.delay_us)
     }
 
-    /// The plant's time at this many microseconds after sample 0, s.
+    /// The plant's time at this many microseconds of the controller's clock after sample 0, s.
     fn time_of(&self, after_start_us: u64) -> f64 {
-        seconds(self.start_us + after_start_us)
+        self.clock * seconds(self.start_us + after_start_us)
     }
 
     /// The plant's time `t` seconds after sample 0; to a whole microsecond where the two clocks differ.
     fn plant_time(&self, t: f64) -> f64 {
-        if self.start_us == 0 { t } else { self.time_of((1e6 * t).round() as u64) }
+        if self.start_us == 0 { self.clock * t } else { self.time_of((1e6 * t).round() as u64) }
     }
 
     /// What the run has cost so far.

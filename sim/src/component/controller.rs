@@ -57,6 +57,8 @@ keys! {
     LAW: Law = choice("controller.law", "L(22), L(8)", "How the position error becomes a demand. The variable dead band gain of 6.3.3 has no equation there; dead_band_counts, or zeros at the head of gain_profile, give a fixed one.");
     LOOP: Loop = choice("controller.loop", "L(3)", "Open: moves are valve commands, nothing is fed back.");
     PERIOD_S: f64 = number("controller.period_s", 0.0013, 1e-4, 0.1, "C(41)", "Sample period; whole microseconds.");
+    CLOCK_ERROR_PERCENT: f64 = number("controller.clock_error_percent", 0.0, -10.0, 10.0, "", "How much longer a second of the controller's clock really is; the controller does not know it. Times of test, trace and records are those of its clock.");
+    CLOCK_TOLERANCE_PERCENT: f64 = number("controller.clock_tolerance_percent", 0.5, 0.0, 10.0, "", "How far that clock may be off, for identify. 0.5 is an assumption: that of a ceramic resonator. A crystal has 0.005, an RC oscillator 1 and more; 0: exact.");
     START_S: f64 = number("controller.start_s", 0.0, 0.0, 60.0, "C(40)", "Time for which the drive runs with its valve at the null before the first sample, from the initial state of the test; whole microseconds. Times of test, trace and faults count from the first sample.");
     DELAY_S: f64 = number("controller.delay_s", 0.0005, 1e-6, 0.099_999, "C(26)", "From a sample to its output; whole microseconds, less than the period.");
     GAIN_PROFILE: Vec<i64> = other("controller.gain_profile", Kind::Integers { min: 0, max: GAIN, max_entries: 256 }, Preset::Integers(PROFILE), "Kp(0)..Kp(255)", "Gain on the error, an entry for each span of error; the last one repeats to 256 entries.");
@@ -99,4 +101,8 @@ pub(crate) fn check(rig: &Rig, findings: &mut Findings) {
     }
     let why = "a command is driven before the next sample";
     findings.below(rig, &keys::DELAY_S, &keys::PERIOD_S, why);
+    if rig.get(&keys::CLOCK_ERROR_PERCENT) != 0.0 && rig.get(&keys::MODEL) == Model::Continuous {
+        let message = "must be 0 with controller.model = \"continuous\", which has no clock";
+        findings.note(&keys::CLOCK_ERROR_PERCENT, message);
+    }
 }

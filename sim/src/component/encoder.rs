@@ -64,6 +64,10 @@ keys! {
     RANGE_MM: Option<f64> = optional_number("encoder.range_mm", 1.0, 40_000.0, "from zero_mm to the end of the stroke", "", "Length that an absolute encoder measures; a potentiometer divides it into 2^bits - 1 counts.").of(&["potentiometer", "ssi"]);
     LINEARITY_PERCENT: f64 = number("encoder.linearity_percent", 0.0, 0.0, 5.0, "", "Largest deviation from the straight line through both ends, part of the range; the controller does not know it.").of(&["potentiometer", "ssi"]);
     NOISE_COUNTS: f64 = number("encoder.noise_counts", 0.0, 0.0, 1000.0, "", "Standard deviation of the reading's noise.").of(&["potentiometer", "ssi"]);
+    SCALE_ERROR_PERCENT: f64 = number("encoder.scale_error_percent", 0.0, -10.0, 10.0, "", "How much longer a count really is than the file says; the controller does not know it.");
+    SCALE_TOLERANCE_PERCENT: f64 = number("encoder.scale_tolerance_percent", 0.3, 0.0, 10.0, "", "How far the true length of a count may be from the file's, for identify. 0.3 is an assumption: that of a belt or a measuring wheel. A glass scale or a magnetic tape has 0.01, a scale that was compared with a gauge what that comparison leaves; 0: exact.");
+    OFFSET_ERROR_MM: f64 = number("encoder.offset_error_mm", 0.0, -100.0, 100.0, "", "What the encoder reads at the retracted end of the stroke; the controller does not know it.");
+    OFFSET_TOLERANCE_MM: f64 = number("encoder.offset_tolerance_mm", 0.1, 0.0, 100.0, "", "How far that reading may be from the file's, for identify. 0.1 is an assumption: what a homing run against a stop repeats, and how well the end of the stroke is known; 0: exact.");
 }
 
 /// A count of the encoder, m.

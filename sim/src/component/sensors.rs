@@ -11,6 +11,7 @@ use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+use crate::component::calibration::Calibration;
 use crate::component::encoder::Encoder;
 use crate::component::{controller, faults};
 use crate::key::keys;
@@ -28,6 +29,16 @@ keys! {
     PRESSURE_LAG_S: f64 = number("sensors.pressure_lag_s", 0.0, 0.0, 1.0, "", "First-order lag of the pressure sensors; 0: none.");
     CHANNEL_SKEW_S: f64 = number("sensors.channel_skew_s", 0.0, 0.0, 0.01, "5.3.1", "Delay between the channels of the converter: it reads pressure 1 with the encoder, pressure 2 this much later, and the spool this much after that; whole microseconds, less than half of controller.delay_s. 0: all at once. About 1e-4 on the thesis's test rig.");
     NOISE_COUNTS: f64 = number("sensors.noise_counts", 0.0, 0.0, 1000.0, "", "Standard deviation of the converter's noise.");
+    PRESSURE_1_GAIN_ERROR_PERCENT: f64 = number("sensors.pressure_1_gain_error_percent", 0.0, -20.0, 20.0, "", "What the first sensor reads too much, part of the absolute pressure; the controller does not know it.");
+    PRESSURE_1_OFFSET_ERROR_PA: f64 = number("sensors.pressure_1_offset_error_pa", 0.0, -1e6, 1e6, "", "The same at every pressure.");
+    PRESSURE_2_GAIN_ERROR_PERCENT: f64 = number("sensors.pressure_2_gain_error_percent", 0.0, -20.0, 20.0, "", "What the second sensor reads too much, part of the absolute pressure; the controller does not know it.");
+    PRESSURE_2_OFFSET_ERROR_PA: f64 = number("sensors.pressure_2_offset_error_pa", 0.0, -1e6, 1e6, "", "The same at every pressure.");
+    PRESSURE_GAIN_TOLERANCE_PERCENT: f64 = number("sensors.pressure_gain_tolerance_percent", 2.0, 0.0, 20.0, "", "How far the scale of a pressure reading may be from the file's, for identify: transmitter and converter together. 2 is an assumption: transmitters are sold with 0.25 to 1 % of their span, plus drift by temperature, and the reference of a converter has as much again; 0: exact.");
+    PRESSURE_OFFSET_TOLERANCE_PA: f64 = number("sensors.pressure_offset_tolerance_pa", 5000.0, 0.0, 1e6, "", "How far the zero of a pressure reading may be off, for identify. 5000 is an assumption: 0.5 % of a span of 1 MPa. A zero that was compared with a barometer has some 200; 0: exact.");
+    SPOOL_GAIN_ERROR_PERCENT: f64 = number("sensors.spool_gain_error_percent", 0.0, -20.0, 20.0, "", "What the spool's sensor reads too much, part of the displacement; the controller does not know it.");
+    SPOOL_OFFSET_ERROR_MM: f64 = number("sensors.spool_offset_error_mm", 0.0, -10.0, 10.0, "", "What the spool's sensor reads at mid-travel; the controller does not know it.");
+    SPOOL_GAIN_TOLERANCE_PERCENT: f64 = number("sensors.spool_gain_tolerance_percent", 1.0, 0.0, 20.0, "", "How far the scale of the spool's sensor may be from the file's, for identify; 1 is an assumption; 0: exact.");
+    SPOOL_OFFSET_TOLERANCE_MM: f64 = number("sensors.spool_offset_tolerance_mm", 0.01, 0.0, 10.0, "", "How far the zero of the spool's sensor may be off, for identify; 0.01 is an assumption; 0: exact.");
 }
 
 /// What the ranges must hold.
@@ -139,6 +150,8 @@ pub struct Sensors {
     home_switch: f64,
     noise_counts: f64,
     random: ChaCha8Rng,
+    /// Errors of scale and offset; None without any.
+    calibration: Option<Calibration>,
 }
 
 impl Sensors {
@@ -159,12 +172,14 @@ impl Sensors {
             home_switch: rig.get(&keys::HOME_SWITCH_MM).map_or(f64::NEG_INFINITY, |mm| mm * 1e-3),
             noise_counts: rig.get(&keys::NOISE_COUNTS),
             random: ChaCha8Rng::seed_from_u64(seed),
+            calibration: Some(Calibration::of_rig(rig)).filter(|calibration| !calibration.is_exact()),
         }
     }
 
     /// The sensors' reading of a position (m), two pressures (Pa) and a spool position (m).
     #[inline]
     pub fn read(&mut self, position: f64, pressures: [f64; 2], spool: f64) -> Sample {
+        let Reading { position, pressures, spool } = self.sensed(Reading { position, pressures, spool });
         let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
         let pressure = |i: usize| self.pressure.as_ref().map_or(0, |of| of.raw(pressures[i], noise[i]));
         Sample {
@@ -179,11 +194,18 @@ impl Sensors {
     /// How far position (m) and pressures (Pa) are from where their readings change, with the noise that
     /// [`Sensors::read`] would have drawn. A pressure that is not measured never changes.
     pub(crate) fn distances(&mut self, of: &Reading) -> [f64; 3] {
+        let of = self.sensed(*of);
         let noise: [f64; 3] = std::array::from_fn(|_| self.noise());
         let pressure = |i: usize| {
             self.pressure.as_ref().map_or(f64::INFINITY, |sensor| sensor.distance(of.pressures[i], noise[i]))
         };
         [self.encoder.distance(of.position), pressure(0), pressure(1)]
+    }
+
+    /// What the sensors make of true values.
+    #[inline]
+    fn sensed(&self, of: Reading) -> Reading {
+        self.calibration.as_ref().map_or(of, |calibration| calibration.read(&of))
     }
 
     #[inline]
