@@ -19,8 +19,20 @@ pub struct Timing {
     pub delay_us: u64,
 }
 
+/// What following commands came to.
+#[derive(Clone, Debug)]
+pub struct Followed {
+    /// The readings, sample by sample; fewer than commands where the run was given up or failed.
+    pub readings: Vec<Reading>,
+    /// Evaluations of the right-hand side that it took.
+    pub evaluations: u64,
+    /// Why it failed, if it did.
+    pub failed: Option<IntegrationError>,
+}
+
 /// The readings at the samples 0, 1, 2... of the plant of `rig`, in the initial state of its test, under
-/// the commands computed from these samples: as many as there are commands.
+/// the commands computed from these samples: as many as there are commands. True values: errors of the sensors' scales are
+/// not in them.
 ///
 /// # Errors
 /// When the integration fails.
@@ -30,12 +42,33 @@ pub fn follow(
     timing: Timing,
     commands: &[Command],
 ) -> Result<Vec<Reading>, IntegrationError> {
+    let Followed { readings, failed, .. } = follow_within(rig, accuracy, timing, commands, u64::MAX);
+    failed.map_or(Ok(readings), Err)
+}
+
+/// The same, given up at the first sample that takes more than `most` evaluations of the right-hand side altogether.
+#[must_use]
+pub fn follow_within(
+    rig: &Rig,
+    accuracy: Accuracy,
+    timing: Timing,
+    commands: &[Command],
+    most: u64,
+) -> Followed {
     let mut plant = Plant::new(rig, accuracy, 0).with_timing(timing.period_us, timing.delay_us);
     let mut readings = Vec::with_capacity(commands.len());
-    for &command in commands {
+    let mut sample = |plant: &mut Plant, command: Command| {
         readings.push(plant.reading()?);
         plant.command(command);
-        plant.next_sample()?;
+        plant.next_sample()
+    };
+    let evaluations = |plant: &Plant| plant.work().integrator.n_rhs_evaluations;
+    let mut failed = None;
+    for &command in commands {
+        failed = sample(&mut plant, command).err();
+        if failed.is_some() || evaluations(&plant) > most {
+            break;
+        }
     }
-    Ok(readings)
+    Followed { evaluations: evaluations(&plant), readings, failed }
 }

@@ -23,6 +23,8 @@
 //!   ([`spectrum`]).
 //! - **Friction** makes the sum of squares jump where a spool or a load sticks or slips by a hair. The tests of
 //!   [`moves`] have no such instants; a search that ends where more than noise remains begins anew beside its start.
+//! - **Errors of calibration**, of scales and offsets of the sensors and of the clock, are unknowns of every fit within the
+//!   tolerances that the rig file has ([`calibration`]).
 //! - **What the data do not show** stays as uncertain as the prior says, and with it whatever depends on it: intervals
 //!   carry both ([`posterior`]). What no sample depends on is not fitted.
 //!
@@ -30,6 +32,8 @@
 
 mod approach;
 mod assumed;
+mod budget;
+pub mod calibration;
 pub mod causes;
 pub mod conductance;
 mod derivatives;
@@ -56,7 +60,8 @@ use anyhow::{Result, bail};
 use nalgebra::{DMatrix, DVector};
 use pneudrive_sim::{Accuracy, Rig};
 
-use causes::{Explanation, Traces};
+use calibration::Calibrated;
+use causes::{Causes, Traces};
 use found::Found;
 use level::Incline;
 use model::Model;
@@ -187,8 +192,12 @@ pub struct Identification {
     pub rounded: [bool; CHANNELS.len()],
     /// Whether the last search ended at a minimum.
     pub converged: bool,
-    /// What would explain the residuals, where these are more than noise; the best first.
-    pub causes: Vec<Explanation>,
+    /// The errors of calibration that the data may have.
+    pub calibration: Vec<Calibrated>,
+    /// What would explain the residuals, where these are more than noise.
+    pub causes: Causes,
+    /// Whether the search for another minimum or a cause was cut, as it had become too long.
+    pub cut: bool,
     /// Whether the search converged and what remains is noise: else the model does not explain the data, another minimum
     /// does better, or the samples are too few to tell ([`Spectrum::is_testable`]).
     pub fits: bool,
@@ -246,16 +255,19 @@ fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identi
         bail!("none of the parameters can be seen in the transients; the drive must move in them");
     }
     let start = vec![0.0; model.unknowns()];
-    let Termination { found, causes } = search::search(&mut model, start, progress)?;
+    let Termination { found, causes, of_first } = search::search(&mut model, start, progress)?;
+    model.budget.limit();
     let posterior = assumed::posterior(&model, &found)?;
     let traces = Traces::of(&model, &found);
     let told = finished(&model, &found, &posterior, silent, (before, &traces));
     let causes = match causes {
         Some(causes) => causes,
-        None if told.fits => Vec::new(),
+        None if told.fits => Causes::default(),
+        None if model.budget.is_spent() && !of_first.fitted.is_empty() => of_first,
         None => causes::explain(&model, &found, &traces, progress),
     };
-    Ok(Identification { causes, runs: model.runs(), ..told })
+    let cut = !told.fits && (model.budget.is_spent() || !causes.cut.is_empty());
+    Ok(Identification { causes, cut, runs: model.runs(), ..told })
 }
 
 impl Model<'_> {
@@ -295,8 +307,10 @@ fn finished(
     (before, traces): ([Option<f64>; CHANNELS.len()], &Traces),
 ) -> Identification {
     let u = &found.minimum.u;
+    let of_the_rig = (0..model.parameters.len()).filter(|&i| !model.parameters[i].is_calibration);
     let (unseen, seen): (Vec<usize>, Vec<usize>) =
-        (0..model.parameters.len()).partition(|&i| posterior.of.over_prior(i) > UNSEEN);
+        of_the_rig.partition(|&i| posterior.of.over_prior(i) > UNSEEN);
+    let calibrated = |i: usize| Calibrated::of(&model.parameters[i], u[i], posterior.of.standard_error(i));
     let after = model.channel_fits(&found.minimum.residuals);
     let channels: [Option<ChannelFit>; CHANNELS.len()] =
         std::array::from_fn(|c| Some(ChannelFit { before: before[c]?, ..after[c]? }));
@@ -313,9 +327,12 @@ fn finished(
         // Friction that cannot make up for an incline tells a wrong one.
         incline: posterior.incline.filter(|_| fits),
         at_limits: model.parameters_where(|i| model.is_at_limit(u, i)),
-        far_off: model.parameters_where(|i| u[i].abs() > FAR * model.prior(i)),
+        far_off: model
+            .parameters_where(|i| u[i].abs() > FAR * model.prior(i) && !model.parameters[i].is_calibration),
         channels,
-        causes: Vec::new(),
+        calibration: (0..model.parameters.len()).filter_map(calibrated).collect(),
+        causes: Causes::default(),
+        cut: false,
         converged: found.minimum.converged,
         fits,
         spectrum: found.spectrum.clone(),

@@ -32,6 +32,10 @@ pub struct Coverage {
     pub runs: u64,
     /// Seconds that all took.
     pub seconds: f64,
+    /// Seconds of the longest trial whose model is said not to explain the data.
+    pub longest_refusal: f64,
+    /// Trials that fit and all of whose intervals hold, and those with one that does not.
+    pub all_hold: [u32; 2],
     /// Trials in which the effect that the rig file lacks was named among the causes of a misfit.
     pub named: u32,
     /// The misses in trials whose model is said not to explain the data, of intervals that are widened.
@@ -61,8 +65,13 @@ impl Coverage {
         self.unseen += trial.unseen.len();
         if !trial.fits {
             self.refused += 1;
+            self.longest_refusal = self.longest_refusal.max(trial.seconds);
             self.widened.extend(trial.told.iter().map(Told::miss));
             return;
+        }
+        let missed = trial.told.iter().filter(|told| !told.holds()).count();
+        if let Some(count) = self.all_hold.get_mut(missed) {
+            *count += 1;
         }
         for told in &trial.told {
             let at = self.parameters.iter().position(|(known, _)| *known == told.key).unwrap_or_else(|| {
@@ -150,6 +159,12 @@ impl Coverage {
             self.unseen as f64 / trials,
             self.runs as f64 / trials,
             self.seconds / trials
+        )?;
+        let [all, but_one] = self.all_hold;
+        writeln!(
+            f,
+            "All intervals of a rig hold in {all}, all but one in {but_one} more; the longest refusal took {:.0} s.",
+            self.longest_refusal
         )
     }
 }

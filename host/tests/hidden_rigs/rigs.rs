@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use pneudrive_sim::Rig;
 use pneudrive_sim::rig::all_keys;
 use pneudrive_sim::rig::unit_interval;
 use rand_chacha::ChaCha8Rng;
@@ -14,6 +15,30 @@ const LEVELLING_ERROR_DEG: f64 = 2.0;
 
 /// The valve's null is off by so many mm at most.
 const NULL: f64 = 0.01;
+
+/// A file whose calibration is exact.
+pub const EXACT: &str = "\
+controller.clock_tolerance_percent = 0
+encoder.scale_tolerance_percent = 0
+encoder.offset_tolerance_mm = 0
+sensors.pressure_gain_tolerance_percent = 0
+sensors.pressure_offset_tolerance_pa = 0
+sensors.spool_gain_tolerance_percent = 0
+sensors.spool_offset_tolerance_mm = 0
+";
+
+/// The errors of scales, offsets and clock, each with its tolerance.
+const SCALES: [(&str, &str); 9] = [
+    ("controller.clock_error_percent", "controller.clock_tolerance_percent"),
+    ("encoder.scale_error_percent", "encoder.scale_tolerance_percent"),
+    ("encoder.offset_error_mm", "encoder.offset_tolerance_mm"),
+    ("sensors.pressure_1_gain_error_percent", "sensors.pressure_gain_tolerance_percent"),
+    ("sensors.pressure_1_offset_error_pa", "sensors.pressure_offset_tolerance_pa"),
+    ("sensors.pressure_2_gain_error_percent", "sensors.pressure_gain_tolerance_percent"),
+    ("sensors.pressure_2_offset_error_pa", "sensors.pressure_offset_tolerance_pa"),
+    ("sensors.spool_gain_error_percent", "sensors.spool_gain_tolerance_percent"),
+    ("sensors.spool_offset_error_mm", "sensors.spool_offset_tolerance_mm"),
+];
 
 /// Draws of a rig.
 struct Draw(ChaCha8Rng);
@@ -50,7 +75,7 @@ impl Draw {
 #[must_use]
 pub fn shipped_rig(seed: u64) -> Hidden {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
-    let model = "operator.dither_mm = 0.26\ntest.position_m = 0.15\n".to_owned();
+    let model = format!("{EXACT}operator.dither_mm = 0.26\ntest.position_m = 0.15\n");
     let real = format!("{model}{}", draw.rest());
     Hidden { name: "servo-b".to_owned(), model, real, lacks: None, quiet: false, seed }
 }
@@ -85,7 +110,7 @@ pub fn any_rig(seed: u64) -> Hidden {
     let middle = (1e3 * position / pulse) as i32;
     let actuator = if rod == "asymmetric" { "asymmetric" } else { "symmetric" };
     let model = format!(
-        "{}test.moves = [[0.0, {middle}]]\ntest.duration_s = 0.2\noperator.model = \"{operator}\"\nactuator.model = \"{actuator}\"\ncontroller.gain_profile = [512, 256, 128]\ncontroller.velocity_gain = 300\n",
+        "{EXACT}{}test.moves = [[0.0, {middle}]]\ntest.duration_s = 0.2\noperator.model = \"{operator}\"\nactuator.model = \"{actuator}\"\ncontroller.gain_profile = [512, 256, 128]\ncontroller.velocity_gain = 300\n",
         text.0
     );
     let real = format!("{model}{}", draw.rest());
@@ -157,6 +182,34 @@ fn quiet(mut hidden: Hidden) -> Hidden {
     let written = drawn.iter().map(|(path, value)| format!("{path} = {value}\n"));
     hidden.real = rest.chain(written).collect();
     Hidden { quiet: true, ..hidden }
+}
+
+/// Servo-drive B, or any rig, each of whose scales and offsets and whose clock is off by the whole tolerance that the file has
+/// without saying so, one way or the other.
+///
+/// # Panics
+/// When a key of a tolerance has no value.
+#[must_use]
+pub fn scaled_rig(seed: u64) -> Hidden {
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(!seed));
+    let mut hidden = if seed.is_multiple_of(2) { shipped_rig(seed) } else { any_rig(seed) };
+    hidden.model = hidden.model.replacen(EXACT, "", 1);
+    hidden.real = hidden.real.replacen(EXACT, "", 1);
+    let rig = Rig::read("model.toml", &hidden.model).expect("valid");
+    for (error, tolerance) in SCALES {
+        let size = rig.number_at(tolerance).expect("a number");
+        let _ = writeln!(hidden.real, "{error} = {}", draw.of(&[-1.0, 1.0]) * size);
+    }
+    hidden
+}
+
+/// The same with one error of its own, as a user's file has it.
+#[must_use]
+pub fn misscaled_rig(seed: u64, error: &str, tolerances: &str) -> Hidden {
+    let mut hidden = shipped_rig(seed);
+    hidden.model = hidden.model.replacen(EXACT, tolerances, 1);
+    hidden.real = format!("{}{error}\n", hidden.real.replacen(EXACT, tolerances, 1));
+    hidden
 }
 
 /// What real rigs have and a rig file lacks: keys, and the smallest and largest size.

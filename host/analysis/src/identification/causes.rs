@@ -32,6 +32,9 @@ const FITTED: usize = 4;
 /// An effect of its usual size that leaves less than one standard deviation of noise is not seen.
 const UNSEEN: f64 = 1.0;
 
+/// The same of an error of calibration, whose usual size is its tolerance and may be far too small.
+const UNSEEN_BEYOND_TOLERANCE: f64 = 0.05;
+
 /// An effect of more than this many times its usual size is implausible.
 const LARGEST: f64 = 30.0;
 
@@ -63,6 +66,8 @@ pub enum Change {
         /// The smallest size that can be distinguished from none, in the unit of the key.
         least: f64,
     },
+    /// An error of calibration among the unknowns, with this key: freed from its tolerance.
+    Calibration(&'static str),
     /// A switch that is turned.
     Switch(&'static str),
     /// The other word of a choice.
@@ -125,6 +130,7 @@ impl Explanation {
 }
 
 /// An effect on trial: the model that has it at its usual size, and by how much of that it should be.
+#[derive(Clone, Copy)]
 struct Trial {
     effect: Effect,
     gain: f64,
@@ -137,27 +143,47 @@ pub(super) struct Traces {
     trials: Vec<Trial>,
     /// How often noise has as clear a trace of any.
     chance: f64,
+    /// Whether an error of calibration is farther from the file's than its tolerance makes likely.
+    far: bool,
+}
+
+/// What would explain a misfit, and what was not looked at.
+#[derive(Clone, Debug, Default)]
+pub struct Causes {
+    /// The effects that were fitted, the best first.
+    pub fitted: Vec<Explanation>,
+    /// The names of those whose fit did not come to an end, or was not begun, as the search had become too long.
+    pub cut: Vec<&'static str>,
+}
+
+impl Causes {
+    /// Whether the best effect leaves noise alone.
+    pub(super) fn explain_to_noise(&self) -> bool {
+        self.fitted.first().is_some_and(|best| best.leaves_noise && best.is_significant())
+    }
 }
 
 impl Traces {
     /// Looks for the traces. One effect is seen where its own shape is looked for long before all residuals together are
     /// more than noise.
     pub fn of(model: &Model, found: &Found) -> Traces {
+        let far = model.has_far_error(&found.minimum.u);
         let Some(projection) = Projection::of(&found.minimum.jacobian) else {
-            return Traces { trials: Vec::new(), chance: 1.0 };
+            return Traces { trials: Vec::new(), chance: 1.0, far };
         };
-        let tried = list::EFFECTS.iter().filter_map(|effect| trial(model, found, &projection, *effect));
+        let effects = list::EFFECTS.into_iter().chain(list::calibrations(model));
+        let tried = effects.filter_map(|effect| trial(model, found, &projection, effect));
         let mut trials: Vec<Trial> = tried.collect();
         trials.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let (variance, freedom) = noise(model, found);
         let largest = trials.first().map_or(0.0, |trial| trial.gain);
         let chance = chance(largest / variance, freedom) * trials.len() as f64;
-        Traces { trials, chance: chance.min(1.0) }
+        Traces { trials, chance: chance.min(1.0), far }
     }
 
     /// Whether there is one that noise hardly has.
     pub fn are_clear(&self) -> bool {
-        self.chance < SIGNIFICANT
+        self.far || self.chance < SIGNIFICANT
     }
 
     /// Norm of the residuals with the clearest trace; 0 where noise has as clear ones.
@@ -175,36 +201,35 @@ pub(super) fn explain(
     found: &Found,
     traces: &Traces,
     progress: &mut dyn FnMut(&str),
-) -> Vec<Explanation> {
+) -> Causes {
     let misfit = found.spectrum.misfit().max(traces.misfit());
     if misfit == 0.0 {
-        return Vec::new();
+        return Causes::default();
     }
     progress("what would explain the residuals: effects that are not in the rig file");
-    let promising = traces.trials.iter().take(FITTED);
-    let mut fits: Vec<_> =
-        promising.filter_map(|trial| Fit::by_secants(Origin { model, without: found, trial })).collect();
+    let mut cut = Vec::new();
+    let mut fits: Vec<Fit> = Vec::new();
+    for trial in traces.trials.iter().take(FITTED) {
+        if model.budget.is_spent() {
+            cut.push(trial.effect.name);
+        } else {
+            fits.extend(Fit::by_secants(Origin { model, without: found, trial }));
+        }
+    }
     // Those that secants do not make better than no effect stay in the order of what they promise.
     let without = found.minimum.residuals.norm_squared();
     let order = |a: &Fit, b: &Fit| a.cost().min(without).total_cmp(&b.cost().min(without));
-    while !fits.iter().any(Fit::leaves_noise) {
+    while !fits.iter().any(Fit::leaves_noise) && !model.budget.is_spent() {
         fits.sort_by(order);
         let Some(best) = fits.iter_mut().find(|fit| !fit.is_finished) else { break };
         best.finish(progress);
     }
     fits.sort_by(order);
-    told(&mut fits, (traces.trials.len(), misfit), progress)
-}
-
-/// The same if the best effect leaves noise alone.
-pub(super) fn explain_to_noise(
-    model: &Model,
-    found: &Found,
-    progress: &mut dyn FnMut(&str),
-) -> Option<Vec<Explanation>> {
-    let causes = explain(model, found, &Traces::of(model, found), progress);
-    let explained = |best: &Explanation| best.leaves_noise && best.is_significant();
-    causes.first().is_some_and(explained).then_some(causes)
+    let fitted = told(&mut fits, (traces.trials.len(), misfit), progress);
+    if model.budget.is_spent() && !fits.iter().any(Fit::leaves_noise) {
+        cut.extend(fits.iter().filter(|fit| !fit.found_converged()).map(|fit| fit.effect().name));
+    }
+    Causes { fitted, cut }
 }
 
 /// What is to be said of fits in the order of their gains. Those as good as the best are finished before.
@@ -214,7 +239,7 @@ fn told(fits: &mut [Fit<'_, '_>], tried: (usize, f64), progress: &mut dyn FnMut(
         let mut told = fit.explanation(tried);
         let best = explanations.first().map_or(told.ratio, |best| best.ratio);
         told.as_good_as_best = chance(best - told.ratio, told.freedom) > SIGNIFICANT;
-        if told.as_good_as_best && told.is_significant() && !fit.is_finished {
+        if told.as_good_as_best && told.is_significant() && !fit.is_finished && !fit.is_cut() {
             fit.finish(progress);
             told = Explanation { as_good_as_best: true, ..fit.explanation(tried) };
         }
@@ -241,22 +266,34 @@ impl Projection<'_> {
 
 /// What an effect promises; None where the rig cannot have it, has it already, or the data do not show it.
 fn trial(model: &Model, found: &Found, projection: &Projection<'_>, effect: Effect) -> Option<Trial> {
-    let (u, residuals) = (&found.minimum.u, &found.judged.residuals);
-    let with = model.of_rig(effect.rig(model, 1.0)?);
-    let change = with.residuals_at(u)? - &found.minimum.residuals;
-    let left = projection.left_of(&change);
-    if left.norm() < UNSEEN {
+    let residuals = &found.judged.residuals;
+    let left = projection.left_of(&change(model, found, effect)?);
+    let is_calibration = matches!(effect.change, Change::Calibration(_));
+    if left.norm() < if is_calibration { UNSEEN_BEYOND_TOLERANCE } else { UNSEEN } {
         return None;
     }
     let (gain, part) = match effect.change {
-        Change::Number { .. } => {
+        Change::Number { .. } | Change::Calibration(_) => {
             let part = -left.dot(residuals) / left.norm_squared();
             (left.dot(residuals).powi(2) / left.norm_squared(), part)
         }
         _ => (residuals.norm_squared() - (residuals + &left).norm_squared(), 1.0),
     };
-    let possible = gain > 0.0 && part.abs() < LARGEST && effect.rig(model, part).is_some();
+    let plausible = is_calibration || part.abs() < LARGEST;
+    let possible = gain > 0.0 && plausible && effect.rig(model, part).is_some();
     possible.then_some(Trial { effect, gain, part })
+}
+
+/// What an effect of its usual size does to the residuals. That of an error of calibration, which is among the unknowns, is
+/// known: it is its column without the term of its tolerance.
+fn change(model: &Model, found: &Found, effect: Effect) -> Option<DVector<f64>> {
+    let Change::Calibration(path) = effect.change else {
+        let with = model.of_rig(effect.rig(model, 1.0)?);
+        return Some(with.residuals_at(&found.minimum.u)? - &found.minimum.residuals);
+    };
+    let mut change = found.minimum.jacobian.column(model.place_of_error(path)?).into_owned();
+    change.rows_mut(found.rows(), found.minimum.u.len()).fill(0.0);
+    Some(change)
 }
 
 impl Effect {
@@ -276,6 +313,7 @@ impl Effect {
                 let possible = value >= start.min(least);
                 possible.then(|| rig.with_numbers(&[(path, value.max(least))]).ok())?
             }
+            Change::Calibration(path) => model.place_of_error(path).map(|_| rig.clone()),
             Change::Switch(path) => {
                 let turned = !rig.switch_at(path)?;
                 rig.with_settings(&[format!("{path}={turned}")]).ok()
@@ -294,6 +332,7 @@ impl Effect {
                 let number = format!("{path}={:.4}", Shortest(value.unwrap_or(0.0)));
                 with.iter().map(Choice::setting).chain([number]).collect::<Vec<_>>().join(" ")
             }
+            Change::Calibration(path) => format!("{path}={:.4}", Shortest(value.unwrap_or(0.0))),
             Change::Switch(path) => format!("{path}={}", rig.switch_at(path).unwrap_or_default()),
             Change::Word(choice) => choice.setting(),
         }
@@ -320,8 +359,10 @@ mod tests {
     fn every_effect_is_of_a_key_and_of_a_size_in_its_range() {
         let rig = Rig::builtin("servo-b").expect("built in");
         for effect in list::EFFECTS {
-            let (Change::Number { path, .. } | Change::Switch(path) | Change::Word(Choice { path, .. })) =
-                effect.change;
+            let (Change::Number { path, .. }
+            | Change::Calibration(path)
+            | Change::Switch(path)
+            | Change::Word(Choice { path, .. })) = effect.change;
             assert!(find_key(path).is_some(), "{path}");
             let model = Model::new(&rig, &[], Vec::new(), pneudrive_sim::Accuracy::default());
             assert!(effect.rig(&model, 1.0).is_some(), "{}", effect.name);

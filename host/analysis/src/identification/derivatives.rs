@@ -214,6 +214,10 @@ impl Problem for Model<'_> {
     fn longest(&self, unknown: usize) -> f64 {
         Model::longest(self, unknown)
     }
+
+    fn is_cut(&self) -> bool {
+        self.budget.is_spent()
+    }
 }
 
 #[cfg(test)]

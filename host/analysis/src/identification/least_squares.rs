@@ -30,6 +30,10 @@ pub trait Problem {
     fn limits(&self) -> Vec<Limit>;
     /// Longest step along an unknown: beyond it the linear model is not to be trusted.
     fn longest(&self, unknown: usize) -> f64;
+    /// Whether a search must end where it is.
+    fn is_cut(&self) -> bool {
+        false
+    }
 }
 
 /// Where a search ended.
@@ -92,6 +96,9 @@ pub fn minimise(
     let most = if to_the_end { MAX_STEPS } else { MAX_ROUGH_STEPS };
     let mut idle = 0;
     for _ in 0..most {
+        if problem.is_cut() {
+            break;
+        }
         let before = search.cost();
         search.step(problem);
         idle = if before - search.cost() < search.near() { idle + 1 } else { 0 };
@@ -113,6 +120,9 @@ pub fn minimise_by_secants(problem: &impl Problem, start: Minimum) -> Minimum {
     search.by_secants = true;
     let mut idle = 0;
     for _ in 0..MAX_SECANTS {
+        if problem.is_cut() {
+            break;
+        }
         let before = search.cost();
         search.step(problem);
         idle = if before - search.cost() < search.near() { idle + 1 } else { 0 };

@@ -13,6 +13,7 @@ use pneudrive_sim::follow::Reading;
 use pneudrive_sim::{Accuracy, Rig};
 
 use super::ChannelFit;
+use super::budget::Budget;
 use super::limits::Limit;
 use super::parameter::Parameter;
 use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
@@ -59,6 +60,8 @@ pub(super) struct Model<'a> {
     pub wanted: Wanted<'a>,
     /// Runs of a recording so far, counted together with those of its copies.
     runs: Arc<AtomicUsize>,
+    /// What may be spent, likewise.
+    pub budget: Budget,
 }
 
 /// The rows of a channel of a recording among the residuals.
@@ -94,6 +97,7 @@ impl<'a> Model<'a> {
             fine: false,
             wanted: Wanted::ALWAYS,
             runs: Arc::default(),
+            budget: Budget::default(),
         }
     }
 
@@ -153,11 +157,13 @@ impl<'a> Model<'a> {
         ensure!(self.wanted.now(), CALLED_OFF);
         let recording = &self.recordings[job.recording];
         self.runs.fetch_add(1, Ordering::Relaxed);
-        let start = self.start_at(job.u, job.recording);
-        let values = self.values_at(job.u).chain(recording.start(start)).collect::<Vec<_>>();
+        let start = recording.start(self.start_at(job.u, job.recording), &self.calibration_at(job.u));
+        let values = self.values_at(job.u).chain(start).collect::<Vec<_>>();
         let rig = self.rig.with_numbers(&values)?;
-        let readings = recording.follow(&rig, self.accuracy, self.samples(recording))?;
-        let residuals = self.compare(recording, &readings);
+        let samples = self.samples(recording);
+        let (readings, spent) = recording.follow(&rig, self.accuracy, samples, Budget::of_a_run(samples));
+        self.budget.spend(spent);
+        let residuals = self.compare(recording, &readings?);
         ensure!(residuals.iter().all(|r| r.is_finite()), "the model's readings are not finite numbers");
         Ok(residuals)
     }

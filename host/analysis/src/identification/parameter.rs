@@ -83,6 +83,8 @@ pub struct Parameter {
     pub longest: f64,
     /// Smallest and largest value, in the unit of the key.
     range: [f64; 2],
+    /// Whether it is an error of calibration, and not a value of the rig.
+    pub is_calibration: bool,
 }
 
 impl Parameter {
@@ -121,7 +123,16 @@ impl Parameter {
         let capped = key.name().starts_with("discharge") && rig.get(&keys::valve::UPSTREAM_MACH);
         let max = if capped { MAX_DISCHARGE } else { max };
         let (difference, longest) = (DIFFERENCE, LONGEST);
-        Ok(Parameter { key, start, scale, prior, difference, longest, range: [min, max] })
+        Ok(Parameter {
+            key,
+            start,
+            scale,
+            prior,
+            difference,
+            longest,
+            range: [min, max],
+            is_calibration: false,
+        })
     }
 
     /// A key that is searched by the difference from the rig's value, in parts of `size` and not below `least`, both in
@@ -140,7 +151,28 @@ impl Parameter {
             difference: DIFFERENCE,
             longest: LONGEST_OF_UNKNOWN,
             range,
+            is_calibration: false,
         })
+    }
+
+    /// An error of calibration with a tolerance, its standard deviation before there are data; the difference for a
+    /// derivative and the longest step of a search are in the unit of the key, too. None where it is no number of the rig.
+    #[must_use]
+    pub fn calibration(
+        rig: &Rig,
+        path: &str,
+        tolerance: f64,
+        [difference, longest]: [f64; 2],
+    ) -> Option<Parameter> {
+        let free = Parameter::by_difference(rig, path, tolerance, f64::NEG_INFINITY)?;
+        let (difference, longest) = (difference / tolerance, longest / tolerance);
+        Some(Parameter { prior: 1.0, difference, longest, is_calibration: true, ..free })
+    }
+
+    /// The same error of calibration, about which next to nothing is assumed.
+    #[must_use]
+    pub fn freed(&self) -> Parameter {
+        Parameter { prior: UNKNOWN * self.longest, ..self.clone() }
     }
 
     /// The same, searched by the difference from the file's value, with another prior standard deviation in its unit.

@@ -2,14 +2,15 @@
 
 mod encoder;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::Command;
 use pneudrive_controller::parameters::id;
 use pneudrive_protocol::RecordedSample;
 use pneudrive_records::target::TargetFile;
+use pneudrive_sim::component::calibration::Calibration;
 use pneudrive_sim::component::friction::{Friction, FrictionModel};
 use pneudrive_sim::component::operator;
-use pneudrive_sim::follow::{Reading, Timing, follow};
+use pneudrive_sim::follow::{Followed, Reading, Timing, follow_within};
 use pneudrive_sim::keys;
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -183,17 +184,45 @@ impl Recording {
         Ok(Recording { name: name.to_owned(), timing, commands, channels, start })
     }
 
-    /// The initial state that is `off` the one that was measured, in counts: its values, each with its key.
-    pub fn start(&self, off: [f64; STARTS]) -> [(&'static str, f64); STARTS] {
-        std::array::from_fn(|i| (KEYS_OF_START[i], self.start[i] + off[i] * self.channels[i].scale))
+    /// The initial state of which sensors with these errors read what is `off` the one that was measured, in counts: its
+    /// values, each with its key.
+    pub fn start(&self, off: [f64; STARTS], calibration: &Calibration) -> [(&'static str, f64); STARTS] {
+        let read: [f64; STARTS] = std::array::from_fn(|i| self.start[i] + off[i] * self.channels[i].scale);
+        let values = if calibration.is_exact() {
+            read
+        } else {
+            let (position, [one, two]) = calibration.true_values(read[0], [read[1], read[2]]);
+            [position, one, two]
+        };
+        std::array::from_fn(|i| (KEYS_OF_START[i], values[i]))
     }
 
-    /// What the sensors of `rig` would read under the first `samples` commands.
+    /// What the sensors of `rig` would read under the first `samples` commands; no more than `most` evaluations of the
+    /// model's equations are spent on it. What was spent is told with it.
     ///
     /// # Errors
-    /// When the rig cannot be integrated.
-    pub fn follow(&self, rig: &Rig, accuracy: Accuracy, samples: usize) -> Result<Vec<Reading>> {
-        Ok(follow(rig, accuracy, self.timing, &self.commands[..samples])?)
+    /// When the rig cannot be integrated, or takes more evaluations.
+    pub fn follow(
+        &self,
+        rig: &Rig,
+        accuracy: Accuracy,
+        samples: usize,
+        most: u64,
+    ) -> (Result<Vec<Reading>>, u64) {
+        let Followed { mut readings, evaluations, failed } =
+            follow_within(rig, accuracy, self.timing, &self.commands[..samples], most);
+        if let Some(failed) = failed {
+            return (Err(failed.into()), evaluations);
+        }
+        if readings.len() < samples {
+            let error = anyhow!("it takes more than {most} evaluations of the model's equations");
+            return (Err(error), evaluations);
+        }
+        let calibration = Calibration::of_rig(rig);
+        if !calibration.is_exact() {
+            readings.iter_mut().for_each(|reading| *reading = calibration.read(reading));
+        }
+        (Ok(readings), evaluations)
     }
 }
 

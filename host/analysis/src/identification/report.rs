@@ -1,10 +1,12 @@
 //! The results of a fit for the terminal, the page, other programs and the next simulation.
 
+mod calibrated;
 mod judged;
 mod numbers;
 
 use anyhow::Result;
 use pneudrive_records::rig_text;
+use pneudrive_sim::component::calibration::Calibration;
 use pneudrive_sim::follow::Reading;
 use pneudrive_sim::{Accuracy, Rig};
 use toml_edit::{DocumentMut, value};
@@ -15,7 +17,8 @@ use super::posterior::NORMAL_95;
 use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Page, Panel, Table};
-use judged::{Intervals, not_testable, rounded, suspicious};
+use calibrated::calibration;
+use judged::{Intervals, cut, not_testable, rounded, suspicious};
 
 pub use numbers::{read_off, to_json, with_error};
 
@@ -37,8 +40,15 @@ fn digits(value: f64) -> String {
 /// All tables of a fit.
 #[must_use]
 pub fn tables(found: &Identification) -> Vec<Table> {
-    let tables =
-        [parameters(found), dependent(found), channels(found), causes(found), unseen(found), assumed(found)];
+    let tables = [
+        parameters(found),
+        dependent(found),
+        calibration(found),
+        channels(found),
+        causes(found),
+        unseen(found),
+        assumed(found),
+    ];
     let filled = tables.into_iter().filter(|table| !table.rows.is_empty());
     filled.chain([correlation(found)]).collect()
 }
@@ -132,7 +142,7 @@ pub fn channels(found: &Identification) -> Table {
 /// Effects that would explain the residuals.
 #[must_use]
 pub fn causes(found: &Identification) -> Table {
-    let rows = found.causes.iter().map(|cause| {
+    let rows = found.causes.fitted.iter().map(|cause| {
         let value = cause.value.map_or_else(
             || cause.setting.clone(),
             |(_, error)| format!("{} +- {:.1e}", cause.setting, NORMAL_95 * error),
@@ -201,7 +211,7 @@ pub fn notes(found: &Identification) -> Vec<String> {
     if Intervals::of(found) == Intervals::Widened {
         notes.push("The residuals exceed the noise: the model does not explain these data, or another minimum explains them better. The intervals are not 95 % intervals: each is widened by what a model error as large as the residuals can do to the estimate. A model error that the estimates have absorbed is not included.".to_owned());
     }
-    if let Some(best) = found.causes.first().filter(|cause| cause.is_significant()) {
+    if let Some(best) = found.causes.fitted.first().filter(|cause| cause.is_significant()) {
         let rest = if best.leaves_noise {
             ""
         } else {
@@ -214,6 +224,7 @@ pub fn notes(found: &Identification) -> Vec<String> {
             best.setting.replace(' ', " --set ")
         ));
     }
+    notes.extend(cut(found));
     notes.extend(rounded(found));
     notes.extend(suspicious(found));
     if found.estimates.iter().any(|estimate| !estimate.rests_on.is_empty()) {
@@ -239,8 +250,8 @@ pub fn page(
 ) -> Page {
     let overlay = |(recording, start): (&Recording, &[f64; STARTS])| {
         let follow = |rig: &Rig| -> Result<_> {
-            let started = rig.with_numbers(&recording.start(*start))?;
-            recording.follow(&started, accuracy, recording.commands.len())
+            let started = rig.with_numbers(&recording.start(*start, &Calibration::of_rig(rig)))?;
+            recording.follow(&started, accuracy, recording.commands.len(), u64::MAX).0
         };
         Some(figure(recording, &follow(rig).ok()?, &follow(&found.rig).ok()?))
     };
@@ -340,6 +351,12 @@ pub fn fitted(text: &str, settings: &[String], found: &Identification) -> Result
     }
     for unseen in found.unseen.iter().filter(|unseen| unseen.value != unseen.parameter.start) {
         set(&unseen.parameter, unseen.value, "not seen in the data".to_owned());
+    }
+    for error in found.calibration.iter().filter(|error| error.value != error.parameter.start) {
+        let tolerance = error.parameter.assumed_within();
+        let seen = if error.is_seen() { "identified" } else { "not seen in the data" };
+        let comment = format!("{seen}; tolerance {tolerance}");
+        set(&error.parameter, error.value, comment);
     }
     Ok(format!("{FITTED_MARK}\n{document}"))
 }

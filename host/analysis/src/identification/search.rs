@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::approach::approach;
-use super::causes::{self, Explanation};
+use super::calibration;
+use super::causes::{self, Causes, Traces};
 use super::found::{Found, found_at, refined};
 use super::least_squares::{Minimum, minimise};
 use super::model::{Model, first_noise};
@@ -43,7 +44,9 @@ pub(super) struct Termination {
     /// The best minimum.
     pub found: Found,
     /// The effects that explain its residuals, if they have been searched for.
-    pub causes: Option<Vec<Explanation>>,
+    pub causes: Option<Causes>,
+    /// Those of the first minimum, where they leave more than noise.
+    pub of_first: Causes,
 }
 
 /// From `start` to a minimum that leaves noise alone, or noise and an effect that the rig file lacks; from other points
@@ -53,16 +56,20 @@ pub(super) fn search(
     start: Vec<f64>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Termination> {
+    let start = calibration::freed(model, start);
     let near = approach(model, start.clone(), progress);
     model.fine = true;
     let first = found(model, &near, progress)?;
-    if first.spectrum.is_more_than_noise()
-        && let Some(causes) = causes::explain_to_noise(model, &first, progress)
-    {
-        return Ok(Termination { found: first, causes: Some(causes) });
+    let mut of_first = Causes::default();
+    if first.spectrum.is_more_than_noise() {
+        model.budget.limit();
+        of_first = causes::explain(model, &first, &Traces::of(model, &first), progress);
+        if of_first.explain_to_noise() {
+            return Ok(Termination { found: first, causes: Some(of_first), of_first: Causes::default() });
+        }
     }
     let best = settled(model, first, progress)?;
-    Ok(Termination { found: from_elsewhere(model, best, start, progress)?, causes: None })
+    Ok(Termination { found: from_elsewhere(model, best, start, progress)?, causes: None, of_first })
 }
 
 /// The best minimum of searches from other points as well, while none leaves noise alone.
@@ -73,7 +80,7 @@ fn from_elsewhere(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Found> {
     for _ in 0..RESTARTS {
-        if !best.spectrum.is_more_than_noise() {
+        if !best.spectrum.is_more_than_noise() || model.budget.is_spent() {
             break;
         }
         progress("that is not a fit: the search starts again at another point");
@@ -95,7 +102,8 @@ fn from_elsewhere(
 /// The best of the points that lie beside one along a parameter.
 fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
     let mut best = (model.mean_square(&from), from.clone());
-    for i in 0..model.parameters.len() {
+    let of_the_rig = |i: &usize| !model.parameters[*i].is_calibration;
+    for i in (0..model.parameters.len()).filter(of_the_rig) {
         for step in SCAN {
             let mut u = from.clone();
             u[i] += step;
@@ -112,6 +120,9 @@ fn scanned(model: &Model, from: Vec<f64>) -> Vec<f64> {
 fn settled(model: &mut Model, first: Found, progress: &mut dyn FnMut(&str)) -> Result<Found> {
     let mut best = with_its_noise(model, first, progress)?;
     for _ in 0..LOOKS {
+        if model.budget.is_spent() {
+            break;
+        }
         let Some(u) = beyond_a_jump(model, &best).filter(|_| best.spectrum.is_more_than_noise()) else {
             break;
         };

@@ -78,7 +78,7 @@ impl<'t, 'a> Fit<'t, 'a> {
         let jacobian = self.with.jacobian(&here.u, &here.residuals);
         let near = jacobian.map(|jacobian| Minimum { jacobian, converged: false, ..here });
         self.go_to(near.map(|near| minimise_by_secants(&self.with, near)));
-        if !self.leaves_noise() {
+        if !self.leaves_noise() && !self.is_cut() {
             progress(&format!("with {}, from the values of the file", self.effect().name));
             let anew = Fit::from_the_file(self.origin, progress);
             if let Some(anew) = anew.filter(|anew| anew.cost() < self.cost()) {
@@ -102,6 +102,16 @@ impl<'t, 'a> Fit<'t, 'a> {
         self.origin.trial.effect
     }
 
+    /// Whether the search must end where it is.
+    pub fn is_cut(&self) -> bool {
+        self.with.budget.is_spent()
+    }
+
+    /// Whether it ended at a minimum.
+    pub fn found_converged(&self) -> bool {
+        self.found.minimum.converged
+    }
+
     pub fn cost(&self) -> f64 {
         self.found.minimum.residuals.norm_squared()
     }
@@ -112,11 +122,14 @@ impl<'t, 'a> Fit<'t, 'a> {
 
     /// The value of the effect, in the unit of its key, if it is a number, and its standard error.
     fn value(&self) -> Option<(f64, f64)> {
-        let Change::Number { .. } = self.effect().change else { return None };
         if let Some(incline) = self.incline() {
             return Some((incline.degrees, 0.5 * (incline.interval[1] - incline.interval[0]) / NORMAL_95));
         }
-        let place = self.with.parameters.len() - 1;
+        let place = match self.effect().change {
+            Change::Number { .. } => self.with.parameters.len() - 1,
+            Change::Calibration(path) => self.with.place_of_error(path)?,
+            _ => return None,
+        };
         let parameter = &self.with.parameters[place];
         let mut slopes = DVector::zeros(self.found.minimum.u.len());
         slopes[place] = parameter.slope(0.0);
@@ -156,6 +169,9 @@ impl<'a> Origin<'_, 'a> {
     fn start(&self, part: f64) -> Option<(Model<'a>, Minimum)> {
         let Origin { model, without: found, trial } = *self;
         let mut with = model.of_rig(trial.effect.rig(model, part)?);
+        if let Change::Calibration(path) = trial.effect.change {
+            return self.start_of_error(model.place_of_error(path)?, part);
+        }
         let Minimum { mut u, jacobian, .. } = found.minimum.clone();
         let Change::Number { path, size, least, .. } = trial.effect.change else {
             let residuals = with.residuals_at(&u)?;
@@ -173,10 +189,25 @@ impl<'a> Origin<'_, 'a> {
         Some((with, Minimum { u, residuals, jacobian, converged: false }))
     }
 
+    /// The same with an error of calibration that is freed from its tolerance.
+    fn start_of_error(&self, place: usize, part: f64) -> Option<(Model<'a>, Minimum)> {
+        let mut with = self.model.clone();
+        with.parameters[place] = with.parameters[place].freed();
+        let Minimum { mut u, mut jacobian, .. } = self.without.minimum.clone();
+        let [low, high] = with.parameters[place].limits();
+        u[place] = (u[place] + part).clamp(low, high);
+        jacobian[(self.without.rows() + place, place)] = 1.0 / with.prior(place);
+        let residuals = with.residuals_at(&u)?;
+        Some((with, Minimum { u, residuals, jacobian, converged: false }))
+    }
+
     /// The model with the size of the effect that comes nearest at the values of the file, or at those of the minimum
     /// without it but for what that moved far from the file; and that point.
     fn nearest(&self) -> Option<(Model<'a>, Vec<f64>)> {
         let Origin { model, without, trial } = *self;
+        if let Change::Calibration(_) = trial.effect.change {
+            return None;
+        }
         let u = &without.minimum.u;
         let is_far = |i: usize| u[i].abs() > FAR * model.prior(i);
         let mended = (0..u.len()).map(|i| if is_far(i) { 0.0 } else { u[i] }).collect();

@@ -1,9 +1,21 @@
 //! The effects that are tried.
 
+use super::super::calibration;
+use super::super::model::Model;
 use super::{Change, Choice, Effect};
 
 const fn number(path: &'static str, size: f64, least: f64) -> Change {
     Change::Number { path, with: None, size, least }
+}
+
+/// The errors of calibration among the unknowns of a model.
+pub(super) fn calibrations(model: &Model) -> impl Iterator<Item = Effect> {
+    let errors = model.parameters.iter().filter(|parameter| parameter.is_calibration);
+    errors.filter_map(|parameter| {
+        let item = calibration::item_of(parameter.key.path)?;
+        let change = Change::Calibration(item.error.path);
+        Some(Effect { name: item.name, change, measure: item.measure })
+    })
 }
 
 /// In the order in which they are tried.

@@ -1,5 +1,6 @@
 //! The reliability of a fit's intervals: whether the model explains the data, and whether that can be judged.
 
+use super::calibrated::beyond_tolerance;
 use crate::identification::recording::CHANNELS;
 use crate::identification::{FAR, Identification};
 
@@ -74,6 +75,17 @@ pub(super) fn rounded(found: &Identification) -> Option<String> {
     })
 }
 
+/// The note on a search that was cut; None if it was not.
+pub(super) fn cut(found: &Identification) -> Option<String> {
+    found.cut.then(|| {
+        let effects = match found.causes.cut.as_slice() {
+            [] => String::new(),
+            names => format!(" Not looked at to the end: {}.", names.join(", ")),
+        };
+        format!("The search for another minimum and for a cause was cut, as it had become too long: there may be a better explanation than the ones that are told.{effects} Fit fewer parameters (--fit), or give what you have measured with --set, and try again.")
+    })
+}
+
 /// Signs that something other than the parameters is wrong.
 pub(super) fn suspicious(found: &Identification) -> Vec<String> {
     let incline = found.incline.map(|incline| {
@@ -86,5 +98,5 @@ pub(super) fn suspicious(found: &Identification) -> Vec<String> {
     let far = (!found.far_off.is_empty()).then(|| {
         format!("Far from the file's value, by more than {FAR:.0} of the assumed standard deviations: {}. Check that the file belongs to this rig, and what else could have the same effect.", found.far_off.join(", "))
     });
-    [incline, held, far].into_iter().flatten().collect()
+    [incline, beyond_tolerance(found), held, far].into_iter().flatten().collect()
 }

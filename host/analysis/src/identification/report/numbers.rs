@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::FORMAT;
 use super::judged::{Intervals, channels_not_testable, rounded_channels};
+use crate::identification::calibration::Calibrated;
 use crate::identification::causes::Explanation;
 use crate::identification::figures::{Figure, Figures};
 use crate::identification::parameter::Parameter;
@@ -31,7 +32,9 @@ pub fn to_json(found: &Identification, recordings: &[Recording]) -> Value {
         "runs": found.runs,
         "parameters": found.estimates.iter().map(|e| estimate(e, found)).collect::<Vec<_>>(),
         "unseen": found.unseen.iter().map(unseen).collect::<Vec<_>>(),
-        "causes": found.causes.iter().map(cause).collect::<Vec<_>>(),
+        "calibration": found.calibration.iter().map(calibrated).collect::<Vec<_>>(),
+        "causes": found.causes.fitted.iter().map(cause).collect::<Vec<_>>(),
+        "search_cut": found.cut, "causes_not_looked_at": found.causes.cut,
         "assumed": found.assumed.iter().map(assumed).collect::<Vec<_>>(),
         "channels": channels.collect::<Vec<_>>(),
         "correlation": correlation.collect::<Vec<_>>(),
@@ -73,6 +76,14 @@ fn unseen(unseen: &Unseen) -> Value {
 
 fn assumed(parameter: &Parameter) -> Value {
     json!({ "key": parameter.key.path, "file": parameter.start, "within": parameter.assumed_within() })
+}
+
+fn calibrated(error: &Calibrated) -> Value {
+    json!({
+        "key": error.parameter.key.path, "unit": error.parameter.key.unit(), "name": error.name,
+        "file": error.parameter.start, "tolerance": error.tolerance, "estimate": error.value,
+        "standard_error": error.standard_error, "seen": error.is_seen(), "beyond_tolerance": error.is_far,
+    })
 }
 
 fn cause(cause: &Explanation) -> Value {
