@@ -249,6 +249,7 @@ fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identi
     independence::check(model.recordings, progress)?;
     let start = vec![0.0; model.unknowns()];
     let residuals = model.residuals_at(&start).ok_or_else(|| search::cannot_follow(&model, &start))?;
+    model.budget.begin();
     let before = model.channel_fits(&residuals).map(|fit| fit.map(|fit| fit.after));
     let silent = model.leave_out_what_nothing_depends_on(&residuals);
     if model.parameters.is_empty() {
@@ -256,7 +257,6 @@ fn fitted(mut model: Model<'_>, progress: &mut dyn FnMut(&str)) -> Result<Identi
     }
     let start = vec![0.0; model.unknowns()];
     let Termination { found, causes, of_first } = search::search(&mut model, start, progress)?;
-    model.budget.limit();
     let posterior = assumed::posterior(&model, &found)?;
     let traces = Traces::of(&model, &found);
     let told = finished(&model, &found, &posterior, silent, (before, &traces));

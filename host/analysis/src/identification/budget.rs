@@ -1,25 +1,25 @@
 //! What a search may cost: evaluations of the model's equations, which no clock and no other program changes.
 //!
-//! A fit that ends at noise takes a small part of it. Where noise alone is not reached the search for another minimum or a
-//! cause goes on as long as something is left; what was not looked at then is told.
+//! A fit that ends at noise takes a part of it. Where noise alone is not reached the search for another minimum or a cause
+//! goes on as long as something is left; what was not looked at then is told.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Evaluations of all runs together.
-const ALL: u64 = 150_000_000;
+/// Times that all records may be followed, as far as evaluations tell: for the first minimum, and altogether.
+const FIRST: u64 = 3000;
+const ALL: u64 = 5000;
 
 /// Evaluations of a run for each of its samples: a hundred times what they take where the model is near the rig.
 const OF_A_SAMPLE: u64 = 5_000;
-
-/// A search may go on for so many times what its first minimum took, where that is more.
-const OF_FIRST: u64 = 3;
 
 /// What is left to spend, counted for all copies of a model together.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Budget {
     spent: Arc<AtomicU64>,
-    /// What may be spent; None before the first minimum, which is found whatever that takes.
+    /// What it takes to follow all records once.
+    once: u64,
+    /// How often that may be spent; None: without end.
     most: Option<u64>,
 }
 
@@ -34,15 +34,23 @@ impl Budget {
         self.spent.fetch_add(evaluations, Ordering::Relaxed);
     }
 
-    /// The first minimum is found: from now on there is an end.
-    pub fn limit(&mut self) {
-        let spent = self.spent.load(Ordering::Relaxed);
-        self.most.get_or_insert(ALL.max(OF_FIRST * spent));
+    fn spent(&self) -> u64 {
+        self.spent.load(Ordering::Relaxed)
+    }
+
+    /// All records have been followed once: there is an end for the first minimum.
+    pub fn begin(&mut self) {
+        (self.once, self.most) = (self.spent(), Some(FIRST));
+    }
+
+    /// The first minimum is found: there is an end for all.
+    pub fn go_on(&mut self) {
+        self.most = Some(ALL);
     }
 
     /// Whether nothing is left.
     pub fn is_spent(&self) -> bool {
-        self.most.is_some_and(|most| self.spent.load(Ordering::Relaxed) >= most)
+        self.most.is_some_and(|most| self.spent() >= most * self.once)
     }
 }
 
@@ -51,17 +59,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_search_ends_after_its_first_minimum_alone_and_all_copies_share_what_is_left() {
+    fn a_search_ends_after_its_part_and_all_copies_share_what_is_left() {
         let mut budget = Budget::default();
-        budget.spend(ALL);
-        assert!(!budget.is_spent());
-        budget.limit();
+        budget.spend(7);
+        assert!(!budget.is_spent(), "it has not begun");
+        budget.begin();
         let copy = budget.clone();
-        copy.spend(2 * ALL - 1);
-        assert!(!budget.is_spent(), "three times as much as the first minimum");
+        copy.spend(7 * (FIRST - 1) - 1);
+        assert!(!budget.is_spent());
         copy.spend(1);
         assert!(budget.is_spent() && copy.is_spent());
-        budget.limit();
-        assert!(budget.is_spent(), "the end does not move");
+        budget.go_on();
+        assert!(!budget.is_spent());
+        budget.spend(7 * (ALL - FIRST));
+        assert!(budget.is_spent());
     }
 }

@@ -11,7 +11,6 @@
 //! cause of a misfit, and reported as one ([`super::causes`]).
 
 use pneudrive_sim::Rig;
-use pneudrive_sim::component::calibration::Calibration;
 use pneudrive_sim::key::Typed;
 use pneudrive_sim::keys::{controller, encoder, sensors};
 
@@ -165,10 +164,13 @@ fn unknown(rig: &Rig) -> Vec<Parameter> {
 pub(super) fn freed(model: &mut Model, from: Vec<f64>) -> Vec<f64> {
     let place = model.parameters.len();
     let all = unknown(&model.rig);
+    if all.is_empty() {
+        return from;
+    }
     let mut u = from.clone();
     u.splice(place..place, vec![0.0; all.len()]);
     let wider = model.with(&all);
-    let Some(residuals) = wider.residuals_at(&u).filter(|_| !all.is_empty()) else { return from };
+    let Some(residuals) = wider.residuals_at(&u) else { return from };
     let columns = wider.columns(&u, &residuals, place..place + all.len());
     let does = |column: Option<Column>| column.is_some_and(|column| column.rows.norm() > NOTHING);
     let seen: Vec<_> =
@@ -180,15 +182,6 @@ pub(super) fn freed(model: &mut Model, from: Vec<f64>) -> Vec<f64> {
 }
 
 impl Model<'_> {
-    /// The calibration errors at a point.
-    pub(super) fn calibration_at(&self, u: &[f64]) -> Calibration {
-        let found = |path: &str| {
-            let place = self.parameters.iter().position(|parameter| parameter.key.path == path)?;
-            Some(self.parameters[place].value(u[place]))
-        };
-        Calibration::of(|key| found(key.path).unwrap_or_else(|| self.rig.get(key)))
-    }
-
     /// The place of a calibration error among the unknowns.
     pub(super) fn place_of_error(&self, path: &str) -> Option<usize> {
         self.parameters.iter().position(|parameter| parameter.is_calibration && parameter.key.path == path)

@@ -14,15 +14,16 @@
 //! degrees of freedom where the effect explains nothing. Its tail is multiplied by the number of effects that were
 //! tried (Bonferroni).
 
+mod effect;
 mod fit;
 mod list;
 mod significance;
 
 use nalgebra::{DMatrix, DVector};
-use pneudrive_sim::Rig;
 
 use super::found::Found;
 use super::model::Model;
+pub use effect::{Change, Choice, Effect};
 use fit::{Fit, Origin};
 use significance::{chance, noise};
 
@@ -40,62 +41,6 @@ const LARGEST: f64 = 30.0;
 
 /// An effect explains something if chance would do it less often than this.
 const SIGNIFICANT: f64 = 1e-3;
-
-/// An effect that may be the cause of a misfit.
-#[derive(Clone, Copy, Debug)]
-pub struct Effect {
-    /// In words.
-    pub name: &'static str,
-    /// How a rig file has it.
-    pub change: Change,
-    /// How to measure it without a fit.
-    pub measure: &'static str,
-}
-
-/// How a rig file comes to have an effect.
-#[derive(Clone, Copy, Debug)]
-pub enum Change {
-    /// A number.
-    Number {
-        /// Its key.
-        path: &'static str,
-        /// The choice without which it does nothing.
-        with: Option<Choice>,
-        /// What is usual, in the unit of the key.
-        size: f64,
-        /// The smallest size that can be distinguished from none, in the unit of the key.
-        least: f64,
-    },
-    /// An error of calibration among the unknowns, with this key: freed from its tolerance.
-    Calibration(&'static str),
-    /// A switch that is turned.
-    Switch(&'static str),
-    /// The other word of a choice.
-    Word(Choice),
-}
-
-/// A choice by which a rig file has an effect.
-#[derive(Clone, Copy, Debug)]
-pub struct Choice {
-    /// Its key.
-    pub path: &'static str,
-    /// The word that has the effect.
-    pub word: &'static str,
-    /// The word for no such effect; any other word is another model, which the effect does not replace.
-    pub none: &'static str,
-}
-
-impl Choice {
-    /// The setting that makes the choice.
-    fn setting(&self) -> String {
-        format!("{}={}", self.path, self.word)
-    }
-
-    /// Whether a rig has the word, or the one for no effect.
-    fn is_open(&self, rig: &Rig) -> bool {
-        rig.word_at(self.path).is_some_and(|word| [self.word, self.none].contains(&word))
-    }
-}
 
 /// How well an effect explains a misfit.
 #[derive(Clone, Debug)]
@@ -296,63 +241,10 @@ fn change(model: &Model, found: &Found, effect: Effect) -> Option<DVector<f64>> 
     Some(change)
 }
 
-impl Effect {
-    /// The rig of a model with a part of the usual size of the effect; None where it is no valid rig, has the effect
-    /// fitted, or has no use for it.
-    fn rig(&self, model: &Model, part: f64) -> Option<Rig> {
-        let rig = &model.rig;
-        let fitted = |path: &str| model.parameters.iter().any(|parameter| parameter.key.path == path);
-        match self.change {
-            Change::Number { path, .. } if fitted(path) => None,
-            Change::Number { with: Some(choice), .. } if !choice.is_open(rig) => None,
-            Change::Number { path, with, size, least } => {
-                let settings: Vec<String> = with.iter().map(Choice::setting).collect();
-                let rig = rig.with_settings(&settings).ok()?;
-                let start = rig.number_at(path)?;
-                let value = start + part * size;
-                let possible = value >= start.min(least);
-                possible.then(|| rig.with_numbers(&[(path, value.max(least))]).ok())?
-            }
-            Change::Calibration(path) => model.place_of_error(path).map(|_| rig.clone()),
-            Change::Switch(path) => {
-                let turned = !rig.switch_at(path)?;
-                rig.with_settings(&[format!("{path}={turned}")]).ok()
-            }
-            Change::Word(choice) if rig.word_at(choice.path) == Some(choice.none) => {
-                rig.with_settings(&[choice.setting()]).ok()
-            }
-            Change::Word(_) => None,
-        }
-    }
-
-    /// The settings by which a rig file has the effect as it was found in `rig`.
-    fn setting(&self, rig: &Rig, value: Option<f64>) -> String {
-        match self.change {
-            Change::Number { path, with, .. } => {
-                let number = format!("{path}={:.4}", Shortest(value.unwrap_or(0.0)));
-                with.iter().map(Choice::setting).chain([number]).collect::<Vec<_>>().join(" ")
-            }
-            Change::Calibration(path) => format!("{path}={:.4}", Shortest(value.unwrap_or(0.0))),
-            Change::Switch(path) => format!("{path}={}", rig.switch_at(path).unwrap_or_default()),
-            Change::Word(choice) => choice.setting(),
-        }
-    }
-}
-
-/// A number with as many significant digits as its precision.
-struct Shortest(f64);
-
-impl std::fmt::Display for Shortest {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = f.precision().unwrap_or(4).saturating_sub(1);
-        let rounded: f64 = format!("{:.digits$e}", self.0).parse().unwrap_or(self.0);
-        write!(f, "{rounded}")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pneudrive_sim::Rig;
     use pneudrive_sim::rig::find_key;
 
     #[test]
@@ -396,10 +288,5 @@ mod tests {
         let projection = Projection::of(&jacobian).expect("regular");
         let left = projection.left_of(&DVector::from_row_slice(&[3.0, 1.0, 2.0]));
         assert!((left - DVector::from_row_slice(&[1.0, -1.0, 2.0])).norm() < 1e-12);
-    }
-
-    #[test]
-    fn numbers_of_a_setting_are_short() {
-        assert_eq!(format!("{:.4} {:.4}", Shortest(1.234_56e-9), Shortest(-40.0)), "0.000000001235 -40");
     }
 }

@@ -215,6 +215,10 @@ impl Problem for Model<'_> {
         Model::longest(self, unknown)
     }
 
+    fn is_confined(&self) -> bool {
+        self.parameters.iter().any(|parameter| parameter.is_calibration)
+    }
+
     fn is_cut(&self) -> bool {
         self.budget.is_spent()
     }

@@ -123,7 +123,8 @@ impl Figures {
             rows.push(vec![format!("stiction, {way}, N"), why, String::new(), String::new()]);
         }
         Table {
-            heading: "read off the records, without a model of the air".to_owned(),
+            heading: "read off the records, without a model of the air, calibration taken as exact"
+                .to_owned(),
             columns: ["figure", "measured", "standard error", "file"].map(str::to_owned).to_vec(),
             rows,
         }

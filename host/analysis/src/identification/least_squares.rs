@@ -30,6 +30,11 @@ pub trait Problem {
     fn limits(&self) -> Vec<Limit>;
     /// Longest step along an unknown: beyond it the linear model is not to be trusted.
     fn longest(&self, unknown: usize) -> f64;
+    /// Whether a step is confined to the longest along each unknown by itself: the others then go on where one ends. Else all
+    /// of it is shortened.
+    fn is_confined(&self) -> bool {
+        false
+    }
     /// Whether a search must end where it is.
     fn is_cut(&self) -> bool {
         false
@@ -170,10 +175,10 @@ impl Search {
     fn step(&mut self, problem: &impl Problem) {
         let jacobian = &self.minimum.jacobian;
         let (normal, gradient) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(&self.minimum.residuals));
-        let near = self.near();
+        let (near, limits) = (self.near(), self.limits_of_a_step(problem));
         while self.damping < MAX_DAMPING {
             let matrix = damped(&normal, self.damping);
-            let Some(step) = step_within(&matrix, &gradient, &self.limits, &self.minimum.u) else {
+            let Some(step) = step_within(&matrix, &gradient, &limits, &self.minimum.u) else {
                 self.grow();
                 continue;
             };
@@ -190,6 +195,18 @@ impl Search {
             self.grow();
         }
         self.stuck = true;
+    }
+
+    /// What a step keeps.
+    fn limits_of_a_step(&self, problem: &impl Problem) -> Vec<Limit> {
+        let mut limits = self.limits.clone();
+        if problem.is_confined() {
+            for (i, u) in self.minimum.u.iter().enumerate() {
+                let longest = problem.longest(i);
+                limits.extend([Limit::at_least(i, u - longest), Limit::at_most(i, u + longest)]);
+            }
+        }
+        limits
     }
 
     /// Moves to `u` if that is better, and continues from there.
@@ -236,10 +253,11 @@ mod tests {
     struct Valley {
         wall: f64,
         limits: Vec<Limit>,
+        is_confined: bool,
     }
 
     fn from(wall: f64) -> Valley {
-        Valley { wall, limits: Vec::new() }
+        Valley { wall, limits: Vec::new(), is_confined: false }
     }
 
     impl Problem for Valley {
@@ -259,6 +277,10 @@ mod tests {
 
         fn longest(&self, _: usize) -> f64 {
             0.3
+        }
+
+        fn is_confined(&self) -> bool {
+            self.is_confined
         }
     }
 
@@ -299,10 +321,24 @@ mod tests {
         assert_eq!(limited(DVector::from_vec(vec![0.2, -0.3]), &valley).as_slice(), [0.2, -0.3]);
     }
 
+    /// From (0, -3) the bottom is 3 away along the second unknown.
+    #[test]
+    fn an_unknown_that_has_far_to_go_does_not_stop_the_others_of_a_confined_step() {
+        let step = |is_confined| {
+            let valley = Valley { is_confined, ..from(-9.0) };
+            let mut search = Search::at(&valley, &[0.0, -3.0], DAMPING[1]).expect("residuals");
+            search.step(&valley);
+            search.minimum.u
+        };
+        let (shortened, confined) = (step(false), step(true));
+        assert!((shortened[1] + 2.7).abs() < 1e-6 && (confined[1] + 2.7).abs() < 1e-6);
+        assert!(confined[0] > 0.29 && shortened[0] < 0.15, "{confined:?} {shortened:?}");
+    }
+
     /// On the edge u_0 = 0.5 of the valley its bottom is at u_1 = 0.25.
     #[test]
     fn a_search_ends_at_the_best_point_within_the_limits() {
-        let valley = Valley { wall: -9.0, limits: vec![Limit::at_most(0, 0.5)] };
+        let valley = Valley { limits: vec![Limit::at_most(0, 0.5)], ..from(-9.0) };
         let minimum = minimise(&valley, &[-1.2, 1.0], true, &mut |_| {}).expect("residuals");
         assert!(minimum.converged, "{:?}", minimum.u);
         // A seventh of a standard error, which is 0.035.

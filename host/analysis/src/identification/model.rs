@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Result, ensure};
 use nalgebra::DVector;
+use pneudrive_sim::component::calibration::Calibration;
 use pneudrive_sim::follow::Reading;
 use pneudrive_sim::{Accuracy, Rig};
 
@@ -147,6 +148,15 @@ impl<'a> Model<'a> {
     pub fn start_at(&self, u: &[f64], recording: usize) -> [f64; STARTS] {
         let first = self.parameters.len() + STARTS * recording;
         std::array::from_fn(|i| COUNTS * u[first + i])
+    }
+
+    /// The calibration errors at a point.
+    fn calibration_at(&self, u: &[f64]) -> Calibration {
+        let found = |path: &str| {
+            let place = self.parameters.iter().position(|parameter| parameter.key.path == path)?;
+            Some(self.parameters[place].value(u[place]))
+        };
+        Calibration::of(|key| found(key.path).unwrap_or_else(|| self.rig.get(key)))
     }
 
     fn samples(&self, recording: &Recording) -> usize {

@@ -51,6 +51,12 @@ class Controller(Table):
     def period_s(self) -> float:
         """Sample period; whole microseconds, s."""
     @property
+    def clock_error_percent(self) -> float:
+        """How much longer a second of the controller's clock really is; the controller does not know it. Times of test, trace and records are those of its clock, %."""
+    @property
+    def clock_tolerance_percent(self) -> float:
+        """How far that clock may be off, for identify. 0.5 is an assumption: that of a ceramic resonator. A crystal has 0.005, an RC oscillator 1 and more; 0: exact, %."""
+    @property
     def start_s(self) -> float:
         """Time for which the drive runs with its valve at the null before the first sample, from the initial state of the test; whole microseconds. Times of test, trace and faults count from the first sample, s."""
     @property
@@ -169,6 +175,18 @@ class Encoder(Table):
     @property
     def noise_counts(self) -> float:
         """Standard deviation of the reading's noise, counts."""
+    @property
+    def scale_error_percent(self) -> float:
+        """How much longer a count really is than the file says; the controller does not know it, %."""
+    @property
+    def scale_tolerance_percent(self) -> float:
+        """How far the true length of a count may be from the file's, for identify. 0.3 is an assumption: that of a belt or a measuring wheel. A glass scale or a magnetic tape has 0.01, a scale that was compared with a gauge what that comparison leaves; 0: exact, %."""
+    @property
+    def offset_error_mm(self) -> float:
+        """What the encoder reads at the retracted end of the stroke; the controller does not know it, mm."""
+    @property
+    def offset_tolerance_mm(self) -> float:
+        """How far that reading may be from the file's, for identify. 0.1 is an assumption: what a homing run against a stop repeats, and how well the end of the stroke is known; 0: exact, mm."""
 
 class Sensors(Table):
     @property
@@ -201,6 +219,36 @@ class Sensors(Table):
     @property
     def noise_counts(self) -> float:
         """Standard deviation of the converter's noise, counts."""
+    @property
+    def pressure_1_gain_error_percent(self) -> float:
+        """What the first sensor reads too much, part of the absolute pressure; the controller does not know it, %."""
+    @property
+    def pressure_1_offset_error_pa(self) -> float:
+        """The same at every pressure, Pa."""
+    @property
+    def pressure_2_gain_error_percent(self) -> float:
+        """What the second sensor reads too much, part of the absolute pressure; the controller does not know it, %."""
+    @property
+    def pressure_2_offset_error_pa(self) -> float:
+        """The same at every pressure, Pa."""
+    @property
+    def pressure_gain_tolerance_percent(self) -> float:
+        """How far the scale of a pressure reading may be from the file's, for identify: transmitter and converter together. 2 is an assumption: transmitters are sold with 0.25 to 1 % of their span, plus drift by temperature, and the reference of a converter has as much again; 0: exact, %."""
+    @property
+    def pressure_offset_tolerance_pa(self) -> float:
+        """How far the zero of a pressure reading may be off, for identify. 5000 is an assumption: 0.5 % of a span of 1 MPa. A zero that was compared with a barometer has some 200; 0: exact, Pa."""
+    @property
+    def spool_gain_error_percent(self) -> float:
+        """What the spool's sensor reads too much, part of the displacement; the controller does not know it, %."""
+    @property
+    def spool_offset_error_mm(self) -> float:
+        """What the spool's sensor reads at mid-travel; the controller does not know it, mm."""
+    @property
+    def spool_gain_tolerance_percent(self) -> float:
+        """How far the scale of the spool's sensor may be from the file's, for identify; 1 is an assumption; 0: exact, %."""
+    @property
+    def spool_offset_tolerance_mm(self) -> float:
+        """How far the zero of the spool's sensor may be off, for identify; 0.01 is an assumption; 0: exact, mm."""
 
 class Operator(Table):
     @property
