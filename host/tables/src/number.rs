@@ -190,14 +190,17 @@ impl Evidence {
             (true, true) => return None,
             (false, false) => {}
         }
+        // With both signs in the file, one of them stands between thousands.
+        if all.iter().any(|one| one.either.as_ref().is_some_and(|(_, _, other)| *other != sign)) {
+            return None;
+        }
         // Between commas a dot is the decimal sign; semicolons are there because the comma is one.
+        let mut numbers = all.iter().filter(|one| one.plain || one.either.is_some());
         let is_usual = match sign {
             Sign::Dot => delimiter == ',' && self.has_three_decimals(),
-            Sign::Comma => false,
+            Sign::Comma => delimiter == ';' && numbers.all(Evidence::has_three_decimals),
         };
-        let numbers = || all.iter().filter(|one| one.plain || one.either.is_some());
-        let is_fixed = (sign == Sign::Dot || delimiter == ';') && numbers().all(Evidence::has_three_decimals);
-        (is_usual || is_fixed).then_some(sign)
+        is_usual.then_some(sign)
     }
 }
 
