@@ -134,7 +134,7 @@ impl Reading {
     fn above(&mut self, record: Record) {
         let is_row = record.has_numbers()
             && (record.cells.len() == self.dialect.cells
-                || (record.cells.len() > 1 && record.cells.iter().all(is_number)));
+                || (record.filled() > 1 && record.cells.iter().take(record.filled()).all(is_number)));
         match &mut self.early {
             None if is_row => {
                 let is_value = !record.cells.get(0).is_some_and(is_number);
@@ -205,7 +205,11 @@ impl Reading {
     }
 
     fn fits(&self, record: &Record) -> bool {
-        record.cells.len() >= self.table.columns && record.filled() <= self.table.columns
+        let (cells, filled, columns) = (record.cells.len(), record.filled(), self.table.columns);
+        // Where lines end in a delimiter, one without it has a cell less, but none that is empty at its end.
+        let is_without_end = columns < self.dialect.cells && cells == columns && filled == columns;
+        let has_end = cells == self.dialect.cells + 1 && filled == columns;
+        filled <= columns && (cells == self.dialect.cells || is_without_end || has_end)
     }
 
     /// Whether the last line, without a line break, is the beginning of a row: too few cells, or digits fewer than in all others.
