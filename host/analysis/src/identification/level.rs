@@ -129,10 +129,11 @@ pub(super) fn fitted(model: &Model, found: &Found) -> Option<Incline> {
     let hung = Hung::at(model, u)?;
     let mut slopes = DVector::zeros(u.len());
     for i in 0..model.parameters.len() {
+        // An error of the weight is one of the angle, too: in N of the weight that was found.
         let force = |step: f64| {
             let mut u = u.clone();
             u[i] += step;
-            Hung::at(model, &u).map(|hung| hung.own + hung.common.force)
+            Hung::at(model, &u).map(|there| (there.own + there.common.force) / there.weight * hung.weight)
         };
         slopes[i] = (force(STEP)? - force(-STEP)?) / (2.0 * STEP);
     }
