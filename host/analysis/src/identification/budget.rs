@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Times that all records may be followed, as far as evaluations tell: for the first minimum, and altogether.
 const FIRST: u64 = 3000;
-const ALL: u64 = 5000;
+const ALL: u64 = 4000;
 
 /// Evaluations of a run for each of its samples: a hundred times what they take where the model is near the rig.
 const OF_A_SAMPLE: u64 = 5_000;
