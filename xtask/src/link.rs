@@ -15,13 +15,18 @@ pub fn soak(tally: &mut Tally) {
     });
 }
 
-/// Bounds of the checker of the link: jobs of the two hosts, then faults, resets, power cuts and silences, and
-/// whether to go deep. These are CI's.
-const BOUNDS_OF_CI: [&str; 2] = ["runs configures 2 1 1 0", "homes runs 2 1 0 0"];
+/// Bounds of the checker of the link: jobs of the two hosts, then faults, resets, power cuts and silences; with a PLC or a
+/// gateway silences by halves and changes of contacts; and whether to go deep. These are CI's.
+const BOUNDS_OF_CI: [&str; 2] = ["runs configures 1 1 1 0", "follows rests 1 1 0 0 2 0 gateway"];
 
 /// All states of the link within wider bounds than the tests have.
 pub fn states(tally: &mut Tally) {
     let wider = [
+        "runs configures 2 1 1 0",
+        "homes runs 2 1 0 0",
+        "follows homes 1 0 0 0 2 0 gateway",
+        "stops rests 0 0 0 0 0 6",
+        "runs stops 0 0 0 0 0 2",
         "both both 1 0 0 0",
         "both both 0 0 0 1",
         "both both 1 1 1 0 deep",

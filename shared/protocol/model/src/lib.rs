@@ -261,7 +261,8 @@ impl Model for Link {
     fn properties(&self) -> Vec<Property<Link>> {
         let mut properties: Vec<Property<Link>> = broken::properties().collect();
         properties.push(Property::sometimes(REACHED, Link::both_have_done_their_job));
-        if self.budget.is_some_and(|budget| budget.inputs >= plc::TO_BEGIN_ANEW) {
+        let stops = self.plans.iter().any(|plan| plan.job == Job::Stops);
+        if stops && self.budget.is_some_and(|budget| budget.inputs >= plc::TO_BEGIN_ANEW) {
             properties.push(Property::sometimes(BEGUN_ANEW, Link::inputs_move_after_a_stop));
         }
         properties

@@ -38,6 +38,9 @@ pub struct Plc {
     trip_pending: bool,
     /// A host has stopped the drive.
     pub stopped: bool,
+    /// The hosts that have stopped it since the reset. Each asks for that once: what comes later is a copy, which a rig answers
+    /// and does not carry out.
+    stopped_by: [bool; 2],
 }
 
 /// What is wrong with a record that the inputs have begun.
@@ -62,6 +65,7 @@ impl Default for Plc {
             stop_pending: false,
             trip_pending: false,
             stopped: false,
+            stopped_by: [false; 2],
         }
     }
 }
@@ -100,7 +104,10 @@ impl Plc {
     }
 
     /// A host has stopped the drive: nothing counts that was asked for before.
-    pub fn is_stopped(&mut self) {
+    pub fn is_stopped_by(&mut self, host: usize) {
+        if std::mem::replace(&mut self.stopped_by[host], true) {
+            return;
+        }
         (self.edge, self.stop_pending, self.stopped) = (false, true, true);
     }
 

@@ -321,7 +321,7 @@ impl Link {
                 rig.presence = Presence::of(sequence);
                 rig.plc.iter_mut().for_each(Plc::is_armed_by_host);
             }
-            RequestBody::Stop if done => rig.plc.iter_mut().for_each(Plc::is_stopped),
+            RequestBody::Stop if done => rig.plc.iter_mut().for_each(|plc| plc.is_stopped_by(host)),
             RequestBody::ConfigSave if done && rig.board.kept != before.board.kept => {
                 rig.saved = pair(rig.control.parameters());
             }

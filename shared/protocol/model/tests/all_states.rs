@@ -1,6 +1,8 @@
 //! All states of two hosts and a rig, within bounds that take less than a minute; `cargo xtask link-states` goes further.
 
-use pneudrive_protocol_model::host::Job::{self, Both, Configures, Homes, Runs};
+use pneudrive_protocol_model::host::Job::{
+    self, Both, Configures, Follows, Holds, Homes, Rests, Runs, Stops,
+};
 use pneudrive_protocol_model::host::Plan;
 use pneudrive_protocol_model::{Budget, Link};
 
@@ -54,8 +56,8 @@ fn two_hosts_that_home_with_two_faults_and_a_reset() {
 }
 
 #[test]
-fn a_host_that_homes_and_one_that_runs_with_a_reset() {
-    holds("homes, runs", hosts([Homes, Runs], TWO, Budget { resets: 1, ..NOTHING }));
+fn a_host_that_homes_and_one_that_runs_with_a_fault_and_a_reset() {
+    holds("homes, runs", hosts([Homes, Runs], TWO, Budget { faults: 1, resets: 1, ..NOTHING }));
 }
 
 #[test]
@@ -76,4 +78,37 @@ fn two_hosts_that_run_of_which_the_owner_falls_silent() {
 #[test]
 fn two_hosts_that_configure_and_run_in_order() {
     holds("both, both", hosts([Both, Both], TWO, NOTHING));
+}
+
+#[test]
+fn a_plc_whose_contacts_change_five_times_and_a_host_that_stops() {
+    holds("stops, inputs", hosts([Stops, Rests], TWO, Budget { inputs: 5, ..NOTHING }));
+}
+
+#[test]
+fn a_plc_and_a_host_that_stops_with_a_fault_and_a_reset() {
+    let budget = Budget { faults: 1, resets: 1, inputs: 3, ..NOTHING };
+    holds("stops, inputs, fault, reset", hosts([Stops, Rests], TWO, budget));
+}
+
+#[test]
+fn a_plc_and_two_hosts_that_stop() {
+    holds("stops, stops, inputs", hosts([Stops, Stops], TWO, Budget { inputs: 4, ..NOTHING }));
+}
+
+#[test]
+fn a_plc_and_a_host_that_runs() {
+    holds("runs, inputs", hosts([Runs, Rests], TWO, Budget { inputs: 2, ..NOTHING }));
+}
+
+#[test]
+fn an_owner_that_a_gateway_repeats_and_that_falls_silent_by_halves() {
+    let budget = Budget { waits: 2, gateway: true, ..NOTHING };
+    holds("follows, homes, gateway", hosts([Follows, Homes], TWO, budget));
+}
+
+#[test]
+fn a_drive_that_holds_for_an_owner_that_is_gone_with_a_fault_and_a_reset() {
+    let budget = Budget { faults: 1, resets: 1, silences: 1, ..NOTHING };
+    holds("holds, homes, silence", hosts([Holds, Homes], TWO, budget));
 }
