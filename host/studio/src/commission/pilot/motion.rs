@@ -9,6 +9,7 @@ use pneudrive_link::test_run::refuse_what_it_would;
 use pneudrive_protocol::{Mode, Status};
 use pneudrive_records::rig_info::RigParameters;
 use pneudrive_sim::Rig;
+use pneudrive_sim::component::controller::{Loop, keys as controller};
 
 use super::{LOOK, Pilot, REST_OF_STREAM};
 use crate::commission::live::Live;
@@ -36,6 +37,9 @@ enum Purpose {
 impl Pilot<'_> {
     /// The way of the drive to the start of a test; None in open loop.
     pub(super) fn way(&mut self, rig: &Rig) -> Result<Option<Way>> {
+        if rig.get(&controller::LOOP) == Loop::Open {
+            return Ok(None);
+        }
         let status = self.look()?;
         if status.mode == Mode::Running {
             return Err(Failure::Refused.error("not run: the drive is moving; wait until it rests"));
