@@ -69,7 +69,7 @@ fn short_line(units: &Units, s: &Status, (damaged, repeats): (u32, u32)) -> Stri
     let pressures = [s.pressure_1, s.pressure_2].map(|raw| units.pressure(raw));
     let pressures = pressures.map(|text| text.trim_end_matches(" kPa").to_owned());
     format!(
-        "{:<9} {:>10}  off {:>9}  u {:>6}  P {:>6} {:>6} kPa  {link}",
+        "{:<9} {:>10}  off {:>9}  u {:>5}  P {:>6} {:>6} kPa  {link}",
         mode(s),
         units.length(s.position),
         units.length(s.error),
