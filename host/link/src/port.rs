@@ -63,6 +63,9 @@ pub fn open(name: &str) -> Result<Box<dyn Link>> {
     open_serial(name.strip_prefix("pty:").unwrap_or(name))
 }
 
+/// What stands in front of a colon and is no host.
+const OTHER_SCHEMES: [&str; 4] = ["pty", "udp", "unix", "serial"];
+
 /// The address in the name of a port: `tcp://HOST:PORT`, `TCP:HOST:PORT` or `HOST:PORT`; None of a device.
 #[must_use]
 pub fn address(name: &str) -> Option<&str> {
@@ -72,7 +75,8 @@ pub fn address(name: &str) -> Option<&str> {
         return Some(rest.trim_start_matches('/'));
     }
     let (host, number) = name.rsplit_once(':')?;
-    let is_host = !host.is_empty() && host != "pty" && !host.contains(['/', '\\']);
+    let is_scheme = OTHER_SCHEMES.iter().any(|scheme| host.eq_ignore_ascii_case(scheme));
+    let is_host = !host.is_empty() && !is_scheme && !host.contains(['/', '\\']);
     (is_host && number.parse::<u16>().is_ok()).then_some(name)
 }
 
