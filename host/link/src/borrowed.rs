@@ -2,12 +2,13 @@
 //! meanwhile cannot lose them, and the next one that borrows them gives them back first.
 //!
 //! ```text
-//! borrow      PORT.borrowed   in the user's folder of states: the port, the boot of the drive, and all parameters as they were
+//! borrow      PORT.borrowed   in the user's folder of states: the program, the boot of the drive, and all parameters as they were
 //! give back   the values are set, then the file is removed
 //! ```
 //!
 //! A file is passed over, and removed, if the drive was reset since, which brings its saved parameters back, or if other
-//! parameters differ from those in it: then somebody has set them since, or another drive is at the port.
+//! parameters differ from those in it: then somebody has set them since, or another drive is at the port. What a program that
+//! still runs has borrowed is not given back by another one.
 
 use std::fmt::Write;
 use std::fs;
@@ -18,12 +19,16 @@ use anyhow::{Context, Result, anyhow, bail};
 use pneudrive_controller::parameters::id;
 use pneudrive_records::parameter_names::Written;
 use pneudrive_records::rig_info::RigParameters;
-use pneudrive_records::whole_file::put;
+use pneudrive_records::whole_file::{may_run, own_number, put};
 
 use crate::client::Client;
+use crate::failure::Failure;
 
 /// What a file of this kind begins with.
 const HEAD: &str = "pneudrive-borrowed 1";
+
+/// And what it ends with.
+const LAST: &str = "end";
 
 /// The longest file that is read, bytes: all parameters have some kilobytes.
 const LONGEST: u64 = 1 << 16;
@@ -76,7 +81,7 @@ impl Borrowed {
     }
 
     fn text(&self, boot: u32, parameters: &RigParameters) -> String {
-        let mut text = format!("{HEAD}\nboot {boot}\n");
+        let mut text = format!("{HEAD}\nprogram {}\nboot {boot}\n", own_number());
         for (id, _) in &self.values {
             // Writing to a String cannot fail.
             let _ = writeln!(text, "borrowed {id}");
@@ -84,13 +89,14 @@ impl Borrowed {
         for (id, value) in parameters.values.iter().filter(|(id, _)| !parameters.lacking.contains(id)) {
             let _ = writeln!(text, "{id} {value}");
         }
-        text
+        text + LAST + "\n"
     }
 }
 
 /// What a killed program has left.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Left {
+    program: u32,
     boot: u32,
     borrowed: Vec<u16>,
     all: Vec<(u16, i32)>,
@@ -103,16 +109,31 @@ impl Left {
         if lines.next()? != HEAD {
             return None;
         }
+        let program = lines.next()?.strip_prefix("program ")?.parse().ok()?;
         let boot = lines.next()?.strip_prefix("boot ")?.parse().ok()?;
-        let mut left = Left { boot, ..Left::default() };
-        for line in lines {
+        let mut left = Left { program, boot, ..Left::default() };
+        for line in &mut lines {
+            if line == LAST {
+                return lines.next().is_none().then_some(left);
+            }
             let (name, value) = line.split_once(' ')?;
             match name {
                 "borrowed" => left.borrowed.push(value.parse().ok()?),
                 id => left.all.push((id.parse().ok()?, value.parse().ok()?)),
             }
         }
-        Some(left)
+        None
+    }
+
+    /// Whether the drive with these parameters is in the boot in which it lost them. A rig that does not count boots may have been
+    /// reset.
+    fn is_in_force(&self, boot: u32) -> bool {
+        self.boot != 0 && self.boot == boot
+    }
+
+    /// What the drive has instead of what was borrowed.
+    fn differing(&self, there: &RigParameters) -> Vec<(u16, i32)> {
+        self.values().filter(|(id, value)| there.values.get(*id) != Some(*value)).collect()
     }
 
     /// Whether these parameters are those of a drive whose program was killed, but for what was borrowed and for the null that
@@ -130,18 +151,36 @@ impl Left {
 /// Gives back what a killed program has left.
 fn give_back_of_killed(client: &mut Client, path: &Path) -> Result<()> {
     let Some(left) = left_at(path)? else { return Ok(()) };
-    let parameters = client.parameters()?;
-    if left.boot == client.boot() && left.is_of(&parameters) {
-        for (id, value) in left.values().filter(|(id, value)| parameters.values.get(*id) != Some(*value)) {
-            client.set_parameters(id, &[value])?;
-            let named = Written::of(id).map(|written| format!("{} = {}", written.name, written.text(value)));
-            log::info!(
-                "a program that was killed has left its tests' setting on the drive; it has {} again",
-                named.unwrap_or_default()
-            );
+    if left.program != own_number() && may_run(left.program, path) {
+        return Err(Failure::Refused.error(format!(
+            "another program (process {}) tests the drive at this port; wait for its end",
+            left.program
+        )));
+    }
+    let there = client.parameters()?;
+    if left.is_in_force(client.boot()) {
+        let is_of = left.is_of(&there);
+        for (id, value) in left.differing(&there) {
+            if is_of {
+                client.set_parameters(id, &[value])?;
+                log::info!(
+                    "a killed program left a setting of its tests on the drive; restored {}",
+                    named(id, value)
+                );
+            } else {
+                log::warn!(
+                    "a killed program may have left a setting of its tests on the drive, which had {} before. Other parameters have changed since, so it stays: set it with `pneudrive device config` if that is meant",
+                    named(id, value)
+                );
+            }
         }
     }
     remove(path)
+}
+
+/// A parameter with its value.
+fn named(id: u16, value: i32) -> String {
+    Written::of(id).map_or_else(String::new, |written| format!("{} = {}", written.name, written.text(value)))
 }
 
 fn left_at(path: &Path) -> Result<Option<Left>> {
@@ -197,18 +236,27 @@ mod tests {
         let left = Left::read(&text).expect("it is one");
         assert_eq!((left.boot, &left.borrowed), (7, &vec![id::OPEN_LOOP]));
         assert_eq!(left.all.len(), parameters.values.iter().count());
-        for damaged in
-            ["", "pneudrive-borrowed 2\nboot 1\n", "pneudrive-borrowed 1\nboot x\n", &text[..text.len() - 3]]
-        {
-            let read = Left::read(damaged);
-            assert!(read.is_none_or(|read| read.all.len() < left.all.len() || read != left), "{damaged}");
+        for damaged in [
+            "",
+            "pneudrive-borrowed 2\nprogram 1\nboot 1\nend\n",
+            "pneudrive-borrowed 1\nprogram 1\nboot x\nend\n",
+        ] {
+            assert_eq!(Left::read(damaged), None, "{damaged}");
+        }
+        for cut in 0..text.len() - 1 {
+            assert_eq!(Left::read(&text[..cut]), None, "cut behind {cut} bytes");
         }
     }
 
     #[test]
     fn it_is_for_a_drive_whose_other_parameters_are_the_same_but_for_a_learned_null() {
         let parameters = RigParameters::default();
-        let left = Left { boot: 1, borrowed: vec![id::OPEN_LOOP], all: parameters.values.iter().collect() };
+        let left = Left {
+            program: 1,
+            boot: 1,
+            borrowed: vec![id::OPEN_LOOP],
+            all: parameters.values.iter().collect(),
+        };
         let with = |id, value| {
             let mut other = RigParameters::default();
             other.values.set(id, value).expect("in range");
@@ -217,6 +265,9 @@ mod tests {
         assert!(left.is_of(&parameters));
         assert!(left.is_of(&with(id::OPEN_LOOP, 1)) && left.is_of(&with(id::NULL_OFFSET_COUNTS, 5)));
         assert!(!left.is_of(&with(id::PERIOD_US, 2000)), "somebody has set it since");
+        assert_eq!(left.differing(&with(id::OPEN_LOOP, 1)), [(id::OPEN_LOOP, 0)]);
+        assert!(left.is_in_force(1) && !left.is_in_force(2));
+        assert!(!Left { boot: 0, ..left }.is_in_force(0), "it does not count boots");
     }
 
     #[test]

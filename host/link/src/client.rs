@@ -144,7 +144,7 @@ impl Client {
     fn new(link: Box<dyn Link>, name: &str, session: u32, sequence: u16) -> Client {
         Client {
             link,
-            name: name.to_owned(),
+            name: port::address(name).map_or_else(|| name.to_owned(), |address| format!("tcp://{address}")),
             patience: SILENCE_TIMEOUT,
             accumulator: Accumulator::new(),
             heard: Vec::new().into_iter(),
@@ -214,7 +214,7 @@ impl Client {
         let attempts = self.patience.as_millis().div_ceil(ANSWER_WAIT.as_millis());
         for attempt in 0..attempts {
             self.repeats += u32::from(attempt > 0);
-            if attempt == 0 || body.only_reads() {
+            if attempt == 0 || body.is_idempotent() {
                 self.sequence = self.sequence.wrapping_add(1);
             }
             let sequence = self.sequence;
