@@ -45,7 +45,7 @@ pub fn prepare(
     let there = client.parameters()?;
     if with_parameters {
         let sent = RigParameters { values: rig.parameters(), lacking: Vec::new() };
-        refuse_what_it_would(rig, &sent, status.referenced)?;
+        refuse_what_it_would(rig, &sent, will_be_referenced(&status, &there, &sent))?;
     } else {
         compare_parameters(&there.values, &rig.parameters(), rig.name())?;
         refuse_what_it_would(rig, &there, status.referenced)?;
@@ -97,6 +97,15 @@ pub fn refuse_what_it_would(rig: &Rig, parameters: &RigParameters, referenced: b
     Err(Failure::Refused.error(format!(
         "the setpoint {beyond} lies beyond a software end position of the drive, which goes from {least} to {most} (safety.end_min_mm, safety.end_max_mm)"
     )))
+}
+
+/// Whether the axis will be referenced once these parameters are in force: an absolute encoder is at once, and another one
+/// loses its reference with what its counts mean.
+fn will_be_referenced(status: &Status, there: &RigParameters, sent: &RigParameters) -> bool {
+    let meaning = |of: &RigParameters| {
+        [id::ENCODER_PM_PER_COUNT, id::ENCODER_INVERTED, id::ENCODER_MODEL].map(|id| of.values.get(id))
+    };
+    sent.values.absolute_zero().is_some() || status.referenced && meaning(there) == meaning(sent)
 }
 
 /// Refuses a rig that is already running, or in a fault.
