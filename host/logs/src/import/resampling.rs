@@ -45,9 +45,10 @@ fn even(one: &Sampled) -> Option<Vec<i32>> {
     let (time_s, period_s) = (&one.time_s, one.step_s);
     let mut indices = Vec::with_capacity(time_s.len());
     indices.push(0);
+    let mut gaps = one.gaps.iter().peekable();
     for pair in time_s.windows(2) {
         let steps = (pair[1] - pair[0]) / period_s;
-        let is_gap = one.gaps.iter().any(|[before, _]| *before == pair[0]);
+        let is_gap = gaps.next_if(|[before, _]| *before == pair[0]).is_some();
         let (whole, most) = if is_gap { (steps.round(), IN_STEP) } else { (1.0, EVEN) };
         if (steps - whole).abs() > most {
             return None;

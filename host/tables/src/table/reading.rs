@@ -53,8 +53,17 @@ fn delimiter_line(text: &str) -> Option<u8> {
 
 fn uneven(line: usize, cells: usize, first: usize, most: usize) -> String {
     format!(
-        "line {line} has {cells} cells, line {first} has {most}: each row needs as many, empty ones between delimiters"
+        "line {line} has {cells} cells, line {first} has {most}: every row needs the same number of cells; leave a missing one empty between its delimiters"
     )
+}
+
+/// The first row that a spreadsheet's error value, such as `#N/A`, makes look like a comment: its line and first cell.
+fn row_like_a_comment<'a>(text: &'a str, begins: usize, dialect: &Dialect) -> Option<(usize, &'a str)> {
+    let delimiter = char::from(dialect.delimiter);
+    let rows = (1..).zip(text.lines()).skip(begins);
+    let like = |line: &str| line.starts_with('#') && line.split(delimiter).count() == dialect.cells;
+    rows.filter(|(_, line)| like(line))
+        .find_map(|(line, row)| Some((line, row.split(delimiter).next()?.trim())))
 }
 
 /// A row above the line at which the table seems to begin.
@@ -103,6 +112,11 @@ impl Reading {
 
     fn read(mut self, text: &str, is_cut: bool) -> Result<Table, Problem> {
         let Some(begins) = self.dialect.begins else { return Err(self.without_numbers(text)) };
+        if let Some((line, cell)) = row_like_a_comment(text, begins, &self.dialect) {
+            return Err(Problem::new(format!(
+                "line {line} begins with {cell:?}: write a number there, or leave the line out"
+            )));
+        }
         let last = text.lines().count();
         for record in records(text, self.dialect.delimiter) {
             if record.line < begins {

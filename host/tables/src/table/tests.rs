@@ -136,6 +136,7 @@ fn what_is_no_table_is_refused_with_line_column_cell_and_remedy() {
         ("t,x,\n0,1,15,\n0,1,23,\n", "line 1 has 2 names and line 2 below it 3 cells: is the comma both"),
         ("t,x,\n0,1,15\n0,1,23\n", "line 1 has 2 names and line 2 below it 3 cells: is the comma both"),
         ("a,b\n1,2\n3,off\n", "line 3, column 2 (\"b\"): \"off\" is not a number; write a number there"),
+        ("t,x\n0,1\n#NV,2\n2,3\n", "line 3 begins with \"#NV\": write a number there"),
         ("a,b\n1,2\n3,\n", "line 3, column 2 (\"b\"): is empty"),
         ("a,b\n1,2\na,b\n3,4\n5,6\n", "line 3 interrupts the rows from line 2 on"),
         ("1,2\n3\n4,5\n6,7\n", "line 2 has 1 cells, line 1 has 2"),
