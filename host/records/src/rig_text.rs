@@ -25,11 +25,12 @@ pub fn with_settings(text: &str, settings: &[String], source: &str) -> Result<St
 const BEFORE: &str = "; before: ";
 
 /// The comments that this program writes on values.
-const OWN: [&str; 5] = [
+const OWN: [&str; 6] = [
     "given: set in the studio",
     "set for pneudrive tune",
     "found by pneudrive tune",
     "set in Python",
+    "set by hand",
     "set when the FMU was made",
 ];
 
@@ -84,6 +85,10 @@ pub fn put(document: &mut DocumentMut, path: &str, item: Item) {
         return;
     };
     let table = document.entry(table).or_insert(Item::Table(Table::new()));
+    if let Some(inline) = table.as_inline_table() {
+        // A comment in its braces would take the rest of the line with it.
+        *table = Item::Table(inline.clone().into_table());
+    }
     if let Some(table) = table.as_table_like_mut() {
         remove_other_spelling(table, name);
     }
@@ -155,6 +160,15 @@ mod tests {
         assert_eq!(without(text, "test", &["moves"]).expect("TOML"), text);
         assert!(with_settings("[load", &settings, "measured").is_err());
         assert!(with_settings(text, &["load.mass_kg".to_owned()], "measured").is_err());
+    }
+
+    #[test]
+    fn a_value_in_an_inline_table_can_be_set_and_the_text_is_read_again() {
+        let text = "name = \"x\"\nload = { mass_kg = 1.6, incline_deg = 5.0 }\n";
+        let with = with_settings(text, &["load.mass_kg=2.5".to_owned()], "set by hand").expect("TOML");
+        let again: DocumentMut = with.parse().unwrap_or_else(|error| panic!("{with}: {error}"));
+        assert_eq!(again["load"]["mass_kg"].as_float(), Some(2.5));
+        assert_eq!(again["load"]["incline_deg"].as_float(), Some(5.0));
     }
 
     #[test]

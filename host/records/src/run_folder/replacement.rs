@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use super::{BAND, PAGE, RUN, TRACE};
-use crate::whole_file::{behind_links, may_run, own_number, sync_folder, write_new};
+use crate::whole_file::{behind_links, may_run, own_number, put, sync_folder, write_new};
 
 /// Every file that a run may have in its folder.
 const FILES: [&str; 4] = [TRACE, BAND, RUN, PAGE];
@@ -128,7 +128,14 @@ fn move_over(new: &Path, path: &Path) -> io::Result<()> {
     if let (Ok(there), true) = (fs::metadata(&path), new.exists()) {
         fs::set_permissions(new, there.permissions())?;
     }
-    fs::rename(new, path)
+    match fs::rename(new, &path) {
+        // Behind the link is another disk.
+        Err(error) if error.kind() == ErrorKind::CrossesDevices => {
+            put(&path, &fs::read(new)?).map_err(io::Error::other)?;
+            fs::remove_file(new)
+        }
+        done => done,
+    }
 }
 
 /// Moves what is committed into the folder.
