@@ -14,7 +14,7 @@ impl CarriedOut {
     /// Whether a request of this boot that changes something was carried out before; from now on it was. Hosts of version 4 and
     /// older share a session: one that asks the same under the same number by chance (1 in 65,536) gets no answer.
     pub(crate) fn has(&mut self, now: &InBoot<'_>, crc32: u32) -> bool {
-        if now.asked.request.body.only_reads() {
+        if now.asked.request.body.is_idempotent() {
             return false;
         }
         let before = self.0.holds(crc32);
@@ -26,5 +26,5 @@ impl CarriedOut {
 /// Whether a request that was meant for another boot may be carried out: it changes nothing, or it can only take the
 /// energy out of the drive.
 pub(crate) fn counts_in_any_boot(body: &RequestBody<'_>) -> bool {
-    body.only_reads() || matches!(body, RequestBody::Stop | RequestBody::Disarm)
+    body.is_idempotent() || matches!(body, RequestBody::Stop | RequestBody::Disarm)
 }

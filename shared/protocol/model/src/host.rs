@@ -142,7 +142,9 @@ impl Host {
             _ if standing.waits == Waits::Nothing => {
                 Host { ended: Some(Box::new(standing.clone())), ..Host::default() }
             }
-            Input::Reply(bytes) => self.answered(&bytes, before.sent.iter().any(|frame| only_reads(frame))),
+            Input::Reply(bytes) => {
+                self.answered(&bytes, before.sent.iter().any(|frame| is_idempotent(frame)))
+            }
             _ => whole,
         };
         Some((after, standing))
@@ -155,12 +157,12 @@ impl Host {
     }
 
     /// The host after an answer, by which its silences since the one before are over.
-    fn answered(&self, bytes: &[u8], only_reads: bool) -> Host {
+    fn answered(&self, bytes: &[u8], is_idempotent: bool) -> Host {
         let asked = self.inputs.iter().rposition(|input| *input != Input::Silence).map_or(0, |last| last + 1);
         let silences = (self.inputs.len() - asked) as u16;
         let answer = [Input::Answer(numbered(bytes, 0))];
         let inputs = self.inputs[..asked].iter().cloned().chain(answer).collect();
-        Host { inputs, repeats: self.repeats + if only_reads { silences } else { 0 }, ended: None }
+        Host { inputs, repeats: self.repeats + if is_idempotent { silences } else { 0 }, ended: None }
     }
 
     /// How it stands: found by running the client with these inputs.
@@ -349,8 +351,8 @@ impl Link for Scripted {
 }
 
 /// Whether the request in a frame changes nothing.
-fn only_reads(frame: &[u8]) -> bool {
-    InBoot::decode(&message(frame)).is_ok_and(|meant| meant.asked.request.body.only_reads())
+fn is_idempotent(frame: &[u8]) -> bool {
+    InBoot::decode(&message(frame)).is_ok_and(|meant| meant.asked.request.body.is_idempotent())
 }
 
 /// The number of the request in a frame.

@@ -205,7 +205,7 @@ impl RequestBody<'_> {
     /// change that has yet to be taken. A host gives each repeat of such a request a number of its own, so that a rig takes it
     /// for a sign of life. Any other request keeps its number when it is repeated: by that the rig carries it out once.
     #[must_use]
-    pub fn only_reads(&self) -> bool {
+    pub fn is_idempotent(&self) -> bool {
         use RequestBody as Body;
         matches!(
             self,
