@@ -62,7 +62,7 @@ pub const EXITS: [(Exit, &str); 12] = [
     ),
     (Exit::Unwritten, "a file or the output cannot be written: the disk is full, or a limit is reached"),
     (Exit::Undecided, "with `simulate --strict`: the run is not decided"),
-    (Exit::Interrupted, "stopped by Ctrl-C"),
+    (Exit::Interrupted, "stopped by Ctrl-C, SIGTERM or SIGHUP"),
     (Exit::ReaderGone, "the reader of the output has gone, as in `pneudrive study list | head -1`"),
 ];
 

@@ -379,7 +379,7 @@ fn a_run_until_stopped_ends_with_ctrl_c() {
     let output = program.wait_with_output().expect("it was started");
     let printed = String::from_utf8(output.stdout).expect("UTF-8");
     assert!(output.status.success(), "{printed}");
-    assert!(printed.ends_with("servo-b-tuned: ended by Ctrl-C, the drive is disarmed\n"), "{printed}");
+    assert!(printed.ends_with("servo-b-tuned: interrupted, the drive is disarmed\n"), "{printed}");
     let text = std::fs::read_to_string(&path).expect("written");
     assert!(text.contains("\n# samples = ") && text.contains("\n# missing = 0\n# crc32 = "), "{printed}");
     let status = ok(folder.path(), &format!("device --port {} status", rig.port()));

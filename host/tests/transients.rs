@@ -262,7 +262,7 @@ fn what_is_no_record_is_refused_by_what_is_wrong_with_it() {
         (
             "picture.png",
             b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\xff",
-            "picture.png is not a text file: it is neither a TARGET file nor a run folder",
+            "picture.png is neither a TARGET file nor a run folder: line 1 has the byte 89: it is no text",
         ),
     ] {
         fs::write(folder.path().join(name), bytes).expect("written");
@@ -344,7 +344,7 @@ fn a_folder_that_is_no_run_or_a_damaged_one_is_refused_by_file_and_line() {
     }
     fs::write(folder.path().join("bad/trace.csv"), b"\x89PNG\xff").expect("written");
     fs::write(folder.path().join("bad/run.json"), &json).expect("written");
-    all_refuse(folder.path(), "bad", "cannot read bad/trace.csv");
+    all_refuse(folder.path(), "bad", "bad/trace.csv: line 1 has the byte 89, which is not UTF-8");
 }
 
 #[test]

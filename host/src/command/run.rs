@@ -37,7 +37,7 @@ pub(super) fn execute(arguments: &Run) -> Result<()> {
         || json!({ "rig": rig.name(), "ended_by": if last_sample == UNTIL_STOPPED { "Ctrl-C" } else { "the test" } }),
     );
     if last_sample == UNTIL_STOPPED {
-        say!("{}: ended by Ctrl-C, the drive is disarmed", rig.name());
+        say!("{}: interrupted, the drive is disarmed", rig.name());
         return Ok(());
     }
     say!("{}: done", rig.name());
@@ -130,7 +130,7 @@ fn check_length(last_sample: u32, every: u16, rig: &Rig) -> Result<()> {
             );
         }
         _ if samples > most => bail!(
-            "--stream: the run has {samples} samples for the file, and a command reads {most} at most; stream every {enough}th with --every {enough}, or make the run shorter"
+            "--stream: the run has {samples} samples for the file, and a command reads {most} at most; stream fewer of them with --every {enough}, or make the run shorter"
         ),
         _ => {}
     }

@@ -165,7 +165,10 @@ fn bad_figures_are_named_with_what_to_do() {
         (&[("tube-length", "150 m"), ("tube-bore", "4 mm")], "--tube-length: 150 m is no tube between"),
         (&[("tube", "nylon-6x4")], "--tube: how long is it?"),
         (&[("flow", "350")], "--flow: needs a unit"),
-        (&[("flow", "350 l/min, 6 to 5 bar")], "--flow: \"6 to 5 bar\" may be gauge or absolute"),
+        (
+            &[("flow", "350 l/min, 6 to 5 bar")],
+            "--flow: \"6 bar\" may be gauge or absolute: write bar(g) or bar(a)",
+        ),
         (&[("flow", "350 l/min, 5 to 6 bar(g)")], "--flow: \"5 to 6 bar(g)\": the pressure falls"),
         (&[("flow", "350 l/min"), ("kv", "0.3")], "--kv: is one figure too many beside --flow"),
         (
