@@ -9,10 +9,21 @@
 //! The controller knows none of them. The keys stand with the others of the encoder and the sensors; without errors readings
 //! are true in every bit.
 
-use crate::component::sensors::Reading;
 use crate::key::Typed;
 use crate::keys::{encoder, sensors};
 use crate::values::Rig;
+
+/// What sensors would read at a sample without their noise and quantisation, SI. With a channel skew the second
+/// pressure and the spool are those of a little later than the sample's instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// m.
+    pub position: f64,
+    /// Absolute chamber pressures, Pa.
+    pub pressures: [f64; 2],
+    /// m.
+    pub spool: f64,
+}
 
 /// What a sensor reads of a true value: a straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]

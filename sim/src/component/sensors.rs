@@ -11,7 +11,7 @@ use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::component::calibration::Calibration;
+use crate::component::calibration::{Calibration, Reading};
 use crate::component::encoder::Encoder;
 use crate::component::{controller, faults};
 use crate::key::keys;
@@ -85,18 +85,6 @@ fn check_channel_skew(rig: &Rig, findings: &mut Findings) {
         let message = "must be 0 with controller.model = \"continuous\", which has no converter";
         findings.note(&keys::CHANNEL_SKEW_S, message);
     }
-}
-
-/// What sensors would read at a sample without their noise and quantisation, SI. With a channel skew the second
-/// pressure and the spool are those of a little later than the sample's instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// m.
-    pub position: f64,
-    /// Absolute chamber pressures, Pa.
-    pub pressures: [f64; 2],
-    /// m.
-    pub spool: f64,
 }
 
 /// A converter: a range of a physical value and its width.

@@ -1,6 +1,7 @@
 //! The results of a fit for the terminal, the page, other programs and the next simulation.
 
 mod calibrated;
+mod cells;
 mod judged;
 mod numbers;
 
@@ -18,6 +19,7 @@ use super::recording::{CHANNELS, Channel, Recording, STARTS, reading};
 use super::{Estimate, Given, Identification, Share, UNSEEN};
 use crate::page::{Curve, Figure, Look, Page, Panel, Table};
 use calibrated::calibration;
+use cells::{digits, table};
 use judged::{Intervals, cut, not_testable, rounded, suspicious};
 
 pub use numbers::{read_off, to_json, with_error};
@@ -30,12 +32,6 @@ pub const FORMAT: &str = "pneudrive-identification 1";
 
 /// The most points of a curve, so that the page of a long record stays small.
 const POINTS: usize = 4000;
-
-/// Six significant digits, four more than those of a standard error.
-fn digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    format!("{rounded}")
-}
 
 /// All tables of a fit.
 #[must_use]
@@ -51,10 +47,6 @@ pub fn tables(found: &Identification) -> Vec<Table> {
     ];
     let filled = tables.into_iter().filter(|table| !table.rows.is_empty());
     filled.chain([correlation(found)]).collect()
-}
-
-fn table(heading: &str, columns: &[&str], rows: Vec<Vec<String>>) -> Table {
-    Table { heading: heading.to_owned(), columns: columns.iter().map(ToString::to_string).collect(), rows }
 }
 
 /// Parameter by parameter.

@@ -12,7 +12,7 @@ use pneudrive_protocol::io::input;
 
 use crate::flash::Flash;
 use crate::mutant::Mutant;
-use crate::rig::pair;
+use crate::pair::pair;
 
 /// The flash with the stored configuration. The fault log is left out: nothing here asks for it or depends on it.
 #[derive(Clone, Debug, PartialEq, Eq)]

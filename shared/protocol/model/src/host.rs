@@ -27,7 +27,8 @@ use pneudrive_records::record::Record;
 use pneudrive_sim::Rig as RigFile;
 
 use crate::line::message;
-use crate::rig::{Pair, Rig, Run};
+use crate::pair::Pair;
+use crate::rig::{Rig, Run};
 
 /// What a host experiences.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

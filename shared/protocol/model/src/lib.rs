@@ -21,6 +21,7 @@ pub mod host;
 pub mod intern;
 pub mod line;
 pub mod mutant;
+pub mod pair;
 pub mod plc;
 pub mod presence;
 pub mod rig;
@@ -40,8 +41,9 @@ use host::{Host, Job, Plan, Standing, Waits};
 use intern::{Id, Interned, Worked};
 use line::{Frame, Way};
 use mutant::Mutant;
+use pair::Pair;
 use presence::Time;
-use rig::{Pair, Rig, Run};
+use rig::{Rig, Run};
 use step::{Change, Delivered, Delivery, Telling, Told};
 
 /// How often what may happen; each of these comes at any time, or not at all.
@@ -161,7 +163,7 @@ impl Link {
 
     /// The pairs of parameters that there may be: as by default, and as each host sets them.
     fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
-        std::iter::once(rig::pair(&Parameters::default())).chain(self.plans.iter().map(|plan| plan.pair))
+        std::iter::once(pair::pair(&Parameters::default())).chain(self.plans.iter().map(|plan| plan.pair))
     }
 
     /// Visits all states. What came of it in a line, and the shortest way to each property that does not hold, in words.

@@ -19,20 +19,12 @@ use pneudrive_protocol::{ProfiledMove, RecordedSample};
 use crate::board::{AT_STOP, Bench};
 use crate::flash::Flash;
 use crate::mutant::Mutant;
+use crate::pair::{Pair, pair};
 use crate::plc::{Plc, TIMES_MS, Wrong};
 use crate::presence::{Missed, Presence, Time, missed};
 
 /// Time from a sample to the next, microseconds: the default of the parameters.
 const PERIOD_US: u64 = 1300;
-
-/// The two parameters that the hosts change: those of velocity and acceleration gain.
-pub type Pair = [i32; 2];
-
-/// The pair in these parameters.
-#[must_use]
-pub fn pair(parameters: &Parameters) -> Pair {
-    [id::VELOCITY_GAIN, id::ACCELERATION_GAIN].map(|id| parameters.get(id).unwrap_or(0))
-}
 
 /// A recorder that states share until one of them writes to it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

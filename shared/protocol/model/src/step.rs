@@ -10,9 +10,10 @@ use pneudrive_protocol::{
 use crate::host::{Input, Standing, Waits};
 use crate::intern::Id;
 use crate::line::{Frame, Way, message};
+use crate::pair::pair;
 use crate::plc::Plc;
 use crate::presence::{Presence, Time};
-use crate::rig::{Rig, Run, pair};
+use crate::rig::{Rig, Run};
 use crate::{Action, Broken, Link, State};
 
 /// A request that comes to the rig.

@@ -1,6 +1,6 @@
 //! What a fit tells of the errors of scales, offsets and clock.
 
-use super::{digits, table};
+use super::cells::{digits, table};
 use crate::identification::calibration::Calibrated;
 use crate::identification::posterior::NORMAL_95;
 use crate::identification::{FAR, Identification};
