@@ -3,7 +3,6 @@
 
 pub mod actuator;
 pub mod air;
-pub mod calibration;
 pub mod controller;
 pub mod dither;
 pub mod encoder;

@@ -5,7 +5,7 @@
 
 use pneudrive_controller::Command;
 
-pub use crate::component::calibration::Reading;
+pub use crate::component::sensors::calibration::Reading;
 use crate::plant::{Accuracy, Plant};
 use crate::values::Rig;
 use pneudrive_solver::IntegrationError;

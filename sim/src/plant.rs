@@ -13,10 +13,10 @@ use pneudrive_solver::{IntegrationError, Statistics, System};
 
 use crate::assembly::build;
 use crate::assembly::{Assembly, Effects, Integration, StateVector, ValveState, scale_of, slot};
-use crate::component::calibration::Reading;
 use crate::component::faults::SensorFaults;
 use crate::component::operator::Request;
 use crate::component::sensors::Sensors;
+use crate::component::sensors::calibration::Reading;
 use crate::keys;
 use crate::network::NetworkWork;
 use crate::number::Pair;

@@ -2,7 +2,7 @@
 
 use pneudrive_controller::{Command, Config, Fault, Mode, Observation, Sequence, State, output, sample};
 
-use crate::component::calibration::Reading;
+use crate::component::sensors::calibration::Reading;
 use crate::gain_bug::GainBug;
 use crate::keys;
 use crate::plant::{Accuracy, Plant, PlantWork};

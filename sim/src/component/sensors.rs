@@ -7,16 +7,18 @@
 //! as in DESIGN section 4; the noise, in counts, is normal and drawn from a seeded generator. A pressure without a sensor is
 //! raw 0, which the controller does not look at.
 
+pub mod calibration;
+
 use pneudrive_controller::Sample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::component::calibration::{Calibration, Reading};
 use crate::component::encoder::Encoder;
 use crate::component::{controller, faults};
 use crate::key::keys;
 use crate::random::normal;
 use crate::values::{Findings, Rig, whole_microseconds};
+use calibration::{Calibration, Reading};
 
 keys! {
     PRESSURE: bool = switch("sensors.pressure", true, "", "Whether the pressures of both chambers are measured. Without, nothing trips by them, records have none, and the on-off law must not feed them back.");

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Result, ensure};
 use nalgebra::DVector;
-use pneudrive_sim::component::calibration::Calibration;
+use pneudrive_sim::component::sensors::calibration::Calibration;
 use pneudrive_sim::follow::Reading;
 use pneudrive_sim::{Accuracy, Rig};
 

@@ -7,7 +7,7 @@ mod numbers;
 
 use anyhow::Result;
 use pneudrive_records::rig_text;
-use pneudrive_sim::component::calibration::Calibration;
+use pneudrive_sim::component::sensors::calibration::Calibration;
 use pneudrive_sim::follow::Reading;
 use pneudrive_sim::{Accuracy, Rig};
 use toml_edit::{DocumentMut, value};

@@ -1,9 +1,5 @@
 //! For how long the owner of the drive has said nothing new, and what becomes of a drive without it.
 
-use pneudrive_controller::{Fault, Mode};
-
-use crate::rig::Rig;
-
 /// A time that passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Time {
@@ -87,19 +83,5 @@ impl Presence {
     /// A time passes.
     pub fn passes(&mut self, time: Time) {
         self.halves = 2.min(self.halves + time.halves());
-    }
-}
-
-/// What is wrong with a rig after a time and a sample; whether its owner had then been silent for too long.
-#[must_use]
-pub fn missed(before: &Rig, after: &Rig, time: Time, silent: bool) -> Option<Missed> {
-    let tripped = after.control.state().supervisor.mode() == Mode::Fault(Fault::HostSilent);
-    if time == Time::Hold && after.drives() {
-        return Some(Missed::HoldsForGone);
-    }
-    match (before.moves(), silent) {
-        (true, true) if after.moves() => Some(Missed::MovesForSilent),
-        (true, false) if tripped => Some(Missed::TripsForHeard),
-        _ => None,
     }
 }

@@ -11,7 +11,7 @@ use pneudrive_app::inputs::attend;
 use pneudrive_app::recorder::recorded;
 use pneudrive_app::{Control, Recorder};
 use pneudrive_controller::parameters::id;
-use pneudrive_controller::{Mode, Parameters};
+use pneudrive_controller::{Fault, Mode, Parameters};
 use pneudrive_protocol::change::{Entry, PART_BYTES};
 use pneudrive_protocol::session::INPUTS;
 use pneudrive_protocol::{ProfiledMove, RecordedSample};
@@ -21,7 +21,7 @@ use crate::flash::Flash;
 use crate::mutant::Mutant;
 use crate::pair::{Pair, pair};
 use crate::plc::{Plc, TIMES_MS, Wrong};
-use crate::presence::{Missed, Presence, Time, missed};
+use crate::presence::{Missed, Presence, Time};
 
 /// Time from a sample to the next, microseconds: the default of the parameters.
 const PERIOD_US: u64 = 1300;
@@ -206,8 +206,21 @@ impl Rig {
         rig.presence.passes(time);
         let silent = rig.presence.is_silent();
         let (rig, _) = rig.sampled();
-        let missed = missed(self, &rig, time, silent);
+        let missed = self.missed(&rig, time, silent);
         (rig, missed)
+    }
+
+    /// What is wrong with the rig after a time and a sample; whether its owner had then been silent for too long.
+    fn missed(&self, after: &Rig, time: Time, silent: bool) -> Option<Missed> {
+        let tripped = after.control.state().supervisor.mode() == Mode::Fault(Fault::HostSilent);
+        if time == Time::Hold && after.drives() {
+            return Some(Missed::HoldsForGone);
+        }
+        match (self.moves(), silent) {
+            (true, true) if after.moves() => Some(Missed::MovesForSilent),
+            (true, false) if tripped => Some(Missed::TripsForHeard),
+            _ => None,
+        }
     }
 
     /// The rig with a contact of its PLC changed; no sample has seen that yet.
