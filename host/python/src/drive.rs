@@ -202,7 +202,7 @@ impl Drive {
 
     /// Enables the drive with the valve at null; clears a fault. This program commands it from now on.
     fn arm(&self, py: Python<'_>) -> PyResult<()> {
-        self.act(py, None, |client, _| client.arm())
+        self.act(py, None, |client, _| client.arm().map(drop))
     }
 
     /// Disables the drive.
