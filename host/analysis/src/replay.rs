@@ -161,7 +161,9 @@ pub enum ReplayError {
     #[error("it has no sample k = 0: the replay begins with the first sample of a run; record one")]
     NoStart,
     /// A sample is not where it should be.
-    #[error("sample {found} is in the place of sample {expected}; record the run again")]
+    #[error(
+        "sample {found} is in the place of sample {expected}: a gap. Record the run again, or import the part of the log before or behind it"
+    )]
     Gap {
         /// The k that comes next.
         expected: i32,
